@@ -1,0 +1,122 @@
+//! Singly connected lists in arrays: the data structure of the book.
+//!
+//! A list is a head (the last element pushed) and, for every element, the next one. Elements are numbered from 0 and
+//! [`EMPTY`] ends a list (the book numbers from 1 and ends with -1). A head can be *marked* as old, which the book does by adding N
+//! to it and we do with the highest bit. Both leave room for 2^31 - 1 elements. All list operations are counted here.
+
+use super::Refusal;
+use crate::probe::{Op, Probe};
+
+/// No element.
+pub const EMPTY: u32 = u32::MAX >> 1;
+const OLD: u32 = 1 << 31;
+/// The largest number of elements that lists can hold.
+pub const MOST_ELEMENTS: u64 = EMPTY as u64;
+
+/// Heads of a set of lists. All are [`EMPTY`] between detections.
+#[derive(Clone, Debug, Default)]
+pub struct Heads(Vec<u32>);
+
+/// For every element the next one on its list. Holds no meaning between detections.
+#[derive(Clone, Debug, Default)]
+pub struct Links(Vec<u32>);
+
+/// Refuses scenes with more elements than lists can number.
+pub fn numbered(detector: &'static str, n: usize) -> Result<(), Refusal> {
+    if n as u64 <= MOST_ELEMENTS {
+        return Ok(());
+    }
+    Err(Refusal::Elements { detector, n: n as u64, limit: MOST_ELEMENTS })
+}
+
+impl Heads {
+    /// Room for lists 0 to `count - 1`. The only loop over cells there is, and only over cells not seen before.
+    pub fn prepare(&mut self, count: usize) {
+        if count > self.0.len() {
+            // Heads are all empty here, so a larger array need not copy the old one, nor hold both at once.
+            if count > self.0.capacity() {
+                self.0 = Vec::new();
+                self.0.reserve_exact(count);
+            }
+            self.0.resize(count, EMPTY);
+        }
+        debug_assert!(self.0.iter().take(1 << 16).all(|&head| head == EMPTY), "a list was not reset");
+    }
+
+    /// Puts `element` on `list`, which must not be marked.
+    #[inline(always)]
+    pub fn push<P: Probe>(&mut self, list: u32, element: u32, links: &mut Links, probe: &mut P) {
+        probe.count(Op::ListPush);
+        links.0[element as usize] = std::mem::replace(&mut self.0[list as usize], element);
+    }
+
+    /// The first element of `list`, or [`EMPTY`].
+    #[inline(always)]
+    pub fn first<P: Probe>(&self, list: u32, probe: &mut P) -> u32 {
+        probe.count(Op::CellProbe);
+        self.0[list as usize] & !OLD
+    }
+
+    /// The first element of `list` if the list is new, and marks it old; `None` if it was old already.
+    #[inline(always)]
+    pub fn take_new<P: Probe>(&mut self, list: u32, probe: &mut P) -> Option<u32> {
+        probe.count(Op::CellProbe);
+        let head = &mut self.0[list as usize];
+        if *head & OLD != 0 {
+            return None;
+        }
+        let first = *head;
+        *head |= OLD;
+        Some(first)
+    }
+
+    /// Makes `list` empty and new again.
+    #[inline(always)]
+    pub fn reset<P: Probe>(&mut self, list: u32, probe: &mut P) {
+        probe.count(Op::ListReset);
+        self.0[list as usize] = EMPTY;
+    }
+
+    /// The raw heads, for tests and pictures.
+    pub fn raw(&self) -> &[u32] {
+        &self.0
+    }
+}
+
+impl Links {
+    /// Room for elements 0 to `count - 1`.
+    pub fn prepare(&mut self, count: usize) {
+        if count > self.0.len() {
+            if count > self.0.capacity() {
+                self.0 = Vec::new();
+                self.0.reserve_exact(count);
+            }
+            self.0.resize(count, EMPTY);
+        }
+    }
+
+    /// The element after `element` on its list, or [`EMPTY`].
+    #[inline(always)]
+    pub fn next<P: Probe>(&self, element: u32, probe: &mut P) -> u32 {
+        probe.count(Op::ListStep);
+        self.0[element as usize]
+    }
+
+    /// The raw links, for tests and pictures.
+    pub fn raw(&self) -> &[u32] {
+        &self.0
+    }
+
+    /// Makes an element's link empty, as the book's screening does when it removes elements.
+    #[inline(always)]
+    pub fn reset<P: Probe>(&mut self, element: u32, probe: &mut P) {
+        probe.count(Op::ListReset);
+        self.0[element as usize] = EMPTY;
+    }
+}
+
+/// In an array of the book: 1-based ids, -1 for empty.
+#[cfg(test)]
+pub fn as_printed(raw: &[u32]) -> Vec<i64> {
+    raw.iter().map(|&e| if e & !OLD == EMPTY { -1 } else { i64::from(e & !OLD) + 1 }).collect()
+}

@@ -1,0 +1,316 @@
+//! Experiments: a question, scenes, a sweep, detectors, what is expected and how to read the answer, as a TOML file.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, bail, ensure};
+use serde::Deserialize;
+
+use crate::contact::Arithmetic;
+use crate::detect::table;
+use crate::scene::spec::{Order, Spec};
+
+/// One experiment file.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub struct Experiment {
+    /// The name in records; also the name of the file.
+    pub name: String,
+    /// One line for figures and reports.
+    pub title: String,
+    /// What is asked.
+    pub question: String,
+    /// How to read the figures.
+    pub reading: String,
+    /// Part of the standard reproduction.
+    #[serde(default)]
+    pub standard: bool,
+    /// Detectors of the table.
+    pub detectors: Vec<String>,
+    /// Arithmetics to run each detector with.
+    #[serde(default = "exact_only")]
+    pub arithmetics: Vec<Arithmetic>,
+    /// Threads given to the detectors.
+    #[serde(default = "one")]
+    pub threads: usize,
+    /// Paired blocks: each runs every detector once, in a fresh random order.
+    #[serde(default = "fifteen")]
+    pub blocks: u32,
+    /// Seconds after which no further block of a scene is begun, once five are done.
+    #[serde(default = "unlimited")]
+    pub block_budget_s: f64,
+    /// Seconds that one request to a runner may take.
+    #[serde(default = "thirty")]
+    pub time_limit_s: f64,
+    /// Limit for a detector's arrays, and (with an allowance for input, output and program) for a runner's address space.
+    #[serde(default = "four_gib")]
+    pub memory_limit_mib: u64,
+    /// Scenes, each swept over its lists.
+    #[serde(rename = "scene")]
+    pub scenes: Vec<SceneSweep>,
+    /// Runners in other languages.
+    #[serde(rename = "runner", default)]
+    pub runners: Vec<ExternalRunner>,
+    /// What is expected.
+    #[serde(rename = "claim", default)]
+    pub claims: Vec<Claim>,
+    /// What is drawn.
+    #[serde(rename = "figure", default)]
+    pub figures: Vec<Figure>,
+}
+
+fn exact_only() -> Vec<Arithmetic> {
+    vec![Arithmetic::Exact]
+}
+fn one() -> usize {
+    1
+}
+fn fifteen() -> u32 {
+    15
+}
+fn unlimited() -> f64 {
+    f64::INFINITY
+}
+fn thirty() -> f64 {
+    30.0
+}
+fn four_gib() -> u64 {
+    4096
+}
+
+/// A value, or a list of values to sweep over.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(untagged)]
+pub enum OneOrMany<T> {
+    /// A single value.
+    One(T),
+    /// Values to sweep over.
+    Many(Vec<T>),
+}
+
+impl<T: Clone> OneOrMany<T> {
+    /// The values.
+    pub fn values(&self) -> Vec<T> {
+        match self {
+            OneOrMany::One(value) => vec![value.clone()],
+            OneOrMany::Many(values) => values.clone(),
+        }
+    }
+}
+
+/// A generator and the values of its parameters; any parameter may be a list.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub struct SceneSweep {
+    /// The generator: packed, loose, clustered, pack-a ... pack-d; or file.
+    pub name: String,
+    /// Dimensions.
+    #[serde(default = "plane")]
+    pub dim: OneOrMany<u32>,
+    /// Numbers of elements; not for `file`.
+    #[serde(default = "no_n")]
+    pub n: OneOrMany<u64>,
+    /// Seeds.
+    #[serde(default = "seed_one")]
+    pub seed: OneOrMany<u64>,
+    /// Orders of the elements.
+    #[serde(default = "shuffled")]
+    pub order: OneOrMany<Order>,
+    /// What a quick run takes instead.
+    #[serde(default)]
+    pub quick: BTreeMap<String, OneOrMany<toml::Value>>,
+    /// The generator's parameters.
+    #[serde(flatten)]
+    pub params: BTreeMap<String, OneOrMany<toml::Value>>,
+}
+
+fn plane() -> OneOrMany<u32> {
+    OneOrMany::One(2)
+}
+fn no_n() -> OneOrMany<u64> {
+    OneOrMany::One(0)
+}
+fn seed_one() -> OneOrMany<u64> {
+    OneOrMany::One(1)
+}
+fn shuffled() -> OneOrMany<Order> {
+    OneOrMany::One(Order::Shuffled)
+}
+
+/// A runner that is not part of this program: see docs/PROTOCOL.md.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub struct ExternalRunner {
+    /// The detector's name in records.
+    pub name: String,
+    /// Program and arguments.
+    pub command: Vec<String>,
+    /// How to get it, for rows that say `unavailable`.
+    #[serde(default)]
+    pub install: String,
+}
+
+/// An expectation, checked from the record.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub struct Claim {
+    /// The sentence in the verdict table.
+    pub name: String,
+    /// What is checked.
+    pub kind: ClaimKind,
+    /// Which rows: field or parameter to a value or a list of values.
+    #[serde(rename = "where", default)]
+    pub filter: BTreeMap<String, OneOrMany<toml::Value>>,
+    /// An expression over the row: n, dim, contacts, operation names, bytes, numeric parameters.
+    #[serde(default)]
+    pub value: String,
+    /// The other side of `equal` and `at-most`: an expression.
+    #[serde(default)]
+    pub to: String,
+    /// Relative tolerance of `constant` and `equal`.
+    #[serde(default)]
+    pub within: f64,
+    /// The model of `model`: N, N log N or N^2.
+    #[serde(default)]
+    pub model: String,
+    /// The other detector of `faster`.
+    #[serde(default)]
+    pub than: String,
+    /// Where the claim comes from.
+    #[serde(default)]
+    pub source: String,
+}
+
+/// Kinds of claims. All but `faster` are checked from counts, bytes and digests and do not depend on the machine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ClaimKind {
+    /// Largest over smallest value - 1 is at most `within`.
+    Constant,
+    /// Value and `to` differ by at most `within` (relative) in every cell.
+    Equal,
+    /// Value <= `to` in every cell.
+    AtMost,
+    /// The value grows with n as `model` says.
+    Model,
+    /// The time ratio detector / `than` is below 1 in every cell; of this machine.
+    Faster,
+}
+
+/// A figure: y against x, one panel per scene and dimension, one line per detector.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub struct Figure {
+    /// The file name, without ending.
+    pub name: String,
+    /// The heading.
+    pub title: String,
+    /// n or a parameter.
+    pub x: String,
+    /// The label of the x axis, with unit.
+    pub x_label: String,
+    /// An expression as in claims; `time_ns` is the median over blocks, drawn with its interval.
+    pub y: String,
+    /// The label of the y axis, with unit.
+    pub y_label: String,
+    /// Logarithmic axes (both) or linear.
+    #[serde(default = "yes")]
+    pub log: bool,
+    /// Draw reference slopes N, N log N, N².
+    #[serde(default)]
+    pub slopes: bool,
+    /// Which rows, as in claims.
+    #[serde(rename = "where", default)]
+    pub filter: BTreeMap<String, OneOrMany<toml::Value>>,
+}
+
+fn yes() -> bool {
+    true
+}
+
+impl Experiment {
+    /// Reads and checks an experiment file.
+    pub fn read(path: &Path) -> anyhow::Result<Experiment> {
+        let text = std::fs::read_to_string(path).with_context(|| format!("cannot read the experiment {}", path.display()))?;
+        Experiment::parse(&text, path.parent().unwrap_or(Path::new("."))).with_context(|| format!("in {}", path.display()))
+    }
+
+    /// Parses and checks; relative file names of scenes are taken from `folder`.
+    pub fn parse(text: &str, folder: &Path) -> anyhow::Result<Experiment> {
+        let mut experiment: Experiment = toml::from_str(text)?;
+        for name in &experiment.detectors {
+            ensure!(table::find(name).is_some(), "there is no detector '{name}'; the detectors are: {}", table::names());
+        }
+        ensure!(experiment.blocks >= 1, "blocks = 0: at least one is needed");
+        ensure!(!experiment.arithmetics.is_empty(), "arithmetics is empty; leave it out for exact");
+        for scene in &mut experiment.scenes {
+            for value in [scene.params.get_mut("path"), scene.quick.get_mut("path")].into_iter().flatten() {
+                let OneOrMany::One(toml::Value::String(path)) = value else { bail!("path must be one string") };
+                *path = folder.join(&PathBuf::from(&*path)).display().to_string();
+            }
+        }
+        experiment.plan(false)?;
+        experiment.plan(true)?;
+        Ok(experiment)
+    }
+
+    /// All scenes of the experiment, in the order run.
+    pub fn plan(&self, quick: bool) -> anyhow::Result<Vec<Spec>> {
+        let mut specs = Vec::new();
+        for sweep in &self.scenes {
+            let sweep = if quick { sweep.quickened()? } else { sweep.clone() };
+            let axes: Vec<(&String, Vec<toml::Value>)> = sweep.params.iter().map(|(name, values)| (name, values.values())).collect();
+            for dim in sweep.dim.values() {
+                for order in sweep.order.values() {
+                    for combination in product(&axes) {
+                        for n in sweep.n.values() {
+                            for seed in sweep.seed.values() {
+                                specs.push(Spec::new(&sweep.name, dim, n, seed, order, &combination)?);
+                            }
+                        }
+                    }
+                }
+            }
+        }
+        Ok(specs)
+    }
+}
+
+impl SceneSweep {
+    fn quickened(&self) -> anyhow::Result<SceneSweep> {
+        let mut sweep = self.clone();
+        for (name, value) in &self.quick {
+            let whole = |v: &toml::Value| {
+                v.as_integer().and_then(|v| u64::try_from(v).ok()).with_context(|| format!("quick.{name}: {v} is not a whole number"))
+            };
+            let values = || value.values().iter().map(whole).collect::<anyhow::Result<Vec<u64>>>();
+            match name.as_str() {
+                "n" => sweep.n = OneOrMany::Many(values()?),
+                "seed" => sweep.seed = OneOrMany::Many(values()?),
+                "dim" => sweep.dim = OneOrMany::Many(values()?.into_iter().map(|dim| dim as u32).collect()),
+                _ => {
+                    sweep.params.insert(name.clone(), value.clone());
+                }
+            }
+        }
+        Ok(sweep)
+    }
+}
+
+/// All combinations of one value per axis.
+fn product(axes: &[(&String, Vec<toml::Value>)]) -> Vec<BTreeMap<String, toml::Value>> {
+    let mut all = vec![BTreeMap::new()];
+    for (name, values) in axes {
+        all = all
+            .into_iter()
+            .flat_map(|head| {
+                values.iter().map(move |value| {
+                    let mut head = head.clone();
+                    head.insert((*name).clone(), value.clone());
+                    head
+                })
+            })
+            .collect();
+    }
+    all
+}

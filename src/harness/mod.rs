@@ -1,0 +1,4 @@
+//! The harness: experiments, runners, the record.
+
+pub mod experiment;
+pub mod record;

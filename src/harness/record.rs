@@ -1,0 +1,235 @@
+//! The record: one JSON line per measurement, appended and never edited. It is a wall: left of it nothing knows about figures, right
+//! of it nothing runs a detector.
+
+use std::collections::BTreeMap;
+use std::fs::{File, OpenOptions};
+use std::io::{self, BufRead, BufReader, Seek, SeekFrom, Write};
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+/// The name of the record in a result folder.
+pub const FILE: &str = "samples.jsonl";
+
+/// Which quantity a row measured. The three are taken in separate passes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Pass {
+    /// Wall time, with a silent probe.
+    Time,
+    /// Exact operation counts.
+    Count,
+    /// Heap bytes and allocations, without the output.
+    Memory,
+}
+
+/// How a planned measurement ended. Every planned cell has a row.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Outcome {
+    /// The answer was right.
+    Ok,
+    /// The answer was wrong: its time means nothing.
+    Wrong,
+    /// A control that reports nothing on purpose.
+    Control,
+    /// It took longer than the limit.
+    Timeout,
+    /// It hit the memory limit.
+    OutOfMemory,
+    /// The detector will not work on this scene, and says why.
+    Refused,
+    /// The runner could not be started.
+    Unavailable,
+    /// The runner died.
+    Crashed,
+}
+
+impl Outcome {
+    /// Did the detector do what it is there for?
+    pub fn is_good(self) -> bool {
+        matches!(self, Outcome::Ok | Outcome::Control)
+    }
+
+    /// The word in the record.
+    pub fn name(self) -> &'static str {
+        match self {
+            Outcome::Ok => "ok",
+            Outcome::Wrong => "wrong",
+            Outcome::Control => "control",
+            Outcome::Timeout => "timeout",
+            Outcome::OutOfMemory => "out-of-memory",
+            Outcome::Refused => "refused",
+            Outcome::Unavailable => "unavailable",
+            Outcome::Crashed => "crashed",
+        }
+    }
+}
+
+/// What the scene turned out to be.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Stats {
+    /// Volume of the bodies over the volume of the box around them; overlaps count twice.
+    pub packing_fraction: f64,
+    /// Contacts per element: twice the number of touching pairs over the number of elements. Exact arithmetic.
+    pub coordination: f64,
+    /// Largest over smallest radius; 1 when all are equal, absent when the smallest is zero.
+    pub radius_ratio: Option<f64>,
+    /// Edges of the box around the centres, in units of the largest diameter; absent when that is zero.
+    pub box_diameters: Option<Vec<f64>>,
+    /// Fingerprint of the exact coordinates and radii, in order: `0x` and 16 hexadecimal digits.
+    pub scene_hash: String,
+}
+
+/// The detector's pairs against the exact truth of the scene as generated (f64): rounding of the input, of the test and of the
+/// algorithm together.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Errors {
+    /// Touching pairs not reported.
+    pub missed: u64,
+    /// Reported pairs that do not touch.
+    pub spurious: u64,
+    /// Pairs reported again.
+    pub duplicate: u64,
+}
+
+/// One measurement.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Row {
+    /// The experiment's name.
+    pub experiment: String,
+    /// The generator (or `file`).
+    pub scene: String,
+    /// The generator's parameters, as used.
+    pub params: BTreeMap<String, serde_json::Value>,
+    /// 2 for discs, 3 for spheres.
+    pub dim: u32,
+    /// Elements.
+    pub n: u64,
+    /// The scene's seed.
+    pub seed: u64,
+    /// Order of the elements: shuffled, generated or morton.
+    pub order: String,
+    /// The detector's name.
+    pub detector: String,
+    /// f32, f64 or exact.
+    pub arithmetic: String,
+    /// Threads given to the detector.
+    pub threads: u32,
+    /// What was measured.
+    pub pass: Pass,
+    /// Number of the paired block; 0 for counts and memory.
+    pub block: u32,
+    /// Nanoseconds per detection, from raw coordinates to the complete list of pairs.
+    pub time_ns: Option<u64>,
+    /// Detections in this sample.
+    pub calls: Option<u64>,
+    /// Nanoseconds of the whole sample.
+    pub elapsed_ns: Option<u64>,
+    /// How it ended.
+    pub outcome: Outcome,
+    /// Why, when it is not `ok`.
+    pub reason: String,
+    /// Pairs reported.
+    pub contacts: Option<u64>,
+    /// Order-free fingerprint of the pairs reported.
+    pub digest: Option<String>,
+    /// Operation counts; empty except in counting passes.
+    pub counts: BTreeMap<String, u64>,
+    /// Most heap bytes held at one time above the input.
+    pub peak_bytes: Option<u64>,
+    /// Heap bytes held after the detection.
+    pub live_bytes: Option<u64>,
+    /// Heap allocations of the first detection.
+    pub allocations: Option<u64>,
+    /// Heap allocations of a second detection of the same scene.
+    pub warm_allocations: Option<u64>,
+    /// Bytes by the detector's declared formula.
+    pub formula_bytes: Option<u64>,
+    /// Against the exact truth, where it was compared.
+    pub errors: Option<Errors>,
+    /// The scene as realised.
+    pub stats: Stats,
+}
+
+impl Row {
+    /// What makes a measurement the same measurement: rows with equal keys are repetitions of one another.
+    pub fn key(&self) -> String {
+        let params = serde_json::to_string(&self.params).unwrap_or_default();
+        format!(
+            "{}|{}|{params}|{}|{}|{}|{}|{}|{}|{}|{:?}|{}",
+            self.experiment,
+            self.scene,
+            self.dim,
+            self.n,
+            self.seed,
+            self.order,
+            self.detector,
+            self.arithmetic,
+            self.threads,
+            self.pass,
+            self.block
+        )
+    }
+}
+
+/// Appends rows to a record; each is on disk, as one whole line, before the next is measured.
+pub struct Writer(File);
+
+impl Writer {
+    /// Opens a record for appending. A torn last line (of a killed run) is cut off.
+    pub fn append(path: &Path) -> io::Result<Writer> {
+        let mut file = OpenOptions::new().create(true).read(true).write(true).truncate(false).open(path)?;
+        let end = whole_lines(&file)?;
+        file.set_len(end)?;
+        file.seek(SeekFrom::Start(end))?;
+        Ok(Writer(file))
+    }
+
+    /// Writes one row.
+    pub fn write(&mut self, row: &Row) -> io::Result<()> {
+        let mut line = serde_json::to_vec(row)?;
+        line.push(b'\n');
+        self.0.write_all(&line)
+    }
+}
+
+/// The length of the file up to its last newline.
+fn whole_lines(file: &File) -> io::Result<u64> {
+    let (mut end, mut position, mut line) = (0, 0, Vec::new());
+    let mut reader = BufReader::new(file);
+    loop {
+        line.clear();
+        let read = reader.read_until(b'\n', &mut line)?;
+        if read == 0 {
+            return Ok(end);
+        }
+        position += read as u64;
+        if line.ends_with(b"\n") {
+            end = position;
+        }
+    }
+}
+
+/// A record as read, with what was wrong with it.
+pub struct Record {
+    /// The rows, in the order written.
+    pub rows: Vec<Row>,
+    /// Sentences about lines that were left out.
+    pub warnings: Vec<String>,
+}
+
+/// Reads a record. A torn last line is reported and left out; any other line that is not a row is an error.
+pub fn read(path: &Path) -> anyhow::Result<Record> {
+    let text = std::fs::read(path).map_err(|e| anyhow::anyhow!("cannot read the record {}: {e}", path.display()))?;
+    let (mut rows, mut warnings) = (Vec::new(), Vec::new());
+    for (number, line) in text.split_inclusive(|&b| b == b'\n').enumerate() {
+        if !line.ends_with(b"\n") {
+            warnings.push(format!("{}: line {} is torn (the run was killed while writing it) and was ignored", path.display(), number + 1));
+        } else if !line.trim_ascii().is_empty() {
+            let row = serde_json::from_slice(line);
+            rows.push(row.map_err(|e| anyhow::anyhow!("{}: line {} is not a row: {e}", path.display(), number + 1))?);
+        }
+    }
+    Ok(Record { rows, warnings })
+}
