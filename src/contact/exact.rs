@@ -51,6 +51,9 @@ fn parts(x: f64) -> Parts {
 fn narrow<const D: usize>(a: &[f64; D], b: &[f64; D], ra: f64, rb: f64, lowest: i32) -> Ordering {
     let integer = |x: f64| -> i128 {
         let Parts { negative, mantissa, exponent } = parts(x);
+        if mantissa == 0 {
+            return 0; // its exponent says nothing
+        }
         let shift = exponent - lowest;
         // Bits below `lowest` are zero in every mantissa, so the right shift is exact.
         let magnitude = if shift >= 0 { i128::from(mantissa) << shift } else { i128::from(mantissa >> -shift) };

@@ -5,7 +5,9 @@
 //! to it and we do with the highest bit. Both leave room for 2^31 - 1 elements. All list operations are counted here.
 
 use super::Refusal;
+use crate::contact::{Bodies, Real};
 use crate::probe::{Op, Probe};
+use crate::sink::Sink;
 
 /// No element.
 pub const EMPTY: u32 = u32::MAX >> 1;
@@ -29,6 +31,26 @@ pub fn numbered(detector: &'static str, n: usize) -> Result<(), Refusal> {
     Err(Refusal::Elements { detector, n: n as u64, limit: MOST_ELEMENTS })
 }
 
+/// The number of a list: `u32` for a cell along one axis, `usize` for a cell of the whole domain.
+pub trait Index: Copy {
+    /// As an array index.
+    fn at(self) -> usize;
+}
+
+impl Index for u32 {
+    #[inline(always)]
+    fn at(self) -> usize {
+        self as usize
+    }
+}
+
+impl Index for usize {
+    #[inline(always)]
+    fn at(self) -> usize {
+        self
+    }
+}
+
 impl Heads {
     /// Room for lists 0 to `count - 1`. The only loop over cells there is, and only over cells not seen before.
     pub fn prepare(&mut self, count: usize) {
@@ -45,23 +67,23 @@ impl Heads {
 
     /// Puts `element` on `list`, which must not be marked.
     #[inline(always)]
-    pub fn push<P: Probe>(&mut self, list: u32, element: u32, links: &mut Links, probe: &mut P) {
+    pub fn push<P: Probe>(&mut self, list: impl Index, element: u32, links: &mut Links, probe: &mut P) {
         probe.count(Op::ListPush);
-        links.0[element as usize] = std::mem::replace(&mut self.0[list as usize], element);
+        links.0[element as usize] = std::mem::replace(&mut self.0[list.at()], element);
     }
 
     /// The first element of `list`, or [`EMPTY`].
     #[inline(always)]
-    pub fn first<P: Probe>(&self, list: u32, probe: &mut P) -> u32 {
+    pub fn first<P: Probe>(&self, list: impl Index, probe: &mut P) -> u32 {
         probe.count(Op::CellProbe);
-        self.0[list as usize] & !OLD
+        self.0[list.at()] & !OLD
     }
 
     /// The first element of `list` if the list is new, and marks it old; `None` if it was old already.
     #[inline(always)]
-    pub fn take_new<P: Probe>(&mut self, list: u32, probe: &mut P) -> Option<u32> {
+    pub fn take_new<P: Probe>(&mut self, list: impl Index, probe: &mut P) -> Option<u32> {
         probe.count(Op::CellProbe);
-        let head = &mut self.0[list as usize];
+        let head = &mut self.0[list.at()];
         if *head & OLD != 0 {
             return None;
         }
@@ -72,9 +94,9 @@ impl Heads {
 
     /// Makes `list` empty and new again.
     #[inline(always)]
-    pub fn reset<P: Probe>(&mut self, list: u32, probe: &mut P) {
+    pub fn reset<P: Probe>(&mut self, list: impl Index, probe: &mut P) {
         probe.count(Op::ListReset);
-        self.0[list as usize] = EMPTY;
+        self.0[list.at()] = EMPTY;
     }
 
     /// The raw heads, for tests and pictures.
@@ -95,11 +117,57 @@ impl Links {
         }
     }
 
+    /// Makes `next` the element after `element`.
+    #[inline(always)]
+    pub fn set(&mut self, element: u32, next: u32) {
+        self.0[element as usize] = next;
+    }
+
     /// The element after `element` on its list, or [`EMPTY`].
     #[inline(always)]
     pub fn next<P: Probe>(&self, element: u32, probe: &mut P) -> u32 {
         probe.count(Op::ListStep);
         self.0[element as usize]
+    }
+
+    /// Tests the elements of the list that begins with `central` against one another and against those of the `mask` lists: each
+    /// pair once.
+    #[inline(always)]
+    pub fn check<T: Real, const D: usize, const M: usize>(
+        &self,
+        bodies: &impl Bodies<T, D>,
+        central: u32,
+        mask: [u32; M],
+        probe: &mut impl Probe,
+        sink: &mut impl Sink,
+    ) {
+        let mut i = central;
+        while i != EMPTY {
+            let rest = self.next(i, probe);
+            self.check_one(bodies, i, rest, probe, sink);
+            for first in mask {
+                self.check_one(bodies, i, first, probe, sink);
+            }
+            i = rest;
+        }
+    }
+
+    #[inline(always)]
+    fn check_one<T: Real, const D: usize>(
+        &self,
+        bodies: &impl Bodies<T, D>,
+        i: u32,
+        first: u32,
+        probe: &mut impl Probe,
+        sink: &mut impl Sink,
+    ) {
+        let mut j = first;
+        while j != EMPTY {
+            if bodies.touch(i, j, probe) {
+                sink.contact(i, j);
+            }
+            j = self.next(j, probe);
+        }
     }
 
     /// The raw links, for tests and pictures.

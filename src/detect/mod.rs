@@ -5,14 +5,17 @@
 //! for all of them.
 
 pub mod any;
-//pub mod binary_tree;
+pub mod binary_tree;
 pub mod control;
 pub mod direct;
+#[cfg(test)]
+mod golden;
 pub mod list;
-//pub mod nbs2d;
-//pub mod nbs3d;
-//pub mod screening;
-//pub mod sorting;
+pub mod mask;
+pub mod nbs2d;
+pub mod nbs3d;
+pub mod screening;
+pub mod sorting;
 pub mod table;
 
 use crate::contact::{Bodies, Real};
@@ -58,6 +61,7 @@ impl Default for Options {
 
 /// Why a detector will not work on a scene. Nothing was allocated, nothing reported.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[allow(missing_docs)] // the fields are explained by the messages
 pub enum Refusal {
     /// The arrays would be larger than the limit.
     #[error(

@@ -1,7 +1,7 @@
 //! The table of all detectors. An algorithm that has a line here is in the command line, every experiment and every test.
 
 use super::any::{AnyDetector, Both};
-use super::{Options, control, direct};
+use super::{Options, binary_tree, control, direct, nbs2d, nbs3d, screening, sorting};
 
 /// What a detector is there for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -58,6 +58,46 @@ pub static TABLE: &[Entry] = &[
         make: Both::<direct::Direct, direct::Direct>::boxed,
     },
     Entry {
+        name: "binary-tree",
+        role: Role::Detector,
+        summary: "halves space in turn along the axes, lists in the leaves",
+        cost: "N log N",
+        memory: "4N + 8 nodes",
+        limits: "cells per axis < 2^31",
+        threads: false,
+        make: Both::<binary_tree::BinaryTree, binary_tree::BinaryTree>::boxed,
+    },
+    Entry {
+        name: "screening",
+        role: Role::Detector,
+        summary: "one list head for every cell of the domain",
+        cost: "N",
+        memory: "4(nx ny [nz] + N)",
+        limits: "memory: loose packs and far-away elements are refused",
+        threads: false,
+        make: Both::<screening::Screening, screening::Screening>::boxed,
+    },
+    Entry {
+        name: "sorting",
+        role: Role::Detector,
+        summary: "sorts integerised coordinates, finds mask cells by binary search",
+        cost: "N log N",
+        memory: "12N in 2D, 16N in 3D",
+        limits: "cells per axis < 2^31",
+        threads: false,
+        make: Both::<sorting::Sorting<2>, sorting::Sorting<3>>::boxed,
+    },
+    Entry {
+        name: "nbs",
+        role: Role::Detector,
+        summary: "Munjiza-NBS: lists of layers, of rows, of cells; no binary search",
+        cost: "N",
+        memory: "4(ny + 2nx + 2N) in 2D, 4(nz + 2ny + 2nx + 3N) in 3D",
+        limits: "memory: an element so far away that nx + ny + nz exceeds the limit",
+        threads: false,
+        make: Both::<nbs2d::Nbs2d, nbs3d::Nbs3d>::boxed,
+    },
+    Entry {
         name: "nothing",
         role: Role::Nothing,
         summary: "control: does nothing, the floor of every measurement",
@@ -66,6 +106,16 @@ pub static TABLE: &[Entry] = &[
         limits: "finds nothing",
         threads: false,
         make: Both::<control::Nothing, control::Nothing>::boxed,
+    },
+    Entry {
+        name: "nbs-twin",
+        role: Role::Twin("nbs"),
+        summary: "control: the same code as nbs, for the noise between equal things",
+        cost: "N",
+        memory: "as nbs",
+        limits: "as nbs",
+        threads: false,
+        make: Both::<nbs2d::Nbs2d, nbs3d::Nbs3d>::boxed,
     },
 ];
 

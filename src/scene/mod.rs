@@ -34,6 +34,7 @@ pub enum Radii<'a, T: Clone> {
 
 /// What is wrong with a set of centres and radii. Elements are numbered from 0.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[allow(missing_docs)] // the fields are explained by the messages
 pub enum SceneError {
     /// NaN or infinite.
     #[error("particle {index}: {axis} is {value}; coordinates must be finite numbers: remove or mend the particle")]
