@@ -167,7 +167,7 @@ mod tests {
             for &y in &values {
                 for &r in values.iter().filter(|r| **r >= 0.0) {
                     let (a, b) = ([x, 3.0], [y, -1.0]);
-                    assert_eq!(narrow(&a, &b, r, 2.5, -100), wide(&a, &b, r, 2.5), "{a:?} {b:?} {r}");
+                    assert_eq!(compare(&a, &b, r, 2.5), wide(&a, &b, r, 2.5), "{a:?} {b:?} {r}");
                 }
             }
         }

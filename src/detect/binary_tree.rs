@@ -199,7 +199,7 @@ fn integerise<T: Real, const D: usize>(bodies: &impl Bodies<T, D>, cells: &Cells
 
 #[cfg(test)]
 mod tests {
-    use super::super::golden::{CellCentres, TEN};
+    use super::super::golden::{InCells, TEN};
     use super::super::list::as_printed;
     use super::*;
     use crate::probe::Silent;
@@ -227,7 +227,7 @@ mod tests {
     #[test]
     fn the_mask_couples_of_the_ten_elements() {
         let mut pairs = Vec::new();
-        BinaryTree::with(Options::default()).detect(CellCentres(&TEN), &mut Silent, &mut pairs).unwrap();
+        BinaryTree::with(Options::default()).detect(InCells(&TEN), &mut Silent, &mut pairs).unwrap();
         let printed = "1-2 1-3 1-4 1-6 1-7 1-10 2-4 2-10 3-4 3-5 3-6 3-7 3-10 4-6 4-8 4-10 5-6 6-8 6-10 7-10";
         assert_eq!(super::super::golden::printed(&pairs, &[9]), printed);
     }

@@ -9,24 +9,25 @@ pub const TEN: [[u32; 2]; 10] = [[4, 7], [5, 8], [4, 6], [5, 7], [4, 5], [5, 6],
 /// G2: nine elements for screening.
 pub const NINE: [[u32; 2]; 9] = [[5, 7], [5, 7], [2, 7], [5, 7], [2, 7], [5, 6], [2, 7], [6, 6], [2, 7]];
 
-/// Elements at the centres of the given cells of a 10 x 10 (x 10) grid; all pairs "touch", so that the pairs reported are those
+/// Elements in the given cells of a 10 x 10 (x 10) grid, a little more than a cell edge apart, so that they are in the same cells
+/// relative to one another wherever the grid begins; all pairs "touch", so that the pairs reported are those
 /// that the contact mask brings together.
 #[derive(Clone, Copy)]
-pub struct CellCentres<'a, const D: usize>(pub &'a [[u32; D]]);
+pub struct InCells<'a, const D: usize>(pub &'a [[u32; D]]);
 
-impl<const D: usize> CellCentres<'_, D> {
+impl<const D: usize> InCells<'_, D> {
     /// Cells 1 to 10 on every axis.
     pub fn grid(&self) -> Cells<D> {
-        Cells::spanning([0.0; D], [9.999; D], self.reach(), 1).unwrap()
+        Cells::spanning([0.0; D], [9.1; D], self.reach(), 1).unwrap()
     }
 }
 
-impl<const D: usize> Bodies<f64, D> for CellCentres<'_, D> {
+impl<const D: usize> Bodies<f64, D> for InCells<'_, D> {
     fn len(&self) -> usize {
         self.0.len()
     }
     fn position(&self, i: u32) -> [f64; D] {
-        self.0[i as usize].map(|cell| f64::from(cell) - 0.5)
+        self.0[i as usize].map(|cell| 1.01 * (f64::from(cell) - 1.0))
     }
     fn touch<P: Probe>(&self, _: u32, _: u32, probe: &mut P) -> bool {
         probe.count(Op::ContactTest);

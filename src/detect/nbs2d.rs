@@ -138,7 +138,7 @@ impl Nbs2d {
 
 #[cfg(test)]
 mod tests {
-    use super::super::golden::{CellCentres, TEN};
+    use super::super::golden::{InCells, TEN};
     use super::super::list::as_printed;
     use super::*;
     use crate::probe::{Op, Silent, Tally};
@@ -146,7 +146,7 @@ mod tests {
     /// G5: the book's ten elements (p103-110) on the real arrays.
     #[test]
     fn the_books_ten_elements() {
-        let scene = CellCentres(&TEN);
+        let scene = InCells(&TEN);
         let cells = scene.grid();
         let mut nbs = Nbs2d::with(Options::default());
         nbs.prepare(&cells, TEN.len()).unwrap();
@@ -165,7 +165,7 @@ mod tests {
     #[test]
     fn the_mask_couples_of_the_ten_elements() {
         // Without element 9, whose column the book does not show: BOOK's twenty couples.
-        let scene = CellCentres(&TEN);
+        let scene = InCells(&TEN);
         let mut nbs = Nbs2d::with(Options::default());
         let (mut tally, mut pairs) = (Tally::default(), Vec::new());
         nbs.detect(scene, &mut tally, &mut pairs).unwrap();

@@ -182,7 +182,7 @@ fn each<P: Probe>(links: &Links, first: u32, probe: &mut P, mut then: impl FnMut
 
 #[cfg(test)]
 mod tests {
-    use super::super::golden::CellCentres;
+    use super::super::golden::InCells;
     use super::super::list::as_printed;
     use super::*;
     use crate::probe::Silent;
@@ -191,13 +191,14 @@ mod tests {
     #[test]
     fn the_books_nine_elements() {
         let places = [7, 8, 6, 7, 5, 6, 7, 6, 6].map(|z| [1, 1, z]);
-        let scene = CellCentres(&places);
+        let scene = InCells(&places);
         let cells = scene.grid();
         let mut nbs = Nbs3d::with(Options::default());
         nbs.prepare(&cells, places.len()).unwrap();
         nbs.push_layers(&scene, &cells, &mut Silent);
         assert_eq!(as_printed(&nbs.c.raw()[1..=10]), [-1, -1, -1, -1, 5, 9, 7, 2, -1, -1]);
         assert_eq!(as_printed(nbs.z.raw()), [-1, -1, -1, 1, -1, 3, 4, 6, 8]);
+        let mut nbs = Nbs3d::with(Options::default());
         let mut pairs = Vec::new();
         nbs.detect(scene, &mut Silent, &mut pairs).unwrap();
         let heads = [&nbs.c, &nbs.b[0], &nbs.b[1], &nbs.a[0], &nbs.a[1]];

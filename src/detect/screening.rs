@@ -115,7 +115,7 @@ fn place<T: Real, const D: usize>(bodies: &impl Bodies<T, D>, cells: &Cells<D>, 
 
 #[cfg(test)]
 mod tests {
-    use super::super::golden::{CellCentres, NINE, printed};
+    use super::super::golden::{InCells, NINE, printed};
     use super::super::list::{EMPTY, as_printed};
     use super::*;
     use crate::probe::Silent;
@@ -123,7 +123,7 @@ mod tests {
     /// G2: nine elements in 10 x 10 cells (p90-91) on the real arrays.
     #[test]
     fn the_books_nine_elements() {
-        let scene = CellCentres(&NINE);
+        let scene = InCells(&NINE);
         let cells = scene.grid();
         let mut screening = Screening::with(Options::default());
         screening.prepare(&cells, NINE.len()).unwrap();
@@ -146,7 +146,7 @@ mod tests {
     fn the_mask_couples_of_the_nine_elements() {
         let mut screening = Screening::with(Options::default());
         let mut pairs = Vec::new();
-        screening.detect(CellCentres(&NINE), &mut Silent, &mut pairs).unwrap();
+        screening.detect(InCells(&NINE), &mut Silent, &mut pairs).unwrap();
         assert_eq!(printed(&pairs, &[]), "1-2 1-4 1-6 1-8 2-4 2-6 2-8 3-5 3-7 3-9 4-6 4-8 5-7 5-9 6-8 7-9");
         assert!(screening.c.raw().iter().chain(screening.e.raw()).all(|&link| link == EMPTY));
     }

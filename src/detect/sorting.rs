@@ -198,7 +198,7 @@ impl<const D: usize> Sorting<D> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::golden::{CellCentres, printed};
+    use super::super::golden::{InCells, printed};
     use super::*;
     use crate::probe::{Silent, Tally};
 
@@ -207,7 +207,7 @@ mod tests {
 
     #[test]
     fn the_books_eight_elements() {
-        let scene = CellCentres(&EIGHT);
+        let scene = InCells(&EIGHT);
         let cells = scene.grid();
         let mut sorting = Sorting::<2>::with(Options::default());
         sorting.fill(&scene, &cells, &mut Silent);
