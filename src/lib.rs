@@ -7,6 +7,7 @@ pub mod contact;
 pub mod detect;
 pub mod figure;
 pub mod harness;
+pub mod oracle;
 pub mod probe;
 pub mod read;
 pub mod scene;

@@ -1,4 +1,11 @@
-//! The harness: experiments, runners, the record.
+//! The harness: experiments become rows of the record. Every detector runs in a process of its own.
 
+pub mod alloc;
+pub mod bake;
+pub mod child;
 pub mod experiment;
+pub mod protocol;
+pub mod provenance;
 pub mod record;
+pub mod run;
+pub mod runner;

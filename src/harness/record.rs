@@ -23,6 +23,11 @@ pub enum Pass {
     Memory,
 }
 
+impl Pass {
+    /// All passes.
+    pub const ALL: [Pass; 3] = [Pass::Count, Pass::Memory, Pass::Time];
+}
+
 /// How a planned measurement ended. Every planned cell has a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]

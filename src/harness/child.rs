@@ -1,0 +1,187 @@
+//! A runner process as the harness sees it: requests with a time limit, a memory limit, and a reason for every failure.
+
+use std::io::{BufRead, BufReader, Read, Write};
+use std::process::{Child, ChildStdin, Command, Stdio};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
+
+use super::protocol::{Reply, Request, VERSION};
+use super::record::Outcome;
+
+/// How to start a runner, and what it may take.
+#[derive(Clone, Debug)]
+pub struct Start {
+    /// Program and arguments.
+    pub command: Vec<String>,
+    /// What to do if it is not there.
+    pub install: String,
+    /// For one request.
+    pub time_limit: Duration,
+    /// Address space in bytes.
+    pub memory_limit: u64,
+}
+
+/// A request that failed: how, and why in one sentence.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Failure {
+    /// Not `ok`.
+    pub outcome: Outcome,
+    /// The reason.
+    pub reason: String,
+}
+
+/// A running runner. Dropping it ends the process.
+pub struct Runner {
+    child: Child,
+    input: Option<ChildStdin>,
+    lines: Receiver<std::io::Result<String>>,
+    errors: Arc<Mutex<String>>,
+    time_limit: Duration,
+    /// What the runner said of itself: the arithmetic that it is held to.
+    pub arithmetic: String,
+}
+
+/// At most this much of what a runner says on its standard error is kept.
+const KEPT: usize = 4096;
+/// A line from a runner is not longer than this.
+const LONGEST_LINE: u64 = 1 << 20;
+
+impl Runner {
+    /// Starts a runner and waits for its first line.
+    pub fn start(start: &Start) -> Result<Runner, Failure> {
+        let unavailable = |reason: String| Failure { outcome: Outcome::Unavailable, reason };
+        let hint = if start.install.is_empty() { String::new() } else { format!("; {}", start.install) };
+        let [program, arguments @ ..] = &start.command[..] else { return Err(unavailable("the runner's command is empty".into())) };
+        let mut child = Command::new(program)
+            .args(arguments)
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .map_err(|e| unavailable(format!("cannot start {program}: {e}{hint}")))?;
+        limit_memory(&child, start.memory_limit);
+        let (sender, lines) = channel();
+        // The three pipes were asked for above.
+        let output = child.stdout.take();
+        std::thread::spawn(move || {
+            let Some(output) = output else { return };
+            let mut output = BufReader::new(output);
+            loop {
+                let mut line = String::new();
+                let read = (&mut output).take(LONGEST_LINE).read_line(&mut line);
+                if matches!(read, Ok(0)) || sender.send(read.map(|_| line)).is_err() {
+                    return;
+                }
+            }
+        });
+        let errors = Arc::new(Mutex::new(String::new()));
+        let (kept, output) = (errors.clone(), child.stderr.take());
+        std::thread::spawn(move || {
+            let Some(mut output) = output else { return };
+            let mut buffer = [0; 1024];
+            while let Ok(read @ 1..) = output.read(&mut buffer) {
+                let mut kept = kept.lock().unwrap_or_else(PoisonError::into_inner);
+                if kept.len() < KEPT {
+                    kept.push_str(&String::from_utf8_lossy(&buffer[..read]));
+                }
+            }
+        });
+        let input = child.stdin.take();
+        let mut runner = Runner { child, input, lines, errors, time_limit: start.time_limit, arithmetic: String::new() };
+        // Starting is not detecting: an interpreter may take a while to load its libraries.
+        match runner.receive(start.time_limit.max(Duration::from_secs(30))) {
+            Ok(Reply::Hello { protocol: VERSION, arithmetic, .. }) => {
+                runner.arithmetic = arithmetic;
+                Ok(runner)
+            }
+            Ok(Reply::Hello { protocol, .. }) => Err(unavailable(format!("the runner speaks protocol {protocol}, this program {VERSION}"))),
+            Ok(other) => Err(unavailable(format!("the runner's first line is not hello but {other:?}"))),
+            Err(failure) => Err(Failure { outcome: Outcome::Unavailable, reason: format!("{}{hint}", failure.reason) }),
+        }
+    }
+
+    /// Sends a request and waits for the answer. After a failure other than a refusal the runner is of no more use.
+    pub fn ask(&mut self, request: &Request) -> Result<Reply, Failure> {
+        let mut line = serde_json::to_string(request)
+            .map_err(|e| Failure { outcome: Outcome::Crashed, reason: format!("the request cannot be written: {e}") })?;
+        line.push('\n');
+        let sent = self.input.as_mut().map(|input| input.write_all(line.as_bytes()).and_then(|()| input.flush()));
+        if !matches!(sent, Some(Ok(()))) {
+            return Err(self.post_mortem());
+        }
+        match self.receive(self.time_limit)? {
+            Reply::Refused { reason } => Err(Failure { outcome: Outcome::Refused, reason }),
+            Reply::Unavailable { reason } => Err(Failure { outcome: Outcome::Unavailable, reason }),
+            Reply::Error { reason } => Err(Failure { outcome: Outcome::Crashed, reason }),
+            reply => Ok(reply),
+        }
+    }
+
+    fn receive(&mut self, limit: Duration) -> Result<Reply, Failure> {
+        match self.lines.recv_timeout(limit) {
+            Ok(Ok(line)) => match serde_json::from_str(&line) {
+                Ok(Reply::Unavailable { reason }) => Err(Failure { outcome: Outcome::Unavailable, reason }),
+                Ok(reply) => Ok(reply),
+                Err(e) => {
+                    self.kill();
+                    let shown: String = line.trim_end().chars().take(80).collect();
+                    Err(Failure { outcome: Outcome::Crashed, reason: format!("the runner's answer is not a reply ({e}): {shown}") })
+                }
+            },
+            Ok(Err(_)) | Err(RecvTimeoutError::Disconnected) => Err(self.post_mortem()),
+            Err(RecvTimeoutError::Timeout) => {
+                self.kill();
+                Err(Failure { outcome: Outcome::Timeout, reason: format!("no answer within {} s", limit.as_secs_f64()) })
+            }
+        }
+    }
+
+    /// The runner is gone: why?
+    fn post_mortem(&mut self) -> Failure {
+        self.input = None;
+        // It closed its output, so it is ending or ended; one that lingers is ended here.
+        std::thread::sleep(Duration::from_millis(20));
+        let status = match self.child.try_wait() {
+            Ok(Some(status)) => status.to_string(),
+            _ => {
+                self.kill();
+                "it closed its output without answering".into()
+            }
+        };
+        let errors = self.errors.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        let last = errors.lines().rfind(|line| !line.trim().is_empty()).unwrap_or_default().to_string();
+        // The words of Rust's allocation failure, C++'s and Python's.
+        let starved = ["memory allocation of", "bad_alloc", "MemoryError"].iter().any(|words| errors.contains(words));
+        let outcome = if starved { Outcome::OutOfMemory } else { Outcome::Crashed };
+        Failure { outcome, reason: if last.is_empty() { status } else { format!("{status}: {last}") } }
+    }
+
+    fn kill(&mut self) {
+        // Either may fail only because the process has ended already.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+impl Drop for Runner {
+    fn drop(&mut self) {
+        if let Some(mut input) = self.input.take() {
+            let _ = input.write_all(b"{\"request\":\"quit\"}\n");
+        }
+        self.kill();
+    }
+}
+
+/// Limits the address space of a process that has just been started (Linux; elsewhere detectors still refuse by their own sums).
+fn limit_memory(child: &Child, bytes: u64) {
+    #[cfg(target_os = "linux")]
+    {
+        use rustix::process::{Pid, Resource, Rlimit, prlimit};
+        let limit = Rlimit { current: Some(bytes), maximum: Some(bytes) };
+        // If the process has ended already, the first answer that does not come will say so.
+        let _ = prlimit(Pid::from_raw(child.id() as i32), Resource::As, limit);
+    }
+    #[cfg(not(target_os = "linux"))]
+    let _ = (child, bytes);
+}

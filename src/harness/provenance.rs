@@ -1,0 +1,112 @@
+//! Where a result comes from: command, revision, compiler, machine, load.
+
+use std::path::Path;
+use std::process::Command;
+use std::time::{SystemTime, UNIX_EPOCH};
+
+use serde_json::{Value, json};
+
+/// The name of the provenance file in a result folder.
+pub const FILE: &str = "provenance.json";
+
+/// What there is to know about this run, as a JSON object.
+pub fn gather(experiments: &[String], quick: bool) -> Value {
+    let cpu = read("/proc/cpuinfo");
+    let model = cpu.lines().find_map(|line| line.strip_prefix("model name")).map(|rest| rest.trim_start_matches([' ', '\t', ':']).to_string());
+    let memory = read("/proc/meminfo").lines().next().and_then(|line| line.split_whitespace().nth(1)?.parse::<u64>().ok()).map(|kib| kib * 1024);
+    json!({
+        "command": std::env::args().enumerate().map(|(k, a)| if k == 0 { "contactbench".into() } else { a }).collect::<Vec<_>>().join(" "),
+        "experiments": experiments,
+        "quick": quick,
+        "date_utc": date(),
+        "contactbench": env!("CARGO_PKG_VERSION"),
+        "revision": git(&["rev-parse", "HEAD"]),
+        "dirty": git(&["status", "--porcelain"]).map(|changes| !changes.is_empty()),
+        "rustc": env!("CONTACTBENCH_RUSTC"),
+        "rustflags": env!("CONTACTBENCH_RUSTFLAGS"),
+        "profile": env!("CONTACTBENCH_PROFILE"),
+        "machine": machine(),
+        "os": format!("{} {}", std::env::consts::OS, std::env::consts::ARCH),
+        "kernel": read("/proc/sys/kernel/osrelease").trim(),
+        "cpu": model,
+        "cores": std::thread::available_parallelism().map(|cores| cores.get()).ok(),
+        "caches": caches(),
+        "memory_bytes": memory,
+        "load_average": read("/proc/loadavg").split(' ').take(3).collect::<Vec<_>>().join(" "),
+    })
+}
+
+/// Empty where there is no such file (not on Linux): the field is then empty, too.
+fn read(path: &str) -> String {
+    std::fs::read_to_string(path).unwrap_or_default()
+}
+
+/// Answers of git, in the folder that this program was built from, if that is still a checkout.
+fn git(arguments: &[&str]) -> Option<String> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let output = Command::new("git").arg("-C").arg(folder).args(arguments).output().ok()?;
+    output.status.success().then(|| String::from_utf8_lossy(&output.stdout).trim().to_string())
+}
+
+/// Caches of the first core: level and kind to size.
+fn caches() -> Value {
+    let mut caches = serde_json::Map::new();
+    for index in 0..8 {
+        let folder = format!("/sys/devices/system/cpu/cpu0/cache/index{index}");
+        let (level, size) = (read(&format!("{folder}/level")), read(&format!("{folder}/size")));
+        let kind = match read(&format!("{folder}/type")).trim() {
+            "Data" => "d",
+            "Instruction" => "i",
+            _ => "",
+        };
+        if !size.is_empty() {
+            caches.insert(format!("L{}{kind}", level.trim()), json!(size.trim()));
+        }
+    }
+    Value::Object(caches)
+}
+
+/// The machine's name, fit for a folder name.
+pub fn machine() -> String {
+    let name = read("/proc/sys/kernel/hostname");
+    let name: String = name.trim().chars().filter(|c| c.is_ascii_alphanumeric() || *c == '-').take(24).collect();
+    if name.is_empty() { "machine".into() } else { name }
+}
+
+/// Now, as 2004-03-01T12-30-59 (UTC), fit for a folder name.
+pub fn date() -> String {
+    let seconds = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs());
+    let (year, month, day) = civil(seconds / 86_400);
+    let time = seconds % 86_400;
+    format!("{year:04}-{month:02}-{day:02}T{:02}-{:02}-{:02}", time / 3600, time / 60 % 60, time % 60)
+}
+
+/// Year, month and day of a day counted from 1970-01-01: whole years and months are taken off while they fit.
+fn civil(mut day: u64) -> (u64, u64, u64) {
+    let leap = |year: u64| year % 4 == 0 && (year % 100 != 0 || year % 400 == 0);
+    let mut year = 1970;
+    while day >= 365 + u64::from(leap(year)) {
+        day -= 365 + u64::from(leap(year));
+        year += 1;
+    }
+    let lengths = [31, 28 + u64::from(leap(year)), 31, 30, 31, 30, 31, 31, 30, 31, 30, 31];
+    let mut month = 0;
+    while day >= lengths[month] {
+        day -= lengths[month];
+        month += 1;
+    }
+    (year, month as u64 + 1, day + 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::civil;
+
+    #[test]
+    fn days_become_dates() {
+        assert_eq!(civil(0), (1970, 1, 1));
+        assert_eq!(civil(11_016), (2000, 2, 29));
+        assert_eq!(civil(11_017), (2000, 3, 1));
+        assert_eq!(civil(20_453), (2025, 12, 31));
+    }
+}

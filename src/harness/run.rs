@@ -1,0 +1,426 @@
+//! Runs experiments: scenes are made, the truth is found, runners are started, rows are written.
+//!
+//! For each scene: one runner per (detector, arithmetic) loads it; then each counts, and measures its memory; then blocks of timed
+//! samples, every detector once per block in a fresh random order. Rows go to the record one by one. What the record
+//! holds already (of a killed run) is not measured again.
+
+use std::collections::{BTreeMap, HashMap, HashSet};
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, bail};
+use rand::{SeedableRng, seq::SliceRandom};
+use rand_chacha::ChaCha8Rng;
+
+use super::bake;
+use super::child::{Failure, Runner, Start};
+use super::experiment::Experiment;
+use super::protocol::{Reply, Request};
+use super::record::{Outcome, Pass, Row, Stats, Writer};
+use crate::contact::Arithmetic;
+use crate::detect::table::{self, Role};
+use crate::oracle::{self, NoTruth, Truth};
+use crate::scene::spec::{Order, Spec};
+use crate::scene::stats;
+
+/// Samples are at least this long, or the clock would be measured.
+const SHORTEST_SAMPLE_NS: u64 = 1_000_000;
+/// Blocks done before the budget can end a scene.
+const FEWEST_BLOCKS: u32 = 5;
+/// Blocks of a quick run.
+const QUICK_BLOCKS: u32 = 3;
+/// Address space for a runner beside a detector's arrays and the scene: the program, its stacks, its libraries.
+const PROGRAM_BYTES: u64 = 1 << 30;
+
+/// What is to be run, and where to.
+pub struct Job<'a> {
+    /// The experiments, in order.
+    pub experiments: &'a [Experiment],
+    /// Small scenes and few blocks.
+    pub quick: bool,
+    /// The program to start as runner: this one.
+    pub program: PathBuf,
+    /// Rows already in the record.
+    pub done: &'a [Row],
+}
+
+/// Hears how far a run has come.
+pub trait Progress {
+    /// `done` of `total` scenes are complete; `next` is being worked on.
+    fn scene(&mut self, done: usize, total: usize, next: &str);
+    /// Something the user should know now.
+    fn note(&mut self, text: &str);
+}
+
+/// A detector with an arithmetic, as a runner.
+#[derive(Clone)]
+struct Contender {
+    name: String,
+    /// `None`: the runner says.
+    arithmetic: Option<Arithmetic>,
+    role: Role,
+    start: Start,
+}
+
+/// Where in a sweep a detector has been too slow already: the elements, by everything else that makes the cell.
+type TooSlow = HashMap<String, u64>;
+
+/// Runs all experiments of a job into a record.
+pub fn run(job: &Job<'_>, record: &mut Writer, progress: &mut dyn Progress) -> anyhow::Result<()> {
+    let mut plans = Vec::new();
+    for experiment in job.experiments {
+        let plan = experiment.plan(job.quick).with_context(|| format!("in experiment {}", experiment.name))?;
+        plans.extend(plan.into_iter().map(|spec| (experiment, spec)));
+    }
+    let folder = tempfile::tempdir().context("cannot make a temporary folder for scenes; set TMPDIR to a writable place")?;
+    let index = Index::new(job.done);
+    let mut too_slow = TooSlow::new();
+    for (k, (experiment, spec)) in plans.iter().enumerate() {
+        progress.scene(k, plans.len(), &describe(experiment, spec));
+        let mut stage = Stage { job, experiment, spec, index: &index, folder: folder.path(), record, too_slow: &mut too_slow, progress };
+        stage.run().with_context(|| format!("in experiment {}, scene {}", experiment.name, describe(experiment, spec)))?;
+    }
+    progress.scene(plans.len(), plans.len(), "done");
+    Ok(())
+}
+
+fn describe(experiment: &Experiment, spec: &Spec) -> String {
+    let n = if spec.n == 0 { String::new() } else { format!(" N={}", spec.n) };
+    let swept = spec.params.iter().filter(|(name, _)| *name == "s" || *name == "path").map(|(name, value)| format!(" {name}={value}"));
+    format!("{}: {} {}D{n}{}", experiment.name, spec.name, spec.dim, swept.collect::<String>())
+}
+
+/// What the record holds already.
+struct Index {
+    keys: HashSet<String>,
+    /// Cells that ended badly: nothing more is to be measured there.
+    ended: HashSet<String>,
+}
+
+impl Index {
+    fn new(rows: &[Row]) -> Index {
+        let ended = rows.iter().filter(|row| is_final(row.outcome)).map(Index::cell).collect();
+        Index { keys: rows.iter().map(Row::key).collect(), ended }
+    }
+
+    /// The key of the detector on its scene, whatever the pass.
+    fn cell(row: &Row) -> String {
+        Row { pass: Pass::Count, block: 0, ..row.clone() }.key()
+    }
+
+    fn has(&self, row: &Row) -> bool {
+        self.keys.contains(&row.key())
+    }
+
+    fn ended(&self, row: &Row) -> bool {
+        self.ended.contains(&Index::cell(row))
+    }
+}
+
+/// After these the detector is not asked again on this scene.
+fn is_final(outcome: Outcome) -> bool {
+    !matches!(outcome, Outcome::Ok | Outcome::Control | Outcome::Wrong)
+}
+
+/// One scene of one experiment.
+struct Stage<'a> {
+    job: &'a Job<'a>,
+    experiment: &'a Experiment,
+    spec: &'a Spec,
+    index: &'a Index,
+    folder: &'a Path,
+    record: &'a mut Writer,
+    too_slow: &'a mut TooSlow,
+    progress: &'a mut dyn Progress,
+}
+
+/// A contender that is still in the race on this scene.
+struct Racer {
+    contender: Contender,
+    runner: Runner,
+    arithmetic: Arithmetic,
+    blank: Row,
+}
+
+impl Stage<'_> {
+    fn run(&mut self) -> anyhow::Result<()> {
+        let blocks = if self.job.quick { self.experiment.blocks.min(QUICK_BLOCKS) } else { self.experiment.blocks };
+        let scene = self.spec.make()?;
+        let mut truths = Truths { scene: &scene, known: BTreeMap::new() };
+        let exact_contacts = truths.get(Arithmetic::Exact)?.map_or(0, |truth| truth.digest.contacts);
+        let stats = stats::stats(&scene, exact_contacts);
+        let contenders = self.contenders(&scene);
+        let blanks: Vec<Row> = contenders.iter().map(|contender| self.blank(contender, scene.len(), &stats)).collect();
+        if contenders.iter().zip(&blanks).all(|(contender, blank)| self.complete(contender, blank, blocks)) {
+            return Ok(());
+        }
+        let path = self.folder.join("scene.npy");
+        let radius = bake::write(&path, &scene)?;
+        let load = Request::Load { path, dim: self.spec.dim, n: scene.len() as u64, radius };
+        let mut racers = Vec::new();
+        for (contender, blank) in contenders.into_iter().zip(blanks) {
+            if self.index.ended(&blank) {
+                continue;
+            }
+            if let Some(racer) = self.enter(contender, blank, &load, &mut truths)? {
+                racers.push(racer);
+            }
+        }
+        let started = Instant::now();
+        for block in 1..=blocks {
+            if block > FEWEST_BLOCKS && started.elapsed().as_secs_f64() > self.experiment.block_budget_s {
+                break;
+            }
+            let mut random = ChaCha8Rng::seed_from_u64(self.spec.seed.wrapping_mul(1 << 20).wrapping_add(u64::from(block)));
+            racers.shuffle(&mut random);
+            let mut still = Vec::new();
+            for mut racer in racers {
+                let blank = Row { pass: Pass::Time, block, ..racer.blank.clone() };
+                if self.index.has(&blank) || self.sample(&mut racer, blank, &mut truths)? {
+                    still.push(racer);
+                }
+            }
+            racers = still;
+        }
+        Ok(())
+    }
+
+    /// Everything of this detector on this scene is in the record.
+    fn complete(&self, contender: &Contender, blank: &Row, blocks: u32) -> bool {
+        let has = |pass, block| self.index.has(&Row { pass, block, ..blank.clone() });
+        // A budget may have ended the blocks early; an external runner says only when started which arithmetic it is held to.
+        let enough = if self.experiment.block_budget_s.is_finite() { blocks.min(FEWEST_BLOCKS) } else { blocks };
+        contender.arithmetic.is_some()
+            && (self.index.ended(blank) || has(Pass::Count, 0) && has(Pass::Memory, 0) && (1..=enough).all(|block| has(Pass::Time, block)))
+    }
+
+    fn contenders(&self, scene: &crate::scene::AnyScene<'_>) -> Vec<Contender> {
+        let experiment = self.experiment;
+        let limit = experiment.memory_limit_mib << 20;
+        // The scene (twice while it is read), and room for 16 pairs per element, doubled by growth.
+        let allowance = PROGRAM_BYTES + scene.len() as u64 * (2 * 32 + 2 * 16 * 8);
+        let start = |command: Vec<String>, install: String| Start {
+            command,
+            install,
+            time_limit: Duration::from_secs_f64(experiment.time_limit_s),
+            memory_limit: limit + allowance,
+        };
+        let mut contenders = Vec::new();
+        for &arithmetic in &experiment.arithmetics {
+            for name in &experiment.detectors {
+                // The names were checked when the experiment was read.
+                let Some(entry) = table::find(name) else { continue };
+                let mut command = vec![self.job.program.display().to_string(), "runner".into(), "--detector".into(), name.clone()];
+                command.extend(["--arithmetic".into(), arithmetic.name().into(), "--threads".into(), experiment.threads.to_string()]);
+                command.extend(["--memory-limit".into(), limit.to_string()]);
+                contenders.push(Contender { name: name.clone(), arithmetic: Some(arithmetic), role: entry.role, start: start(command, String::new()) });
+            }
+        }
+        for runner in &experiment.runners {
+            let start = start(runner.command.clone(), runner.install.clone());
+            contenders.push(Contender { name: runner.name.clone(), arithmetic: None, role: Role::Detector, start });
+        }
+        contenders
+    }
+
+    /// A row of this scene and detector without a measurement.
+    fn blank(&self, contender: &Contender, n: usize, stats: &Stats) -> Row {
+        Row {
+            experiment: self.experiment.name.clone(),
+            scene: self.spec.name.clone(),
+            params: self.spec.params.clone(),
+            dim: self.spec.dim,
+            n: n as u64,
+            seed: self.spec.seed,
+            order: match self.spec.order {
+                Order::Shuffled => "shuffled",
+                Order::Generated => "generated",
+                Order::Morton => "morton",
+            }
+            .into(),
+            detector: contender.name.clone(),
+            arithmetic: contender.arithmetic.unwrap_or_default().name().into(),
+            threads: self.experiment.threads as u32,
+            pass: Pass::Count,
+            block: 0,
+            time_ns: None,
+            calls: None,
+            elapsed_ns: None,
+            outcome: Outcome::Ok,
+            reason: String::new(),
+            contacts: None,
+            digest: None,
+            counts: BTreeMap::new(),
+            peak_bytes: None,
+            live_bytes: None,
+            allocations: None,
+            warm_allocations: None,
+            formula_bytes: None,
+            errors: None,
+            stats: stats.clone(),
+        }
+    }
+
+    /// The cell but for its number of elements: what a sweep over N keeps.
+    fn series(blank: &Row) -> String {
+        Row { n: 0, ..blank.clone() }.key()
+    }
+
+    /// Starts a contender, loads the scene, counts and measures the memory. `None` if it is out; its rows say why.
+    fn enter(&mut self, contender: Contender, mut blank: Row, load: &Request, truths: &mut Truths<'_>) -> anyhow::Result<Option<Racer>> {
+        if let Some(&n) = self.too_slow.get(&Stage::series(&blank)).filter(|&&n| n <= blank.n) {
+            let reason = format!("not tried: over the time limit at N = {n} already");
+            self.fail(&blank, Failure { outcome: Outcome::Timeout, reason }, &Pass::ALL)?;
+            return Ok(None);
+        }
+        let mut runner = match Runner::start(&contender.start) {
+            Ok(runner) => runner,
+            Err(failure) => {
+                self.fail(&blank, failure, &Pass::ALL)?;
+                return Ok(None);
+            }
+        };
+        let arithmetic = match contender.arithmetic {
+            Some(arithmetic) => arithmetic,
+            None => match Arithmetic::ALL.into_iter().find(|a| a.name() == runner.arithmetic) {
+                Some(arithmetic) => arithmetic,
+                None => bail!("runner {} says arithmetic '{}'; it must be f32, f64 or exact", contender.name, runner.arithmetic),
+            },
+        };
+        blank.arithmetic = arithmetic.name().into();
+        if let Err(failure) = runner.ask(load) {
+            self.fail(&blank, failure, &Pass::ALL)?;
+            return Ok(None);
+        }
+        let mut racer = Racer { contender, runner, arithmetic, blank };
+        for (pass, request) in [(Pass::Count, Request::Count), (Pass::Memory, Request::Memory)] {
+            let mut row = Row { pass, ..racer.blank.clone() };
+            if self.index.has(&row) {
+                continue;
+            }
+            match racer.runner.ask(&request) {
+                Ok(Reply::Count { counts, contacts, digest }) => {
+                    row.counts = counts;
+                    (row.contacts, row.digest) = (Some(contacts), Some(digest));
+                }
+                Ok(Reply::Memory { peak_bytes, live_bytes, allocations, warm_allocations, formula_bytes, contacts, digest }) => {
+                    (row.peak_bytes, row.live_bytes, row.allocations) = (Some(peak_bytes), Some(live_bytes), Some(allocations));
+                    (row.warm_allocations, row.formula_bytes) = (warm_allocations, formula_bytes);
+                    (row.contacts, row.digest) = (Some(contacts), Some(digest));
+                }
+                Ok(Reply::Unsupported) => row.reason = "the runner does not measure this".into(),
+                Ok(other) => bail!("runner {} answered {request:?} with {other:?}", racer.contender.name),
+                Err(failure) => {
+                    let passes: &[Pass] = if pass == Pass::Count { &Pass::ALL } else { &[Pass::Memory, Pass::Time] };
+                    self.fail(&racer.blank, failure, passes)?;
+                    return Ok(None);
+                }
+            }
+            self.judge(&mut row, &mut racer, truths)?;
+            self.record.write(&row)?;
+        }
+        Ok(Some(racer))
+    }
+
+    /// One timed sample. False if the contender is out.
+    fn sample(&mut self, racer: &mut Racer, mut row: Row, truths: &mut Truths<'_>) -> anyhow::Result<bool> {
+        match racer.runner.ask(&Request::Sample { min_ns: SHORTEST_SAMPLE_NS }) {
+            Ok(Reply::Sample { time_ns, calls, elapsed_ns, contacts, digest }) => {
+                (row.time_ns, row.calls, row.elapsed_ns) = (Some(time_ns), Some(calls), Some(elapsed_ns));
+                (row.contacts, row.digest) = (Some(contacts), Some(digest));
+                self.judge(&mut row, racer, truths)?;
+                self.record.write(&row)?;
+                Ok(true)
+            }
+            Ok(other) => bail!("runner {} answered sample with {other:?}", racer.contender.name),
+            Err(failure) => {
+                self.fail(&row, failure, &[Pass::Time])?;
+                Ok(false)
+            }
+        }
+    }
+
+    /// Holds a row's answer to the truth before it is written.
+    fn judge(&mut self, row: &mut Row, racer: &mut Racer, truths: &mut Truths<'_>) -> anyhow::Result<()> {
+        if racer.contender.role == Role::Nothing {
+            row.outcome = Outcome::Control;
+            row.reason = "control: reports nothing by design".into();
+            return Ok(());
+        }
+        let (Some(contacts), Some(digest)) = (row.contacts, row.digest.as_deref()) else { return Ok(()) };
+        let expected = truths.get(racer.arithmetic)?.map(|truth| truth.digest);
+        if expected.is_some_and(|expected| (expected.contacts, &*expected.hex()) == (contacts, digest)) {
+            row.errors = truths.errors(racer.arithmetic)?;
+            return Ok(());
+        }
+        row.outcome = Outcome::Wrong;
+        let path = self.folder.join("pairs.npy");
+        let reported = racer.runner.ask(&Request::Pairs { path: path.clone() }).map_err(|failure| failure.reason);
+        let reported = reported.and_then(|_| bake::read_pairs(&path).map_err(|e| e.to_string()));
+        match (reported, truths.get(racer.arithmetic)?) {
+            (Ok(pairs), Some(truth)) => {
+                let errors = oracle::compare(&pairs, &truth.pairs);
+                row.reason = format!(
+                    "against all pairs tested in {}: {} missed, {} spurious, {} duplicate",
+                    racer.arithmetic.name(),
+                    errors.missed,
+                    errors.spurious,
+                    errors.duplicate
+                );
+                row.errors = truths.get(Arithmetic::Exact)?.map(|truth| oracle::compare(&pairs, &truth.pairs));
+            }
+            (Err(reason), _) => row.reason = format!("the pairs differ from the truth, and could not be read: {reason}"),
+            (_, None) => row.reason = format!("the scene cannot be decided in {}, yet there was an answer", racer.arithmetic.name()),
+        }
+        self.progress.note(&format!("WRONG: {} ({}) on {}: {}", row.detector, row.arithmetic, describe(self.experiment, self.spec), row.reason));
+        Ok(())
+    }
+
+    fn fail(&mut self, blank: &Row, failure: Failure, passes: &[Pass]) -> anyhow::Result<()> {
+        if failure.outcome == Outcome::Timeout {
+            let n = self.too_slow.entry(Stage::series(blank)).or_insert(blank.n);
+            *n = blank.n.min(*n);
+        }
+        if failure.outcome == Outcome::Crashed {
+            self.progress.note(&format!("CRASHED: {} on {}: {}", blank.detector, describe(self.experiment, self.spec), failure.reason));
+        }
+        for &pass in passes {
+            let row = Row { pass, outcome: failure.outcome, reason: failure.reason.clone(), ..blank.clone() };
+            if !self.index.has(&row) {
+                self.record.write(&row)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The truths about a scene, found when first asked for.
+struct Truths<'a> {
+    scene: &'a crate::scene::AnyScene<'a>,
+    known: BTreeMap<Arithmetic, Option<Truth>>,
+}
+
+impl Truths<'_> {
+    /// `None` where the arithmetic cannot hold the scene.
+    fn get(&mut self, arithmetic: Arithmetic) -> anyhow::Result<Option<&Truth>> {
+        if !self.known.contains_key(&arithmetic) {
+            let truth = match oracle::truth(self.scene, arithmetic) {
+                Ok(truth) => Some(truth),
+                Err(NoTruth::Refused(_) | NoTruth::Stored(_)) => None,
+                Err(defect) => return Err(defect.into()),
+            };
+            self.known.insert(arithmetic, truth);
+        }
+        Ok(self.known[&arithmetic].as_ref())
+    }
+
+    /// What deciding in `arithmetic` itself misses and adds, against exact decisions on the scene as given.
+    fn errors(&mut self, arithmetic: Arithmetic) -> anyhow::Result<Option<super::record::Errors>> {
+        self.get(arithmetic)?;
+        self.get(Arithmetic::Exact)?;
+        let (Some(Some(rounded)), Some(Some(exact))) = (self.known.get(&arithmetic), self.known.get(&Arithmetic::Exact)) else {
+            return Ok(None);
+        };
+        Ok(Some(if rounded.digest == exact.digest { Default::default() } else { oracle::compare(&rounded.pairs, &exact.pairs) }))
+    }
+}

@@ -1,0 +1,165 @@
+//! The runner: one detector in a process of its own, answering the requests of [`super::protocol`] on standard input. A detector that
+//! crashes, hangs or eats memory costs its own rows and nothing else.
+
+use std::hint::black_box;
+use std::io::{BufRead, Write};
+use std::time::Instant;
+
+use super::alloc;
+use super::bake;
+use super::protocol::{Reply, Request, VERSION};
+use crate::contact::Arithmetic;
+use crate::detect::Options;
+use crate::detect::any::AnyDetector;
+use crate::detect::table::Entry;
+use crate::probe::Tally;
+use crate::scene::AnyScene;
+use crate::sink::Digest;
+
+/// A detector, its scene and its buffers.
+pub struct Runner {
+    entry: &'static Entry,
+    arithmetic: Arithmetic,
+    options: Options,
+    detector: Box<dyn AnyDetector>,
+    scene: Option<AnyScene<'static>>,
+    pairs: Vec<[u32; 2]>,
+    calls: Option<u64>,
+}
+
+/// Either an answer or the reason why there is none.
+type Answer = Result<Reply, Reply>;
+
+impl Runner {
+    /// A runner without a scene.
+    pub fn new(entry: &'static Entry, arithmetic: Arithmetic, options: Options) -> Runner {
+        Runner { entry, arithmetic, options, detector: entry.make(options), scene: None, pairs: Vec::new(), calls: None }
+    }
+
+    /// Answers requests until `quit` or the end of the input.
+    pub fn serve(&mut self, input: impl BufRead, mut output: impl Write) -> std::io::Result<()> {
+        let mut say = |reply: &Reply| -> std::io::Result<()> {
+            serde_json::to_writer(&mut output, reply)?;
+            output.write_all(b"\n")?;
+            output.flush()
+        };
+        say(&Reply::Hello {
+            protocol: VERSION,
+            detector: self.entry.name.into(),
+            arithmetic: self.arithmetic.name().into(),
+            version: env!("CARGO_PKG_VERSION").into(),
+        })?;
+        for line in input.lines() {
+            match serde_json::from_str(&line?) {
+                Ok(Request::Quit) => break,
+                Ok(request) => say(&self.answer(request).unwrap_or_else(|reply| reply))?,
+                Err(e) => say(&Reply::Error { reason: format!("this is not a request: {e}") })?,
+            }
+        }
+        Ok(())
+    }
+
+    fn answer(&mut self, request: Request) -> Answer {
+        match request {
+            Request::Load { path, dim, n, radius } => {
+                self.scene = None;
+                self.calls = None;
+                let scene = bake::read(&path, dim, n, radius).map_err(error)?;
+                self.scene = Some(scene.stored(self.arithmetic).map_err(|e| Reply::Refused { reason: format!("as f32: {e}") })?);
+                Ok(Reply::Loaded)
+            }
+            Request::Sample { min_ns } => self.sample(min_ns),
+            Request::Count => {
+                let mut tally = Tally::default();
+                let (scene, exact) = self.loaded()?;
+                self.pairs.clear();
+                self.detector.count(&scene, exact, &mut tally, &mut self.pairs).map_err(refused)?;
+                self.scene = Some(scene);
+                let Digest { contacts, .. } = Digest::of(&self.pairs);
+                let counts = tally.iter().map(|(op, count)| (op.name().into(), count)).collect();
+                Ok(Reply::Count { counts, contacts, digest: Digest::of(&self.pairs).hex() })
+            }
+            Request::Memory => self.memory(),
+            Request::Pairs { path } => {
+                self.detect()?;
+                bake::write_pairs(&path, &self.pairs).map_err(error)?;
+                Ok(Reply::Pairs { contacts: self.pairs.len() as u64 })
+            }
+            Request::Quit => Ok(Reply::Loaded),
+        }
+    }
+
+    fn loaded(&mut self) -> Result<(AnyScene<'static>, bool), Reply> {
+        let scene = self.scene.take().ok_or_else(|| Reply::Error { reason: "no scene is loaded; send load first".into() })?;
+        Ok((scene, self.arithmetic.is_exact()))
+    }
+
+    /// One detection into the list of pairs.
+    fn detect(&mut self) -> Result<(), Reply> {
+        let (scene, exact) = self.loaded()?;
+        self.pairs.clear();
+        let result = self.detector.list(&scene, exact, &mut self.pairs);
+        self.scene = Some(scene);
+        result.map_err(refused)
+    }
+
+    fn sample(&mut self, min_ns: u64) -> Answer {
+        let calls = match self.calls {
+            Some(calls) => calls,
+            None => {
+                // The first detection fills buffers and caches, the second says how many make a sample.
+                self.detect()?;
+                let start = Instant::now();
+                self.detect()?;
+                let once = (start.elapsed().as_nanos() as u64).max(1);
+                *self.calls.insert(min_ns.div_ceil(once).clamp(1, 1 << 20))
+            }
+        };
+        let (scene, exact) = self.loaded()?;
+        let start = Instant::now();
+        for _ in 0..calls {
+            self.pairs.clear();
+            self.detector.list(black_box(&scene), exact, &mut self.pairs).map_err(refused)?;
+            black_box(&self.pairs);
+        }
+        let elapsed_ns = start.elapsed().as_nanos() as u64;
+        self.scene = Some(scene);
+        let digest = Digest::of(&self.pairs);
+        Ok(Reply::Sample { time_ns: (elapsed_ns + calls / 2) / calls, calls, elapsed_ns, contacts: digest.contacts, digest: digest.hex() })
+    }
+
+    fn memory(&mut self) -> Answer {
+        let (scene, exact) = self.loaded()?;
+        let mut digest = Digest::default();
+        let ((result, mut detector), cold) = alloc::measure(|| {
+            let mut detector = self.entry.make(self.options);
+            (detector.visit(&scene, exact, &mut digest), detector)
+        });
+        result.map_err(refused)?;
+        let formula_bytes = Some(detector.formula_bytes());
+        let (again, warm) = alloc::measure(|| detector.visit(&scene, exact, &mut Digest::default()));
+        again.map_err(refused)?;
+        self.scene = Some(scene);
+        let (Some(cold), Some(warm)) = (cold, warm) else { return Ok(Reply::Unsupported) };
+        // The detector itself is one allocation of a few hundred bytes: its box is not part of the algorithm.
+        let frame = std::mem::size_of_val(&*detector) as u64;
+        let boxed = u64::from(frame > 0);
+        Ok(Reply::Memory {
+            peak_bytes: cold.peak_bytes - frame,
+            live_bytes: cold.live_bytes - frame,
+            allocations: cold.allocations - boxed,
+            warm_allocations: Some(warm.allocations),
+            formula_bytes,
+            contacts: digest.contacts,
+            digest: digest.hex(),
+        })
+    }
+}
+
+fn refused(refusal: crate::detect::Refusal) -> Reply {
+    Reply::Refused { reason: refusal.to_string() }
+}
+
+fn error(error: anyhow::Error) -> Reply {
+    Reply::Error { reason: format!("{error:#}") }
+}

@@ -1,0 +1,168 @@
+//! The truth about a scene, for a given arithmetic.
+//!
+//! * Up to [`BRUTE_FORCE`] elements: every pair is tested.
+//! * Above: two different detectors must give the same set of pairs, and for 1,000 random elements every other element is tested.
+//!   Where fewer than two detectors take the scene, every pair is tested after all.
+//!
+//! The contact test itself is held to an arbitrary-precision library in the tests.
+
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
+
+use crate::contact::{Arithmetic, Bodies, Real, WithBodies, with_bodies};
+use crate::detect::table::{self, Role};
+use crate::detect::{Options, Refusal};
+use crate::probe::Silent;
+use crate::scene::AnyScene;
+use crate::sink::{Digest, key, normalise};
+use crate::with_scene;
+
+/// Up to this number of elements every pair is tested.
+pub const BRUTE_FORCE: usize = 20_000;
+/// Above it, this many random elements are tested against all others.
+pub const SAMPLE: usize = 1_000;
+
+/// The set of touching pairs.
+pub struct Truth {
+    /// Each pair once, the smaller index first, in ascending order.
+    pub pairs: Vec<[u32; 2]>,
+    /// Their fingerprint.
+    pub digest: Digest,
+}
+
+/// Why there is no truth.
+#[derive(Debug, thiserror::Error)]
+pub enum NoTruth {
+    /// The arithmetic cannot hold the scene.
+    #[error(transparent)]
+    Refused(#[from] Refusal),
+    /// The scene cannot be stored in the arithmetic's precision.
+    #[error("as f32: {0}")]
+    Stored(#[from] crate::scene::SceneError),
+    /// A defect of this program, never to be ignored.
+    #[error("{first} and {second} disagree on this scene ({a} and {b} contacts): one of them is wrong")]
+    Disagree {
+        /// One detector.
+        first: &'static str,
+        /// The other.
+        second: &'static str,
+        /// Contacts of the one.
+        a: usize,
+        /// Contacts of the other.
+        b: usize,
+    },
+    /// A defect of this program, never to be ignored.
+    #[error("two detectors agree, but testing element {element} against all others gives other contacts than theirs")]
+    Sample {
+        /// Its index.
+        element: u32,
+    },
+}
+
+/// The truth about `scene` in `arithmetic` (which may round the scene to f32 first).
+pub fn truth(scene: &AnyScene<'_>, arithmetic: Arithmetic) -> Result<Truth, NoTruth> {
+    let scene = scene.stored(arithmetic)?;
+    let exact = arithmetic.is_exact();
+    let pairs = if scene.len() <= BRUTE_FORCE { brute_force(&scene, exact)? } else { agreed(&scene, exact)? };
+    let digest = Digest::of(&pairs);
+    Ok(Truth { pairs, digest })
+}
+
+fn brute_force(scene: &AnyScene<'_>, exact: bool) -> Result<Vec<[u32; 2]>, Refusal> {
+    with_scene!(scene, scene => with_bodies(scene, exact, Rows { elements: None }))
+}
+
+fn agreed(scene: &AnyScene<'_>, exact: bool) -> Result<Vec<[u32; 2]>, NoTruth> {
+    let mut first: Option<(&'static str, Vec<[u32; 2]>)> = None;
+    for name in ["nbs", "sorting", "binary-tree", "screening"] {
+        let Some(entry) = table::find(name).filter(|entry| entry.role == Role::Detector) else { continue };
+        let mut pairs = Vec::new();
+        if entry.make(Options::default()).list(scene, exact, &mut pairs).is_err() {
+            continue;
+        }
+        normalise(&mut pairs);
+        let Some((earlier, agreed)) = &first else {
+            first = Some((entry.name, pairs));
+            continue;
+        };
+        if *agreed != pairs {
+            return Err(NoTruth::Disagree { first: earlier, second: entry.name, a: agreed.len(), b: pairs.len() });
+        }
+        check_sample(scene, exact, &pairs)?;
+        return Ok(pairs);
+    }
+    Ok(brute_force(scene, exact)?)
+}
+
+/// Tests random elements against all others.
+fn check_sample(scene: &AnyScene<'_>, exact: bool, pairs: &[[u32; 2]]) -> Result<(), NoTruth> {
+    let mut random = ChaCha8Rng::seed_from_u64(scene.len() as u64);
+    let mut elements: Vec<u32> = (0..SAMPLE).map(|_| random.random_range(0..scene.len() as u32)).collect();
+    elements.sort_unstable();
+    elements.dedup();
+    let mut chosen = vec![false; scene.len()];
+    elements.iter().for_each(|&k| chosen[k as usize] = true);
+    let mut theirs: Vec<[u32; 2]> = pairs.iter().copied().filter(|[i, j]| chosen[*i as usize] || chosen[*j as usize]).collect();
+    let mut ours = with_scene!(scene, scene => with_bodies(scene, exact, Rows { elements: Some(elements) }))?;
+    ours.dedup();
+    theirs.dedup();
+    if ours == theirs {
+        return Ok(());
+    }
+    let differs = ours.iter().zip(&theirs).find(|(a, b)| a != b).map_or_else(|| ours.last().or(theirs.last()), |(a, _)| Some(a));
+    Err(NoTruth::Sample { element: differs.map_or(0, |[i, j]| if chosen[*i as usize] { *i } else { *j }) })
+}
+
+/// Tests all pairs, or the given elements against all others; pairs in ascending order (twice where both elements are given).
+struct Rows {
+    elements: Option<Vec<u32>>,
+}
+
+impl<T: Real, const D: usize> WithBodies<T, D> for Rows {
+    type Output = Result<Vec<[u32; 2]>, Refusal>;
+    fn call<B: Bodies<T, D>>(self, bodies: B) -> Self::Output {
+        let n = bodies.len() as u32;
+        let others = |i: u32, from: u32| (from..n).filter(move |&j| j != i && bodies.touch(i, j, &mut Silent)).map(move |j| [i, j]);
+        let mut pairs: Vec<[u32; 2]> = match self.elements {
+            None => (0..n).into_par_iter().flat_map_iter(|i| others(i, i + 1)).collect(),
+            Some(elements) => elements.into_par_iter().flat_map_iter(|i| others(i, 0)).collect(),
+        };
+        normalise(&mut pairs);
+        Ok(pairs)
+    }
+}
+
+/// What a detector's pairs, in any order, miss and add.
+pub fn compare(reported: &[[u32; 2]], truth: &[[u32; 2]]) -> crate::harness::record::Errors {
+    let mut reported: Vec<u64> = reported.iter().map(|&[i, j]| key(i, j)).collect();
+    reported.sort_unstable();
+    let all = reported.len();
+    reported.dedup();
+    let duplicate = (all - reported.len()) as u64;
+    let (mut spurious, mut found) = (0, 0);
+    let mut truth_keys = truth.iter().map(|&[i, j]| key(i, j)).peekable();
+    for pair in reported {
+        while truth_keys.next_if(|&t| t < pair).is_some() {}
+        if truth_keys.next_if_eq(&pair).is_some() {
+            found += 1;
+        } else {
+            spurious += 1;
+        }
+    }
+    crate::harness::record::Errors { missed: truth.len() as u64 - found, spurious, duplicate }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::harness::record::Errors;
+
+    #[test]
+    fn errors_are_counted_apart() {
+        let truth = [[0, 1], [0, 2], [3, 4], [5, 6]];
+        assert_eq!(compare(&[[1, 0], [2, 0], [4, 3], [6, 5]], &truth), Errors::default());
+        let errors = compare(&[[5, 6], [2, 0], [0, 2], [7, 8], [7, 7], [0, 0]], &truth);
+        assert_eq!(errors, Errors { missed: 2, spurious: 3, duplicate: 1 });
+    }
+}
