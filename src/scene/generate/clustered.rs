@@ -1,0 +1,76 @@
+//! `clustered`: Gaussian clusters on a thin background.
+//!
+//! ```text
+//!   +----------------------+
+//!   |  oo              o   |
+//!   | oooo      o          |
+//!   |  oo               o  |
+//!   |       o        oooo  |
+//!   |            o    oooo |
+//!   +----------------------+
+//! ```
+//!
+//! A share `background` of the elements (rounded to the nearest whole number) is uniform in a square (cube) whose volume is that of
+//! all bodies over `fraction`. The others form clusters of `per-cluster` elements (the last may be smaller): each has a centre
+//! uniform in the box and elements normal about it, with standard deviation `width` along each axis. A cluster near the border
+//! throws elements outside the box; they stay, so the box around the scene is somewhat larger and its packing fraction somewhat
+//! smaller than asked. In generated order the clusters come first, one after the other, then the background.
+
+use super::table::{Generator, Kind, Parameter, Preset};
+use super::{DIAMETER, Inputs, SIZE_RATIO, assemble, box_edge, draw::Draw, unit_radii};
+use crate::scene::{AnyScene, Scene};
+
+/// The table line.
+pub const GENERATOR: Generator = Generator {
+    name: "clustered",
+    dims: &[2, 3],
+    summary: "Gaussian clusters on a thin uniform background",
+    params: &[
+        DIAMETER,
+        SIZE_RATIO,
+        Parameter {
+            name: "per-cluster",
+            kind: Kind::Count,
+            default: [Preset::Whole(100); 2],
+            meaning: "elements in a cluster; the last cluster may be smaller",
+        },
+        Parameter {
+            name: "width",
+            kind: Kind::NotNegative,
+            default: [Preset::Number(4.0), Preset::Number(2.0)],
+            meaning: "standard deviation of a cluster along each axis, in diameters",
+        },
+        Parameter {
+            name: "background",
+            kind: Kind::Share,
+            default: [Preset::Number(0.1); 2],
+            meaning: "share of the elements that is uniform in the box",
+        },
+        Parameter {
+            name: "fraction",
+            kind: Kind::Positive,
+            default: [Preset::Number(0.01); 2],
+            meaning: "volume of the bodies over the volume of the box",
+        },
+    ],
+    make: |inputs| Ok(if inputs.dim == 2 { AnyScene::from(make::<2>(inputs)?) } else { AnyScene::from(make::<3>(inputs)?) }),
+};
+
+fn make<const D: usize>(inputs: &Inputs<'_>) -> anyhow::Result<Scene<'static, f64, D>> {
+    let mut draw = Draw::new(inputs.seed);
+    let radii = unit_radii(inputs, &mut draw)?;
+    let (n, per_cluster, width) = (inputs.n, inputs.whole("per-cluster")?.max(1), inputs.number("width")?);
+    let edge = box_edge::<D>(n, radii.as_deref(), inputs.number("fraction")?);
+    let clustered = n - ((inputs.number("background")? * n as f64 + 0.5) as u64).min(n);
+    let mut cluster = [0.0; D];
+    let centres = (0..n).map(|k| {
+        if k >= clustered {
+            return [(); D].map(|()| edge * draw.unit());
+        }
+        if k % per_cluster == 0 {
+            cluster = cluster.map(|_| edge * draw.unit());
+        }
+        cluster.map(|x| x + width * draw.normal())
+    });
+    assemble(inputs, centres, radii)
+}

@@ -1,0 +1,60 @@
+//! Random numbers with the same bits on every machine.
+
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, UnitDisc};
+
+/// ChaCha8 has 2^64 independent streams for one seed: each use of a scene's seed has its own.
+const GENERATOR_STREAM: u64 = 0;
+const SHUFFLE_STREAM: u64 = 1;
+
+/// A seeded source of uniform and normal numbers.
+pub struct Draw {
+    rng: ChaCha8Rng,
+    spare: Option<f64>,
+}
+
+impl Draw {
+    /// The source for a generator.
+    pub fn new(seed: u64) -> Draw {
+        Draw { rng: stream(seed, GENERATOR_STREAM), spare: None }
+    }
+
+    /// Uniform in [0, 1), a multiple of 2^-53.
+    pub fn unit(&mut self) -> f64 {
+        self.rng.random()
+    }
+
+    /// Uniform in [-1, 1).
+    pub fn symmetric(&mut self) -> f64 {
+        2.0 * self.unit() - 1.0
+    }
+
+    /// Normal with mean 0 and standard deviation 1, by Marsaglia's polar method, which gives two at a time
+    /// (Marsaglia and Bray 1964, doi:10.1137/1006063).
+    pub fn normal(&mut self) -> f64 {
+        if let Some(spare) = self.spare.take() {
+            return spare;
+        }
+        loop {
+            let [u, v]: [f64; 2] = UnitDisc.sample(&mut self.rng);
+            let s = u * u + v * v;
+            if s > 0.0 {
+                let factor = (-2.0 * libm::log(s) / s).sqrt();
+                self.spare = Some(v * factor);
+                return u * factor;
+            }
+        }
+    }
+}
+
+/// The source for the permutation of a scene: independent of what its generator draws.
+pub fn shuffler(seed: u64) -> ChaCha8Rng {
+    stream(seed, SHUFFLE_STREAM)
+}
+
+fn stream(seed: u64, stream: u64) -> ChaCha8Rng {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    rng.set_stream(stream);
+    rng
+}

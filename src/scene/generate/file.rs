@@ -1,0 +1,50 @@
+//! `file`: particles that somebody else made.
+//!
+//! ```text
+//!   x,y,r
+//!   0,0,0.5        ->   o o
+//!   1,0,0.5
+//! ```
+//!
+//! The formats and their rules are those of [`crate::read`]. The file decides the number of elements and the dimension: n = 0 takes
+//! what there is, another n must be the file's. `file-dim` says what an array with three columns means; see [`crate::read::Options`].
+
+use std::path::Path;
+
+use anyhow::ensure;
+
+use super::table::{Generator, Kind, Parameter, Preset};
+use crate::read;
+
+/// The name under which the program knows files.
+pub const NAME: &str = "file";
+
+/// The table line.
+pub const GENERATOR: Generator = Generator {
+    name: NAME,
+    dims: &[2, 3],
+    summary: "a particle file: CSV, XYZ, extended XYZ or NumPy npy",
+    params: &[
+        Parameter { name: "path", kind: Kind::Text, default: [Preset::Required; 2], meaning: "the file's name" },
+        Parameter {
+            name: "radius",
+            kind: Kind::NotNegative,
+            default: [Preset::Absent; 2],
+            meaning: "radius of all particles, for files that hold none",
+        },
+        Parameter {
+            name: "file-dim",
+            kind: Kind::Dim,
+            default: [Preset::Absent; 2],
+            meaning: "2 or 3, where the file leaves it open: three columns without names, or z = 0",
+        },
+    ],
+    make: |inputs| {
+        let path = Path::new(inputs.text("path")?);
+        let options = read::Options { radius: inputs.number("radius").ok(), dim: inputs.whole("file-dim").ok().map(|dim| dim as u32) };
+        let scene = read::scene(path, options)?;
+        let (n, found) = (inputs.n, scene.len());
+        ensure!(n == 0 || n == found as u64, "{} holds {found} particles, but n = {n} was asked for; leave n out", path.display());
+        Ok(scene)
+    },
+};

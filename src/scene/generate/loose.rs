@@ -1,0 +1,43 @@
+//! `loose`: uniform random in a square or cube, a Poisson-like gas.
+//!
+//! ```text
+//!   +----------------+
+//!   | o        o   o |
+//!   |    o  oo       |
+//!   |            o   |
+//!   |  o      o     o|
+//!   +----------------+
+//! ```
+//!
+//! Centres are independent and uniform in a square (cube) with a corner at the origin, whose volume is the volume of all bodies over
+//! `fraction`. Overlaps are kept, so that about 4·fraction·n/2 (2D) or 8·fraction·n/2 (3D) pairs touch.
+
+use super::table::{Generator, Kind, Parameter, Preset};
+use super::{DIAMETER, Inputs, SIZE_RATIO, assemble, box_edge, draw::Draw, unit_radii};
+use crate::scene::{AnyScene, Scene};
+
+/// The table line.
+pub const GENERATOR: Generator = Generator {
+    name: "loose",
+    dims: &[2, 3],
+    summary: "uniform random in a square or cube",
+    params: &[
+        DIAMETER,
+        SIZE_RATIO,
+        Parameter {
+            name: "fraction",
+            kind: Kind::Positive,
+            default: [Preset::Number(0.05); 2],
+            meaning: "volume of the bodies over the volume of the box",
+        },
+    ],
+    make: |inputs| Ok(if inputs.dim == 2 { AnyScene::from(make::<2>(inputs)?) } else { AnyScene::from(make::<3>(inputs)?) }),
+};
+
+fn make<const D: usize>(inputs: &Inputs<'_>) -> anyhow::Result<Scene<'static, f64, D>> {
+    let mut draw = Draw::new(inputs.seed);
+    let radii = unit_radii(inputs, &mut draw)?;
+    let edge = box_edge::<D>(inputs.n, radii.as_deref(), inputs.number("fraction")?);
+    let centres = (0..inputs.n).map(|_| [(); D].map(|()| edge * draw.unit()));
+    assemble(inputs, centres, radii)
+}

@@ -1,0 +1,115 @@
+//! Generators: scenes made from a seed, the same bits on every machine.
+//!
+//! One file per generator, each with a picture of its scene, its parameters and its table line ([`table::GENERATORS`]). A generator
+//! thinks in diameters: it draws coordinates and radii for a largest diameter of 1, and [`assemble`] multiplies both by `diameter`.
+//! To give the same bits everywhere it uses only + - * / and square roots, which IEEE 754 fixes, and the `libm` crate's cube root and
+//! logarithm, which are plain Rust; never the functions of the machine's own mathematical library. Overlaps are allowed everywhere.
+
+pub mod book;
+pub mod clustered;
+pub mod draw;
+pub mod file;
+pub mod loose;
+pub mod packed;
+pub mod table;
+
+use std::collections::BTreeMap;
+
+use anyhow::Context;
+use nalgebra::Point;
+
+use super::{Radii, Scene};
+use draw::Draw;
+use table::{Kind, Parameter, Preset};
+
+/// What a generator is given: everything in a [`super::spec::Spec`] except the order.
+pub struct Inputs<'a> {
+    /// 2 or 3.
+    pub dim: u32,
+    /// Number of elements.
+    pub n: u64,
+    /// Seed of the draws.
+    pub seed: u64,
+    /// All parameters, checked.
+    pub params: &'a BTreeMap<String, serde_json::Value>,
+}
+
+impl Inputs<'_> {
+    fn number(&self, name: &str) -> anyhow::Result<f64> {
+        self.params.get(name).and_then(|value| value.as_f64()).with_context(|| format!("the number '{name}' is missing"))
+    }
+
+    fn whole(&self, name: &str) -> anyhow::Result<u64> {
+        self.params.get(name).and_then(|value| value.as_u64()).with_context(|| format!("the whole number '{name}' is missing"))
+    }
+
+    fn text(&self, name: &str) -> anyhow::Result<&str> {
+        self.params.get(name).and_then(|value| value.as_str()).with_context(|| format!("the text '{name}' is missing"))
+    }
+}
+
+const DIAMETER: Parameter = Parameter {
+    name: "diameter",
+    kind: Kind::Positive,
+    default: [Preset::Number(1.0); 2],
+    meaning: "largest diameter, in units of length",
+};
+
+const SIZE_RATIO: Parameter = Parameter {
+    name: "size-ratio",
+    kind: Kind::AtLeastOne,
+    default: [Preset::Number(1.0); 2],
+    meaning: "radii uniform between r / ratio and r; 1 = one radius for all",
+};
+
+/// Radii for a diameter of 1, or none where all are 1/2.
+fn unit_radii(inputs: &Inputs<'_>, draw: &mut Draw) -> anyhow::Result<Option<Vec<f64>>> {
+    let ratio = inputs.number("size-ratio")?;
+    if ratio == 1.0 {
+        return Ok(None);
+    }
+    let least = 0.5 / ratio;
+    let mut radii = room(inputs.n)?;
+    // The minimum keeps a rounded-up radius from exceeding the largest.
+    radii.extend((0..inputs.n).map(|_| (least + (0.5 - least) * draw.unit()).min(0.5)));
+    Ok(Some(radii))
+}
+
+/// The edge of a square or cube that the bodies fill to the packing fraction, in diameters.
+fn box_edge<const D: usize>(n: u64, radii: Option<&[f64]>, fraction: f64) -> f64 {
+    let power = |r: f64| if D == 2 { r * r } else { r * r * r };
+    let sum = radii.map_or(n as f64 * power(0.5), |radii| radii.iter().map(|&r| power(r)).sum());
+    let shape = if D == 2 { std::f64::consts::PI } else { std::f64::consts::PI * 4.0 / 3.0 };
+    let volume = sum * shape / fraction;
+    if D == 2 { volume.sqrt() } else { libm::cbrt(volume) }
+}
+
+/// An empty list with room for `n`, or a sentence where the machine has not the memory.
+fn room<T>(n: u64) -> anyhow::Result<Vec<T>> {
+    let mut list = Vec::new();
+    let n = usize::try_from(n).context("more elements than this machine can address; make n smaller")?;
+    list.try_reserve_exact(n).with_context(|| format!("no memory for n = {n} elements; make n smaller"))?;
+    Ok(list)
+}
+
+/// Scales centres and radii, given in diameters, and makes the scene.
+fn assemble<const D: usize>(
+    inputs: &Inputs<'_>,
+    centres: impl Iterator<Item = [f64; D]>,
+    radii: Option<Vec<f64>>,
+) -> anyhow::Result<Scene<'static, f64, D>> {
+    let diameter = inputs.number("diameter")?;
+    let mut points = room(inputs.n)?;
+    points.extend(centres.map(|centre| Point::from(centre.map(|x| x * diameter))));
+    let radii = match radii {
+        None => Radii::Uniform(0.5 * diameter),
+        Some(mut radii) => {
+            radii.iter_mut().for_each(|r| *r *= diameter);
+            Radii::Each(radii.into())
+        }
+    };
+    Scene::new(points, radii).context("the parameters are too large for f64; make them smaller")
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,162 @@
+//! The table of generators: the one place where they are registered, and how their parameters are checked.
+
+use std::collections::BTreeMap;
+
+use anyhow::{bail, ensure};
+use serde_json::Value;
+
+use super::{Inputs, book, clustered, file, loose, packed};
+use crate::scene::AnyScene;
+
+/// All generators.
+pub static GENERATORS: [Generator; 8] =
+    [packed::GENERATOR, loose::GENERATOR, clustered::GENERATOR, book::PACK_A, book::PACK_B, book::PACK_C, book::PACK_D, file::GENERATOR];
+
+/// One line of the table.
+#[derive(Clone, Copy)]
+pub struct Generator {
+    /// The name in experiments, records and on the command line.
+    pub name: &'static str,
+    /// The dimensions it can make.
+    pub dims: &'static [u32],
+    /// What it makes, in a phrase.
+    pub summary: &'static str,
+    /// Its parameters.
+    pub params: &'static [Parameter],
+    /// Makes the scene, in generated order.
+    pub make: fn(&Inputs<'_>) -> anyhow::Result<AnyScene<'static>>,
+}
+
+/// A parameter of a generator.
+#[derive(Clone, Copy, Debug)]
+pub struct Parameter {
+    /// The name.
+    pub name: &'static str,
+    /// Which values it takes.
+    pub kind: Kind,
+    /// The value where none is given, for 2 and 3 dimensions.
+    pub default: [Preset; 2],
+    /// What it means, with its unit.
+    pub meaning: &'static str,
+}
+
+/// Which values a parameter takes.
+#[derive(Clone, Copy, Debug)]
+pub enum Kind {
+    /// A finite number over 0.
+    Positive,
+    /// A finite number of at least 0.
+    NotNegative,
+    /// A finite number of at least 1.
+    AtLeastOne,
+    /// A number from 0 to 1.
+    Share,
+    /// A whole number of at least 1.
+    Count,
+    /// 2 or 3.
+    Dim,
+    /// One of some words, for 2 and 3 dimensions.
+    Word([&'static [&'static str]; 2]),
+    /// Any text that is not empty.
+    Text,
+}
+
+/// The value of a parameter that is not given.
+#[derive(Clone, Copy, Debug)]
+pub enum Preset {
+    /// This number.
+    Number(f64),
+    /// This whole number.
+    Whole(u64),
+    /// This word.
+    Word(&'static str),
+    /// The parameter stays away.
+    Absent,
+    /// The parameter must be given.
+    Required,
+}
+
+/// The generator of that name.
+pub fn find(name: &str) -> anyhow::Result<&'static Generator> {
+    let names = || GENERATORS.map(|generator| generator.name).join(", ");
+    GENERATORS
+        .iter()
+        .find(|generator| generator.name == name)
+        .ok_or_else(|| anyhow::anyhow!("there is no scene '{name}'; the scenes are: {}", names()))
+}
+
+impl Generator {
+    /// Checks dimension, number and parameters, and gives all parameters that have a value, defaults included.
+    pub fn check(&self, dim: u32, n: u64, params: &BTreeMap<String, Value>) -> anyhow::Result<BTreeMap<String, Value>> {
+        ensure!(
+            self.dims.contains(&dim),
+            "{}: dim = {dim}; it is made in {} only",
+            self.name,
+            self.dims.iter().map(|d| format!("{d} dimensions")).collect::<Vec<_>>().join(" and ")
+        );
+        ensure!(
+            n <= u64::from(u32::MAX),
+            "{}: n = {n}; at most 2^32 - 1 = {} elements can be numbered: make n smaller",
+            self.name,
+            u32::MAX
+        );
+        for name in params.keys() {
+            if !self.params.iter().any(|parameter| parameter.name == name) {
+                let known = self.params.iter().map(|parameter| parameter.name).collect::<Vec<_>>().join(", ");
+                bail!("{}: there is no parameter '{name}'; the parameters are: {known}", self.name);
+            }
+        }
+        let mut all = BTreeMap::new();
+        for parameter in self.params {
+            let value = match params.get(parameter.name) {
+                Some(value) => match parameter.kind.check(value, dim) {
+                    Ok(value) => value,
+                    Err(must) => bail!("{}: {} is {value}; it must be {must}", self.name, parameter.name),
+                },
+                None => match parameter.default[usize::from(dim == 3)] {
+                    Preset::Number(x) => x.into(),
+                    Preset::Whole(k) => k.into(),
+                    Preset::Word(word) => word.into(),
+                    Preset::Absent => continue,
+                    Preset::Required => bail!("{}: the parameter '{}' is missing ({})", self.name, parameter.name, parameter.meaning),
+                },
+            };
+            all.insert(parameter.name.to_string(), value);
+        }
+        Ok(all)
+    }
+}
+
+impl Kind {
+    /// What the parameter must be.
+    pub fn accepts(&self, dim: u32) -> String {
+        match self {
+            Kind::Positive => "a finite number over 0".into(),
+            Kind::NotNegative => "a finite number of at least 0".into(),
+            Kind::AtLeastOne => "a finite number of at least 1".into(),
+            Kind::Share => "a number from 0 to 1".into(),
+            Kind::Count => "a whole number of at least 1".into(),
+            Kind::Dim => "2 or 3".into(),
+            Kind::Word(words) => format!("{} in {dim} dimensions", words[usize::from(dim == 3)].join(" or ")),
+            Kind::Text => "a text that is not empty".into(),
+        }
+    }
+
+    /// The value in its one canonical form (2 becomes 2.0 for a number), or what it must be.
+    fn check(&self, value: &Value, dim: u32) -> Result<Value, String> {
+        let number = |good: fn(f64) -> bool| value.as_f64().filter(|&x| x.is_finite() && good(x)).map(Value::from);
+        let whole = |good: fn(u64) -> bool| value.as_u64().filter(|&k| good(k)).map(Value::from);
+        let text = |good: &dyn Fn(&str) -> bool| value.as_str().filter(|text| good(text)).map(Value::from);
+        let good = match self {
+            Kind::Positive => number(|x| x > 0.0),
+            Kind::NotNegative => number(|x| x >= 0.0),
+            Kind::AtLeastOne => number(|x| x >= 1.0),
+            Kind::Share => number(|x| (0.0..=1.0).contains(&x)),
+            Kind::Count => whole(|k| k >= 1),
+            Kind::Dim => whole(|k| k == 2 || k == 3),
+            Kind::Word(words) => text(&|word| words[usize::from(dim == 3)].contains(&word)),
+            Kind::Text => text(&|text| !text.is_empty()),
+        };
+        good.ok_or_else(|| self.accepts(dim))
+    }
+}

@@ -1,0 +1,211 @@
+//! Every generator: number, bits, geometry.
+
+use crate::contact::array;
+use crate::scene::spec::{GENERATORS, Spec};
+use crate::scene::stats::{scene_hash, stats};
+use crate::scene::{AnyScene, Radii};
+use crate::with_scene;
+
+fn make(text: &str) -> AnyScene<'static> {
+    Spec::parse(text).and_then(|spec| spec.make()).unwrap_or_else(|error| panic!("{text}: {error:#}"))
+}
+
+/// Squared distances of all couples, and the squared sums of their radii.
+fn couples(scene: &AnyScene<'_>) -> Vec<[f64; 2]> {
+    let scene = scene.stored(crate::contact::Arithmetic::F64).unwrap();
+    with_scene!(&scene, scene => {
+        let mut couples = Vec::new();
+        for i in 0..scene.len() {
+            for j in 0..i {
+                let (a, b) = (array(&scene.centres()[i]), array(&scene.centres()[j]));
+                let square: f64 = a.iter().zip(b).map(|(p, q)| f64::from(p - q) * f64::from(p - q)).sum();
+                let reach = f64::from(scene.radius(i) + scene.radius(j));
+                couples.push([square, reach * reach]);
+            }
+        }
+        couples
+    })
+}
+
+fn coordination(scene: &AnyScene<'_>) -> f64 {
+    stats(scene, couples(scene).iter().filter(|[d, r]| d <= r).count() as u64).coordination
+}
+
+// The hashes were computed once, on x86-64 Linux. A change means that published scenes are no longer the same scenes: results made
+// before and after must not be compared, so a new hash needs a new major version.
+#[test]
+fn the_bits_of_every_generator_are_fixed() {
+    for (text, hash) in [
+        ("packed:n=1000,dim=2", "?"),
+        ("packed:n=1000,dim=3,seed=7", "?"),
+        ("packed:n=1000,dim=2,lattice=square,order=generated", "?"),
+        ("packed:n=1000,dim=3,lattice=cubic,order=morton", "?"),
+        ("packed:n=1000,dim=3,size-ratio=3,diameter=0.1", "?"),
+        ("loose:n=1000,dim=2", "?"),
+        ("loose:n=1000,dim=3,size-ratio=2", "?"),
+        ("clustered:n=1000,dim=2", "?"),
+        ("clustered:n=1000,dim=3", "?"),
+        ("pack-a:n=1000", "?"),
+        ("pack-b:n=1000,s=1.5", "?"),
+        ("pack-c:n=1000,s=200", "?"),
+        ("pack-d:n=1000,s=3", "?"),
+    ] {
+        assert_eq!(scene_hash(&make(text)), hash, "{text}");
+        assert_eq!(make(text), make(text), "{text}");
+    }
+}
+
+#[test]
+fn every_generator_makes_exactly_n() {
+    for generator in GENERATORS.iter().filter(|generator| generator.name != "file") {
+        for dim in generator.dims {
+            for n in [0, 1, 2, 3, 4, 7, 8, 9, 26, 27, 28, 99, 100, 101, 1000] {
+                for order in ["shuffled", "generated", "morton"] {
+                    let scene = make(&format!("{}:dim={dim},n={n},order={order}", generator.name));
+                    assert_eq!((scene.len(), scene.dim()), (n, *dim as usize), "{}", generator.name);
+                    assert_eq!(scene.largest_radius(), 0.5);
+                    assert!(scene.uniform());
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn seeds_differ_and_the_shuffle_does_not_touch_the_draws() {
+    assert_ne!(make("loose:seed=1,order=generated"), make("loose:seed=2,order=generated"));
+    let sorted = |text: &str| {
+        let AnyScene::PlaneF64(scene) = make(text) else { panic!("made in the plane") };
+        let mut bits: Vec<_> = scene.centres().iter().map(|p| array(p).map(f64::to_bits)).collect();
+        bits.sort_unstable();
+        bits
+    };
+    assert_eq!(sorted("clustered:order=shuffled"), sorted("clustered:order=generated"));
+}
+
+#[test]
+fn packed_defaults_touch_like_a_granular_pack() {
+    let plane = coordination(&make("packed:n=4000,dim=2"));
+    let space = coordination(&make("packed:n=4000,dim=3"));
+    println!("coordination of packed: {plane:.3} in 2D, {space:.3} in 3D");
+    assert!((3.2..4.0).contains(&plane) && (5.5..7.5).contains(&space), "{plane} {space}");
+}
+
+#[test]
+fn lattices_without_jitter_have_their_neighbours() {
+    for (text, inner) in [
+        ("packed:n=900,jitter=0,order=generated", 6.0),
+        ("packed:n=900,jitter=0,lattice=square,spacing=1", 4.0),
+        ("packed:n=2000,dim=3,jitter=0", 12.0),
+        ("packed:n=1000,dim=3,jitter=0,lattice=cubic,spacing=1", 6.0),
+    ] {
+        // Border elements have fewer, but most of the block is inside.
+        let mean = coordination(&make(text));
+        assert!(mean <= inner && mean > 0.75 * inner, "{text}: {mean}");
+    }
+    for dim in [2, 3] {
+        let least = couples(&make(&format!("packed:n=500,dim={dim},jitter=0,spacing=0.75"))).iter().fold(9.0, |a: f64, b| a.min(b[0]));
+        assert!((least.sqrt() - 0.75).abs() < 1e-12, "{least}");
+    }
+    let AnyScene::SpaceF64(scene) = make("packed:n=27,dim=3,jitter=0,lattice=cubic,spacing=0.97,diameter=0.5,order=generated") else {
+        panic!("made in space")
+    };
+    for (k, centre) in scene.centres().iter().enumerate() {
+        assert_eq!(*array(centre), [k % 3, k / 3 % 3, k / 9].map(|i| i as f64 * 0.97 * 0.5));
+    }
+}
+
+#[test]
+fn jitter_stays_in_its_bounds() {
+    for diameter in [1.0, 0.25] {
+        let text = |jitter| format!("packed:n=500,dim=3,order=generated,diameter={diameter},jitter={jitter}");
+        let (AnyScene::SpaceF64(still), AnyScene::SpaceF64(moved)) = (make(&text(0.0)), make(&text(0.2))) else { panic!("made in space") };
+        let most = still.centres().iter().zip(moved.centres()).map(|(a, b)| (a - b).amax()).fold(0.0, f64::max);
+        assert!(most <= 0.2 * diameter + 1e-12 && most > 0.19 * diameter, "{most}");
+    }
+}
+
+#[test]
+fn loose_and_clustered_fill_the_box_as_asked() {
+    for dim in [2, 3] {
+        for ratio in [1, 4] {
+            let scene = make(&format!("loose:n=20000,dim={dim},fraction=0.05,size-ratio={ratio},diameter=3"));
+            let fraction = stats(&scene, 0).packing_fraction;
+            assert!((0.045..0.0501).contains(&fraction), "{dim}D, ratio {ratio}: {fraction}");
+        }
+        // Twice 5% or 2.5%: half the couples that would touch twice, 4 or 8 times the fraction each.
+        let expected = if dim == 2 { 0.2 } else { 0.4 };
+        let mean = coordination(&make(&format!("loose:n=4000,dim={dim}")));
+        assert!((mean / expected - 1.0).abs() < 0.15, "{dim}D: {mean}");
+    }
+    let loose = coordination(&make("clustered:n=3000,background=1"));
+    let tight = coordination(&make("clustered:n=3000,background=0"));
+    println!(
+        "coordination of clustered: {tight:.2} without background, {loose:.2} all background; 3D {:.2}",
+        coordination(&make("clustered:n=3000,dim=3"))
+    );
+    assert!(loose < 0.06 && tight > 1.5, "{loose} {tight}");
+}
+
+#[test]
+fn clusters_have_their_width_and_number() {
+    for dim in [2, 3] {
+        let scene = make(&format!("clustered:n=10000,dim={dim},per-cluster=10000,background=0,width=3,order=generated"));
+        with_scene!(&scene, scene => {
+            let xs: Vec<f64> = scene.centres().iter().map(|p| f64::from(array(p)[1])).collect();
+            let mean = xs.iter().sum::<f64>() / 1e4;
+            let deviation = (xs.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>() / 1e4).sqrt();
+            let within = xs.iter().filter(|&&x| (x - mean).abs() < deviation).count();
+            assert!((deviation - 3.0).abs() < 0.1, "{deviation}");
+            assert!((6600..7050).contains(&within), "{within} of 10000 within one deviation; a normal has 6827");
+        });
+    }
+    // Width 0: 3 clusters of 30 coincident elements, then 10 of background, no two alike.
+    let scene = make("clustered:n=100,per-cluster=30,width=0");
+    let equal = couples(&scene).iter().filter(|[square, _]| *square == 0.0).count();
+    assert_eq!(equal, 3 * 30 * 29 / 2);
+}
+
+#[test]
+fn size_ratios_spread_the_radii() {
+    let scene = make("packed:n=2000,size-ratio=5,diameter=2");
+    assert!(!scene.uniform());
+    with_scene!(&scene, scene => {
+        let Radii::Each(radii) = scene.radii() else { panic!("one radius each") };
+        assert!(radii.iter().all(|&r| (0.2..=1.0).contains(&f64::from(r))));
+        let mean = radii.iter().map(|&r| f64::from(r)).sum::<f64>() / 2000.0;
+        assert!((mean - 0.6).abs() < 0.02, "{mean}");
+    });
+}
+
+/// Packs as the book describes them: which neighbours are exactly D apart, to the bit, for dyadic D and any n.
+#[test]
+fn book_packs_touch_exactly() {
+    for diameter in [1.0, 0.125, 4.0] {
+        for n in [1usize, 2, 10, 100, 1000] {
+            let columns = (1..).find(|c| c * c >= n).unwrap_or(1);
+            let rows = |row: usize| columns.min(n - row * columns);
+            let rows: Vec<usize> = (0..n.div_ceil(columns)).map(rows).collect();
+            let along: usize = rows.iter().map(|r| r - 1).sum();
+            let halves: usize = rows.iter().map(|r| r / 2).sum();
+            for (pack, touching) in [
+                ("pack-a:", along),
+                ("pack-b:s=1,", along),
+                ("pack-b:s=1.5,", 0),
+                ("pack-c:s=1,", along + n - rows[0]),
+                ("pack-c:s=200,", 0),
+                ("pack-d:s=3,", halves),
+                ("pack-d:s=1,", along),
+            ] {
+                let scene = make(&format!("{pack}n={n},diameter={diameter}"));
+                let couples = couples(&scene);
+                let exact = couples.iter().filter(|[square, _]| *square == diameter * diameter).count();
+                assert_eq!(exact, touching, "{pack}n={n}, diameter {diameter}");
+                assert!(couples.iter().all(|[square, _]| *square >= diameter * diameter));
+            }
+        }
+    }
+    let AnyScene::PlaneF64(scene) = make("pack-d:n=10,s=3,diameter=2,order=generated") else { panic!("made in the plane") };
+    let places: Vec<[f64; 2]> = scene.centres().iter().map(|p| *array(p)).collect();
+    assert_eq!(places[..5], [[0.0, 0.0], [2.0, 0.0], [8.0, 0.0], [10.0, 0.0], [0.0, 4.0]]);
+}
