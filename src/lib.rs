@@ -3,6 +3,8 @@
 
 pub mod analyse;
 pub mod cells;
+pub mod check;
+pub mod cli;
 pub mod contact;
 pub mod detect;
 pub mod figure;

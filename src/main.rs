@@ -1,3 +1,35 @@
-fn main() {
-    println!("Hello, world!");
+//! The `contactbench` program: verbs to modules.
+
+use std::process::ExitCode;
+
+use clap::Parser;
+use contactbench::cli::{Cli, Verb, check, detect, list, run, runner};
+use contactbench::harness::alloc::Counting;
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+fn main() -> ExitCode {
+    let result = match Cli::parse().verb {
+        None => run::standard(),
+        Some(Verb::Run(options)) => run::run(&options),
+        Some(Verb::Report(options)) => run::report(&options),
+        Some(Verb::List(options)) => list::list(&options),
+        Some(Verb::Check(options)) => check::check(&options),
+        Some(Verb::Detect(options)) => detect::detect(&options),
+        Some(Verb::Runner(options)) => runner::serve(&options),
+    };
+    match result {
+        Ok(code) => code,
+        Err(error) if broken_pipe(&error) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("contactbench: {error:#}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// Whoever read our output has seen enough.
+fn broken_pipe(error: &anyhow::Error) -> bool {
+    error.chain().any(|cause| cause.downcast_ref::<std::io::Error>().is_some_and(|e| e.kind() == std::io::ErrorKind::BrokenPipe))
 }

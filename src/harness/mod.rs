@@ -2,6 +2,7 @@
 
 pub mod alloc;
 pub mod bake;
+pub mod builtin;
 pub mod child;
 pub mod experiment;
 pub mod protocol;

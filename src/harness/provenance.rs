@@ -12,8 +12,10 @@ pub const FILE: &str = "provenance.json";
 /// What there is to know about this run, as a JSON object.
 pub fn gather(experiments: &[String], quick: bool) -> Value {
     let cpu = read("/proc/cpuinfo");
-    let model = cpu.lines().find_map(|line| line.strip_prefix("model name")).map(|rest| rest.trim_start_matches([' ', '\t', ':']).to_string());
-    let memory = read("/proc/meminfo").lines().next().and_then(|line| line.split_whitespace().nth(1)?.parse::<u64>().ok()).map(|kib| kib * 1024);
+    let model =
+        cpu.lines().find_map(|line| line.strip_prefix("model name")).map(|rest| rest.trim_start_matches([' ', '\t', ':']).to_string());
+    let memory =
+        read("/proc/meminfo").lines().next().and_then(|line| line.split_whitespace().nth(1)?.parse::<u64>().ok()).map(|kib| kib * 1024);
     json!({
         "command": std::env::args().enumerate().map(|(k, a)| if k == 0 { "contactbench".into() } else { a }).collect::<Vec<_>>().join(" "),
         "experiments": experiments,

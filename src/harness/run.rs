@@ -21,7 +21,7 @@ use crate::contact::Arithmetic;
 use crate::detect::table::{self, Role};
 use crate::oracle::{self, NoTruth, Truth};
 use crate::scene::spec::{Order, Spec};
-use crate::scene::stats;
+use crate::scene::{AnyScene, stats};
 
 /// Samples are at least this long, or the clock would be measured.
 const SHORTEST_SAMPLE_NS: u64 = 1_000_000;
@@ -150,13 +150,13 @@ impl Stage<'_> {
         let exact_contacts = truths.get(Arithmetic::Exact)?.map_or(0, |truth| truth.digest.contacts);
         let stats = stats::stats(&scene, exact_contacts);
         let contenders = self.contenders(&scene);
-        let blanks: Vec<Row> = contenders.iter().map(|contender| self.blank(contender, scene.len(), &stats)).collect();
+        let blanks: Vec<Row> = contenders.iter().map(|contender| self.blank(contender, &scene, &stats)).collect();
         if contenders.iter().zip(&blanks).all(|(contender, blank)| self.complete(contender, blank, blocks)) {
             return Ok(());
         }
         let path = self.folder.join("scene.npy");
         let radius = bake::write(&path, &scene)?;
-        let load = Request::Load { path, dim: self.spec.dim, n: scene.len() as u64, radius };
+        let load = Request::Load { path, dim: scene.dim() as u32, n: scene.len() as u64, radius };
         let mut racers = Vec::new();
         for (contender, blank) in contenders.into_iter().zip(blanks) {
             if self.index.ended(&blank) {
@@ -194,7 +194,7 @@ impl Stage<'_> {
             && (self.index.ended(blank) || has(Pass::Count, 0) && has(Pass::Memory, 0) && (1..=enough).all(|block| has(Pass::Time, block)))
     }
 
-    fn contenders(&self, scene: &crate::scene::AnyScene<'_>) -> Vec<Contender> {
+    fn contenders(&self, scene: &AnyScene<'_>) -> Vec<Contender> {
         let experiment = self.experiment;
         let limit = experiment.memory_limit_mib << 20;
         // The scene (twice while it is read), and room for 16 pairs per element, doubled by growth.
@@ -213,7 +213,12 @@ impl Stage<'_> {
                 let mut command = vec![self.job.program.display().to_string(), "runner".into(), "--detector".into(), name.clone()];
                 command.extend(["--arithmetic".into(), arithmetic.name().into(), "--threads".into(), experiment.threads.to_string()]);
                 command.extend(["--memory-limit".into(), limit.to_string()]);
-                contenders.push(Contender { name: name.clone(), arithmetic: Some(arithmetic), role: entry.role, start: start(command, String::new()) });
+                contenders.push(Contender {
+                    name: name.clone(),
+                    arithmetic: Some(arithmetic),
+                    role: entry.role,
+                    start: start(command, String::new()),
+                });
             }
         }
         for runner in &experiment.runners {
@@ -224,13 +229,13 @@ impl Stage<'_> {
     }
 
     /// A row of this scene and detector without a measurement.
-    fn blank(&self, contender: &Contender, n: usize, stats: &Stats) -> Row {
+    fn blank(&self, contender: &Contender, scene: &AnyScene<'_>, stats: &Stats) -> Row {
         Row {
             experiment: self.experiment.name.clone(),
             scene: self.spec.name.clone(),
             params: self.spec.params.clone(),
-            dim: self.spec.dim,
-            n: n as u64,
+            dim: scene.dim() as u32,
+            n: scene.len() as u64,
             seed: self.spec.seed,
             order: match self.spec.order {
                 Order::Shuffled => "shuffled",
@@ -372,7 +377,13 @@ impl Stage<'_> {
             (Err(reason), _) => row.reason = format!("the pairs differ from the truth, and could not be read: {reason}"),
             (_, None) => row.reason = format!("the scene cannot be decided in {}, yet there was an answer", racer.arithmetic.name()),
         }
-        self.progress.note(&format!("WRONG: {} ({}) on {}: {}", row.detector, row.arithmetic, describe(self.experiment, self.spec), row.reason));
+        self.progress.note(&format!(
+            "WRONG: {} ({}) on {}: {}",
+            row.detector,
+            row.arithmetic,
+            describe(self.experiment, self.spec),
+            row.reason
+        ));
         Ok(())
     }
 
@@ -396,7 +407,7 @@ impl Stage<'_> {
 
 /// The truths about a scene, found when first asked for.
 struct Truths<'a> {
-    scene: &'a crate::scene::AnyScene<'a>,
+    scene: &'a AnyScene<'a>,
     known: BTreeMap<Arithmetic, Option<Truth>>,
 }
 

@@ -1,0 +1,80 @@
+//! `contactbench detect`.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::time::Instant;
+
+use anyhow::{Context, ensure};
+
+use crate::contact::Arithmetic;
+use crate::detect::Options;
+use crate::harness::alloc;
+use crate::read;
+use crate::sink::normalise;
+
+/// Options of `detect`.
+#[derive(clap::Args)]
+pub struct Detect {
+    /// The particles: CSV (x,y[,z][,r]), XYZ, extended XYZ, or NumPy npy
+    file: PathBuf,
+    /// The detector
+    #[arg(long, default_value = "nbs")]
+    detector: String,
+    /// The radius of all particles, for files without radii
+    #[arg(long)]
+    radius: Option<f64>,
+    /// 2 or 3, where the file leaves it open (an npy array of three columns)
+    #[arg(long)]
+    dim: Option<u32>,
+    /// How contacts are decided
+    #[arg(long, value_enum, default_value_t)]
+    arithmetic: Arithmetic,
+    /// Threads, for detectors that can use them
+    #[arg(long, default_value_t = 1)]
+    threads: usize,
+    /// Most bytes for the detector's arrays
+    #[arg(long, default_value_t = Options::default().memory_limit)]
+    memory_limit: u64,
+    /// Where the pairs go: a .csv or .npy file (default: CSV to standard output)
+    #[arg(short, long)]
+    output: Option<PathBuf>,
+}
+
+/// Reads, detects, writes the pairs, and says on standard error what was done.
+pub fn detect(options: &Detect) -> anyhow::Result<ExitCode> {
+    let entry = super::detector(&options.detector)?;
+    let threads = options.threads;
+    ensure!(threads >= 1, "--threads 0: at least one is needed");
+    ensure!(threads == 1 || entry.threads, "{} is sequential and cannot use {threads} threads; leave out --threads, or use direct", entry.name);
+    if let Some(path) = &options.output {
+        read::write::check(path)?;
+    }
+    super::use_threads(threads);
+    let scene = read::scene(&options.file, read::Options { radius: options.radius, dim: options.dim })?;
+    let scene = scene.stored(options.arithmetic).with_context(|| format!("{} in f32", options.file.display()))?;
+    let mut detector = entry.make(Options { memory_limit: options.memory_limit, threads });
+    let mut pairs = Vec::new();
+    let started = Instant::now();
+    let (result, usage) = alloc::measure(|| detector.list(&scene, options.arithmetic.is_exact(), &mut pairs));
+    let seconds = started.elapsed().as_secs_f64();
+    result?;
+    // What is left on the heap is the list of pairs and the detector's buffers.
+    let memory = usage.map(|usage| usage.live_bytes.saturating_sub(pairs.capacity() as u64 * 8));
+    normalise(&mut pairs);
+    match &options.output {
+        Some(path) => read::write::pairs(path, &pairs)?,
+        None => read::write::csv(&mut std::io::BufWriter::new(std::io::stdout().lock()), &pairs)?,
+    }
+    eprintln!(
+        "{}: N = {}, {}D, {} pairs, {:.3} ms, {} held by the detector, {}, {} arithmetic",
+        options.file.display(),
+        scene.len(),
+        scene.dim(),
+        pairs.len(),
+        seconds * 1e3,
+        memory.map_or("memory not measured".into(), super::bytes),
+        entry.name,
+        options.arithmetic.name()
+    );
+    Ok(ExitCode::SUCCESS)
+}

@@ -1,0 +1,59 @@
+//! `contactbench list`.
+
+use std::io::Write;
+use std::process::ExitCode;
+
+use crate::detect::table::TABLE;
+use crate::harness::builtin;
+use crate::scene::spec::GENERATORS;
+
+/// Options of `list`.
+#[derive(clap::Args)]
+pub struct List {
+    /// What to list (default: everything)
+    #[arg(value_enum)]
+    what: Option<What>,
+}
+
+#[derive(Clone, Copy, PartialEq, clap::ValueEnum)]
+enum What {
+    /// With cost, memory and limits
+    Detectors,
+    /// Generators with their parameters
+    Scenes,
+    /// With their questions
+    Experiments,
+}
+
+/// Prints the tables.
+pub fn list(options: &List) -> anyhow::Result<ExitCode> {
+    let mut out = std::io::stdout().lock();
+    let wanted = |what| options.what.is_none_or(|chosen| chosen == what);
+    if wanted(What::Detectors) {
+        writeln!(out, "DETECTORS (N elements; nx, ny, nz cells per axis; memory in bytes)\n")?;
+        for entry in TABLE {
+            writeln!(out, "  {:<12} {}", entry.name, entry.summary)?;
+            writeln!(out, "  {:<12} cost: {}; memory: {}", "", entry.cost, entry.memory)?;
+            writeln!(out, "  {:<12} limits: {}\n", "", entry.limits)?;
+        }
+    }
+    if wanted(What::Scenes) {
+        writeln!(out, "SCENES (parameters with their defaults in 2D, 3D; lengths in diameters)\n")?;
+        for generator in &GENERATORS {
+            let dims: Vec<String> = generator.dims.iter().map(|dim| format!("{dim}D")).collect();
+            writeln!(out, "  {:<12} {} ({})", generator.name, generator.summary, dims.join(", "))?;
+            for parameter in generator.params {
+                writeln!(out, "  {:<12}   {:<14} {}", "", parameter.name, parameter.described(generator.dims))?;
+            }
+            writeln!(out)?;
+        }
+    }
+    if wanted(What::Experiments) {
+        writeln!(out, "EXPERIMENTS (* part of the standard reproduction)\n")?;
+        for experiment in builtin::all()? {
+            writeln!(out, "  {}{:<20} {}", if experiment.standard { "*" } else { " " }, experiment.name, experiment.title)?;
+            writeln!(out, "   {:<20} {}\n", "", experiment.question)?;
+        }
+    }
+    Ok(ExitCode::SUCCESS)
+}

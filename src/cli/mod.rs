@@ -1,0 +1,70 @@
+//! The command line: one file per verb.
+
+pub mod check;
+pub mod detect;
+pub mod list;
+pub mod progress;
+pub mod run;
+pub mod runner;
+
+use anyhow::anyhow;
+use clap::{Parser, Subcommand};
+
+use crate::detect::table::{self, Entry};
+
+/// Which contact detection algorithm, for which scene: how fast, how much memory, how many operations, and how wrong?
+#[derive(Parser)]
+#[command(
+    version,
+    about,
+    after_help = "Without a verb the standard reproduction is run: the book's scaling figures, on this machine, in minutes.\n\n\
+        Exit codes: 0 all is well; 1 a detector was wrong, or a machine-independent claim failed; 2 bad arguments or input."
+)]
+pub struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    pub verb: Option<Verb>,
+}
+
+/// What can be done.
+#[derive(Subcommand)]
+pub enum Verb {
+    /// Runs experiments: measures, checks every answer, writes record, report and figures
+    #[command(after_help = "Example: contactbench run scaling --quick\nExample: contactbench run my-experiment.toml --out results/mine")]
+    Run(run::Run),
+    /// Makes report and figures of a result folder again, from its record alone
+    #[command(after_help = "Example: contactbench report results/reference")]
+    Report(run::Report),
+    /// Lists detectors with cost, memory and limits; scenes; experiments
+    #[command(after_help = "Example: contactbench list detectors")]
+    List(list::List),
+    /// Cross-checks detectors against all pairs tested: for your CI
+    #[command(after_help = "Example: contactbench check --detector nbs\nExit code 1 if one disagrees; the smallest failing scene found is written as CSV.")]
+    Check(check::Check),
+    /// Finds the touching pairs of a particle file
+    #[command(after_help = "Example: contactbench detect packing.csv --detector nbs -o pairs.csv\nExample: contactbench detect centres.npy --radius 0.5 --arithmetic f64 > pairs.csv")]
+    Detect(detect::Detect),
+    /// Serves one detector on standard input and output: see docs/PROTOCOL.md
+    #[command(after_help = "Example: echo '{\"request\":\"quit\"}' | contactbench runner --detector nbs")]
+    Runner(runner::Serve),
+}
+
+/// The detector of a name given by the user.
+fn detector(name: &str) -> anyhow::Result<&'static Entry> {
+    table::find(name).ok_or_else(|| anyhow!("there is no detector '{name}'; the detectors are: {}", table::names()))
+}
+
+/// Bytes as people read them.
+pub fn bytes(bytes: u64) -> String {
+    match bytes {
+        0..10_000 => format!("{bytes} B"),
+        10_000..10_000_000 => format!("{:.1} KB", bytes as f64 / 1e3),
+        10_000_000..10_000_000_000 => format!("{:.1} MB", bytes as f64 / 1e6),
+        _ => format!("{:.1} GB", bytes as f64 / 1e9),
+    }
+}
+
+/// Tells rayon how many threads there are; only the first call in a process counts.
+fn use_threads(threads: usize) {
+    let _ = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
+}

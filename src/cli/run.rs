@@ -1,0 +1,134 @@
+//! `contactbench run`, `contactbench report`, and `contactbench` alone.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use anyhow::{Context, bail, ensure};
+
+use super::progress::Terminal;
+use crate::analyse::report;
+use crate::harness::experiment::Experiment;
+use crate::harness::record::{self, Record, Writer};
+use crate::harness::run::Job;
+use crate::harness::{builtin, provenance};
+
+/// Options of `run`.
+#[derive(clap::Args)]
+pub struct Run {
+    /// Names of experiments (see `contactbench list experiments`), or TOML files
+    #[arg(required = true)]
+    experiments: Vec<String>,
+    /// Small scenes and few blocks: does everything work?
+    #[arg(long)]
+    quick: bool,
+    /// Continue a killed run: what its record holds is not measured again
+    #[arg(long)]
+    resume: bool,
+    /// The result folder (default: results/EXPERIMENT/DATE-MACHINE; with --resume the last one)
+    #[arg(long)]
+    out: Option<PathBuf>,
+}
+
+/// Options of `report`.
+#[derive(clap::Args)]
+pub struct Report {
+    /// A result folder
+    folder: PathBuf,
+}
+
+/// The standard reproduction.
+pub fn standard() -> anyhow::Result<ExitCode> {
+    let names = builtin::all()?.into_iter().filter(|experiment| experiment.standard).map(|experiment| experiment.name).collect();
+    run_named(&Run { experiments: names, quick: false, resume: false, out: None }, "standard")
+}
+
+/// Runs the experiments named.
+pub fn run(options: &Run) -> anyhow::Result<ExitCode> {
+    let stems = options.experiments.iter().map(|name| Path::new(name).file_stem().unwrap_or_default().to_string_lossy().into_owned());
+    run_named(options, &stems.collect::<Vec<_>>().join("+"))
+}
+
+fn run_named(options: &Run, name: &str) -> anyhow::Result<ExitCode> {
+    let found = options.experiments.iter().map(|name| builtin::find(name)).collect::<anyhow::Result<Vec<_>>>()?;
+    let folder = folder(options, name)?;
+    let path = folder.join(record::FILE);
+    let done = previous(&path, options.resume)?;
+    std::fs::create_dir_all(folder.join("experiments"))
+        .with_context(|| format!("cannot make the result folder {}; choose another with --out", folder.display()))?;
+    let mut record = Writer::append(&path).with_context(|| format!("cannot write {}; choose another folder with --out", path.display()))?;
+    let experiments: Vec<Experiment> = found.iter().map(|(experiment, _)| experiment.clone()).collect();
+    for (experiment, text) in &found {
+        write(&folder.join("experiments").join(format!("{}.toml", experiment.name)), text.as_bytes())?;
+    }
+    let names: Vec<String> = experiments.iter().map(|experiment| experiment.name.clone()).collect();
+    let provenance_file = if options.resume { format!("provenance-resumed-{}.json", provenance::date()) } else { provenance::FILE.into() };
+    write(&folder.join(provenance_file), serde_json::to_string_pretty(&provenance::gather(&names, options.quick))?.as_bytes())?;
+    let program = std::env::current_exe().context("cannot find this program to start it as runner")?;
+    let job = Job { experiments: &experiments, quick: options.quick, program, done: &done.rows };
+    crate::harness::run::run(&job, &mut record, &mut Terminal::default())?;
+    finish(&folder)
+}
+
+/// Where the results go: never over earlier ones.
+fn folder(options: &Run, name: &str) -> anyhow::Result<PathBuf> {
+    let results = Path::new("results").join(name);
+    match &options.out {
+        Some(folder) => Ok(folder.clone()),
+        None if options.resume => {
+            let folders = std::fs::read_dir(&results).with_context(|| format!("there is nothing to resume in {}", results.display()))?;
+            let last = folders.filter_map(|entry| Some(entry.ok()?.path())).filter(|path| path.join(record::FILE).exists()).max();
+            last.with_context(|| format!("there is nothing to resume in {}", results.display()))
+        }
+        None => Ok(results.join(format!("{}-{}", provenance::date(), provenance::machine()))),
+    }
+}
+
+fn previous(path: &Path, resume: bool) -> anyhow::Result<Record> {
+    let nothing = Record { rows: Vec::new(), warnings: Vec::new() };
+    if !path.exists() {
+        return Ok(nothing);
+    }
+    if !resume {
+        bail!("{} holds a record already; continue it with --resume, or choose another folder with --out", path.display());
+    }
+    let record = record::read(path)?;
+    for warning in &record.warnings {
+        eprintln!("{warning}");
+    }
+    eprintln!("resuming: {} rows are there already", record.rows.len());
+    Ok(record)
+}
+
+fn write(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
+    std::fs::write(path, bytes).with_context(|| format!("cannot write {}", path.display()))
+}
+
+/// Makes the report of a result folder again.
+pub fn report(options: &Report) -> anyhow::Result<ExitCode> {
+    finish(&options.folder)
+}
+
+/// Everything right of the record: verdicts, figures, report.
+fn finish(folder: &Path) -> anyhow::Result<ExitCode> {
+    let record = record::read(&folder.join(record::FILE))?;
+    ensure!(!record.rows.is_empty(), "the record in {} holds no rows yet; run the experiment first", folder.display());
+    let mut names: Vec<&str> = Vec::new();
+    for row in &record.rows {
+        if !names.contains(&&*row.experiment) {
+            names.push(&row.experiment);
+        }
+    }
+    let read = |name: &&str| Experiment::read(&folder.join("experiments").join(format!("{name}.toml")));
+    let experiments = names.iter().map(read).collect::<anyhow::Result<Vec<_>>>()?;
+    let report = report::write(folder, &experiments, &record.rows, &record.warnings)?;
+    let mut out = std::io::stdout().lock();
+    writeln!(out, "{}", report.verdict_table())?;
+    writeln!(out, "figures: {} in {}", report.figures.len(), folder.join("figures").display())?;
+    writeln!(out, "report:  {}", report.path.display())?;
+    let wrong = record.rows.iter().filter(|row| row.outcome == record::Outcome::Wrong).count();
+    if wrong > 0 {
+        writeln!(out, "WRONG answers in {wrong} rows: see the report")?;
+    }
+    Ok(if wrong > 0 || report.failed() { ExitCode::from(1) } else { ExitCode::SUCCESS })
+}
