@@ -84,8 +84,8 @@ fn xyz_plain_and_extended() {
 #[test]
 fn npy_of_both_widths_byte_orders_and_layouts() {
     let expected = [[1.0, 2.0, 3.0, 0.5], [4.0, 5.0, 6.0, 0.25]];
-    let by_rows = [1.0, 2.0, 3.0, 0.5, 4.0, 5.0, 6.0, 0.25];
-    let by_columns = [1.0, 4.0, 2.0, 5.0, 3.0, 6.0, 0.5, 0.25];
+    let by_rows: [f64; 8] = [1.0, 2.0, 3.0, 0.5, 4.0, 5.0, 6.0, 0.25];
+    let by_columns: [f64; 8] = [1.0, 4.0, 2.0, 5.0, 3.0, 6.0, 0.5, 0.25];
     for (fortran, values) in [("False", by_rows), ("True", by_columns)] {
         for (descr, data) in [
             ("<f8", values.iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>()),
