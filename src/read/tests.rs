@@ -3,6 +3,7 @@
 use rand::{RngExt, SeedableRng};
 
 use super::*;
+use crate::contact::Real;
 use crate::with_scene;
 
 const NONE: Options = Options { radius: None, dim: None };
@@ -15,7 +16,7 @@ fn read(bytes: &[u8], ending: &str, options: Options) -> Result<AnyScene<'static
 /// Coordinates and radii of all particles, one list each.
 fn rows(scene: &AnyScene<'_>) -> Vec<Vec<f64>> {
     with_scene!(scene, scene => (0..scene.len())
-        .map(|k| crate::contact::array(&scene.centres()[k]).iter().map(|&x| f64::from(x)).chain([f64::from(scene.radius(k))]).collect())
+        .map(|k| crate::contact::array(&scene.centres()[k]).iter().map(|x| x.wide()).chain([scene.radius(k).wide()]).collect())
         .collect())
 }
 

@@ -255,11 +255,15 @@ mod tests {
 
     #[test]
     fn morton_order_survives_huge_and_equal_coordinates() {
-        for points in [vec![[-1.7e308, 1.7e308], [1.7e308, -1.7e308]], vec![[5.0, 5.0]; 3], vec![]] {
-            let n = points.len();
+        let cases = [
+            (vec![[-1.7e308, 1.7e308], [1.7e308, -1.7e308], [-1.7e308; 2]], vec![2, 1, 0]),
+            (vec![[5.0, 5.0]; 3], vec![0, 1, 2]),
+            (vec![], vec![]),
+        ];
+        for (points, order) in cases {
             let points: Vec<_> = points.into_iter().map(nalgebra::Point::from).collect();
             let scene = AnyScene::from(crate::scene::Scene::<f64, 2>::new(points, crate::scene::Radii::Uniform(1.0)).unwrap());
-            assert_eq!(morton(&scene).len(), n);
+            assert_eq!(morton(&scene), order);
         }
     }
 }

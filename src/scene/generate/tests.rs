@@ -1,6 +1,6 @@
 //! Every generator: number, bits, geometry.
 
-use crate::contact::array;
+use crate::contact::{Real, array};
 use crate::scene::spec::{GENERATORS, Spec};
 use crate::scene::stats::{scene_hash, stats};
 use crate::scene::{AnyScene, Radii};
@@ -18,8 +18,8 @@ fn couples(scene: &AnyScene<'_>) -> Vec<[f64; 2]> {
         for i in 0..scene.len() {
             for j in 0..i {
                 let (a, b) = (array(&scene.centres()[i]), array(&scene.centres()[j]));
-                let square: f64 = a.iter().zip(b).map(|(p, q)| f64::from(p - q) * f64::from(p - q)).sum();
-                let reach = f64::from(scene.radius(i) + scene.radius(j));
+                let square: f64 = a.iter().zip(b).map(|(p, q)| (p - q).wide() * (p - q).wide()).sum();
+                let reach = (scene.radius(i) + scene.radius(j)).wide();
                 couples.push([square, reach * reach]);
             }
         }
@@ -151,7 +151,7 @@ fn clusters_have_their_width_and_number() {
     for dim in [2, 3] {
         let scene = make(&format!("clustered:n=10000,dim={dim},per-cluster=10000,background=0,width=3,order=generated"));
         with_scene!(&scene, scene => {
-            let xs: Vec<f64> = scene.centres().iter().map(|p| f64::from(array(p)[1])).collect();
+            let xs: Vec<f64> = scene.centres().iter().map(|p| array(p)[1].wide()).collect();
             let mean = xs.iter().sum::<f64>() / 1e4;
             let deviation = (xs.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>() / 1e4).sqrt();
             let within = xs.iter().filter(|&&x| (x - mean).abs() < deviation).count();
@@ -171,8 +171,8 @@ fn size_ratios_spread_the_radii() {
     assert!(!scene.uniform());
     with_scene!(&scene, scene => {
         let Radii::Each(radii) = scene.radii() else { panic!("one radius each") };
-        assert!(radii.iter().all(|&r| (0.2..=1.0).contains(&f64::from(r))));
-        let mean = radii.iter().map(|&r| f64::from(r)).sum::<f64>() / 2000.0;
+        assert!(radii.iter().all(|&r| (0.2..=1.0).contains(&r.wide())));
+        let mean = radii.iter().map(|r| r.wide()).sum::<f64>() / 2000.0;
         assert!((mean - 0.6).abs() < 0.02, "{mean}");
     });
 }
