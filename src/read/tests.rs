@@ -232,6 +232,9 @@ fn bad_files_are_refused_with_place_and_remedy() {
         let message = read(&bytes, "npy", HALF).unwrap_err();
         assert!(message.contains(part), "{message}");
     }
+    let wide = format!("1\nProperties=pos:R:3{}\n", ":v:R:1000".repeat(10));
+    let message = read(wide.as_bytes(), "xyz", HALF).unwrap_err();
+    assert!(message.ends_with("it announces more than 10000 columns; remove what is not needed"), "{message}");
     assert_eq!(read(b"x,y,r\n1,2,3\n", "csv", space).unwrap_err(), "p holds radii, but the radius 1 was given too; leave one out");
     let missing = scene(Path::new("/nowhere/p.csv"), NONE).unwrap_err();
     assert!(format!("{missing:#}").starts_with("cannot read /nowhere/p.csv: "), "{missing:#}");

@@ -108,7 +108,8 @@ fn assemble<const D: usize>(
             Radii::Each(radii.into())
         }
     };
-    Scene::new(points, radii).context("the parameters are too large for f64; make them smaller")
+    // Only an overflow can spoil a generated scene.
+    Scene::new(points, radii).map_err(|_| anyhow::anyhow!("coordinates or radii leave the range of f64; take parameters nearer to 1"))
 }
 
 #[cfg(test)]
