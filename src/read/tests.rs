@@ -3,6 +3,7 @@
 use rand::{RngExt, SeedableRng};
 
 use super::*;
+use crate::contact::Real;
 use crate::with_scene;
 
 const NONE: Options = Options { radius: None, dim: None };
@@ -15,7 +16,7 @@ fn read(bytes: &[u8], ending: &str, options: Options) -> Result<AnyScene<'static
 /// Coordinates and radii of all particles, one list each.
 fn rows(scene: &AnyScene<'_>) -> Vec<Vec<f64>> {
     with_scene!(scene, scene => (0..scene.len())
-        .map(|k| crate::contact::array(&scene.centres()[k]).iter().map(|&x| f64::from(x)).chain([f64::from(scene.radius(k))]).collect())
+        .map(|k| crate::contact::array(&scene.centres()[k]).iter().map(|x| x.wide()).chain([scene.radius(k).wide()]).collect())
         .collect())
 }
 
@@ -84,8 +85,8 @@ fn xyz_plain_and_extended() {
 #[test]
 fn npy_of_both_widths_byte_orders_and_layouts() {
     let expected = [[1.0, 2.0, 3.0, 0.5], [4.0, 5.0, 6.0, 0.25]];
-    let by_rows = [1.0, 2.0, 3.0, 0.5, 4.0, 5.0, 6.0, 0.25];
-    let by_columns = [1.0, 4.0, 2.0, 5.0, 3.0, 6.0, 0.5, 0.25];
+    let by_rows: [f64; 8] = [1.0, 2.0, 3.0, 0.5, 4.0, 5.0, 6.0, 0.25];
+    let by_columns: [f64; 8] = [1.0, 4.0, 2.0, 5.0, 3.0, 6.0, 0.5, 0.25];
     for (fortran, values) in [("False", by_rows), ("True", by_columns)] {
         for (descr, data) in [
             ("<f8", values.iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>()),
@@ -231,6 +232,9 @@ fn bad_files_are_refused_with_place_and_remedy() {
         let message = read(&bytes, "npy", HALF).unwrap_err();
         assert!(message.contains(part), "{message}");
     }
+    let wide = format!("1\nProperties=pos:R:3{}\n", ":v:R:1000".repeat(10));
+    let message = read(wide.as_bytes(), "xyz", HALF).unwrap_err();
+    assert!(message.ends_with("it announces more than 10000 columns; remove what is not needed"), "{message}");
     assert_eq!(read(b"x,y,r\n1,2,3\n", "csv", space).unwrap_err(), "p holds radii, but the radius 1 was given too; leave one out");
     let missing = scene(Path::new("/nowhere/p.csv"), NONE).unwrap_err();
     assert!(format!("{missing:#}").starts_with("cannot read /nowhere/p.csv: "), "{missing:#}");

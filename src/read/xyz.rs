@@ -13,6 +13,8 @@ use anyhow::{Context, bail, ensure};
 use super::csv::meaning;
 use super::{Column, Columns, Lines, Options, Particles, short};
 
+const MOST_COLUMNS: usize = 10_000;
+
 pub(super) fn read(reader: impl BufRead, name: &str, options: Options) -> anyhow::Result<Particles> {
     let mut lines = Lines::new(reader, name);
     let (first, place) = lines.next()?.with_context(|| format!("{name} is empty"))?;
@@ -87,6 +89,8 @@ fn columns(properties: &str) -> anyhow::Result<Columns> {
     for triple in parts.chunks_exact(3) {
         let (name, count) = (triple[0], triple[2].parse::<usize>().ok().filter(|count| (1..=1000).contains(count)));
         let count = count.with_context(|| format!("'{}' is not a number of columns from 1 to 1000", short(triple[2])))?;
+        // Else a line of a million letters could ask for gigabytes of columns.
+        ensure!(columns.names.len() + count <= MOST_COLUMNS, "it announces more than {MOST_COLUMNS} columns; remove what is not needed");
         for k in 0..count {
             let (meaning, name) = match (name.to_ascii_lowercase().as_str(), meaning(name)) {
                 ("pos", _) => {

@@ -70,20 +70,20 @@ impl Spec {
         }
         let (mut dim, mut n, mut seed, mut order) = (2, if is_file { 0 } else { 1000 }, 1, Order::default());
         let mut params = BTreeMap::new();
-        for (key, value) in pairs {
+        for (k, (key, value)) in pairs.iter().enumerate() {
+            ensure!(pairs[..k].iter().all(|(other, _)| other != key), "'{text}': {key} is given twice; leave one out");
             let whole = || value.parse::<u64>().with_context(|| format!("'{text}': {key} is '{value}'; it must be a whole number"));
             match key.as_str() {
                 "dim" if !is_file => dim = u32::try_from(whole()?).unwrap_or(u32::MAX),
                 "n" => n = whole()?,
                 "seed" => seed = whole()?,
                 "order" => {
-                    order = <Order as clap::ValueEnum>::from_str(&value, true)
+                    order = <Order as clap::ValueEnum>::from_str(value, true)
                         .map_err(|_| anyhow::anyhow!("'{text}': order is '{value}'; it must be shuffled, generated or morton"))?;
                 }
                 _ => {
-                    let key = if key == "dim" { "file-dim".to_string() } else { key };
-                    ensure!(!params.contains_key(&key), "'{text}': {key} is given twice; leave one out");
-                    params.insert(key.clone(), scalar(&key, &value));
+                    let key = if key == "dim" { "file-dim" } else { key };
+                    params.insert(key.to_string(), scalar(key, value));
                 }
             }
         }
@@ -218,15 +218,16 @@ mod tests {
             ("packed:order=up", "'packed:order=up': order is 'up'; it must be shuffled, generated or morton"),
             ("packed:3", "'packed:3': '3' is not of the form key=value, as in packed:dim=3,n=1000,spacing=0.98"),
             ("pack-c:s=1,s=2", "'pack-c:s=1,s=2': s is given twice; leave one out"),
+            ("pack-c:n=1,n=2", "'pack-c:n=1,n=2': n is given twice; leave one out"),
         ] {
             assert_eq!(refusal(text), message);
         }
-        let large = refusal("pack-c:s=1e308,n=100,order=generated");
-        assert_eq!(
-            large,
-            "cannot make the scene 'pack-c': the parameters are too large for f64; make them smaller: \
-             particle 2: x is inf; coordinates must be finite numbers: remove or mend the particle"
-        );
+        for (name, text) in
+            [("pack-c", "pack-c:s=1e308,n=100"), ("loose", "loose:fraction=1e-320"), ("packed", "packed:jitter=1e308,diameter=1e9")]
+        {
+            let beyond = "coordinates or radii leave the range of f64; take parameters nearer to 1";
+            assert_eq!(refusal(text), format!("cannot make the scene '{name}': {beyond}"));
+        }
         assert!(refusal("file:path=/nowhere/at-all.csv").contains("/nowhere/at-all.csv"));
     }
 
@@ -255,11 +256,15 @@ mod tests {
 
     #[test]
     fn morton_order_survives_huge_and_equal_coordinates() {
-        for points in [vec![[-1.7e308, 1.7e308], [1.7e308, -1.7e308]], vec![[5.0, 5.0]; 3], vec![]] {
-            let n = points.len();
+        let cases = [
+            (vec![[-1.7e308, 1.7e308], [1.7e308, -1.7e308], [-1.7e308; 2]], vec![2, 1, 0]),
+            (vec![[5.0, 5.0]; 3], vec![0, 1, 2]),
+            (vec![], vec![]),
+        ];
+        for (points, order) in cases {
             let points: Vec<_> = points.into_iter().map(nalgebra::Point::from).collect();
             let scene = AnyScene::from(crate::scene::Scene::<f64, 2>::new(points, crate::scene::Radii::Uniform(1.0)).unwrap());
-            assert_eq!(morton(&scene).len(), n);
+            assert_eq!(morton(&scene), order);
         }
     }
 }

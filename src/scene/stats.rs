@@ -1,7 +1,8 @@
 //! What a scene turned out to be: the statistics of [`Stats`] and a fingerprint.
 //!
 //! All numbers are finite for every valid scene: lengths are taken relative to the box, and differences of halved coordinates, so
-//! that neither the largest nor the smallest doubles overflow; a ratio beyond the largest double is absent.
+//! that the largest doubles do not overflow; a ratio beyond the largest double is absent. Where all is smaller than 10^-300, lengths
+//! may underflow to a box without extent.
 
 use super::{AnyScene, Radii, Scene};
 use crate::contact::{Real, array};

@@ -1,7 +1,7 @@
 //! Generators: scenes made from a seed, the same bits on every machine.
 //!
 //! One file per generator, each with a picture of its scene, its parameters and its table line ([`table::GENERATORS`]). A generator
-//! thinks in diameters: it draws coordinates and radii for a largest diameter of 1, and [`assemble`] multiplies both by `diameter`.
+//! thinks in diameters: it draws coordinates and radii for a largest diameter of 1, and `assemble` multiplies both by `diameter`.
 //! To give the same bits everywhere it uses only + - * / and square roots, which IEEE 754 fixes, and the `libm` crate's cube root and
 //! logarithm, which are plain Rust; never the functions of the machine's own mathematical library. Overlaps are allowed everywhere.
 
@@ -108,7 +108,8 @@ fn assemble<const D: usize>(
             Radii::Each(radii.into())
         }
     };
-    Scene::new(points, radii).context("the parameters are too large for f64; make them smaller")
+    // Only an overflow can spoil a generated scene.
+    Scene::new(points, radii).map_err(|_| anyhow::anyhow!("coordinates or radii leave the range of f64; take parameters nearer to 1"))
 }
 
 #[cfg(test)]

@@ -76,6 +76,19 @@ pub enum Preset {
     Required,
 }
 
+/// The default as lists and help texts show it.
+impl std::fmt::Display for Preset {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Preset::Number(x) => write!(f, "{x}"),
+            Preset::Whole(k) => write!(f, "{k}"),
+            Preset::Word(word) => f.write_str(word),
+            Preset::Absent => f.write_str("none"),
+            Preset::Required => f.write_str("required"),
+        }
+    }
+}
+
 /// The generator of that name.
 pub fn find(name: &str) -> anyhow::Result<&'static Generator> {
     let names = || GENERATORS.map(|generator| generator.name).join(", ");
