@@ -1,1 +1,2 @@
 //! analyse
+pub mod report;

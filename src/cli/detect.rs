@@ -47,7 +47,7 @@ pub fn detect(options: &Detect) -> anyhow::Result<ExitCode> {
     ensure!(threads >= 1, "--threads 0: at least one is needed");
     ensure!(threads == 1 || entry.threads, "{} is sequential and cannot use {threads} threads; leave out --threads, or use direct", entry.name);
     if let Some(path) = &options.output {
-        read::write::check(path)?;
+        read::write::format(path)?;
     }
     super::use_threads(threads);
     let scene = read::scene(&options.file, read::Options { radius: options.radius, dim: options.dim })?;

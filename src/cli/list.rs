@@ -43,7 +43,9 @@ pub fn list(options: &List) -> anyhow::Result<ExitCode> {
             let dims: Vec<String> = generator.dims.iter().map(|dim| format!("{dim}D")).collect();
             writeln!(out, "  {:<12} {} ({})", generator.name, generator.summary, dims.join(", "))?;
             for parameter in generator.params {
-                writeln!(out, "  {:<12}   {:<14} {}", "", parameter.name, parameter.described(generator.dims))?;
+                let mut defaults: Vec<String> = generator.dims.iter().map(|dim| parameter.default[*dim as usize - 2].to_string()).collect();
+                defaults.dedup();
+                writeln!(out, "  {:<12}   {:<12} {} [{}]", "", parameter.name, parameter.meaning, defaults.join(", "))?;
             }
             writeln!(out)?;
         }

@@ -64,7 +64,10 @@ pub fn bytes(bytes: u64) -> String {
     }
 }
 
-/// Tells rayon how many threads there are; only the first call in a process counts.
+/// Tells rayon how many threads there are. One thread needs no pool, and its worker would allocate while memory is measured.
 fn use_threads(threads: usize) {
-    let _ = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
+    if threads > 1 {
+        // Fails only if there is a pool already; nothing before this call makes one.
+        let _ = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
+    }
 }

@@ -30,13 +30,14 @@ pub struct Entry {
     pub limits: &'static str,
     /// Can use more than one thread.
     pub threads: bool,
-    make: fn(Options) -> Box<dyn AnyDetector>,
+    /// How it is made; see [`Entry::make`].
+    pub constructor: fn(Options) -> Box<dyn AnyDetector>,
 }
 
 impl Entry {
     /// A detector with empty buffers.
     pub fn make(&self, options: Options) -> Box<dyn AnyDetector> {
-        (self.make)(options)
+        (self.constructor)(options)
     }
 
     /// True for detectors, whose answers must be right; false for the control that reports nothing.
@@ -55,7 +56,7 @@ pub static TABLE: &[Entry] = &[
         memory: "0",
         limits: "time: hopeless at scale",
         threads: true,
-        make: Both::<direct::Direct, direct::Direct>::boxed,
+        constructor: Both::<direct::Direct, direct::Direct>::boxed,
     },
     Entry {
         name: "binary-tree",
@@ -65,7 +66,7 @@ pub static TABLE: &[Entry] = &[
         memory: "4N + 8 nodes",
         limits: "cells per axis < 2^31",
         threads: false,
-        make: Both::<binary_tree::BinaryTree, binary_tree::BinaryTree>::boxed,
+        constructor: Both::<binary_tree::BinaryTree, binary_tree::BinaryTree>::boxed,
     },
     Entry {
         name: "screening",
@@ -75,7 +76,7 @@ pub static TABLE: &[Entry] = &[
         memory: "4(nx ny [nz] + N)",
         limits: "memory: loose packs and far-away elements are refused",
         threads: false,
-        make: Both::<screening::Screening, screening::Screening>::boxed,
+        constructor: Both::<screening::Screening, screening::Screening>::boxed,
     },
     Entry {
         name: "sorting",
@@ -85,7 +86,7 @@ pub static TABLE: &[Entry] = &[
         memory: "12N in 2D, 16N in 3D",
         limits: "cells per axis < 2^31",
         threads: false,
-        make: Both::<sorting::Sorting<2>, sorting::Sorting<3>>::boxed,
+        constructor: Both::<sorting::Sorting<2>, sorting::Sorting<3>>::boxed,
     },
     Entry {
         name: "nbs",
@@ -95,7 +96,7 @@ pub static TABLE: &[Entry] = &[
         memory: "4(ny + 2nx + 2N) in 2D, 4(nz + 2ny + 2nx + 3N) in 3D",
         limits: "memory: an element so far away that nx + ny + nz exceeds the limit",
         threads: false,
-        make: Both::<nbs2d::Nbs2d, nbs3d::Nbs3d>::boxed,
+        constructor: Both::<nbs2d::Nbs2d, nbs3d::Nbs3d>::boxed,
     },
     Entry {
         name: "nothing",
@@ -105,7 +106,7 @@ pub static TABLE: &[Entry] = &[
         memory: "0",
         limits: "finds nothing",
         threads: false,
-        make: Both::<control::Nothing, control::Nothing>::boxed,
+        constructor: Both::<control::Nothing, control::Nothing>::boxed,
     },
     Entry {
         name: "nbs-twin",
@@ -115,7 +116,7 @@ pub static TABLE: &[Entry] = &[
         memory: "as nbs",
         limits: "as nbs",
         threads: false,
-        make: Both::<nbs2d::Nbs2d, nbs3d::Nbs3d>::boxed,
+        constructor: Both::<nbs2d::Nbs2d, nbs3d::Nbs3d>::boxed,
     },
 ];
 

@@ -82,10 +82,10 @@ fn four_gib() -> u64 {
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(untagged)]
 pub enum OneOrMany<T> {
+    /// Values to sweep over. First, because a single value of any kind could also be an array.
+    Many(Vec<T>),
     /// A single value.
     One(T),
-    /// Values to sweep over.
-    Many(Vec<T>),
 }
 
 impl<T: Clone> OneOrMany<T> {

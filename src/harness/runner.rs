@@ -75,9 +75,9 @@ impl Runner {
                 self.pairs.clear();
                 self.detector.count(&scene, exact, &mut tally, &mut self.pairs).map_err(refused)?;
                 self.scene = Some(scene);
-                let Digest { contacts, .. } = Digest::of(&self.pairs);
+                let digest = Digest::of(&self.pairs);
                 let counts = tally.iter().map(|(op, count)| (op.name().into(), count)).collect();
-                Ok(Reply::Count { counts, contacts, digest: Digest::of(&self.pairs).hex() })
+                Ok(Reply::Count { counts, contacts: digest.contacts, digest: digest.hex() })
             }
             Request::Memory => self.memory(),
             Request::Pairs { path } => {
@@ -104,17 +104,32 @@ impl Runner {
     }
 
     fn sample(&mut self, min_ns: u64) -> Answer {
-        let calls = match self.calls {
-            Some(calls) => calls,
-            None => {
-                // The first detection fills buffers and caches, the second says how many make a sample.
-                self.detect()?;
-                let start = Instant::now();
-                self.detect()?;
-                let once = (start.elapsed().as_nanos() as u64).max(1);
-                *self.calls.insert(min_ns.div_ceil(once).clamp(1, 1 << 20))
+        if self.calls.is_none() {
+            // The first detection fills buffers and caches.
+            self.detect()?;
+            self.calls = Some(self.calibrate(min_ns)?);
+        }
+        let calls = self.calls.unwrap_or(1);
+        let elapsed_ns = self.repeat(calls)?;
+        let digest = Digest::of(&self.pairs);
+        Ok(Reply::Sample { time_ns: (elapsed_ns + calls / 2) / calls, calls, elapsed_ns, contacts: digest.contacts, digest: digest.hex() })
+    }
+
+    /// How many detections make a sample of `min_ns`.
+    fn calibrate(&mut self, min_ns: u64) -> Result<u64, Reply> {
+        let mut calls = 1;
+        loop {
+            let elapsed = self.repeat(calls)?.max(1);
+            // Long enough for the clock's own cost not to matter.
+            if elapsed >= min_ns / 4 || calls >= 1 << 20 {
+                return Ok((u128::from(min_ns) * u128::from(calls)).div_ceil(u128::from(elapsed)).clamp(1, 1 << 20) as u64);
             }
-        };
+            calls *= 4;
+        }
+    }
+
+    /// Nanoseconds of so many detections, each into the same list of pairs: the timed loop.
+    fn repeat(&mut self, calls: u64) -> Result<u64, Reply> {
         let (scene, exact) = self.loaded()?;
         let start = Instant::now();
         for _ in 0..calls {
@@ -124,8 +139,7 @@ impl Runner {
         }
         let elapsed_ns = start.elapsed().as_nanos() as u64;
         self.scene = Some(scene);
-        let digest = Digest::of(&self.pairs);
-        Ok(Reply::Sample { time_ns: (elapsed_ns + calls / 2) / calls, calls, elapsed_ns, contacts: digest.contacts, digest: digest.hex() })
+        Ok(elapsed_ns)
     }
 
     fn memory(&mut self) -> Answer {

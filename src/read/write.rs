@@ -8,19 +8,26 @@ use std::path::Path;
 
 use anyhow::{Context, bail};
 
+type Format = fn(&mut dyn Write, &[[u32; 2]]) -> io::Result<()>;
+
 /// Writes pairs to a file whose ending, `.csv` or `.npy`, gives the format.
 pub fn pairs(path: &Path, pairs: &[[u32; 2]]) -> anyhow::Result<()> {
-    let write = match path.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase()).as_deref() {
-        Some("csv") => csv,
-        Some("npy") => npy,
-        _ => bail!("{}: the ending of a file of pairs must be .csv or .npy", path.display()),
-    };
+    let write = format(path)?;
     let create = || -> io::Result<()> {
         let mut file = BufWriter::new(File::create(path)?);
         write(&mut file, pairs)?;
         file.flush()
     };
     create().with_context(|| format!("cannot write {}", path.display()))
+}
+
+/// The format of a file of pairs, by its ending; asked before the work is done.
+pub fn format(path: &Path) -> anyhow::Result<Format> {
+    match path.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase()).as_deref() {
+        Some("csv") => Ok(csv),
+        Some("npy") => Ok(npy),
+        _ => bail!("{}: the ending of a file of pairs must be .csv or .npy", path.display()),
+    }
 }
 
 /// The header `i,j`, then one pair per line.
