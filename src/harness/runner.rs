@@ -162,7 +162,7 @@ impl Runner {
     }
 }
 
-fn loaded(scene: &Option<AnyScene<'static>>) -> Result<&AnyScene<'static>, Reply> {
+fn loaded<'a>(scene: &'a Option<AnyScene<'static>>) -> Result<&'a AnyScene<'static>, Reply> {
     scene.as_ref().ok_or_else(|| Reply::Error { reason: "no scene is loaded; send load first".into() })
 }
 
