@@ -45,7 +45,11 @@ pub fn detect(options: &Detect) -> anyhow::Result<ExitCode> {
     let entry = super::detector(&options.detector)?;
     let threads = options.threads;
     ensure!(threads >= 1, "--threads 0: at least one is needed");
-    ensure!(threads == 1 || entry.threads, "{} is sequential and cannot use {threads} threads; leave out --threads, or use direct", entry.name);
+    ensure!(
+        threads == 1 || entry.threads,
+        "{} is sequential and cannot use {threads} threads; leave out --threads, or use direct",
+        entry.name
+    );
     if let Some(path) = &options.output {
         read::write::format(path)?;
     }

@@ -29,7 +29,7 @@ pub struct BinaryTree {
     /// Two children each: nodes, or at the last level the HEADs of two leaves.
     nodes: Vec<[u32; 2]>,
     /// E: links.
-    e: Links,
+    e: Links<1>,
     elements: usize,
 }
 
@@ -108,7 +108,7 @@ impl BinaryTree {
                 let child = self.nodes[node][half];
                 if halving + 1 == levels.halvings && axis + 1 == D {
                     probe.count(Op::ListPush);
-                    self.e.set(k, child);
+                    self.e.set(k, 0, child);
                     self.nodes[node][half] = k;
                 } else if child == EMPTY {
                     let made = self.make_node()?;
@@ -173,7 +173,7 @@ impl BinaryTree {
             if level == depth {
                 let central = integerise(bodies, cells, at, probe);
                 let heads = mask.map(|offset| self.find(mask::neighbour(central, offset), levels, probe));
-                self.e.check(bodies, at, heads, probe, sink);
+                self.e.check(0, bodies, at, heads, probe, sink);
             } else {
                 probe.count(Op::NodeVisit);
                 let [low, high] = self.nodes[at as usize];
@@ -216,10 +216,10 @@ mod tests {
             tree.insert(k - 1, [6, 3], levels, &mut Silent).unwrap();
         }
         assert_eq!(as_printed(&[tree.find([6, 3], levels, &mut Silent)]), [9]);
-        assert_eq!(as_printed(tree.e.raw()), [-1, -1, -1, -1, 3, -1, 5, -1, 7, -1]);
+        assert_eq!(as_printed(&tree.e.raw(0)), [-1, -1, -1, -1, 3, -1, 5, -1, 7, -1]);
         tree.insert(0, [6, 3], levels, &mut Silent).unwrap();
         assert_eq!(as_printed(&[tree.find([6, 3], levels, &mut Silent)]), [1]);
-        assert_eq!(as_printed(tree.e.raw()), [9, -1, -1, -1, 3, -1, 5, -1, 7, -1]);
+        assert_eq!(as_printed(&tree.e.raw(0)), [9, -1, -1, -1, 3, -1, 5, -1, 7, -1]);
         assert_eq!(tree.find([6, 2], levels, &mut Silent), EMPTY);
         assert_eq!(tree.nodes.len(), 8); // one way of eight levels
     }

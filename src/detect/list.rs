@@ -19,9 +19,11 @@ pub const MOST_ELEMENTS: u64 = EMPTY as u64;
 #[derive(Clone, Debug, Default)]
 pub struct Heads(Vec<u32>);
 
-/// For every element the next one on its list. Holds no meaning between detections.
+/// For every element the next one on its list, for `L` kinds of lists (z-, y- and x-lists of NBS are three kinds). The links of one
+/// element stand side by side: walking lists of one kind to build lists of another then touches one cache line per element
+/// instead of `L`. Holds no meaning between detections.
 #[derive(Clone, Debug, Default)]
-pub struct Links(Vec<u32>);
+pub struct Links<const L: usize>(Vec<[u32; L]>);
 
 /// Refuses scenes with more elements than lists can number.
 pub fn numbered(detector: &'static str, n: usize) -> Result<(), Refusal> {
@@ -65,11 +67,11 @@ impl Heads {
         debug_assert!(self.0.iter().take(1 << 16).all(|&head| head == EMPTY), "a list was not reset");
     }
 
-    /// Puts `element` on `list`, which must not be marked.
+    /// Puts `element` on `list`, which must not be marked; the list is of the given kind.
     #[inline(always)]
-    pub fn push<P: Probe>(&mut self, list: impl Index, element: u32, links: &mut Links, probe: &mut P) {
+    pub fn push<const L: usize, P: Probe>(&mut self, list: impl Index, element: u32, links: &mut Links<L>, kind: usize, probe: &mut P) {
         probe.count(Op::ListPush);
-        links.0[element as usize] = std::mem::replace(&mut self.0[list.at()], element);
+        links.0[element as usize][kind] = std::mem::replace(&mut self.0[list.at()], element);
     }
 
     /// The first element of `list`, or [`EMPTY`].
@@ -105,7 +107,7 @@ impl Heads {
     }
 }
 
-impl Links {
+impl<const L: usize> Links<L> {
     /// Room for elements 0 to `count - 1`.
     pub fn prepare(&mut self, count: usize) {
         if count > self.0.len() {
@@ -113,21 +115,21 @@ impl Links {
                 self.0 = Vec::new();
                 self.0.reserve_exact(count);
             }
-            self.0.resize(count, EMPTY);
+            self.0.resize(count, [EMPTY; L]);
         }
     }
 
     /// Makes `next` the element after `element`.
     #[inline(always)]
-    pub fn set(&mut self, element: u32, next: u32) {
-        self.0[element as usize] = next;
+    pub fn set(&mut self, element: u32, kind: usize, next: u32) {
+        self.0[element as usize][kind] = next;
     }
 
     /// The element after `element` on its list, or [`EMPTY`].
     #[inline(always)]
-    pub fn next<P: Probe>(&self, element: u32, probe: &mut P) -> u32 {
+    pub fn next<P: Probe>(&self, element: u32, kind: usize, probe: &mut P) -> u32 {
         probe.count(Op::ListStep);
-        self.0[element as usize]
+        self.0[element as usize][kind]
     }
 
     /// Tests the elements of the list that begins with `central` against one another and against those of the `mask` lists: each
@@ -135,6 +137,7 @@ impl Links {
     #[inline(always)]
     pub fn check<T: Real, const D: usize, const M: usize>(
         &self,
+        kind: usize,
         bodies: &impl Bodies<T, D>,
         central: u32,
         mask: [u32; M],
@@ -143,10 +146,10 @@ impl Links {
     ) {
         let mut i = central;
         while i != EMPTY {
-            let rest = self.next(i, probe);
-            self.check_one(bodies, i, rest, probe, sink);
+            let rest = self.next(i, kind, probe);
+            self.check_one(kind, bodies, i, rest, probe, sink);
             for first in mask {
-                self.check_one(bodies, i, first, probe, sink);
+                self.check_one(kind, bodies, i, first, probe, sink);
             }
             i = rest;
         }
@@ -155,6 +158,7 @@ impl Links {
     #[inline(always)]
     fn check_one<T: Real, const D: usize>(
         &self,
+        kind: usize,
         bodies: &impl Bodies<T, D>,
         i: u32,
         first: u32,
@@ -166,20 +170,20 @@ impl Links {
             if bodies.touch(i, j, probe) {
                 sink.contact(i, j);
             }
-            j = self.next(j, probe);
+            j = self.next(j, kind, probe);
         }
     }
 
-    /// The raw links, for tests and pictures.
-    pub fn raw(&self) -> &[u32] {
-        &self.0
+    /// The raw links of one kind, for tests and pictures.
+    pub fn raw(&self, kind: usize) -> Vec<u32> {
+        self.0.iter().map(|links| links[kind]).collect()
     }
 
     /// Makes an element's link empty, as the book's screening does when it removes elements.
     #[inline(always)]
-    pub fn reset<P: Probe>(&mut self, element: u32, probe: &mut P) {
+    pub fn reset<P: Probe>(&mut self, element: u32, kind: usize, probe: &mut P) {
         probe.count(Op::ListReset);
-        self.0[element as usize] = EMPTY;
+        self.0[element as usize][kind] = EMPTY;
     }
 }
 

@@ -21,23 +21,25 @@ use crate::contact::{Bodies, Real};
 use crate::probe::Probe;
 use crate::sink::Sink;
 
+/// Kinds of lists.
+const Y: usize = 0;
+const X: usize = 1;
+
 /// Munjiza-NBS for discs. The fields carry the book's names.
 pub struct Nbs2d {
     options: Options,
     /// B: heads of the y-lists.
     b: Heads,
-    /// Y: links of the y-lists.
-    y: Links,
+    /// Y and X: links of the y-lists and x-lists, side by side.
+    links: Links<2>,
     /// A: heads of the x-lists, of the central row and of the row below.
     a: [Heads; 2],
-    /// X: links of the x-lists.
-    x: Links,
     formula: u64,
 }
 
 impl Declare for Nbs2d {
     fn with(options: Options) -> Nbs2d {
-        Nbs2d { options, b: Heads::default(), y: Links::default(), a: Default::default(), x: Links::default(), formula: 0 }
+        Nbs2d { options, b: Heads::default(), links: Links::default(), a: Default::default(), formula: 0 }
     }
 
     fn formula_bytes(&self) -> u64 {
@@ -72,15 +74,14 @@ impl Nbs2d {
         within(&self.options, "nbs", needed, || format!("{n} elements, {nx} x {ny} cells"))?;
         self.formula = needed;
         self.b.prepare(ny as usize);
-        self.y.prepare(n);
+        self.links.prepare(n);
         self.a.iter_mut().for_each(|heads| heads.prepare(nx as usize));
-        self.x.prepare(n);
         Ok(())
     }
 
     fn push_rows<T: Real, P: Probe>(&mut self, bodies: &impl Bodies<T, 2>, cells: &Cells<2>, probe: &mut P) {
         for k in 0..bodies.len() as u32 {
-            self.b.push(cells.index(bodies.position(k)[1], 1, probe), k, &mut self.y, probe);
+            self.b.push(cells.index(bodies.position(k)[1], 1, probe), k, &mut self.links, Y, probe);
         }
     }
 
@@ -89,8 +90,8 @@ impl Nbs2d {
     fn push_cells<T: Real, P: Probe>(&mut self, bodies: &impl Bodies<T, 2>, cells: &Cells<2>, first: u32, set: usize, probe: &mut P) {
         let mut k = first;
         while k != EMPTY {
-            self.a[set].push(cells.index(bodies.position(k)[0], 0, probe), k, &mut self.x, probe);
-            k = self.y.next(k, probe);
+            self.a[set].push(cells.index(bodies.position(k)[0], 0, probe), k, &mut self.links, X, probe);
+            k = self.links.next(k, Y, probe);
         }
     }
 
@@ -100,7 +101,7 @@ impl Nbs2d {
         let mut k = first;
         while k != EMPTY {
             self.a[set].reset(cells.index(bodies.position(k)[0], 0, probe), probe);
-            k = self.y.next(k, probe);
+            k = self.links.next(k, Y, probe);
         }
     }
 
@@ -127,9 +128,9 @@ impl Nbs2d {
                     self.a[1].first(column, probe),
                     self.a[1].first(column + 1, probe),
                 ];
-                self.x.check(bodies, central, mask, probe, sink);
+                self.links.check(X, bodies, central, mask, probe, sink);
             }
-            k = self.y.next(k, probe);
+            k = self.links.next(k, Y, probe);
         }
         self.reset_cells(bodies, cells, first, 0, probe);
         self.reset_cells(bodies, cells, below, 1, probe);
@@ -152,12 +153,12 @@ mod tests {
         nbs.prepare(&cells, TEN.len()).unwrap();
         nbs.push_rows(&scene, &cells, &mut Silent);
         assert_eq!(as_printed(&nbs.b.raw()[1..=10]), [-1, -1, -1, -1, 5, 9, 10, 2, -1, -1]);
-        assert_eq!(as_printed(nbs.y.raw()), [-1, -1, -1, 1, -1, 3, 4, 6, 8, 7]);
+        assert_eq!(as_printed(&nbs.links.raw(Y)), [-1, -1, -1, 1, -1, 3, 4, 6, 8, 7]);
         let row = nbs.b.take_new(7u32, &mut Silent).unwrap();
         assert_eq!(nbs.b.take_new(7u32, &mut Silent), None);
         nbs.push_cells(&scene, &cells, row, 0, &mut Silent);
         assert_eq!(as_printed(&nbs.a[0].raw()[1..=10]), [-1, -1, 7, 1, 4, -1, -1, -1, -1, -1]);
-        assert_eq!(as_printed(nbs.x.raw()), [10, -1, -1, -1, -1, -1, -1, -1, -1, -1]);
+        assert_eq!(as_printed(&nbs.links.raw(X)), [10, -1, -1, -1, -1, -1, -1, -1, -1, -1]);
         nbs.reset_cells(&scene, &cells, row, 0, &mut Silent);
         assert!(as_printed(nbs.a[0].raw()).iter().all(|&head| head == -1));
     }

@@ -22,36 +22,28 @@ use crate::contact::{Bodies, Real};
 use crate::probe::Probe;
 use crate::sink::Sink;
 
+/// Kinds of lists.
+const Z: usize = 0;
+const Y: usize = 1;
+const X: usize = 2;
+
 /// Munjiza-NBS for spheres. The fields carry the book's names.
 pub struct Nbs3d {
     options: Options,
     /// C: heads of the z-lists.
     c: Heads,
-    /// Z: links of the z-lists.
-    z: Links,
+    /// Z, Y and X: links of the z-lists, y-lists and x-lists, side by side.
+    links: Links<3>,
     /// B: heads of the y-lists, of the central layer and of the layer below.
     b: [Heads; 2],
-    /// Y: links of the y-lists.
-    y: Links,
     /// A: heads of the x-lists, of the central row and of its four neighbouring rows together.
     a: [Heads; 2],
-    /// X: links of the x-lists.
-    x: Links,
     formula: u64,
 }
 
 impl Declare for Nbs3d {
     fn with(options: Options) -> Nbs3d {
-        Nbs3d {
-            options,
-            c: Heads::default(),
-            z: Links::default(),
-            b: Default::default(),
-            y: Links::default(),
-            a: Default::default(),
-            x: Links::default(),
-            formula: 0,
-        }
+        Nbs3d { options, c: Heads::default(), links: Links::default(), b: Default::default(), a: Default::default(), formula: 0 }
     }
 
     fn formula_bytes(&self) -> u64 {
@@ -86,17 +78,15 @@ impl Nbs3d {
         within(&self.options, "nbs", needed, || format!("{n} elements, {nx} x {ny} x {nz} cells"))?;
         self.formula = needed;
         self.c.prepare(nz as usize);
-        self.z.prepare(n);
+        self.links.prepare(n);
         self.b.iter_mut().for_each(|heads| heads.prepare(ny as usize));
-        self.y.prepare(n);
         self.a.iter_mut().for_each(|heads| heads.prepare(nx as usize));
-        self.x.prepare(n);
         Ok(())
     }
 
     fn push_layers<T: Real, P: Probe>(&mut self, bodies: &impl Bodies<T, 3>, cells: &Cells<3>, probe: &mut P) {
         for k in 0..bodies.len() as u32 {
-            self.c.push(cells.index(bodies.position(k)[2], 2, probe), k, &mut self.z, probe);
+            self.c.push(cells.index(bodies.position(k)[2], 2, probe), k, &mut self.links, Z, probe);
         }
     }
 
@@ -113,7 +103,7 @@ impl Nbs3d {
         let row_of = |k: u32, probe: &mut P| cells.index(bodies.position(k)[1], 1, probe);
         let below = self.c.first(layer - 1, probe);
         for (set, first) in [first, below].into_iter().enumerate() {
-            each(&self.z, first, probe, |k, probe| self.b[set].push(row_of(k, probe), k, &mut self.y, probe));
+            each(&mut self.links, Z, first, probe, |k, links, probe| self.b[set].push(row_of(k, probe), k, links, Y, probe));
         }
         let mut k = first;
         while k != EMPTY {
@@ -121,10 +111,10 @@ impl Nbs3d {
             if let Some(first) = self.b[0].take_new(row, probe) {
                 self.row(bodies, cells, first, row, probe, sink);
             }
-            k = self.z.next(k, probe);
+            k = self.links.next(k, Z, probe);
         }
         for (set, first) in [first, below].into_iter().enumerate() {
-            each(&self.z, first, probe, |k, probe| self.b[set].reset(row_of(k, probe), probe));
+            each(&mut self.links, Z, first, probe, |k, _, probe| self.b[set].reset(row_of(k, probe), probe));
         }
     }
 
@@ -145,9 +135,9 @@ impl Nbs3d {
             self.b[1].first(row, probe),
             self.b[1].first(row + 1, probe),
         ];
-        each(&self.y, first, probe, |k, probe| self.a[0].push(column_of(k, probe), k, &mut self.x, probe));
+        each(&mut self.links, Y, first, probe, |k, links, probe| self.a[0].push(column_of(k, probe), k, links, X, probe));
         for first in neighbours {
-            each(&self.y, first, probe, |k, probe| self.a[1].push(column_of(k, probe), k, &mut self.x, probe));
+            each(&mut self.links, Y, first, probe, |k, links, probe| self.a[1].push(column_of(k, probe), k, links, X, probe));
         }
         let mut k = first;
         while k != EMPTY {
@@ -159,24 +149,24 @@ impl Nbs3d {
                     self.a[1].first(column, probe),
                     self.a[1].first(column + 1, probe),
                 ];
-                self.x.check(bodies, central, mask, probe, sink);
+                self.links.check(X, bodies, central, mask, probe, sink);
             }
-            k = self.y.next(k, probe);
+            k = self.links.next(k, Y, probe);
         }
-        each(&self.y, first, probe, |k, probe| self.a[0].reset(column_of(k, probe), probe));
+        each(&mut self.links, Y, first, probe, |k, _, probe| self.a[0].reset(column_of(k, probe), probe));
         for first in neighbours {
-            each(&self.y, first, probe, |k, probe| self.a[1].reset(column_of(k, probe), probe));
+            each(&mut self.links, Y, first, probe, |k, _, probe| self.a[1].reset(column_of(k, probe), probe));
         }
     }
 }
 
 /// Calls `then` with every element of the list that begins with `first`.
 #[inline(always)]
-fn each<P: Probe>(links: &Links, first: u32, probe: &mut P, mut then: impl FnMut(u32, &mut P)) {
+fn each<P: Probe>(links: &mut Links<3>, kind: usize, first: u32, probe: &mut P, mut then: impl FnMut(u32, &mut Links<3>, &mut P)) {
     let mut k = first;
     while k != EMPTY {
-        then(k, probe);
-        k = links.next(k, probe);
+        then(k, links, probe);
+        k = links.next(k, kind, probe);
     }
 }
 
@@ -197,7 +187,7 @@ mod tests {
         nbs.prepare(&cells, places.len()).unwrap();
         nbs.push_layers(&scene, &cells, &mut Silent);
         assert_eq!(as_printed(&nbs.c.raw()[1..=10]), [-1, -1, -1, -1, 5, 9, 7, 2, -1, -1]);
-        assert_eq!(as_printed(nbs.z.raw()), [-1, -1, -1, 1, -1, 3, 4, 6, 8]);
+        assert_eq!(as_printed(&nbs.links.raw(Z)), [-1, -1, -1, 1, -1, 3, 4, 6, 8]);
         let mut nbs = Nbs3d::with(Options::default());
         let mut pairs = Vec::new();
         nbs.detect(scene, &mut Silent, &mut pairs).unwrap();

@@ -27,7 +27,7 @@ pub struct Screening {
     /// C: heads, one per cell.
     c: Heads,
     /// E: links.
-    e: Links,
+    e: Links<1>,
     formula: u64,
 }
 
@@ -73,12 +73,12 @@ impl Screening {
             let cell = place(bodies, cells, k, probe);
             if let Some(central) = self.c.take_new(cell, probe) {
                 let heads = offsets.map(|offset| self.c.first(cell.wrapping_add_signed(offset), probe));
-                self.e.check(bodies, central, heads, probe, sink);
+                self.e.check(0, bodies, central, heads, probe, sink);
             }
         }
         for k in 0..n {
             self.c.reset(place(bodies, cells, k, probe), probe);
-            self.e.reset(k, probe);
+            self.e.reset(k, 0, probe);
         }
         Ok(())
     }
@@ -97,7 +97,7 @@ impl Screening {
 
     fn push<T: Real, const D: usize>(&mut self, bodies: &impl Bodies<T, D>, cells: &Cells<D>, probe: &mut impl Probe) {
         for k in 0..bodies.len() as u32 {
-            self.c.push(place(bodies, cells, k, probe), k, &mut self.e, probe);
+            self.c.push(place(bodies, cells, k, probe), k, &mut self.e, 0, probe);
         }
     }
 }
@@ -139,7 +139,7 @@ mod tests {
             };
             assert_eq!(as_printed(&[head]), [expected]);
         }
-        assert_eq!(as_printed(screening.e.raw()), [-1, 1, -1, 2, 3, -1, 5, -1, 7]);
+        assert_eq!(as_printed(&screening.e.raw(0)), [-1, 1, -1, 2, 3, -1, 5, -1, 7]);
     }
 
     #[test]
@@ -148,6 +148,6 @@ mod tests {
         let mut pairs = Vec::new();
         screening.detect(InCells(&NINE), &mut Silent, &mut pairs).unwrap();
         assert_eq!(printed(&pairs, &[]), "1-2 1-4 1-6 1-8 2-4 2-6 2-8 3-5 3-7 3-9 4-6 4-8 5-7 5-9 6-8 7-9");
-        assert!(screening.c.raw().iter().chain(screening.e.raw()).all(|&link| link == EMPTY));
+        assert!(screening.c.raw().iter().chain(&screening.e.raw(0)).all(|&link| link == EMPTY));
     }
 }
