@@ -1,2 +1,1 @@
 //! analyse
-pub mod report;
