@@ -82,10 +82,10 @@ fn four_gib() -> u64 {
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(untagged)]
 pub enum OneOrMany<T> {
+    /// Values to sweep over. Tried first: a `toml::Value` would take a list for a single value.
+    Many(Vec<T>),
     /// A single value.
     One(T),
-    /// Values to sweep over.
-    Many(Vec<T>),
 }
 
 impl<T: Clone> OneOrMany<T> {
