@@ -5,10 +5,11 @@
 
 pub mod claim;
 #[cfg(test)]
-pub mod fake;
+pub(crate) mod fake;
 pub mod filter;
 pub mod fit;
 pub mod interval;
+pub mod report;
 pub mod summary;
 pub mod text;
 pub mod value;
