@@ -2,7 +2,7 @@
 //!
 //! An expression is arithmetic over a cell: `(list_push + list_step) / n`, `n * log2(n)`, `time_ns / n`. Parsed by the `exmex` crate;
 //! its rules: `log` is the natural logarithm (use `log2`, `log10`), and a leading minus binds tighter than `^`, so `-n^2` is n².
-//! Minus signs in parameter names become underscores: `per-cluster` is `per_cluster`.
+//! Numbers have no exponent part: write `10^6`, not `1e6`. Minus signs in parameter names become underscores: `per-cluster` is `per_cluster`.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;

@@ -15,7 +15,9 @@ impl Axis {
     /// An axis that holds all these values with some room; on a logarithmic one only positive values count.
     pub fn new(values: impl Iterator<Item = f64>, log: bool) -> Axis {
         let usable = |value: &f64| value.is_finite() && (!log || *value > 0.0);
-        let (low, high) = values.filter(usable).fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
+        // far from the ends of f64, so that neither the room added nor the width of the range overflows
+        let values = values.filter(usable).map(|v| if log { v.clamp(1e-140, 1e140) } else { v.clamp(-1e140, 1e140) });
+        let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
         if low > high {
             return Axis { log, low: if log { 1.0 } else { 0.0 }, high: 10.0 };
         }

@@ -42,7 +42,7 @@ pub fn rows() -> Vec<crate::harness::record::Row> {
 }
 
 pub const FIGURES: &str = "[[figure]]\nname = 'time'\ntitle = 'Time against N'\nx = 'n'\nx-label = 'number of elements N'\n\
-    y = 'time_ns / 1e6'\ny-label = 'time per detection (ms)'\nslopes = true\n\
+    y = 'time_ns / 10^6'\ny-label = 'time per detection (ms)'\nslopes = true\n\
     [[figure]]\nname = 'tests'\ntitle = 'Contact tests'\nx = 'n'\nx-label = 'number of elements N'\ny = 'contact_test'\n\
     y-label = 'contact tests'\nslopes = true\n\
     [[figure]]\nname = 'per'\ntitle = 'Time per element, packed'\nx = 'n'\nx-label = 'number of elements N'\ny = 'time_ns / n'\n\
