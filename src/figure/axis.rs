@@ -90,7 +90,7 @@ impl Axis {
 /// 1000 as `1000`, 2e6 as `2·10⁶`.
 fn plain(value: f64) -> String {
     let size = value.abs();
-    if size == 0.0 || (1e-3..1e5).contains(&size) {
+    if size == 0.0 || (1e-3..1e6).contains(&size) {
         let text = format!("{value:.6}");
         return text.trim_end_matches('0').trim_end_matches('.').to_string();
     }

@@ -66,8 +66,8 @@ pub struct Plot {
 }
 
 impl Plot {
-    /// Collects the figure's data from the experiment's cells; none if there is nothing to show.
-    pub fn new(figure: &Figure, cells: &[Cell]) -> anyhow::Result<Option<Plot>> {
+    /// Collects the figure's data from the experiment's cells, its scenes in this order; none if there is nothing to show.
+    pub fn new(figure: &Figure, scenes: &[&str], cells: &[Cell]) -> anyhow::Result<Option<Plot>> {
         let chosen = filter::select(cells, &figure.filter)?;
         let (x, y) = (Expression::parse_for(&figure.x.replace('-', "_"), cells)?, Expression::parse_for(&figure.y, cells)?);
         let x_name = figure.x.replace('-', "_");
@@ -100,7 +100,7 @@ impl Plot {
             }
             label
         };
-        type Gathered<'a> = BTreeMap<(u32, usize, String), BTreeMap<LineKey, Vec<(f64, &'a Cell)>>>;
+        type Gathered<'a> = BTreeMap<(u32, usize, usize, String), BTreeMap<LineKey, Vec<(f64, &'a Cell)>>>;
         let (mut gathered, mut places): (Gathered, Vec<String>) = (BTreeMap::new(), Vec::new());
         for cell in &chosen {
             let Some(at) = x.at(cell, None) else { continue };
@@ -109,12 +109,13 @@ impl Plot {
                 places.push(scene.clone());
                 places.len() - 1
             });
-            let lines = gathered.entry((cell.key.dim, place, scene)).or_default();
+            let first = scenes.iter().position(|known| *known == cell.key.scene).unwrap_or(scenes.len());
+            let lines = gathered.entry((cell.key.dim, first, place, scene)).or_default();
             lines.entry(line_of(&cell.key)).or_default().push((at, cell));
         }
         let mut over_seeds = false;
         let mut panels = Vec::new();
-        for ((dim, _, scene), lines) in gathered {
+        for ((dim, _, _, scene), lines) in gathered {
             let mut panel = Panel { scene, dim, lines: BTreeMap::new() };
             for (key, mut found) in lines {
                 found.sort_by(|a, b| a.0.total_cmp(&b.0));

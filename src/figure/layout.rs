@@ -29,6 +29,7 @@ pub struct Sheet<'a> {
     rows: usize,
     legend: f64,
     top: f64,
+    gap: f64,
     panel: (f64, f64),
     shared: Shared,
 }
@@ -64,13 +65,16 @@ impl<'a> Sheet<'a> {
         let columns = if scenes.len() <= 4 && count == scenes.len() * dims.len() { scenes.len() } else { count.min(3) };
         let rows = count.div_ceil(columns.max(1));
         let names = plot.keys().into_iter().map(|key| width(&label(key), 17.0, false)).fold(150.0, f64::max);
-        let legend = names + 70.0;
+        let slopes = figure.slopes && figure.log && figure.x == "n";
+        // the names of the slopes stand between the panels, where no line can cross them
+        let gap = if slopes { 58.0 } else { GAP };
+        let legend = names + 70.0 + gap - GAP;
         let subtitle = wrap(&experiment.question, 150);
         let top = MARGIN + 34.0 + 22.0 * subtitle.len().min(3) as f64 + 12.0;
-        let across = (WIDTH - 2.0 * MARGIN - LEFT - legend - GAP * (columns as f64 - 1.0)) / columns as f64;
+        let across = (WIDTH - 2.0 * MARGIN - LEFT - legend - gap * (columns as f64 - 1.0)) / columns as f64;
         let strip = plot.panels.iter().map(|panel| panel.lines.values().filter(|line| !line.marks.is_empty()).count()).max().unwrap_or(0);
         let strip = if strip == 0 { 0.0 } else { ROW * strip as f64 + 4.0 };
-        let down = (if rows == 1 { (0.75 * across).clamp(380.0, 520.0) } else { (0.9 * across).clamp(250.0, 330.0) }) + strip;
+        let down = (if rows == 1 { (0.75 * across).clamp(380.0, 520.0) } else { across.clamp(270.0, 340.0) }) + strip;
         let height = top + rows as f64 * (down + HEADING) + (rows as f64 - 1.0) * GAP + 76.0;
         let zero = figure.log && plot.points().any(|point| point.y <= 0.0);
         let ys = plot.points().flat_map(|point| [point.y, point.low, point.high]);
@@ -79,12 +83,12 @@ impl<'a> Sheet<'a> {
             y: Axis::new(ys, figure.log),
             strip,
             zero: if zero { 22.0 } else { 0.0 },
-            slopes: figure.slopes && figure.log && figure.x == "n",
+            slopes,
         };
         let lines = plot.keys().len() + plot.outcomes().len();
         let height = height.max(top + 26.0 * lines as f64 + 190.0);
         let size = (WIDTH as u32, height.clamp(300.0, 8000.0) as u32);
-        Sheet { size, figure, plot, styles, subtitle, columns, rows, legend, top, panel: (across, down), shared }
+        Sheet { size, figure, plot, styles, subtitle, columns, rows, legend, top, gap, panel: (across, down), shared }
     }
 
     /// Draws everything.
@@ -96,7 +100,7 @@ impl<'a> Sheet<'a> {
         }
         for (k, panel) in self.plot.panels.iter().enumerate() {
             let (row, column) = (k / self.columns, k % self.columns);
-            let left = MARGIN + LEFT + column as f64 * (self.panel.0 + GAP);
+            let left = MARGIN + LEFT + column as f64 * (self.panel.0 + self.gap);
             let top = self.top + HEADING + row as f64 * (self.panel.1 + HEADING + GAP);
             let frame = Frame {
                 low: (left, top),
@@ -117,7 +121,7 @@ impl<'a> Sheet<'a> {
     }
 
     fn legend(&self, canvas: &mut dyn Canvas) -> anyhow::Result<()> {
-        let (left, mut y) = (WIDTH - MARGIN - self.legend + 22.0, self.top + HEADING + 12.0);
+        let (left, mut y) = (WIDTH - MARGIN - self.legend + 22.0 + self.gap - GAP, self.top + HEADING + 12.0);
         for key in self.plot.keys() {
             let style = self.styles.of(&key.detector);
             let (line_width, dash) = dash_of(style, &key.variant);

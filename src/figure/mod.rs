@@ -27,7 +27,8 @@ pub fn draw(
 ) -> anyhow::Result<Vec<PathBuf>> {
     canvas::register_fonts()?;
     let own: Vec<Cell> = cells.iter().filter(|cell| cell.key.experiment == experiment.name).cloned().collect();
-    let Some(plot) = data::Plot::new(figure, &own)? else { return Ok(Vec::new()) };
+    let scenes: Vec<&str> = experiment.scenes.iter().map(|scene| scene.name.as_str()).collect();
+    let Some(plot) = data::Plot::new(figure, &scenes, &own)? else { return Ok(Vec::new()) };
     let sheet = layout::Sheet::new(experiment, figure, &plot, style);
     let stem = file_stem(&experiment.name, &figure.name);
     let (svg, png) = (folder.join(format!("{stem}.svg")), folder.join(format!("{stem}.png")));

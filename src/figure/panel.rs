@@ -56,7 +56,7 @@ impl Frame {
     pub fn draw(&self, canvas: &mut dyn Canvas, panel: &Panel, shared: &Shared, styles: &Styles) -> anyhow::Result<()> {
         self.grid(canvas, shared)?;
         if shared.slopes {
-            self.slopes(canvas, panel, shared)?;
+            self.slopes(canvas, panel, shared, styles)?;
         }
         // controls first: they stay behind the detectors
         let mut lines: Vec<_> = panel.lines.iter().collect();
@@ -126,29 +126,35 @@ impl Frame {
         Ok(())
     }
 
-    /// N, N log N and N², all through the lowest first point of the panel's detectors, so that they stay below the data they compare with.
-    fn slopes(&self, canvas: &mut dyn Canvas, panel: &Panel, shared: &Shared) -> anyhow::Result<()> {
-        let firsts = panel.lines.values().filter_map(|line| line.points.iter().find(|point| point.y > 0.0));
-        let firsts = firsts.filter(|point| point.x >= 2.0);
+    /// N, N log N and N², all from a little below the lowest first point of a detector, so that they do not hide the data.
+    fn slopes(&self, canvas: &mut dyn Canvas, panel: &Panel, shared: &Shared, styles: &Styles) -> anyhow::Result<()> {
+        let lines = panel.lines.iter().filter(|(key, _)| !styles.of(&key.detector).control);
+        let firsts = lines.filter_map(|(_, line)| line.points.iter().find(|point| point.y > 0.0 && point.x >= 2.0));
         let Some(first) = firsts.min_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y))) else { return Ok(()) };
         let (top, bottom) = self.scale(shared);
-        let height = bottom - top;
+        let mut last = f64::NEG_INFINITY;
         let start = shared.x.place(first.x).unwrap_or(0.0);
         for (model, name) in [(Model::Quadratic, "N²"), (Model::Linearithmic, "N log N"), (Model::Linear, "N")] {
             let mut path = Vec::new();
             for step in 0..=60 {
                 let place = start + (1.0 - start) * f64::from(step) / 60.0;
-                let value = first.y * model.at(shared.x.value(place)) / model.at(first.x);
-                let Some(y) = self.y(shared, value).filter(|y| *y >= top && *y <= bottom) else { break };
+                let value = 0.5 * first.y * model.at(shared.x.value(place)) / model.at(first.x);
+                let Some(y) = self.y(shared, value).filter(|y| *y >= top) else { break };
+                if y > bottom {
+                    continue;
+                }
                 path.push((self.low.0 + place * (self.high.0 - self.low.0), y));
             }
             canvas.line(&path, (175, 175, 175), 1.0, Some((6.0, 4.0)))?;
             if let Some(&(x, y)) = path.last().filter(|_| path.len() > 1) {
-                // above the line where it leaves at the side, beside it where it leaves at the top; N below, clear of N log N
-                let at_side = x > self.high.0 - 12.0;
-                let below = model == Model::Linear || y < top + 0.06 * height;
-                let at = if at_side { (self.high.0 - 5.0, y + if below { 13.0 } else { -9.0 }) } else { (x - 6.0, top + 10.0) };
-                canvas.text(name, at, Text::new(14.0, FAINT).anchor(1))?;
+                if x < self.high.0 - 1.0 {
+                    canvas.text(name, (x + 7.0, y.max(top + 9.0)), Text::new(15.0, FAINT))?;
+                } else {
+                    // beside the panel, kept apart
+                    let y = y.max(last + 14.0);
+                    last = y;
+                    canvas.text(name, (self.high.0 + 4.0, y), Text::new(15.0, FAINT))?;
+                }
             }
         }
         Ok(())

@@ -102,11 +102,3 @@ fn odd_data_do_not_break_a_figure() {
         }
     }
 }
-
-#[test]
-fn zz_dump() {
-    for (k, (png, svg)) in drawn(&rows(), FIGURES).into_iter().enumerate() {
-        std::fs::write(format!("/tmp/ana-fig{k}.png"), png).unwrap();
-        std::fs::write(format!("/tmp/ana-fig{k}.svg"), svg).unwrap();
-    }
-}
