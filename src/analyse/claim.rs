@@ -173,7 +173,10 @@ fn over(cells: &[&Cell]) -> String {
     if parts.is_empty() { "its only cell".into() } else { parts.join("; ") }
 }
 
-fn extremes<'a>(points: &[(&'a Cell, f64)]) -> Option<((&'a Cell, f64), (&'a Cell, f64))> {
+/// A cell and its value.
+type Valued<'a> = (&'a Cell, f64);
+
+fn extremes<'a>(points: &[Valued<'a>]) -> Option<(Valued<'a>, Valued<'a>)> {
     let low = points.iter().copied().min_by(|a, b| a.1.total_cmp(&b.1))?;
     let high = points.iter().copied().max_by(|a, b| a.1.total_cmp(&b.1))?;
     Some((low, high))

@@ -97,7 +97,9 @@ fn with_interval(ratio: &Interval) -> String {
 
 /// Every cell that did not end well: one line per detector, scene and outcome, with the N and the first reason.
 pub fn not_ok(cells: &[&Cell]) -> Option<String> {
-    let mut groups: BTreeMap<(&str, &str, String, &str), Vec<(u64, &str)>> = BTreeMap::new();
+    // detector, arithmetic, scene, outcome: N and reason
+    type Group<'a> = (&'a str, &'a str, String, &'a str);
+    let mut groups: BTreeMap<Group, Vec<(u64, &str)>> = BTreeMap::new();
     for cell in cells {
         let (outcome, reason) = cell.overall();
         if !outcome.is_good() {
@@ -105,7 +107,7 @@ pub fn not_ok(cells: &[&Cell]) -> Option<String> {
             groups.entry((&cell.key.detector, &cell.key.arithmetic, scene, outcome.name())).or_default().push((cell.key.n, reason));
         }
     }
-    let row = |((detector, arithmetic, scene, outcome), found): (&(&str, &str, String, &str), &Vec<(u64, &str)>)| {
+    let row = |((detector, arithmetic, scene, outcome), found): (&Group, &Vec<(u64, &str)>)| {
         let sizes: BTreeSet<u64> = found.iter().map(|(n, _)| *n).collect();
         let reasons: BTreeSet<&str> = found.iter().map(|(_, reason)| *reason).collect();
         let mut reason = found.first().map_or("", |first| first.1).to_string();

@@ -170,12 +170,12 @@ impl Frame {
             canvas.line(&path, style.colour, width, dash)?;
         }
         for point in &line.points {
-            if let (Some(low), Some(high)) = (at(point.x, point.low), at(point.x, point.high)) {
-                if low.1 - high.1 > 1.0 {
-                    canvas.line(&[low, high], style.colour, 1.5, None)?;
-                    for (x, y) in [low, high] {
-                        canvas.line(&[(x - 4.0, y), (x + 4.0, y)], style.colour, 1.5, None)?;
-                    }
+            if let (Some(low), Some(high)) = (at(point.x, point.low), at(point.x, point.high))
+                && low.1 - high.1 > 1.0
+            {
+                canvas.line(&[low, high], style.colour, 1.5, None)?;
+                for (x, y) in [low, high] {
+                    canvas.line(&[(x - 4.0, y), (x + 4.0, y)], style.colour, 1.5, None)?;
                 }
             }
             if let Some(at) = at(point.x, point.y) {

@@ -102,3 +102,17 @@ fn odd_data_do_not_break_a_figure() {
         }
     }
 }
+
+#[test]
+fn seeds_are_one_point_with_their_range_and_arithmetics_are_lines() {
+    let mut lab = Lab::new("e", "packed");
+    for (seed, tests) in [(1, 10), (2, 40), (3, 20)] {
+        lab.seed(seed).arithmetic("exact").count(&[("contact_test", tests)]).arithmetic("f32").count(&[("contact_test", 5)]);
+    }
+    let experiment = fake::experiment(FIGURES);
+    let plot = data::Plot::new(&experiment.figures[1], &[], &value::cells(&lab.rows())).unwrap().unwrap();
+    let lines: Vec<_> = plot.panels[0].lines.iter().map(|(key, line)| (key.variant.as_str(), line.points.clone())).collect();
+    let point = |y, low, high| vec![data::Point { x: 100.0, y, low, high }];
+    assert_eq!(lines, [("exact", point(20.0, 10.0, 40.0)), ("f32", point(5.0, 5.0, 5.0))]);
+    assert!(plot.over_seeds);
+}
