@@ -7,7 +7,7 @@ use std::process::ExitCode;
 use anyhow::{Context, bail, ensure};
 
 use super::progress::Terminal;
-use crate::analyse::report;
+use crate::analyse::{claim, report};
 use crate::harness::experiment::Experiment;
 use crate::harness::record::{self, Record, Writer};
 use crate::harness::run::Job;
@@ -123,12 +123,15 @@ fn finish(folder: &Path) -> anyhow::Result<ExitCode> {
     let experiments = names.iter().map(read).collect::<anyhow::Result<Vec<_>>>()?;
     let report = report::write(folder, &experiments, &record.rows, &record.warnings)?;
     let mut out = std::io::stdout().lock();
-    writeln!(out, "{}", report.verdict_table())?;
+    writeln!(out, "{}", claim::plain(&report.verdicts))?;
+    for warning in &report.warnings {
+        writeln!(out, "note:    {warning}")?;
+    }
     writeln!(out, "figures: {} in {}", report.figures.len(), folder.join("figures").display())?;
     writeln!(out, "report:  {}", report.path.display())?;
     let wrong = record.rows.iter().filter(|row| row.outcome == record::Outcome::Wrong).count();
     if wrong > 0 {
         writeln!(out, "WRONG answers in {wrong} rows: see the report")?;
     }
-    Ok(if wrong > 0 || report.failed() { ExitCode::from(1) } else { ExitCode::SUCCESS })
+    Ok(if wrong > 0 || claim::any_failed(&report.verdicts) { ExitCode::from(1) } else { ExitCode::SUCCESS })
 }

@@ -1,0 +1,191 @@
+//! The report of a result folder: `report.md`, `summary.csv` and `figures/`, from the record alone.
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
+use serde_json::Value;
+
+use super::claim::{self, Status, Verdict};
+use super::value::{Cell, cells};
+use super::{summary, text};
+use crate::figure::{self, style::Styles};
+use crate::harness::experiment::Experiment;
+use crate::harness::record::Row;
+
+/// What was written.
+pub struct Report {
+    /// All claims, in the order of the experiments.
+    pub verdicts: Vec<Verdict>,
+    /// The figures, SVG and PNG.
+    pub figures: Vec<PathBuf>,
+    /// The report.
+    pub path: PathBuf,
+    /// Sentences about what was left out: those given, and figures that could not be drawn.
+    pub warnings: Vec<String>,
+}
+
+/// Writes the report of these experiments into `folder`. Rows of other experiments are in `summary.csv` only. A figure that cannot be
+/// drawn as written is a warning; files that cannot be written are an error.
+pub fn write(folder: &Path, experiments: &[Experiment], rows: &[Row], warnings: &[String]) -> anyhow::Result<Report> {
+    let cells = cells(rows);
+    let styles = Styles::new(cells.iter().map(|cell| cell.key.detector.as_str()));
+    let figure_folder = folder.join("figures");
+    std::fs::create_dir_all(&figure_folder).with_context(|| format!("cannot make the folder {}", figure_folder.display()))?;
+    let mut report = Report { verdicts: Vec::new(), figures: Vec::new(), path: folder.join("report.md"), warnings: warnings.to_vec() };
+    let mut body = String::new();
+    for experiment in experiments {
+        let own: Vec<&Cell> = cells.iter().filter(|cell| cell.key.experiment == experiment.name).collect();
+        let verdicts = claim::verdicts(experiment, &cells);
+        section(&mut body, experiment, &own, &verdicts);
+        for plan in &experiment.figures {
+            match figure::draw(&figure_folder, experiment, plan, &cells, &styles) {
+                Ok(paths) => {
+                    embed(&mut body, &plan.title, &paths);
+                    report.figures.extend(paths);
+                }
+                Err(error) => report.warnings.push(format!("the figure {} of {} was not drawn: {error:#}", plan.name, experiment.name)),
+            }
+        }
+        tables(&mut body, &own);
+        report.verdicts.extend(verdicts);
+    }
+    let provenance = std::fs::read(folder.join("provenance.json")).ok().and_then(|bytes| serde_json::from_slice::<Value>(&bytes).ok());
+    let page = head(experiments, &report, provenance.as_ref()) + &body + &foot(provenance.as_ref());
+    std::fs::write(&report.path, page).with_context(|| format!("cannot write the report {}", report.path.display()))?;
+    let table = folder.join("summary.csv");
+    std::fs::write(&table, summary::csv(&cells)).with_context(|| format!("cannot write {}", table.display()))?;
+    Ok(report)
+}
+
+/// Title, the command that made it, the score of the claims, warnings.
+fn head(experiments: &[Experiment], report: &Report, provenance: Option<&Value>) -> String {
+    let titles: Vec<String> = experiments.iter().map(|experiment| text::escape(&experiment.title)).collect();
+    let mut out = format!("# {}\n\n", if titles.len() == 1 { titles.join("") } else { "Contact detection: results".into() });
+    let command = provenance.and_then(|p| p.get("command")).map(|command| match command {
+        Value::Array(words) => words.iter().map(shown).collect::<Vec<_>>().join(" "),
+        word => shown(word),
+    });
+    if let Some(command) = command {
+        // a fence longer than any in the command
+        let _ = write!(out, "Made by\n\n````text\n{}\n````\n\n", command.replace("````", "'"));
+    }
+    let count = |status: Status| report.verdicts.iter().filter(|verdict| verdict.status == status).count();
+    if report.verdicts.is_empty() {
+        out += "No claims were checked.\n\n";
+    } else {
+        let (holds, fails, open) = (count(Status::Holds), count(Status::Fails), count(Status::NotShown));
+        let total = text::plural(report.verdicts.len(), "claim");
+        let _ = write!(out, "**Of {total}, {holds} hold, {fails} fail and {open} could not be shown.**\n\n");
+    }
+    for warning in &report.warnings {
+        let _ = writeln!(out, "> Warning: {}\n", text::escape(warning));
+    }
+    if experiments.len() > 1 {
+        for experiment in experiments {
+            let _ = writeln!(out, "* {}: {}", text::escape(&experiment.name), text::escape(&experiment.question));
+        }
+        out.push('\n');
+    }
+    out
+}
+
+/// Question, verdicts, how to read.
+fn section(out: &mut String, experiment: &Experiment, own: &[&Cell], verdicts: &[Verdict]) {
+    let _ = write!(out, "## {}\n\n**{}**\n\n", text::escape(&experiment.title), text::escape(&experiment.question));
+    if own.is_empty() {
+        *out += "The record has no rows of this experiment.\n\n";
+    }
+    if !verdicts.is_empty() {
+        *out += &claim::markdown(verdicts);
+        *out += "\nClaims are checked from counts, bytes and digests, which are the same on every machine, except those marked \"of this machine\".\n\n";
+    }
+    let _ = write!(out, "*How to read it:* {}\n\n", text::escape(&experiment.reading));
+}
+
+fn embed(out: &mut String, title: &str, paths: &[PathBuf]) {
+    let name = |ending: &str| {
+        let path = paths.iter().find(|path| path.extension().is_some_and(|found| found == ending))?;
+        path.file_name().map(|name| name.to_string_lossy().into_owned())
+    };
+    if let (Some(png), Some(svg)) = (name("png"), name("svg")) {
+        let _ = write!(out, "![{}](figures/{png})\n\n[as SVG](figures/{svg})\n\n", text::escape(title));
+    }
+}
+
+/// Summary, what did not end well, errors, noise.
+fn tables(out: &mut String, own: &[&Cell]) {
+    for table in summary::largest(own) {
+        let _ = write!(out, "### {}\n\n{}\n", text::escape(&table.title), table.markdown);
+    }
+    if let Some(table) = summary::not_ok(own) {
+        let _ = write!(out, "### What did not end well\n\n{table}\n");
+    }
+    if let Some(table) = summary::errors(own) {
+        let _ = write!(out, "### Against the exact truth\n\n{table}\n");
+    }
+    let noise = summary::noise(own);
+    if !noise.is_empty() {
+        let _ = write!(out, "### Noise floor\n\n{}\n\n", noise.iter().map(|line| text::escape(line)).collect::<Vec<_>>().join("\n\n"));
+    }
+}
+
+/// Legend of the tables, machine, bias.
+fn foot(provenance: Option<&Value>) -> String {
+    let mut out = String::from(
+        "## How to read the tables\n\nTimes are medians over paired blocks, from raw coordinates to the complete list of pairs. Ratios are \
+         taken within a block; the numbers in brackets are the exact order-statistic interval of their median (15 blocks: the 4th to \
+         the 12th, 96.5%). No time is shown without a right answer. Counts are exact and the same on every machine. All values, one \
+         line per cell, are in [summary.csv](summary.csv); every single measurement is in [samples.jsonl](samples.jsonl).\n\nIn which \
+         ways this comparison is unfair is written in BIAS.md at the root of the project.\n\n",
+    );
+    if let Some(Value::Object(fields)) = provenance {
+        out += "## Machine and provenance\n\n";
+        for (name, value) in fields {
+            let _ = writeln!(out, "* {}: {}", text::escape(name), text::escape(&shown(value)));
+        }
+    }
+    out
+}
+
+/// Text as it is, anything else as JSON.
+fn shown(value: &Value) -> String {
+    value.as_str().map_or_else(|| value.to_string(), String::from)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{fake, fake::Lab};
+    use super::*;
+    use crate::harness::record::{Outcome, Pass};
+
+    #[test]
+    fn a_report_has_question_verdicts_figures_and_provenance() {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("provenance.json"), r#"{"command": ["contactbench", "run"], "cpu": {"name": "A_1"}}"#).unwrap();
+        let mut lab = Lab::new("e", "packed");
+        for n in [100, 1000] {
+            lab.n(n).detector("nbs").time(&[n; 15]).count(&[("list_push", 2 * n)]);
+            lab.detector("direct").fail(Pass::Time, Outcome::Crashed, "signal 11");
+        }
+        let experiment = fake::experiment(
+            "[[claim]]\nname = 'two pushes'\nkind = 'equal'\nvalue = 'list_push'\nto = '2 * n'\nwhere = { detector = 'nbs' }\n\
+             [[figure]]\nname = 'time'\ntitle = 'Time'\nx = 'n'\nx-label = 'N'\ny = 'time_ns'\ny-label = 'ns'\n\
+             [[figure]]\nname = 'bad'\ntitle = 'Bad'\nx = 'n'\nx-label = 'N'\ny = 'speed'\ny-label = 'ns'\n",
+        );
+        let report = write(folder.path(), std::slice::from_ref(&experiment), &lab.rows(), &["line 9 is torn".into()]).unwrap();
+        let page = std::fs::read_to_string(&report.path).unwrap();
+        for part in
+            ["**Which is fastest?**", "| two pushes | holds |", "(figures/e-time.png)", "signal 11", "contactbench run", "A\\_1", "BIAS.md"]
+        {
+            assert!(page.contains(part), "{part} is not in\n{page}");
+        }
+        assert!(page.contains("Warning: line 9 is torn") && page.contains("unknown variable 'speed'"), "{page}");
+        assert_eq!((report.figures.len(), report.warnings.len(), report.verdicts.len()), (2, 2, 1));
+        assert!(report.figures.iter().all(|path| std::fs::metadata(path).is_ok_and(|file| file.len() > 1000)));
+        assert_eq!(std::fs::read_to_string(folder.path().join("summary.csv")).unwrap().lines().count(), 5);
+        // a report can be made again, and is the same
+        assert!(write(folder.path(), &[experiment], &lab.rows(), &["line 9 is torn".into()]).is_ok());
+        assert_eq!(page, std::fs::read_to_string(&report.path).unwrap());
+    }
+}

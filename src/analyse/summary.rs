@@ -1,0 +1,259 @@
+//! Tables of a report: each detector at the largest N, what did not end well and why, the noise floor, and errors.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::interval::{Interval, ratio};
+use super::text;
+use super::value::{Cell, Key};
+use crate::detect::table::{self, Role};
+use crate::harness::record::{Errors, Outcome, Pass};
+
+/// A heading and a Markdown table.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Table {
+    /// The heading.
+    pub title: String,
+    /// The table, in Markdown.
+    pub markdown: String,
+}
+
+/// The detector that `name` is the twin of. Records of other builds may hold twins that the table does not know: the name tells.
+pub fn twin_of(name: &str) -> Option<&str> {
+    match table::find(name).map(|entry| entry.role) {
+        Some(Role::Twin(base)) => Some(base),
+        Some(_) => None,
+        None => name.strip_suffix("-twin"),
+    }
+}
+
+/// True for controls: the detector that does nothing, and twins.
+pub fn is_control(name: &str) -> bool {
+    twin_of(name).is_some() || table::find(name).is_some_and(|entry| entry.role == Role::Nothing)
+}
+
+/// `packed, 2D, N = 1000, s = 20`; other fields are told where they are not the usual ones.
+fn title(key: &Key) -> String {
+    let params: String = key.params.iter().map(|(name, value)| format!(", {name} = {value}")).collect();
+    let order = if key.order == "shuffled" { String::new() } else { format!(", {}", key.order) };
+    format!("{}, {}D, N = {}{params}{order}", key.scene, key.dim, key.n)
+}
+
+/// One table per scene and dimension, at its largest N (and the last parameters and the first seed there).
+pub fn largest(cells: &[&Cell]) -> Vec<Table> {
+    let mut scenes: BTreeMap<(&str, u32), Vec<&Cell>> = BTreeMap::new();
+    for cell in cells {
+        scenes.entry((&cell.key.scene, cell.key.dim)).or_default().push(cell);
+    }
+    scenes.values().filter_map(|cells| at_largest(cells)).collect()
+}
+
+fn at_largest(cells: &[&Cell]) -> Option<Table> {
+    let scene = |key: &Key| (key.n, key.params.clone(), key.order.clone(), std::cmp::Reverse(key.seed));
+    let last = cells.iter().map(|cell| scene(&cell.key)).max()?;
+    let mut cells: Vec<&Cell> = cells.iter().copied().filter(|cell| scene(&cell.key) == last).collect();
+    let key = cells.first()?.key.clone();
+    let median = |cell: &Cell| cell.time().map_or(f64::INFINITY, |time| time.median);
+    cells.sort_by(|a, b| median(a).total_cmp(&median(b)));
+    let fastest = cells.iter().find(|cell| !is_control(&cell.key.detector) && median(cell).is_finite()).copied();
+    let several = |field: &str| cells.iter().map(|cell| cell.key.field(field)).collect::<BTreeSet<_>>().len() > 1;
+    let (arithmetic, threads, n) = (several("arithmetic"), several("threads"), key.n.max(1) as f64);
+    let per = |value: Option<f64>| value.map_or("–".into(), |value| text::number(value / n));
+    let row = |cell: &&Cell| {
+        let mut name = cell.key.detector.clone();
+        if arithmetic {
+            name += &format!(" {}", cell.key.arithmetic);
+        }
+        if threads {
+            name += &format!(" ({})", text::plural(cell.key.threads as usize, "thread"));
+        }
+        let versus = match (fastest, cell.time()) {
+            (Some(fastest), Some(_)) if fastest.key == cell.key => "1".into(),
+            (Some(fastest), Some(_)) => ratio(&cell.times, &fastest.times).map_or("–".into(), |ratio| with_interval(&ratio)),
+            _ => "–".into(),
+        };
+        let sum = |names: [&str; 3]| names.iter().map(|name| cell.variable(name, None)).sum::<Option<f64>>();
+        let (outcome, _) = cell.overall();
+        vec![
+            name,
+            per(cell.time().map(|time| time.median)),
+            versus,
+            per(cell.variable("contact_test", None)),
+            per(sum(["list_push", "list_step", "list_reset"])),
+            per(cell.variable("peak_bytes", None)),
+            per(cell.variable("formula_bytes", None)),
+            outcome.name().into(),
+        ]
+    };
+    let heads =
+        ["detector", ">ns / N", ">time / fastest", ">contact tests / N", ">list ops / N", ">peak bytes / N", ">by formula / N", "outcome"];
+    Some(Table { title: title(&key), markdown: text::markdown_table(&heads, &cells.iter().map(row).collect::<Vec<_>>()) })
+}
+
+/// `1.25 (1.20 to 1.31)`.
+fn with_interval(ratio: &Interval) -> String {
+    let digits = if ratio.median < 10.0 { 2 } else { 1 };
+    format!("{:.digits$} ({:.digits$} to {:.digits$})", ratio.median, ratio.low, ratio.high)
+}
+
+/// Every cell that did not end well: one line per detector, scene and outcome, with the N and the first reason.
+pub fn not_ok(cells: &[&Cell]) -> Option<String> {
+    // detector, arithmetic, scene, outcome: N and reason
+    type Group<'a> = (&'a str, &'a str, String, &'a str);
+    let mut groups: BTreeMap<Group, Vec<(u64, &str)>> = BTreeMap::new();
+    for cell in cells {
+        let (outcome, reason) = cell.overall();
+        if !outcome.is_good() {
+            let scene = format!("{} {}D", cell.key.scene, cell.key.dim);
+            groups.entry((&cell.key.detector, &cell.key.arithmetic, scene, outcome.name())).or_default().push((cell.key.n, reason));
+        }
+    }
+    let row = |((detector, arithmetic, scene, outcome), found): (&Group, &Vec<(u64, &str)>)| {
+        let sizes: BTreeSet<u64> = found.iter().map(|(n, _)| *n).collect();
+        let reasons: BTreeSet<&str> = found.iter().map(|(_, reason)| *reason).collect();
+        let mut reason = found.first().map_or("", |first| first.1).to_string();
+        if reasons.len() > 1 {
+            reason += &format!(" (and {} like it)", text::plural(reasons.len() - 1, "reason"));
+        }
+        let sizes: Vec<String> = sizes.iter().map(u64::to_string).collect();
+        vec![format!("{detector} ({arithmetic})"), scene.clone(), sizes.join(", "), (*outcome).into(), reason]
+    };
+    let rows: Vec<Vec<String>> = groups.iter().map(row).collect();
+    (!rows.is_empty()).then(|| text::markdown_table(&["detector", "scene", ">N", "outcome", "reason"], &rows))
+}
+
+/// What two measurements of the same code differ by: every twin against its original, cell by cell, in one sentence per twin.
+pub fn noise(cells: &[&Cell]) -> Vec<String> {
+    let by_key: BTreeMap<&Key, &Cell> = cells.iter().map(|cell| (&cell.key, *cell)).collect();
+    let mut found: BTreeMap<(&str, &str), Vec<Interval>> = BTreeMap::new();
+    for cell in cells {
+        let Some(base) = twin_of(&cell.key.detector) else { continue };
+        let original = by_key.get(&Key { detector: base.into(), ..cell.key.clone() });
+        let good = |cell: &Cell| cell.outcome(&[Pass::Time]).0.is_good();
+        if let Some(original) = original.filter(|original| good(original) && good(cell)) {
+            found.entry((&cell.key.detector, base)).or_default().extend(ratio(&cell.times, &original.times));
+        }
+    }
+    let sentence = |((twin, base), ratios): (&(&str, &str), &Vec<Interval>)| {
+        let worst = ratios.iter().max_by(|a, b| a.median.ln().abs().total_cmp(&b.median.ln().abs()))?;
+        let typical = super::interval::median(&ratios.iter().map(|ratio| ratio.median.ln().abs()).collect::<Vec<_>>())?;
+        let outside = ratios.iter().filter(|ratio| ratio.excludes(1.0)).count();
+        let expected = 100.0 * ratios.iter().map(|ratio| 1.0 - ratio.coverage).sum::<f64>() / ratios.len() as f64;
+        Some(format!(
+            "{twin} against {base}, the same code measured twice, in {}: typically {} apart, at worst a ratio of {}; {outside} of {} \
+             intervals exclude 1 (about {expected:.1}% would by chance). Differences below that are noise.",
+            text::plural(ratios.len(), "cell"),
+            text::percent(typical.exp_m1()),
+            with_interval(worst),
+            ratios.len()
+        ))
+    };
+    found.iter().filter_map(sentence).collect()
+}
+
+/// Missed, spurious and repeated pairs against the exact truth, per detector and arithmetic; none if nothing was compared.
+pub fn errors(cells: &[&Cell]) -> Option<String> {
+    let mut sums: BTreeMap<(&str, &str, String), (usize, u64, Errors)> = BTreeMap::new();
+    for cell in cells.iter().filter(|cell| cell.overall().0 != Outcome::Control) {
+        if let Some(errors) = cell.errors {
+            let scene = format!("{} {}D", cell.key.scene, cell.key.dim);
+            let (count, contacts, sum) = sums.entry((&cell.key.detector, &cell.key.arithmetic, scene)).or_default();
+            *count += 1;
+            *contacts = contacts.saturating_add(cell.contacts.unwrap_or(0));
+            sum.missed = sum.missed.saturating_add(errors.missed);
+            sum.spurious = sum.spurious.saturating_add(errors.spurious);
+            sum.duplicate = sum.duplicate.saturating_add(errors.duplicate);
+        }
+    }
+    let row = |((detector, arithmetic, scene), (count, contacts, sum)): (&(&str, &str, String), &(usize, u64, Errors))| {
+        let numbers = [*count as u64, *contacts, sum.missed, sum.spurious, sum.duplicate];
+        let names = [(*detector).to_string(), (*arithmetic).to_string(), scene.clone()];
+        names.into_iter().chain(numbers.iter().map(u64::to_string)).collect()
+    };
+    let rows: Vec<Vec<String>> = sums.iter().map(row).collect();
+    let heads = ["detector", "arithmetic", "scene", ">cells", ">pairs", ">missed", ">spurious", ">duplicate"];
+    (!rows.is_empty()).then(|| text::markdown_table(&heads, &rows))
+}
+
+/// One line per cell with all its values, as CSV.
+pub fn csv(cells: &[Cell]) -> String {
+    let params: BTreeSet<&str> = cells.iter().flat_map(|cell| cell.key.params.iter().map(|(name, _)| name.as_str())).collect();
+    let counts: BTreeSet<&str> = cells.iter().filter_map(|cell| cell.counts.as_ref()).flat_map(|c| c.keys().map(String::as_str)).collect();
+    let bytes = ["peak_bytes", "live_bytes", "allocations", "warm_allocations", "formula_bytes"];
+    let stats = ["packing_fraction", "coordination", "radius_ratio"];
+    let times = ["time_ns_median", "time_ns_low", "time_ns_high", "time_ns_min", "time_ns_mad", "blocks"];
+    let quote = |text: &str| match text.contains([',', '"', '\n', '\r']) {
+        true => format!("\"{}\"", text.replace('"', "\"\"")),
+        false => text.to_string(),
+    };
+    let fields = super::value::FIELDS;
+    let head: Vec<String> = fields
+        .iter()
+        .copied()
+        .chain(params.iter().copied())
+        .chain(["outcome", "reason"])
+        .chain(times)
+        .chain(["contacts"])
+        .chain(counts.iter().copied())
+        .chain(bytes)
+        .chain(["missed", "spurious", "duplicate"])
+        .chain(stats)
+        .map(quote)
+        .collect();
+    let mut out = head.join(",") + "\n";
+    for cell in cells {
+        let (outcome, reason) = cell.overall();
+        let mut line: Vec<String> =
+            fields.iter().chain(&params).map(|name| cell.key.field(name).map_or(String::new(), |v| v.to_string())).collect();
+        line.extend([outcome.name().to_string(), reason.to_string()]);
+        match cell.time() {
+            Some(time) => {
+                let all: Vec<f64> = cell.times.values().map(|&t| t as f64).collect();
+                let least = all.iter().copied().fold(f64::INFINITY, f64::min);
+                let mad = super::interval::mad(&all).unwrap_or(0.0);
+                line.extend([time.median, time.low, time.high, least, mad, time.count as f64].map(|v| v.to_string()));
+            }
+            None => line.extend(times.map(|_| String::new())),
+        }
+        let number = |name: &str| cell.variable(name, None).map_or(String::new(), |v| v.to_string());
+        let error = |of: fn(Errors) -> u64| cell.errors.map_or(String::new(), |e| of(e).to_string());
+        line.push(number("contacts"));
+        line.extend(counts.iter().copied().chain(bytes).map(number));
+        line.extend([error(|e| e.missed), error(|e| e.spurious), error(|e| e.duplicate)]);
+        line.extend(stats.map(number));
+        out += &line.iter().map(|text| quote(text)).collect::<Vec<_>>().join(",");
+        out.push('\n');
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{fake::Lab, value};
+    use super::*;
+
+    #[test]
+    fn tables_show_ratio_noise_errors_and_what_failed() {
+        let mut lab = Lab::new("e", "packed");
+        lab.n(1000).detector("nbs").time(&[1000; 15]).count(&[("contact_test", 6000), ("list_push", 2000)]).memory(20_000, 21_000);
+        lab.detector("nbs-twin").time(&[1010; 15]);
+        lab.detector("sorting").time(&[2500; 15]).edit(|row| row.errors = Some(Errors { missed: 3, ..Errors::default() }));
+        lab.detector("direct").fail(Pass::Time, Outcome::Timeout, "30 s, the limit");
+        lab.n(10).detector("direct").time(&[5]);
+        let cells = value::cells(&lab.rows());
+        let all: Vec<&Cell> = cells.iter().collect();
+        let tables = largest(&all);
+        assert_eq!(tables.len(), 1);
+        assert_eq!(tables[0].title, "packed, 2D, N = 1000");
+        let lines: Vec<&str> = tables[0].markdown.lines().collect();
+        assert_eq!(lines[2], "| nbs | 1 | 1 | 6 | 2 | 20 | 21 | ok |");
+        assert!(lines[4].starts_with("| sorting | 2.500 | 2.50 (2.50 to 2.50) | – |"), "{}", lines[4]);
+        assert!(lines[5].ends_with("| timeout |"));
+        assert!(not_ok(&all).is_some_and(|table| table.contains("| direct (exact) | packed 2D | 1000 | timeout | 30 s, the limit |")));
+        let noise = noise(&all);
+        assert!(noise[0].contains("typically 1.0% apart") && noise[0].contains("1 of 1 intervals exclude 1"), "{noise:?}");
+        assert!(errors(&all).is_some_and(|table| table.contains("| sorting | exact | packed 2D | 1 | 250 | 3 | 0 | 0 |")));
+        let csv = csv(&cells);
+        assert_eq!(csv.lines().count(), 6);
+        assert!(csv.contains("\"30 s, the limit\""), "{csv}");
+    }
+}

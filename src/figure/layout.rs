@@ -1,0 +1,156 @@
+//! The sheet: heading, a grid of panels (a row per dimension, a column per scene) that share their axes, and the legend beside them.
+
+use super::axis::Axis;
+use super::canvas::{Canvas, Text, width};
+use super::data::Plot;
+use super::panel::{Frame, Shared, dash_of};
+use super::style::{FAINT, INK, Styles};
+use crate::analyse::text::wrap;
+use crate::harness::experiment::{Experiment, Figure};
+use crate::harness::record::Outcome;
+
+const WIDTH: f64 = 1400.0;
+const MARGIN: f64 = 24.0;
+const LEFT: f64 = 92.0;
+const GAP: f64 = 16.0;
+const HEADING: f64 = 24.0;
+/// Height of one detector's row in the strip of marks.
+pub const ROW: f64 = 17.0;
+
+/// A figure, laid out.
+pub struct Sheet<'a> {
+    /// Width and height.
+    pub size: (u32, u32),
+    figure: &'a Figure,
+    plot: &'a Plot,
+    styles: &'a Styles,
+    subtitle: Vec<String>,
+    columns: usize,
+    rows: usize,
+    legend: f64,
+    top: f64,
+    gap: f64,
+    panel: (f64, f64),
+    shared: Shared,
+}
+
+/// The letter that marks an outcome, and what it says.
+pub fn letter(outcome: Outcome) -> (&'static str, &'static str) {
+    match outcome {
+        Outcome::Ok => ("", "ok"),
+        Outcome::Control => ("", "control"),
+        Outcome::Wrong => ("W", "wrong answer"),
+        Outcome::Timeout => ("T", "time limit"),
+        Outcome::OutOfMemory => ("M", "memory limit"),
+        Outcome::Refused => ("R", "refused"),
+        Outcome::Unavailable => ("U", "unavailable"),
+        Outcome::Crashed => ("C", "crashed"),
+    }
+}
+
+/// A line's name in the legend.
+fn label(key: &super::data::LineKey) -> String {
+    if key.variant.is_empty() { key.detector.clone() } else { format!("{}, {}", key.detector, key.variant) }
+}
+
+impl<'a> Sheet<'a> {
+    /// Measures everything.
+    pub fn new(experiment: &Experiment, figure: &'a Figure, plot: &'a Plot, styles: &'a Styles) -> Sheet<'a> {
+        let dims: std::collections::BTreeSet<u32> = plot.panels.iter().map(|panel| panel.dim).collect();
+        let mut scenes: Vec<&str> = plot.panels.iter().map(|panel| panel.scene.as_str()).collect();
+        scenes.sort_unstable();
+        scenes.dedup();
+        let count = plot.panels.len();
+        // a full grid keeps its columns; a long or ragged list is wrapped
+        let columns = if scenes.len() <= 4 && count == scenes.len() * dims.len() { scenes.len() } else { count.min(3) };
+        let rows = count.div_ceil(columns.max(1));
+        let names = plot.keys().into_iter().map(|key| width(&label(key), 17.0, false)).fold(150.0, f64::max);
+        let slopes = figure.slopes && figure.log && figure.x == "n";
+        // the names of the slopes stand between the panels, where no line can cross them
+        let gap = if slopes { 58.0 } else { GAP };
+        let legend = names + 70.0 + gap - GAP;
+        let subtitle = wrap(&experiment.question, 150);
+        let top = MARGIN + 34.0 + 22.0 * subtitle.len().min(3) as f64 + 12.0;
+        let across = (WIDTH - 2.0 * MARGIN - LEFT - legend - gap * (columns as f64 - 1.0)) / columns as f64;
+        let strip = plot.panels.iter().map(|panel| panel.lines.values().filter(|line| !line.marks.is_empty()).count()).max().unwrap_or(0);
+        let strip = if strip == 0 { 0.0 } else { ROW * strip as f64 + 4.0 };
+        let down = (if rows == 1 { (0.75 * across).clamp(380.0, 520.0) } else { across.clamp(270.0, 340.0) }) + strip;
+        let height = top + rows as f64 * (down + HEADING) + (rows as f64 - 1.0) * GAP + 76.0;
+        let zero = figure.log && plot.points().any(|point| point.y <= 0.0);
+        let ys = plot.points().flat_map(|point| [point.y, point.low, point.high]);
+        let shared = Shared {
+            x: Axis::new(plot.xs(), figure.log),
+            y: Axis::new(ys, figure.log),
+            strip,
+            zero: if zero { 22.0 } else { 0.0 },
+            slopes,
+        };
+        let lines = plot.keys().len() + plot.outcomes().len();
+        let height = height.max(top + 26.0 * lines as f64 + 190.0);
+        let size = (WIDTH as u32, height.clamp(300.0, 8000.0) as u32);
+        Sheet { size, figure, plot, styles, subtitle, columns, rows, legend, top, gap, panel: (across, down), shared }
+    }
+
+    /// Draws everything.
+    pub fn draw(&self, canvas: &mut dyn Canvas) -> anyhow::Result<()> {
+        canvas.text(&self.figure.title, (MARGIN, MARGIN + 12.0), Text::new(29.0, INK).bold())?;
+        for (k, line) in self.subtitle.iter().take(3).enumerate() {
+            let more = if k == 2 && self.subtitle.len() > 3 { " …" } else { "" };
+            canvas.text(&format!("{line}{more}"), (MARGIN, MARGIN + 42.0 + 22.0 * k as f64), Text::new(18.0, FAINT))?;
+        }
+        for (k, panel) in self.plot.panels.iter().enumerate() {
+            let (row, column) = (k / self.columns, k % self.columns);
+            let left = MARGIN + LEFT + column as f64 * (self.panel.0 + self.gap);
+            let top = self.top + HEADING + row as f64 * (self.panel.1 + HEADING + GAP);
+            let frame = Frame {
+                low: (left, top),
+                high: (left + self.panel.0, top + self.panel.1),
+                y_labels: column == 0,
+                x_labels: k + self.columns >= self.plot.panels.len(),
+            };
+            let heading = format!("{}, {}D", panel.scene, panel.dim);
+            canvas.text(&heading, (left + 2.0, top - 13.0), Text::new(19.0, INK).bold())?;
+            frame.draw(canvas, panel, &self.shared, self.styles)?;
+        }
+        let bottom = self.top + self.rows as f64 * (self.panel.1 + HEADING) + (self.rows as f64 - 1.0) * GAP;
+        let centre = MARGIN + LEFT + (WIDTH - 2.0 * MARGIN - LEFT - self.legend) / 2.0;
+        canvas.text(&self.figure.x_label, (centre, bottom + 50.0), Text::new(19.0, INK).anchor(0))?;
+        let upright = Text { upright: true, ..Text::new(19.0, INK).anchor(0) };
+        canvas.text(&self.figure.y_label, (MARGIN + 10.0, (self.top + HEADING + bottom) / 2.0), upright)?;
+        self.legend(canvas)
+    }
+
+    fn legend(&self, canvas: &mut dyn Canvas) -> anyhow::Result<()> {
+        let (left, mut y) = (WIDTH - MARGIN - self.legend + 22.0 + self.gap - GAP, self.top + HEADING + 12.0);
+        for key in self.plot.keys() {
+            let style = self.styles.of(&key.detector);
+            let (line_width, dash) = dash_of(style, &key.variant);
+            canvas.line(&[(left, y), (left + 36.0, y)], style.colour, line_width, dash)?;
+            canvas.marker((left + 18.0, y), if style.control { 3.0 } else { 5.0 }, style.marker, style.colour)?;
+            let colour = if style.control { FAINT } else { INK };
+            canvas.text(&label(key), (left + 46.0, y), Text::new(18.0, colour))?;
+            y += 26.0;
+        }
+        let outcomes = self.plot.outcomes();
+        if !outcomes.is_empty() {
+            y += 14.0;
+            canvas.text("no value, because:", (left, y), Text::new(16.0, FAINT))?;
+            y += 24.0;
+            for outcome in outcomes {
+                let (letter, words) = letter(outcome);
+                super::panel::badge(canvas, (left + 18.0, y), letter, INK)?;
+                canvas.text(words, (left + 46.0, y), Text::new(17.0, INK))?;
+                y += 24.0;
+            }
+        }
+        let bars = if self.plot.over_seeds { Some("bars: range over seeds") } else { Some("bars: 95% interval") };
+        let visible = self.plot.points().any(|point| point.high > point.low);
+        let slopes = self.shared.slopes.then_some("grey dashes: slopes");
+        y += 14.0;
+        for words in [bars.filter(|_| visible), slopes].into_iter().flatten() {
+            canvas.text(words, (left, y), Text::new(16.0, FAINT))?;
+            y += 22.0;
+        }
+        Ok(())
+    }
+}

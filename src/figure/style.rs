@@ -1,0 +1,98 @@
+//! One colour and one marker per detector, the same in every figure.
+//!
+//! The colours are those of Okabe and Ito, which people with any of the common colour blindnesses tell apart; the marker says the
+//! same again, so that a figure survives a grey printer. Controls are grey, thin and dashed.
+
+use std::collections::BTreeMap;
+
+use crate::analyse::summary::is_control;
+
+/// Red, green, blue.
+pub type Colour = (u8, u8, u8);
+/// Text and axes.
+pub const INK: Colour = (40, 40, 40);
+/// Secondary text.
+pub const FAINT: Colour = (110, 110, 110);
+/// Grid lines.
+pub const GRID: Colour = (228, 228, 228);
+/// Controls.
+pub const CONTROL: Colour = (150, 150, 150);
+/// The background of the strip for cells without a value.
+pub const STRIP: Colour = (246, 246, 244);
+
+/// The shape of a marker.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Marker {
+    /// Filled circle.
+    Circle,
+    /// Filled square.
+    Square,
+    /// Triangle, point up.
+    Up,
+    /// Triangle, point down.
+    Down,
+    /// Square on its corner.
+    Diamond,
+    /// Diagonal cross.
+    Cross,
+    /// Upright cross.
+    Plus,
+}
+
+/// How lines are drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Style {
+    /// Line and marker.
+    pub colour: Colour,
+    /// The marker.
+    pub marker: Marker,
+    /// Drawn thin and dashed.
+    pub control: bool,
+}
+
+const KNOWN: [(&str, Colour, Marker); 5] = [
+    ("direct", (0, 0, 0), Marker::Square),
+    ("binary-tree", (230, 159, 0), Marker::Up),
+    ("screening", (86, 180, 233), Marker::Diamond),
+    ("sorting", (0, 158, 115), Marker::Down),
+    ("nbs", (213, 94, 0), Marker::Circle),
+];
+const REST: [Colour; 3] = [(0, 114, 178), (204, 121, 167), (178, 161, 0)];
+const MARKERS: [Marker; 5] = [Marker::Cross, Marker::Plus, Marker::Diamond, Marker::Square, Marker::Up];
+
+/// The styles of all detectors of a record.
+#[derive(Clone, Debug, Default)]
+pub struct Styles(BTreeMap<String, Style>);
+
+impl Styles {
+    /// Names that have no style of their own get the remaining ones in alphabetical order.
+    pub fn new<'a>(names: impl Iterator<Item = &'a str>) -> Styles {
+        let mut styles: BTreeMap<String, Style> = BTreeMap::new();
+        let names: std::collections::BTreeSet<&str> = names.collect();
+        let (mut others, mut controls) = (0, 0);
+        for name in names {
+            let style = if is_control(name) {
+                controls += 1;
+                Style { colour: CONTROL, marker: if controls % 2 == 1 { Marker::Circle } else { Marker::Cross }, control: true }
+            } else if let Some(&(_, colour, marker)) = KNOWN.iter().find(|known| known.0 == name) {
+                Style { colour, marker, control: false }
+            } else {
+                others += 1;
+                let (colour, marker) = (REST[(others - 1) % REST.len()], MARKERS[(others - 1) % MARKERS.len()]);
+                Style { colour, marker, control: false }
+            };
+            styles.insert(name.into(), style);
+        }
+        Styles(styles)
+    }
+
+    /// The style of a detector; grey for names that were not announced.
+    pub fn of(&self, name: &str) -> Style {
+        self.0.get(name).copied().unwrap_or(Style { colour: CONTROL, marker: Marker::Plus, control: true })
+    }
+}
+
+/// The place of a detector in legends: the book's order, then others, then controls.
+pub fn rank(name: &str) -> usize {
+    KNOWN.iter().position(|known| known.0 == name).unwrap_or(if is_control(name) { 99 } else { 50 })
+}

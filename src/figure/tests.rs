@@ -1,0 +1,118 @@
+//! Figures of made-up rows.
+
+use super::*;
+use crate::analyse::fake::{self, Lab};
+use crate::analyse::value;
+use crate::harness::record::{Outcome, Pass};
+
+/// Seven detectors on three scenes in two dimensions, with cells that have no value.
+pub fn rows() -> Vec<crate::harness::record::Row> {
+    let mut lab = Lab::new("e", "packed");
+    for (scene, dims, factor) in [("packed", [2, 3], 1.0), ("loose", [2, 3], 0.7), ("clustered", [2, 3], 0.9)] {
+        for dim in dims {
+            for n in [100_u64, 300, 1000, 3000, 10_000, 30_000, 100_000] {
+                lab.scene(scene, dim).n(n);
+                let x = n as f64;
+                for (name, per) in [
+                    ("direct", 0.9 * x),
+                    ("binary-tree", 60.0 * x.log2()),
+                    ("screening", 110.0 + 0.0006 * x),
+                    ("sorting", 28.0 * x.log2()),
+                    ("nbs", 150.0 + 0.0004 * x),
+                    ("nbs-twin", 152.0 + 0.0004 * x),
+                    ("nothing", 30.0 / x),
+                ] {
+                    lab.detector(name);
+                    if name == "direct" && n > 10_000 {
+                        lab.fail(Pass::Time, Outcome::Timeout, "30 s, the limit");
+                    } else if name == "screening" && scene == "clustered" && n > 3000 {
+                        lab.fail(Pass::Time, Outcome::Refused, "the grid would need 6.1 GiB, the limit is 4 GiB");
+                    } else {
+                        let time = per * x * factor * f64::from(dim);
+                        let blocks: Vec<u64> =
+                            (0..15_u64).map(|k| (time * (0.8 + 0.4 * (k as f64 * 7.7 + x).sin().abs())) as u64 + 20).collect();
+                        lab.time(&blocks).count(&[("contact_test", if name == "nothing" { 0 } else { (per * x / 12.0) as u64 })]);
+                        lab.memory(n * 24 + 4096, n * 24);
+                    }
+                }
+            }
+        }
+    }
+    lab.rows()
+}
+
+pub const FIGURES: &str = "[[figure]]\nname = 'time'\ntitle = 'Time against N'\nx = 'n'\nx-label = 'number of elements N'\n\
+    y = 'time_ns / 10^6'\ny-label = 'time per detection (ms)'\nslopes = true\n\
+    [[figure]]\nname = 'tests'\ntitle = 'Contact tests'\nx = 'n'\nx-label = 'number of elements N'\ny = 'contact_test'\n\
+    y-label = 'contact tests'\nslopes = true\n\
+    [[figure]]\nname = 'per'\ntitle = 'Time per element, packed'\nx = 'n'\nx-label = 'number of elements N'\ny = 'time_ns / n'\n\
+    y-label = 'time per element (ns)'\nlog = false\nwhere = { scene = 'packed', dim = 2, detector = ['nbs', 'screening'] }\n";
+
+fn drawn(rows: &[crate::harness::record::Row], rest: &str) -> Vec<(Vec<u8>, String)> {
+    let folder = tempfile::tempdir().unwrap();
+    let (experiment, cells) = (fake::experiment(rest), value::cells(rows));
+    let styles = style::Styles::new(cells.iter().map(|cell| cell.key.detector.as_str()));
+    let draw = |figure: &Figure| {
+        let paths = draw(folder.path(), &experiment, figure, &cells, &styles).unwrap();
+        let [svg, png] = paths.as_slice() else { panic!("no figure") };
+        (std::fs::read(png).unwrap(), std::fs::read_to_string(svg).unwrap())
+    };
+    experiment.figures.iter().map(draw).collect()
+}
+
+/// The contents of all text elements.
+fn texts(svg: &str) -> Vec<&str> {
+    svg.split("<text").skip(1).filter_map(|rest| rest.split_once('>')?.1.split_once('<').map(|pair| pair.0.trim())).collect()
+}
+
+#[test]
+fn a_figure_names_detectors_and_marks_what_is_missing() {
+    let figures = drawn(&rows(), FIGURES);
+    assert_eq!(figures.len(), 3);
+    for (png, _) in &figures {
+        assert_eq!(&png[1..4], b"PNG");
+    }
+    let found = texts(&figures[0].1);
+    for name in
+        ["direct", "binary-tree", "screening", "sorting", "nbs", "nbs-twin", "nothing", "packed, 2D", "clustered, 3D", "10⁵", "N log N"]
+    {
+        assert!(found.contains(&name), "{name} is not in {found:?}");
+    }
+    // two sizes of direct in six panels and the legend; three of screening in two panels and the legend
+    assert_eq!(found.iter().filter(|text| **text == "T").count(), 13);
+    assert_eq!(found.iter().filter(|text| **text == "R").count(), 7);
+    assert!(texts(&figures[1].1).contains(&"0"), "a count of zero has its place on a logarithmic axis");
+    assert!(!texts(&figures[2].1).contains(&"direct"));
+}
+
+#[test]
+fn figures_are_the_same_each_time() {
+    let mut shuffled = rows();
+    shuffled.reverse();
+    assert!(drawn(&rows(), FIGURES) == drawn(&shuffled, FIGURES));
+}
+
+#[test]
+fn odd_data_do_not_break_a_figure() {
+    for (n, time) in [(0, 0), (1, 1), (u64::MAX, u64::MAX)] {
+        let mut lab = Lab::new("e", "<a & b>");
+        lab.detector("my \"own\"").n(n).time(&[time]);
+        for (_, svg) in drawn(&lab.rows(), FIGURES.split("[[figure]]\nname = 'tests'").next().unwrap_or("")) {
+            assert!(svg.contains("&lt;a &amp; b&gt;"));
+        }
+    }
+}
+
+#[test]
+fn seeds_are_one_point_with_their_range_and_arithmetics_are_lines() {
+    let mut lab = Lab::new("e", "packed");
+    for (seed, tests) in [(1, 10), (2, 40), (3, 20)] {
+        lab.seed(seed).arithmetic("exact").count(&[("contact_test", tests)]).arithmetic("f32").count(&[("contact_test", 5)]);
+    }
+    let experiment = fake::experiment(FIGURES);
+    let plot = data::Plot::new(&experiment.figures[1], &[], &value::cells(&lab.rows())).unwrap().unwrap();
+    let lines: Vec<_> = plot.panels[0].lines.iter().map(|(key, line)| (key.variant.as_str(), line.points.clone())).collect();
+    let point = |y, low, high| vec![data::Point { x: 100.0, y, low, high }];
+    assert_eq!(lines, [("exact", point(20.0, 10.0, 40.0)), ("f32", point(5.0, 5.0, 5.0))]);
+    assert!(plot.over_seeds);
+}
