@@ -59,8 +59,8 @@ fn book_formulas() {
         let mut detector = find(name).unwrap().make(Options::default());
         measure(|| detector.visit(&scene, true, &mut Count::default()).unwrap()).1.unwrap().peak_bytes
     };
-    // nx = ny = 19,801 cells from first to last centre, where the book takes 20,000, and 2 border cells.
-    let cells = (99.0f64 * 200.0).floor() as u64 + 1 + 2;
+    // The centres span 19,800 diameters; cells are wider than that by 2^-18; and there are 2 border cells.
+    let cells = (19_800.0 * (1.0 - 1.0 / f64::from(1 << 18))) as u64 + 1 + 2;
     assert_eq!(bytes("nbs"), 4 * (3 * cells + 2 * 10_000));
     assert_eq!(bytes("sorting"), 4 * 3 * 10_000);
 }
