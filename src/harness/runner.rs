@@ -71,10 +71,9 @@ impl Runner {
             Request::Sample { min_ns } => self.sample(min_ns),
             Request::Count => {
                 let mut tally = Tally::default();
-                let (scene, exact) = self.loaded()?;
                 self.pairs.clear();
-                self.detector.count(&scene, exact, &mut tally, &mut self.pairs).map_err(refused)?;
-                self.scene = Some(scene);
+                let exact = self.arithmetic.is_exact();
+                self.detector.count(loaded(&self.scene)?, exact, &mut tally, &mut self.pairs).map_err(refused)?;
                 let digest = Digest::of(&self.pairs);
                 let counts = tally.iter().map(|(op, count)| (op.name().into(), count)).collect();
                 Ok(Reply::Count { counts, contacts: digest.contacts, digest: digest.hex() })
@@ -89,18 +88,10 @@ impl Runner {
         }
     }
 
-    fn loaded(&mut self) -> Result<(AnyScene<'static>, bool), Reply> {
-        let scene = self.scene.take().ok_or_else(|| Reply::Error { reason: "no scene is loaded; send load first".into() })?;
-        Ok((scene, self.arithmetic.is_exact()))
-    }
-
     /// One detection into the list of pairs.
     fn detect(&mut self) -> Result<(), Reply> {
-        let (scene, exact) = self.loaded()?;
         self.pairs.clear();
-        let result = self.detector.list(&scene, exact, &mut self.pairs);
-        self.scene = Some(scene);
-        result.map_err(refused)
+        self.detector.list(loaded(&self.scene)?, self.arithmetic.is_exact(), &mut self.pairs).map_err(refused)
     }
 
     fn sample(&mut self, min_ns: u64) -> Answer {
@@ -130,30 +121,27 @@ impl Runner {
 
     /// Nanoseconds of so many detections, each into the same list of pairs: the timed loop.
     fn repeat(&mut self, calls: u64) -> Result<u64, Reply> {
-        let (scene, exact) = self.loaded()?;
+        let (scene, exact) = (loaded(&self.scene)?, self.arithmetic.is_exact());
         let start = Instant::now();
         for _ in 0..calls {
             self.pairs.clear();
-            self.detector.list(black_box(&scene), exact, &mut self.pairs).map_err(refused)?;
+            self.detector.list(black_box(scene), exact, &mut self.pairs).map_err(refused)?;
             black_box(&self.pairs);
         }
-        let elapsed_ns = start.elapsed().as_nanos() as u64;
-        self.scene = Some(scene);
-        Ok(elapsed_ns)
+        Ok(start.elapsed().as_nanos() as u64)
     }
 
     fn memory(&mut self) -> Answer {
-        let (scene, exact) = self.loaded()?;
+        let (scene, exact) = (loaded(&self.scene)?, self.arithmetic.is_exact());
         let mut digest = Digest::default();
         let ((result, mut detector), cold) = alloc::measure(|| {
             let mut detector = self.entry.make(self.options);
-            (detector.visit(&scene, exact, &mut digest), detector)
+            (detector.visit(scene, exact, &mut digest), detector)
         });
         result.map_err(refused)?;
         let formula_bytes = Some(detector.formula_bytes());
-        let (again, warm) = alloc::measure(|| detector.visit(&scene, exact, &mut Digest::default()));
+        let (again, warm) = alloc::measure(|| detector.visit(scene, exact, &mut Digest::default()));
         again.map_err(refused)?;
-        self.scene = Some(scene);
         let (Some(cold), Some(warm)) = (cold, warm) else { return Ok(Reply::Unsupported) };
         // The detector itself is one allocation of a few hundred bytes: its box is not part of the algorithm.
         let frame = std::mem::size_of_val(&*detector) as u64;
@@ -168,6 +156,10 @@ impl Runner {
             digest: digest.hex(),
         })
     }
+}
+
+fn loaded<'a>(scene: &'a Option<AnyScene<'static>>) -> Result<&'a AnyScene<'static>, Reply> {
+    scene.as_ref().ok_or_else(|| Reply::Error { reason: "no scene is loaded; send load first".into() })
 }
 
 fn refused(refusal: crate::detect::Refusal) -> Reply {
