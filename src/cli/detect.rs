@@ -1,5 +1,6 @@
 //! `contactbench detect`.
 
+use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Instant;
@@ -45,7 +46,11 @@ pub fn detect(options: &Detect) -> anyhow::Result<ExitCode> {
     let entry = super::detector(&options.detector)?;
     let threads = options.threads;
     ensure!(threads >= 1, "--threads 0: at least one is needed");
-    ensure!(threads == 1 || entry.threads, "{} is sequential and cannot use {threads} threads; leave out --threads, or use direct", entry.name);
+    ensure!(
+        threads == 1 || entry.threads,
+        "{} is sequential and cannot use {threads} threads; leave out --threads, or use direct",
+        entry.name
+    );
     if let Some(path) = &options.output {
         read::write::format(path)?;
     }
@@ -63,7 +68,10 @@ pub fn detect(options: &Detect) -> anyhow::Result<ExitCode> {
     normalise(&mut pairs);
     match &options.output {
         Some(path) => read::write::pairs(path, &pairs)?,
-        None => read::write::csv(&mut std::io::BufWriter::new(std::io::stdout().lock()), &pairs)?,
+        None => {
+            let mut out = std::io::BufWriter::new(std::io::stdout().lock());
+            read::write::csv(&mut out, &pairs).and_then(|()| out.flush()).context("cannot write the pairs to standard output")?;
+        }
     }
     eprintln!(
         "{}: N = {}, {}D, {} pairs, {:.3} ms, {} held by the detector, {}, {} arithmetic",
