@@ -2,7 +2,7 @@
 
 use std::io::{BufRead, BufReader, Read, Write};
 use std::process::{Child, ChildStdin, Command, Stdio};
-use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
@@ -42,7 +42,7 @@ pub struct Runner {
     pub arithmetic: String,
 }
 
-/// At most this much of what a runner says on its standard error is kept.
+/// At most this much of what a runner says on its standard error is kept: the end, where the reason for its death stands.
 const KEPT: usize = 4096;
 /// A line from a runner is not longer than this.
 const LONGEST_LINE: u64 = 1 << 20;
@@ -61,7 +61,8 @@ impl Runner {
             .spawn()
             .map_err(|e| unavailable(format!("cannot start {program}: {e}{hint}")))?;
         limit_memory(&child, start.memory_limit);
-        let (sender, lines) = channel();
+        // A runner that says more than it is asked waits, and does not fill the memory.
+        let (sender, lines) = sync_channel(1);
         // The three pipes were asked for above.
         let output = child.stdout.take();
         std::thread::spawn(move || {
@@ -82,9 +83,9 @@ impl Runner {
             let mut buffer = [0; 1024];
             while let Ok(read @ 1..) = output.read(&mut buffer) {
                 let mut kept = kept.lock().unwrap_or_else(PoisonError::into_inner);
-                if kept.len() < KEPT {
-                    kept.push_str(&String::from_utf8_lossy(&buffer[..read]));
-                }
+                kept.push_str(&String::from_utf8_lossy(&buffer[..read]));
+                let surplus = kept.floor_char_boundary(kept.len().saturating_sub(KEPT));
+                kept.drain(..surplus);
             }
         });
         let input = child.stdin.take();
