@@ -8,7 +8,7 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use anyhow::{Context, bail};
+use anyhow::Context;
 use rand::{SeedableRng, seq::SliceRandom};
 use rand_chacha::ChaCha8Rng;
 
@@ -75,6 +75,9 @@ pub fn run(job: &Job<'_>, record: &mut Writer, progress: &mut dyn Progress) -> a
     let folder = tempfile::tempdir().context("cannot make a temporary folder for scenes; set TMPDIR to a writable place")?;
     let index = Index::new(job.done);
     let mut too_slow = TooSlow::new();
+    for row in job.done.iter().filter(|row| row.outcome == Outcome::Timeout) {
+        note_slow(&mut too_slow, row);
+    }
     for (k, (experiment, spec)) in plans.iter().enumerate() {
         progress.scene(k, plans.len(), &describe(experiment, spec));
         let mut stage = Stage { job, experiment, spec, index: &index, folder: folder.path(), record, too_slow: &mut too_slow, progress };
@@ -82,6 +85,11 @@ pub fn run(job: &Job<'_>, record: &mut Writer, progress: &mut dyn Progress) -> a
     }
     progress.scene(plans.len(), plans.len(), "done");
     Ok(())
+}
+
+fn note_slow(too_slow: &mut TooSlow, row: &Row) {
+    let n = too_slow.entry(Stage::series(row)).or_insert(row.n);
+    *n = row.n.min(*n);
 }
 
 fn describe(experiment: &Experiment, spec: &Spec) -> String {
@@ -93,13 +101,16 @@ fn describe(experiment: &Experiment, spec: &Spec) -> String {
 /// What the record holds already.
 struct Index {
     keys: HashSet<String>,
-    /// Cells that ended badly: nothing more is to be measured there.
-    ended: HashSet<String>,
+    /// Cells that ended badly, with the first row that says so: nothing more is to be measured there.
+    ended: HashMap<String, Row>,
 }
 
 impl Index {
     fn new(rows: &[Row]) -> Index {
-        let ended = rows.iter().filter(|row| is_final(row.outcome)).map(Index::cell).collect();
+        let mut ended = HashMap::new();
+        for row in rows.iter().filter(|row| is_final(row.outcome)) {
+            ended.entry(Index::cell(row)).or_insert_with(|| row.clone());
+        }
         Index { keys: rows.iter().map(Row::key).collect(), ended }
     }
 
@@ -112,14 +123,34 @@ impl Index {
         self.keys.contains(&row.key())
     }
 
-    fn ended(&self, row: &Row) -> bool {
-        self.ended.contains(&Index::cell(row))
+    fn ended(&self, row: &Row) -> Option<&Row> {
+        self.ended.get(&Index::cell(row))
     }
 }
 
 /// After these the detector is not asked again on this scene.
 fn is_final(outcome: Outcome) -> bool {
     !matches!(outcome, Outcome::Ok | Outcome::Control | Outcome::Wrong)
+}
+
+/// The passes that fall with a failed one, itself included.
+fn rest(pass: Pass) -> &'static [Pass] {
+    match pass {
+        Pass::Count => &[Pass::Count, Pass::Memory, Pass::Time],
+        Pass::Memory => &[Pass::Memory, Pass::Time],
+        Pass::Time => &[Pass::Time],
+    }
+}
+
+/// The passes whose rows follow that of a failed one.
+fn owed(failed: Pass) -> &'static [Pass] {
+    &rest(failed)[1..]
+}
+
+/// An answer that does not belong to the request.
+fn astray(request: &Request, reply: &Reply) -> Failure {
+    let shown: String = format!("{reply:?}").chars().take(80).collect();
+    Failure { outcome: Outcome::Crashed, reason: format!("the runner answered {request:?} with {shown}") }
 }
 
 /// One scene of one experiment.
@@ -159,7 +190,7 @@ impl Stage<'_> {
         let load = Request::Load { path, dim: scene.dim() as u32, n: scene.len() as u64, radius };
         let mut racers = Vec::new();
         for (contender, blank) in contenders.into_iter().zip(blanks) {
-            if self.index.ended(&blank) {
+            if self.give_up(&blank)? {
                 continue;
             }
             if let Some(racer) = self.enter(contender, blank, &load, &mut truths)? {
@@ -190,8 +221,9 @@ impl Stage<'_> {
         let has = |pass, block| self.index.has(&Row { pass, block, ..blank.clone() });
         // A budget may have ended the blocks early; an external runner says only when started which arithmetic it is held to.
         let enough = if self.experiment.block_budget_s.is_finite() { blocks.min(FEWEST_BLOCKS) } else { blocks };
+        let over = self.index.ended(blank).is_some_and(|last| owed(last.pass).iter().all(|&pass| has(pass, 0)));
         contender.arithmetic.is_some()
-            && (self.index.ended(blank) || has(Pass::Count, 0) && has(Pass::Memory, 0) && (1..=enough).all(|block| has(Pass::Time, block)))
+            && (over || has(Pass::Count, 0) && has(Pass::Memory, 0) && (1..=enough).all(|block| has(Pass::Time, block)))
     }
 
     fn contenders(&self, scene: &AnyScene<'_>) -> Vec<Contender> {
@@ -267,15 +299,33 @@ impl Stage<'_> {
     }
 
     /// The cell but for its number of elements: what a sweep over N keeps.
-    fn series(blank: &Row) -> String {
-        Row { n: 0, ..blank.clone() }.key()
+    fn series(row: &Row) -> String {
+        Index::cell(&Row { n: 0, ..row.clone() })
+    }
+
+    /// True if the record says that this cell ended badly. Rows that the killed run still owed are written now.
+    fn give_up(&mut self, blank: &Row) -> anyhow::Result<bool> {
+        let Some(last) = self.index.ended(blank) else { return Ok(false) };
+        for &pass in owed(last.pass) {
+            let row = Row { pass, outcome: last.outcome, reason: last.reason.clone(), ..blank.clone() };
+            if !self.index.has(&row) {
+                self.record.write(&row)?;
+            }
+        }
+        Ok(true)
+    }
+
+    /// True, with rows that say so, if the detector was too slow with fewer elements already.
+    fn too_slow(&mut self, blank: &Row) -> anyhow::Result<bool> {
+        let Some(&n) = self.too_slow.get(&Stage::series(blank)).filter(|&&n| n <= blank.n) else { return Ok(false) };
+        let reason = format!("not tried: over the time limit at N = {n} already");
+        self.fail(blank, Failure { outcome: Outcome::Timeout, reason }, &Pass::ALL)?;
+        Ok(true)
     }
 
     /// Starts a contender, loads the scene, counts and measures the memory. `None` if it is out; its rows say why.
     fn enter(&mut self, contender: Contender, mut blank: Row, load: &Request, truths: &mut Truths<'_>) -> anyhow::Result<Option<Racer>> {
-        if let Some(&n) = self.too_slow.get(&Stage::series(&blank)).filter(|&&n| n <= blank.n) {
-            let reason = format!("not tried: over the time limit at N = {n} already");
-            self.fail(&blank, Failure { outcome: Outcome::Timeout, reason }, &Pass::ALL)?;
+        if self.too_slow(&blank)? {
             return Ok(None);
         }
         let mut runner = match Runner::start(&contender.start) {
@@ -289,11 +339,20 @@ impl Stage<'_> {
             Some(arithmetic) => arithmetic,
             None => match Arithmetic::ALL.into_iter().find(|a| a.name() == runner.arithmetic) {
                 Some(arithmetic) => arithmetic,
-                None => bail!("runner {} says arithmetic '{}'; it must be f32, f64 or exact", contender.name, runner.arithmetic),
+                None => {
+                    let reason = format!("the runner says arithmetic '{}'; it must be f32, f64 or exact", runner.arithmetic);
+                    self.fail(&blank, Failure { outcome: Outcome::Unavailable, reason }, &Pass::ALL)?;
+                    return Ok(None);
+                }
             },
         };
+        // An external runner has just said which arithmetic its rows bear.
         blank.arithmetic = arithmetic.name().into();
-        if let Err(failure) = runner.ask(load) {
+        if self.give_up(&blank)? || self.too_slow(&blank)? {
+            return Ok(None);
+        }
+        let answer = runner.ask(load).and_then(|reply| if reply == Reply::Loaded { Ok(()) } else { Err(astray(load, &reply)) });
+        if let Err(failure) = answer {
             self.fail(&blank, failure, &Pass::ALL)?;
             return Ok(None);
         }
@@ -303,7 +362,11 @@ impl Stage<'_> {
             if self.index.has(&row) {
                 continue;
             }
-            match racer.runner.ask(&request) {
+            let answer = racer.runner.ask(&request).and_then(|reply| match (pass, &reply) {
+                (Pass::Count, Reply::Count { .. }) | (Pass::Memory, Reply::Memory { .. }) | (_, Reply::Unsupported) => Ok(reply),
+                _ => Err(astray(&request, &reply)),
+            });
+            match answer {
                 Ok(Reply::Count { counts, contacts, digest }) => {
                     row.counts = counts;
                     (row.contacts, row.digest) = (Some(contacts), Some(digest));
@@ -313,11 +376,10 @@ impl Stage<'_> {
                     (row.warm_allocations, row.formula_bytes) = (warm_allocations, formula_bytes);
                     (row.contacts, row.digest) = (Some(contacts), Some(digest));
                 }
-                Ok(Reply::Unsupported) => row.reason = "the runner does not measure this".into(),
-                Ok(other) => bail!("runner {} answered {request:?} with {other:?}", racer.contender.name),
+                // The only other reply let through above.
+                Ok(_) => row.reason = "the runner does not measure this".into(),
                 Err(failure) => {
-                    let passes: &[Pass] = if pass == Pass::Count { &Pass::ALL } else { &[Pass::Memory, Pass::Time] };
-                    self.fail(&racer.blank, failure, passes)?;
+                    self.fail(&racer.blank, failure, rest(pass))?;
                     return Ok(None);
                 }
             }
@@ -329,20 +391,20 @@ impl Stage<'_> {
 
     /// One timed sample. False if the contender is out.
     fn sample(&mut self, racer: &mut Racer, mut row: Row, truths: &mut Truths<'_>) -> anyhow::Result<bool> {
-        match racer.runner.ask(&Request::Sample { min_ns: SHORTEST_SAMPLE_NS }) {
+        let request = Request::Sample { min_ns: SHORTEST_SAMPLE_NS };
+        let failure = match racer.runner.ask(&request) {
             Ok(Reply::Sample { time_ns, calls, elapsed_ns, contacts, digest }) => {
                 (row.time_ns, row.calls, row.elapsed_ns) = (Some(time_ns), Some(calls), Some(elapsed_ns));
                 (row.contacts, row.digest) = (Some(contacts), Some(digest));
                 self.judge(&mut row, racer, truths)?;
                 self.record.write(&row)?;
-                Ok(true)
+                return Ok(true);
             }
-            Ok(other) => bail!("runner {} answered sample with {other:?}", racer.contender.name),
-            Err(failure) => {
-                self.fail(&row, failure, &[Pass::Time])?;
-                Ok(false)
-            }
-        }
+            Ok(other) => astray(&request, &other),
+            Err(failure) => failure,
+        };
+        self.fail(&row, failure, rest(Pass::Time))?;
+        Ok(false)
     }
 
     /// Holds a row's answer to the truth before it is written.
@@ -360,6 +422,8 @@ impl Stage<'_> {
         }
         row.outcome = Outcome::Wrong;
         let path = self.folder.join("pairs.npy");
+        // What another runner wrote there is not this one's answer; mostly there is nothing to remove.
+        let _ = std::fs::remove_file(&path);
         let reported = racer.runner.ask(&Request::Pairs { path: path.clone() }).map_err(|failure| failure.reason);
         let reported = reported.and_then(|_| bake::read_pairs(&path).map_err(|e| e.to_string()));
         match (reported, truths.get(racer.arithmetic)?) {
@@ -389,8 +453,7 @@ impl Stage<'_> {
 
     fn fail(&mut self, blank: &Row, failure: Failure, passes: &[Pass]) -> anyhow::Result<()> {
         if failure.outcome == Outcome::Timeout {
-            let n = self.too_slow.entry(Stage::series(blank)).or_insert(blank.n);
-            *n = blank.n.min(*n);
+            note_slow(self.too_slow, blank);
         }
         if failure.outcome == Outcome::Crashed {
             self.progress.note(&format!("CRASHED: {} on {}: {}", blank.detector, describe(self.experiment, self.spec), failure.reason));
