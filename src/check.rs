@@ -92,7 +92,8 @@ impl Case {
 pub fn check(detectors: &[&'static Entry], seeds: u64, time: Duration) -> anyhow::Result<Report> {
     let started = Instant::now();
     let mut report = Report::default();
-    let mut subjects: Vec<(&'static Entry, Box<dyn AnyDetector>)> = detectors.iter().map(|entry| (*entry, entry.make(Options::default()))).collect();
+    let mut subjects: Vec<(&'static Entry, Box<dyn AnyDetector>)> =
+        detectors.iter().map(|entry| (*entry, entry.make(Options::default()))).collect();
     for seed in 1..=seeds {
         for case in CASES {
             for &dim in case.dims {

@@ -39,10 +39,14 @@ pub enum Verb {
     #[command(after_help = "Example: contactbench list detectors")]
     List(list::List),
     /// Cross-checks detectors against all pairs tested: for your CI
-    #[command(after_help = "Example: contactbench check --detector nbs\nExit code 1 if one disagrees; the smallest failing scene found is written as CSV.")]
+    #[command(
+        after_help = "Example: contactbench check --detector nbs\nExit code 1 if one disagrees; the smallest failing scene found is written as CSV."
+    )]
     Check(check::Check),
     /// Finds the touching pairs of a particle file
-    #[command(after_help = "Example: contactbench detect packing.csv --detector nbs -o pairs.csv\nExample: contactbench detect centres.npy --radius 0.5 --arithmetic f64 > pairs.csv")]
+    #[command(
+        after_help = "Example: contactbench detect packing.csv --detector nbs -o pairs.csv\nExample: contactbench detect centres.npy --radius 0.5 --arithmetic f64 > pairs.csv"
+    )]
     Detect(detect::Detect),
     /// Serves one detector on standard input and output: see docs/PROTOCOL.md
     #[command(after_help = "Example: echo '{\"request\":\"quit\"}' | contactbench runner --detector nbs")]
