@@ -43,7 +43,7 @@ pub struct Runner {
 }
 
 /// At most this much of what a runner says on its standard error is kept: the end, where the reason for its death stands.
-const KEPT: usize = 4096;
+const KEPT: usize = 1 << 16;
 /// A line from a runner is not longer than this.
 const LONGEST_LINE: u64 = 1 << 20;
 
@@ -151,10 +151,12 @@ impl Runner {
             }
         };
         let errors = self.errors.lock().unwrap_or_else(PoisonError::into_inner).clone();
-        let last = errors.lines().rfind(|line| !line.trim().is_empty()).unwrap_or_default().to_string();
-        // The words of Rust's allocation failure, C++'s and Python's.
-        let starved = ["memory allocation of", "bad_alloc", "MemoryError"].iter().any(|words| errors.contains(words));
-        let outcome = if starved { Outcome::OutOfMemory } else { Outcome::Crashed };
+        // The words of Rust's allocation failure, C++'s and Python's. A backtrace may follow them.
+        let starved = |line: &&str| ["memory allocation of", "bad_alloc", "MemoryError"].iter().any(|words| line.contains(words));
+        let (outcome, last) = match errors.lines().rfind(starved) {
+            Some(line) => (Outcome::OutOfMemory, line),
+            None => (Outcome::Crashed, errors.lines().rfind(|line| !line.trim().is_empty()).unwrap_or_default()),
+        };
         Failure { outcome, reason: if last.is_empty() { status } else { format!("{status}: {last}") } }
     }
 
