@@ -64,3 +64,20 @@ pub fn pairs(path: &Path) -> Vec<[u32; 2]> {
     let words: Vec<u32> = bytes[start..].chunks_exact(4).map(|b| u32::from_le_bytes(b.try_into().unwrap())).collect();
     words.chunks_exact(2).map(|pair| [pair[0], pair[1]]).collect()
 }
+
+/// The shell command of a runner that says hello in f64 arithmetic and answers requests with shell code.
+pub fn fake(answers: &[(&str, &str)]) -> String {
+    let hello = say(r#"{"reply":"hello","protocol":1,"detector":"fake","arithmetic":"f64"}"#);
+    let cases: String = answers.iter().map(|(request, code)| format!("*'\"request\":\"{request}\"'*) {code} ;;\n")).collect();
+    format!("{hello}\nwhile read -r line; do\ncase \"$line\" in\n{cases}esac\ndone")
+}
+
+/// Shell code that answers with a line.
+pub fn say(line: &str) -> String {
+    format!("echo '{line}'")
+}
+
+/// A runner in an experiment file: `program` and one shell script.
+pub fn runner(name: &str, program: &str, script: &str) -> String {
+    format!("[[runner]]\nname = \"{name}\"\ncommand = [\"{program}\", \"-c\", '''\n{script}''']\ninstall = \"apt install it\"\n")
+}
