@@ -15,10 +15,10 @@ pub struct Ended {
     pub stderr: String,
 }
 
-/// The program with arguments, in `folder`.
+/// The program with arguments, in `folder`; what a killed one leaves behind goes there, too.
 pub fn program(folder: &Path, arguments: &[&str]) -> Command {
     let mut command = Command::new(PROGRAM);
-    command.args(arguments).current_dir(folder).stdin(Stdio::null());
+    command.args(arguments).current_dir(folder).env("TMPDIR", folder).stdin(Stdio::null());
     command
 }
 
