@@ -1,7 +1,7 @@
 //! Experiments: a question, scenes, a sweep, detectors, what is expected and how to read the answer, as a TOML file.
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use anyhow::{Context, bail, ensure};
 use serde::Deserialize;
@@ -266,7 +266,7 @@ impl Experiment {
         for scene in &mut experiment.scenes {
             for value in [scene.params.get_mut("path"), scene.quick.get_mut("path")].into_iter().flatten() {
                 let OneOrMany::One(toml::Value::String(path)) = value else { bail!("path must be one string") };
-                *path = folder.join(&PathBuf::from(&*path)).display().to_string();
+                *path = folder.join(&*path).display().to_string();
             }
         }
         experiment.plan(false)?;

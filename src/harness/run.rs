@@ -4,7 +4,7 @@
 //! samples, every detector once per block in a fresh random order. Rows go to the record one by one. What the record
 //! holds already (of a killed run) is not measured again.
 
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -15,11 +15,13 @@ use rand_chacha::ChaCha8Rng;
 use super::bake;
 use super::child::{Failure, Runner, Start};
 use super::experiment::Experiment;
+use super::index::{Index, TooSlow, owed, rest};
 use super::protocol::{Reply, Request};
 use super::record::{Outcome, Pass, Row, Stats, Writer};
+use super::truths::Truths;
 use crate::contact::Arithmetic;
 use crate::detect::table::{self, Role};
-use crate::oracle::{self, NoTruth, Truth};
+use crate::oracle;
 use crate::scene::spec::{Order, Spec};
 use crate::scene::{AnyScene, stats};
 
@@ -62,9 +64,6 @@ struct Contender {
     start: Start,
 }
 
-/// Where in a sweep a detector has been too slow already: the elements, by everything else that makes the cell.
-type TooSlow = HashMap<String, u64>;
-
 /// Runs all experiments of a job into a record.
 pub fn run(job: &Job<'_>, record: &mut Writer, progress: &mut dyn Progress) -> anyhow::Result<()> {
     let mut plans = Vec::new();
@@ -74,10 +73,7 @@ pub fn run(job: &Job<'_>, record: &mut Writer, progress: &mut dyn Progress) -> a
     }
     let folder = tempfile::tempdir().context("cannot make a temporary folder for scenes; set TMPDIR to a writable place")?;
     let index = Index::new(job.done);
-    let mut too_slow = TooSlow::new();
-    for row in job.done.iter().filter(|row| row.outcome == Outcome::Timeout) {
-        note_slow(&mut too_slow, row);
-    }
+    let mut too_slow = TooSlow::new(job.done);
     for (k, (experiment, spec)) in plans.iter().enumerate() {
         progress.scene(k, plans.len(), &describe(experiment, spec));
         let mut stage = Stage { job, experiment, spec, index: &index, folder: folder.path(), record, too_slow: &mut too_slow, progress };
@@ -87,64 +83,10 @@ pub fn run(job: &Job<'_>, record: &mut Writer, progress: &mut dyn Progress) -> a
     Ok(())
 }
 
-fn note_slow(too_slow: &mut TooSlow, row: &Row) {
-    let n = too_slow.entry(Stage::series(row)).or_insert(row.n);
-    *n = row.n.min(*n);
-}
-
 fn describe(experiment: &Experiment, spec: &Spec) -> String {
     let n = if spec.n == 0 { String::new() } else { format!(" N={}", spec.n) };
     let swept = spec.params.iter().filter(|(name, _)| *name == "s" || *name == "path").map(|(name, value)| format!(" {name}={value}"));
     format!("{}: {} {}D{n}{}", experiment.name, spec.name, spec.dim, swept.collect::<String>())
-}
-
-/// What the record holds already.
-struct Index {
-    keys: HashSet<String>,
-    /// Cells that ended badly, with the first row that says so: nothing more is to be measured there.
-    ended: HashMap<String, Row>,
-}
-
-impl Index {
-    fn new(rows: &[Row]) -> Index {
-        let mut ended = HashMap::new();
-        for row in rows.iter().filter(|row| is_final(row.outcome)) {
-            ended.entry(Index::cell(row)).or_insert_with(|| row.clone());
-        }
-        Index { keys: rows.iter().map(Row::key).collect(), ended }
-    }
-
-    /// The key of the detector on its scene, whatever the pass.
-    fn cell(row: &Row) -> String {
-        Row { pass: Pass::Count, block: 0, ..row.clone() }.key()
-    }
-
-    fn has(&self, row: &Row) -> bool {
-        self.keys.contains(&row.key())
-    }
-
-    fn ended(&self, row: &Row) -> Option<&Row> {
-        self.ended.get(&Index::cell(row))
-    }
-}
-
-/// After these the detector is not asked again on this scene.
-fn is_final(outcome: Outcome) -> bool {
-    !matches!(outcome, Outcome::Ok | Outcome::Control | Outcome::Wrong)
-}
-
-/// The passes that fall with a failed one, itself included.
-fn rest(pass: Pass) -> &'static [Pass] {
-    match pass {
-        Pass::Count => &[Pass::Count, Pass::Memory, Pass::Time],
-        Pass::Memory => &[Pass::Memory, Pass::Time],
-        Pass::Time => &[Pass::Time],
-    }
-}
-
-/// The passes whose rows follow that of a failed one.
-fn owed(failed: Pass) -> &'static [Pass] {
-    &rest(failed)[1..]
 }
 
 /// An answer that does not belong to the request.
@@ -177,7 +119,7 @@ impl Stage<'_> {
     fn run(&mut self) -> anyhow::Result<()> {
         let blocks = if self.job.quick { self.experiment.blocks.min(QUICK_BLOCKS) } else { self.experiment.blocks };
         let scene = self.spec.make()?;
-        let mut truths = Truths { scene: &scene, known: BTreeMap::new() };
+        let mut truths = Truths::new(&scene);
         let exact_contacts = truths.get(Arithmetic::Exact)?.map_or(0, |truth| truth.digest.contacts);
         let stats = stats::stats(&scene, exact_contacts);
         let contenders = self.contenders(&scene);
@@ -298,11 +240,6 @@ impl Stage<'_> {
         }
     }
 
-    /// The cell but for its number of elements: what a sweep over N keeps.
-    fn series(row: &Row) -> String {
-        Index::cell(&Row { n: 0, ..row.clone() })
-    }
-
     /// True if the record says that this cell ended badly. Rows that the killed run still owed are written now.
     fn give_up(&mut self, blank: &Row) -> anyhow::Result<bool> {
         let Some(last) = self.index.ended(blank) else { return Ok(false) };
@@ -317,7 +254,7 @@ impl Stage<'_> {
 
     /// True, with rows that say so, if the detector was too slow with fewer elements already.
     fn too_slow(&mut self, blank: &Row) -> anyhow::Result<bool> {
-        let Some(&n) = self.too_slow.get(&Stage::series(blank)).filter(|&&n| n <= blank.n) else { return Ok(false) };
+        let Some(n) = self.too_slow.at(blank) else { return Ok(false) };
         let reason = format!("not tried: over the time limit at N = {n} already");
         self.fail(blank, Failure { outcome: Outcome::Timeout, reason }, &Pass::ALL)?;
         Ok(true)
@@ -453,7 +390,7 @@ impl Stage<'_> {
 
     fn fail(&mut self, blank: &Row, failure: Failure, passes: &[Pass]) -> anyhow::Result<()> {
         if failure.outcome == Outcome::Timeout {
-            note_slow(self.too_slow, blank);
+            self.too_slow.note(blank);
         }
         if failure.outcome == Outcome::Crashed {
             self.progress.note(&format!("CRASHED: {} on {}: {}", blank.detector, describe(self.experiment, self.spec), failure.reason));
@@ -465,36 +402,5 @@ impl Stage<'_> {
             }
         }
         Ok(())
-    }
-}
-
-/// The truths about a scene, found when first asked for.
-struct Truths<'a> {
-    scene: &'a AnyScene<'a>,
-    known: BTreeMap<Arithmetic, Option<Truth>>,
-}
-
-impl Truths<'_> {
-    /// `None` where the arithmetic cannot hold the scene.
-    fn get(&mut self, arithmetic: Arithmetic) -> anyhow::Result<Option<&Truth>> {
-        if !self.known.contains_key(&arithmetic) {
-            let truth = match oracle::truth(self.scene, arithmetic) {
-                Ok(truth) => Some(truth),
-                Err(NoTruth::Refused(_) | NoTruth::Stored(_)) => None,
-                Err(defect) => return Err(defect.into()),
-            };
-            self.known.insert(arithmetic, truth);
-        }
-        Ok(self.known[&arithmetic].as_ref())
-    }
-
-    /// What deciding in `arithmetic` itself misses and adds, against exact decisions on the scene as given.
-    fn errors(&mut self, arithmetic: Arithmetic) -> anyhow::Result<Option<super::record::Errors>> {
-        self.get(arithmetic)?;
-        self.get(Arithmetic::Exact)?;
-        let (Some(Some(rounded)), Some(Some(exact))) = (self.known.get(&arithmetic), self.known.get(&Arithmetic::Exact)) else {
-            return Ok(None);
-        };
-        Ok(Some(if rounded.digest == exact.digest { Default::default() } else { oracle::compare(&rounded.pairs, &exact.pairs) }))
     }
 }
