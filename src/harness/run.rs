@@ -61,6 +61,7 @@ struct Contender {
     /// `None`: the runner says.
     arithmetic: Option<Arithmetic>,
     role: Role,
+    threads: usize,
     start: Start,
 }
 
@@ -91,8 +92,10 @@ fn describe(experiment: &Experiment, spec: &Spec) -> String {
 
 /// An answer that does not belong to the request.
 fn astray(request: &Request, reply: &Reply) -> Failure {
-    let shown: String = format!("{reply:?}").chars().take(80).collect();
-    Failure { outcome: Outcome::Crashed, reason: format!("the runner answered {request:?} with {shown}") }
+    // The variant's name alone: what else there is holds paths that differ from run to run.
+    let word = |text: String| text.split(' ').next().unwrap_or_default().to_string();
+    let reason = format!("the runner answered {} with {}", word(format!("{request:?}")), word(format!("{reply:?}")));
+    Failure { outcome: Outcome::Crashed, reason }
 }
 
 /// One scene of one experiment.
@@ -184,20 +187,29 @@ impl Stage<'_> {
             for name in &experiment.detectors {
                 // The names were checked when the experiment was read.
                 let Some(entry) = table::find(name) else { continue };
+                // A sequential detector has one thread, whatever the others are given.
+                let threads = if entry.threads { experiment.threads } else { 1 };
                 let mut command = vec![self.job.program.display().to_string(), "runner".into(), "--detector".into(), name.clone()];
-                command.extend(["--arithmetic".into(), arithmetic.name().into(), "--threads".into(), experiment.threads.to_string()]);
+                command.extend(["--arithmetic".into(), arithmetic.name().into(), "--threads".into(), threads.to_string()]);
                 command.extend(["--memory-limit".into(), limit.to_string()]);
                 contenders.push(Contender {
                     name: name.clone(),
                     arithmetic: Some(arithmetic),
                     role: entry.role,
+                    threads,
                     start: start(command, String::new()),
                 });
             }
         }
         for runner in &experiment.runners {
             let start = start(runner.command.clone(), runner.install.clone());
-            contenders.push(Contender { name: runner.name.clone(), arithmetic: None, role: Role::Detector, start });
+            contenders.push(Contender {
+                name: runner.name.clone(),
+                arithmetic: None,
+                role: Role::Detector,
+                threads: experiment.threads,
+                start,
+            });
         }
         contenders
     }
@@ -219,7 +231,7 @@ impl Stage<'_> {
             .into(),
             detector: contender.name.clone(),
             arithmetic: contender.arithmetic.unwrap_or_default().name().into(),
-            threads: self.experiment.threads as u32,
+            threads: contender.threads as u32,
             pass: Pass::Count,
             block: 0,
             time_ns: None,
