@@ -103,6 +103,14 @@ fn each_failure_has_its_outcome_and_costs_no_other_runner_anything() {
         ("exits", "sh", script(&[&loaded, &("sample", "echo so be it >&2; exit 3".into())]), [Ok, Ok, Crashed], "so be it"),
         ("dies", "sh", script(&[&("load", "kill -9 $$".into())]), [Crashed; 3], "signal: 9"),
         ("babbles", "sh", script(&[&loaded, &("sample", say(&long))]), [Ok, Ok, Crashed], "is not a reply"),
+        ("floods", "sh", script(&[&loaded, &("sample", "exec cat /dev/zero".into())]), [Ok, Ok, Crashed], "is not a reply"),
+        (
+            "repeats",
+            "sh",
+            script(&[&("load", format!("exec yes '{}'", r#"{"reply":"loaded"}"#))]),
+            [Crashed; 3],
+            "answered Count with Loaded",
+        ),
         ("strays", "sh", script(&[&loaded, &("count", loaded.1.clone()), &empty]), [Crashed; 3], "answered Count with Loaded"),
         ("skips-load", "sh", script(&[&("load", unsupported.clone()), &empty]), [Crashed; 3], "answered Load"),
         ("hangs", "sh", script(&[&loaded, &("sample", "exec sleep 60".into())]), [Ok, Ok, Timeout], "no answer within 1 s"),
@@ -187,6 +195,17 @@ fn pairs_that_are_wrong_are_counted_and_never_taken_from_another_runner() {
     }
     for row in of(&rows, "shut", 25).iter().filter(|row| row.pass == Pass::Time) {
         assert!(row.outcome == Outcome::Wrong && row.errors.is_none() && row.reason.contains("could not be read"), "{row:?}");
+    }
+}
+
+#[test]
+fn a_sequential_detector_is_never_said_to_use_threads() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = format!("{HEAD}threads = 2\ndetectors = [\"direct\", \"nbs\"]\n[[scene]]\nname = \"packed\"\nn = 50\n");
+    let (rows, code, stderr) = rows(folder.path(), &text);
+    assert_eq!(code, Some(0), "{stderr}");
+    for (detector, threads) in [("direct", 2), ("nbs", 1)] {
+        assert!(of(&rows, detector, 50).len() == 4 && of(&rows, detector, 50).iter().all(|row| row.threads == threads), "{detector}");
     }
 }
 
