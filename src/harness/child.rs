@@ -141,15 +141,18 @@ impl Runner {
     /// The runner is gone: why?
     fn post_mortem(&mut self) -> Failure {
         self.input = None;
-        // It closed its output, so it is ending or ended; one that lingers is ended here.
-        std::thread::sleep(Duration::from_millis(20));
-        let status = match self.child.try_wait() {
-            Ok(Some(status)) => status.to_string(),
-            _ => {
-                self.kill();
-                "it closed its output without answering".into()
+        // It closed its output, so it is ending or ended; one that lingers for a second is ended here. At least one pause lets its last
+        // words arrive.
+        let mut ended = None;
+        for _ in 0..50 {
+            std::thread::sleep(Duration::from_millis(20));
+            ended = self.child.try_wait().ok().flatten();
+            if ended.is_some() {
+                break;
             }
-        };
+        }
+        let status = ended.map_or_else(|| "it closed its output without answering".into(), |status| status.to_string());
+        self.kill();
         let errors = self.errors.lock().unwrap_or_else(PoisonError::into_inner).clone();
         // The words of Rust's allocation failure, C++'s and Python's. A backtrace may follow them.
         let starved = |line: &&str| ["memory allocation of", "bad_alloc", "MemoryError"].iter().any(|words| line.contains(words));
