@@ -125,7 +125,7 @@ impl Stage<'_> {
         let mut truths = Truths::new(&scene);
         let exact_contacts = truths.get(Arithmetic::Exact)?.map_or(0, |truth| truth.digest.contacts);
         let stats = stats::stats(&scene, exact_contacts);
-        let contenders = self.contenders(&scene);
+        let contenders = self.contenders(&scene, exact_contacts);
         let blanks: Vec<Row> = contenders.iter().map(|contender| self.blank(contender, &scene, &stats)).collect();
         if contenders.iter().zip(&blanks).all(|(contender, blank)| self.complete(contender, blank, blocks)) {
             return Ok(());
@@ -171,11 +171,11 @@ impl Stage<'_> {
             && (over || has(Pass::Count, 0) && has(Pass::Memory, 0) && (1..=enough).all(|block| has(Pass::Time, block)))
     }
 
-    fn contenders(&self, scene: &AnyScene<'_>) -> Vec<Contender> {
+    fn contenders(&self, scene: &AnyScene<'_>, contacts: u64) -> Vec<Contender> {
         let experiment = self.experiment;
         let limit = experiment.memory_limit_mib << 20;
-        // The scene (twice while it is read), and room for 16 pairs per element, doubled by growth.
-        let allowance = PROGRAM_BYTES + scene.len() as u64 * (2 * 32 + 2 * 16 * 8);
+        // The scene (twice while it is read); the list of pairs (up to twice its size, and twice while it grows), with some to spare.
+        let allowance = PROGRAM_BYTES + scene.len() as u64 * (2 * 32 + 128) + contacts * 4 * 8;
         let start = |command: Vec<String>, install: String| Start {
             command,
             install,
