@@ -84,6 +84,7 @@ impl<'a> Sheet<'a> {
             strip,
             zero: if zero { 22.0 } else { 0.0 },
             slopes,
+            per_element: figure.per_element,
         };
         let lines = plot.keys().len() + plot.outcomes().len();
         let height = height.max(top + 26.0 * lines as f64 + 190.0);
@@ -145,7 +146,7 @@ impl<'a> Sheet<'a> {
         }
         let bars = if self.plot.over_seeds { Some("bars: range over seeds") } else { Some("bars: 95% interval") };
         let visible = self.plot.points().any(|point| point.high > point.low);
-        let slopes = self.shared.slopes.then_some("grey dashes: slopes");
+        let slopes = self.shared.slopes.then_some("dashed: cost N, N log N, N²");
         y += 14.0;
         for words in [bars.filter(|_| visible), slopes].into_iter().flatten() {
             canvas.text(words, (left, y), Text::new(16.0, FAINT))?;

@@ -19,6 +19,8 @@ pub struct Shared {
     pub zero: f64,
     /// Draw reference slopes.
     pub slopes: bool,
+    /// y is per element: the slopes, too.
+    pub per_element: bool,
 }
 
 /// A panel's place.
@@ -126,7 +128,8 @@ impl Frame {
         Ok(())
     }
 
-    /// N, N log N and N², all from a little below the lowest first point of a detector, so that they do not hide the data.
+    /// What algorithms of cost N, N log N and N² look like, all from the lowest first point of a detector: from a little below it, so that
+    /// they do not hide the data, unless they are per element, where the slope N is the flat floor of the panel.
     fn slopes(&self, canvas: &mut dyn Canvas, panel: &Panel, shared: &Shared, styles: &Styles) -> anyhow::Result<()> {
         let lines = panel.lines.iter().filter(|(key, _)| !styles.of(&key.detector).control);
         let firsts = lines.filter_map(|(_, line)| line.points.iter().find(|point| point.y > 0.0 && point.x >= 2.0));
@@ -138,7 +141,9 @@ impl Frame {
             let mut path = Vec::new();
             for step in 0..=60 {
                 let place = start + (1.0 - start) * f64::from(step) / 60.0;
-                let value = 0.5 * first.y * model.at(shared.x.value(place)) / model.at(first.x);
+                let x = shared.x.value(place);
+                let growth = model.at(x) / model.at(first.x);
+                let value = if shared.per_element { first.y * growth * first.x / x } else { 0.5 * first.y * growth };
                 let Some(y) = self.y(shared, value).filter(|y| *y >= top) else { break };
                 if y > bottom {
                     continue;

@@ -219,6 +219,9 @@ pub struct Figure {
     /// Draw reference slopes N, N log N, N².
     #[serde(default)]
     pub slopes: bool,
+    /// y is per element: an algorithm of cost N is flat, and so is the slope N.
+    #[serde(default)]
+    pub per_element: bool,
     /// Which rows, as in claims.
     #[serde(rename = "where", default)]
     pub filter: BTreeMap<String, OneOrMany<toml::Value>>,
