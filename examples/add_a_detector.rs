@@ -17,37 +17,33 @@ use contactbench::{check, oracle};
 
 // README: detector
 /// Sorts the elements by x and tests each against those that follow within reach.
-pub struct Sweep {
-    options: Options,
-    order: Vec<u32>,
-}
+pub struct Sweep(Options, Vec<u32>);
 
 impl Declare for Sweep {
     fn with(options: Options) -> Sweep {
-        Sweep { options, order: Vec::new() }
+        Sweep(options, Vec::new())
     }
 
     fn formula_bytes(&self) -> u64 {
-        4 * self.order.len() as u64
+        4 * self.1.len() as u64
     }
 }
 
 impl<T: Real, const D: usize> Detector<T, D> for Sweep {
     fn detect<B: Bodies<T, D>, P: Probe, S: Sink>(&mut self, bodies: B, probe: &mut P, sink: &mut S) -> Result<(), Refusal> {
-        let (n, x) = (bodies.len() as u32, |i: u32| bodies.position(i)[0]);
-        within(&self.options, "sweep", 4 * u64::from(n), || format!("{n} elements"))?;
-        self.order.clear();
-        self.order.reserve_exact(n as usize);
-        self.order.extend(0..n);
-        self.order.sort_unstable_by(|&i, &j| {
+        let (n, x, order) = (bodies.len() as u32, |i: u32| bodies.position(i)[0], &mut self.1);
+        within(&self.0, "sweep", 4 * u64::from(n), || format!("{n} elements"))?;
+        order.clear();
+        order.reserve_exact(n as usize);
+        order.extend(0..n);
+        order.sort_unstable_by(|&i, &j| {
             probe.count(Op::KeyCompare);
             x(i).total_cmp(&x(j))
         });
-        for (k, &i) in self.order.iter().enumerate() {
-            for &j in &self.order[k + 1..] {
+        for (k, &i) in order.iter().enumerate() {
+            for &j in &order[k + 1..] {
                 probe.count(Op::BoundTest);
-                // No pair is lost: rounding keeps order, and the reach is a double. If the true difference
-                // is at most the reach, so is the rounded one; and it never falls as j moves on.
+                // Safe: rounding keeps order and the reach is a double, so a difference within reach stays so when rounded.
                 if x(j) - x(i) > bodies.reach() {
                     break;
                 }
