@@ -59,8 +59,8 @@ impl<const D: usize> Cells<D> {
         let mut cells = Cells { origin: low, scale, count: [0; D] };
         for k in 0..D {
             let quotient = (high[k] - low[k]) * scale;
-            // Also catches a box whose extent overflows, and the NaN of an infinite extent times zero.
-            if !(quotient < MOST_CELLS - 4.0) {
+            // A box whose extent overflows has an infinite quotient, or NaN where the reach is infinite, too.
+            if quotient.is_nan() || quotient >= MOST_CELLS - 4.0 {
                 return Err(Refusal::Domain {
                     axis: ["x", "y", "z"][k.min(2)],
                     low: low[k],

@@ -7,7 +7,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::fit::{self, Model};
 use super::interval::{Interval, ratio};
-use super::value::{Cell, Expression, Key, Num, Param, Reading};
+use super::place::{over, place, varying};
+use super::value::{Cell, Expression, Key, Reading};
 use super::{filter, text};
 use crate::harness::experiment::{Claim, ClaimKind, Experiment};
 use crate::harness::record::{Outcome, Pass};
@@ -132,47 +133,6 @@ fn reasons(cells: &[&&Cell]) -> String {
     counts.iter().map(|(name, count)| format!("{count} {name}")).collect::<Vec<_>>().join(", ")
 }
 
-/// The fields in which cells differ.
-fn varying(cells: &[&Cell]) -> Vec<String> {
-    let names: BTreeSet<&str> = cells.iter().flat_map(|cell| cell.key.names()).collect();
-    let mut names: Vec<String> = names.into_iter().map(String::from).collect();
-    names.retain(|name| cells.iter().map(|cell| cell.key.field(name)).collect::<BTreeSet<_>>().len() > 1);
-    // what is compared first, then where
-    names.sort_by_key(|name| ["detector", "arithmetic", "scene", "dim", "n"].iter().position(|first| first == name).unwrap_or(9));
-    names
-}
-
-/// `nbs, packed, 2D, n = 1000, s = 2`, of these fields.
-fn place(key: &Key, fields: &[String]) -> String {
-    let part = |name: &String| match (name.as_str(), key.field(name)?) {
-        ("detector" | "scene" | "arithmetic" | "order", value) => Some(value.to_string()),
-        ("dim", value) => Some(format!("{value}D")),
-        (name, value) => Some(format!("{name} = {value}")),
-    };
-    let parts: Vec<String> = fields.iter().filter_map(part).collect();
-    if parts.is_empty() { "its only cell".into() } else { parts.join(", ") }
-}
-
-/// `s = 2..200, n = 100..10000` for the numbers that vary, and how many of the rest.
-fn over(cells: &[&Cell]) -> String {
-    let mut parts = Vec::new();
-    for name in varying(cells).iter().filter(|name| *name != "experiment") {
-        let values: BTreeSet<Param> = cells.iter().filter_map(|cell| cell.key.field(name)).collect();
-        match (values.first(), values.last()) {
-            (Some(Param::Number(Num(low))), Some(Param::Number(Num(high)))) if values.len() > 2 => {
-                parts.push(format!("{name} = {low}..{high}"))
-            }
-            _ if values.len() <= 3 => {
-                let list: Vec<String> = values.iter().map(Param::to_string).collect();
-                let list = list.join(", ");
-                parts.push(if matches!(values.first(), Some(Param::Number(_))) { format!("{name} = {list}") } else { list });
-            }
-            _ => parts.push(text::plural(values.len(), name)),
-        }
-    }
-    if parts.is_empty() { "its only cell".into() } else { parts.join("; ") }
-}
-
 /// A cell and its value.
 type Valued<'a> = (&'a Cell, f64);
 
@@ -244,29 +204,42 @@ fn model(claim: &Claim, points: &[(&Cell, f64)]) -> anyhow::Result<Finding> {
     let cells: Vec<&Cell> = points.iter().map(|point| point.0).collect();
     let fields: Vec<String> = varying(&cells).into_iter().filter(|name| name != "n" && name != "seed").collect();
     let (mut status, mut notes) = (Status::Holds, Vec::new());
+    let (mut exponents, mut least_delta) = ((f64::INFINITY, f64::NEG_INFINITY), f64::INFINITY);
     for (key, points) in &series {
         let choice = fit::choose(points);
-        let exponent = choice.slope.map_or(String::new(), |s| format!("exponent {:.3} [{:.3}, {:.3}]", s.exponent, s.low, s.high));
         let place = if fields.is_empty() { String::new() } else { format!("{}: ", place(key, &fields)) };
+        let exponent = choice.slope.map_or(String::new(), |s| format!("exponent {:.3} [{:.3}, {:.3}], ", s.exponent, s.low, s.high));
         let (this, note) = match choice.model {
-            Some(model) if model == wanted => (Status::Holds, format!("ΔAICc {:.0} to the next law", choice.delta().unwrap_or(0.0))),
+            Some(model) if model == wanted => {
+                least_delta = least_delta.min(choice.delta().unwrap_or(0.0));
+                if let Some(slope) = choice.slope {
+                    exponents = (exponents.0.min(slope.exponent), exponents.1.max(slope.exponent));
+                }
+                continue;
+            }
             Some(model) => (Status::Fails, format!("{} fits, not {}", model.name(), wanted.name())),
             None => (Status::NotShown, format!("cannot tell: {}", choice.why)),
         };
-        let joint = if exponent.is_empty() { "" } else { ", " };
-        notes.push((this, format!("{place}{exponent}{joint}{note}")));
-        if this == Status::Fails || (this == Status::NotShown && status == Status::Holds) {
+        notes.push((this, format!("{place}{exponent}{note}")));
+        if this == Status::Fails || status == Status::Holds {
             status = this;
         }
     }
+    let mut evidence = Vec::new();
+    let shown = series.len() - notes.len();
+    if shown > 0 {
+        let range =
+            if exponents.0 < exponents.1 { format!("{:.3} to {:.3}", exponents.0, exponents.1) } else { format!("{:.3}", exponents.0) };
+        evidence.push(format!("{} fits {shown} series: exponent {range}, ΔAICc {least_delta:.0} or more to the next law", wanted.name()));
+    }
     // what decided comes first, and a few are enough
     notes.sort_by_key(|(this, _)| *this != status);
-    let more = notes.len().saturating_sub(4);
-    let mut evidence = notes.into_iter().take(4).map(|note| note.1).collect::<Vec<_>>().join("; ");
+    let more = notes.len().saturating_sub(3);
+    evidence.extend(notes.into_iter().take(3).map(|note| note.1));
     if more > 0 {
-        evidence += &format!("; and {more} more series");
+        evidence.push(format!("and {more} more series"));
     }
-    Ok((status, evidence))
+    Ok((status, evidence.join("; ")))
 }
 
 fn faster(claim: &Claim, cells: &[&Cell], own: &[Cell]) -> anyhow::Result<(Status, String, BTreeSet<Key>)> {
@@ -309,10 +282,17 @@ fn faster(claim: &Claim, cells: &[&Cell], own: &[Cell]) -> anyhow::Result<(Statu
     Ok((status, evidence, used))
 }
 
+/// `26 claims: 25 hold, 0 fail, 1 could not be shown`.
+pub fn score(verdicts: &[Verdict]) -> String {
+    let count = |status: Status| verdicts.iter().filter(|verdict| verdict.status == status).count();
+    let (holds, fails, open) = (count(Status::Holds), count(Status::Fails), count(Status::NotShown));
+    format!("{}: {holds} hold, {fails} fail, {open} could not be shown", text::plural(verdicts.len(), "claim"))
+}
+
 /// The verdict table for a terminal, at most 110 columns wide.
 pub fn plain(verdicts: &[Verdict]) -> String {
     let row = |v: &Verdict| vec![v.status.name().to_string(), v.claim.clone(), v.evidence.clone()];
-    text::plain_table(&[9, 42, 55], &verdicts.iter().map(row).collect::<Vec<_>>())
+    text::plain_table(&[9, 42, 55], &verdicts.iter().map(row).collect::<Vec<_>>()) + &score(verdicts) + "\n"
 }
 
 /// The verdict table in Markdown.

@@ -9,6 +9,7 @@ pub(crate) mod fake;
 pub mod filter;
 pub mod fit;
 pub mod interval;
+pub mod place;
 pub mod report;
 pub mod summary;
 pub mod text;

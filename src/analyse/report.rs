@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use serde_json::Value;
 
-use super::claim::{self, Status, Verdict};
+use super::claim::{self, Verdict};
 use super::value::{Cell, cells};
 use super::{summary, text};
 use crate::figure::{self, style::Styles};
@@ -51,15 +51,15 @@ pub fn write(folder: &Path, experiments: &[Experiment], rows: &[Row], warnings: 
         report.verdicts.extend(verdicts);
     }
     let provenance = std::fs::read(folder.join("provenance.json")).ok().and_then(|bytes| serde_json::from_slice::<Value>(&bytes).ok());
-    let page = head(experiments, &report, provenance.as_ref()) + &body + &foot(provenance.as_ref());
+    let page = head(experiments, &report, &cells, provenance.as_ref()) + &body + &foot(provenance.as_ref());
     std::fs::write(&report.path, page).with_context(|| format!("cannot write the report {}", report.path.display()))?;
     let table = folder.join("summary.csv");
     std::fs::write(&table, summary::csv(&cells)).with_context(|| format!("cannot write {}", table.display()))?;
     Ok(report)
 }
 
-/// Title, the command that made it, the score of the claims, warnings.
-fn head(experiments: &[Experiment], report: &Report, provenance: Option<&Value>) -> String {
+/// Title, the command that made it, the score of the claims, warnings; each question with its answer: who won where.
+fn head(experiments: &[Experiment], report: &Report, cells: &[Cell], provenance: Option<&Value>) -> String {
     let titles: Vec<String> = experiments.iter().map(|experiment| text::escape(&experiment.title)).collect();
     let mut out = format!("# {}\n\n", if titles.len() == 1 { titles.join("") } else { "Contact detection: results".into() });
     let command = provenance.and_then(|p| p.get("command")).map(|command| match command {
@@ -70,29 +70,27 @@ fn head(experiments: &[Experiment], report: &Report, provenance: Option<&Value>)
         // a fence longer than any in the command
         let _ = write!(out, "Made by\n\n````text\n{}\n````\n\n", command.replace("````", "'"));
     }
-    let count = |status: Status| report.verdicts.iter().filter(|verdict| verdict.status == status).count();
     if report.verdicts.is_empty() {
         out += "No claims were checked.\n\n";
     } else {
-        let (holds, fails, open) = (count(Status::Holds), count(Status::Fails), count(Status::NotShown));
-        let total = text::plural(report.verdicts.len(), "claim");
-        let _ = write!(out, "**Of {total}, {holds} hold, {fails} fail and {open} could not be shown.**\n\n");
+        let _ = write!(out, "**{}.**\n\n", claim::score(&report.verdicts));
     }
     for warning in &report.warnings {
         let _ = writeln!(out, "> Warning: {}\n", text::escape(warning));
     }
-    if experiments.len() > 1 {
-        for experiment in experiments {
-            let _ = writeln!(out, "* {}: {}", text::escape(&experiment.name), text::escape(&experiment.question));
+    for experiment in experiments {
+        let own: Vec<&Cell> = cells.iter().filter(|cell| cell.key.experiment == experiment.name).collect();
+        let _ = write!(out, "**{}**\n\n", text::escape(&experiment.question));
+        if let Some(winners) = summary::winners(&own) {
+            let _ = writeln!(out, "{winners}");
         }
-        out.push('\n');
     }
     out
 }
 
 /// Question, verdicts, how to read.
 fn section(out: &mut String, experiment: &Experiment, own: &[&Cell], verdicts: &[Verdict]) {
-    let _ = write!(out, "## {}\n\n**{}**\n\n", text::escape(&experiment.title), text::escape(&experiment.question));
+    let _ = write!(out, "## {}\n\n{}\n\n", text::escape(&experiment.title), text::escape(&experiment.question));
     if own.is_empty() {
         *out += "The record has no rows of this experiment.\n\n";
     }

@@ -3,8 +3,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::interval::{Interval, ratio};
-use super::text;
 use super::value::{Cell, Key};
+use super::{place, text};
 use crate::detect::table::{self, Role};
 use crate::harness::record::{Errors, Outcome, Pass};
 
@@ -31,9 +31,10 @@ pub fn is_control(name: &str) -> bool {
     twin_of(name).is_some() || table::find(name).is_some_and(|entry| entry.role == Role::Nothing)
 }
 
-/// `packed, 2D, N = 1000, s = 20`; other fields are told where they are not the usual ones.
-fn title(key: &Key) -> String {
-    let params: String = key.params.iter().map(|(name, value)| format!(", {name} = {value}")).collect();
+/// `packed, 2D, N = 1000, s = 20`: of the parameters those that are swept; other fields where they are not the usual ones.
+fn title(key: &Key, swept: &[String]) -> String {
+    let params = key.params.iter().filter(|(name, _)| swept.contains(name));
+    let params: String = params.map(|(name, value)| format!(", {name} = {value}")).collect();
     let order = if key.order == "shuffled" { String::new() } else { format!(", {}", key.order) };
     format!("{}, {}D, N = {}{params}{order}", key.scene, key.dim, key.n)
 }
@@ -47,11 +48,41 @@ pub fn largest(cells: &[&Cell]) -> Vec<Table> {
     scenes.values().filter_map(|cells| at_largest(cells)).collect()
 }
 
-fn at_largest(cells: &[&Cell]) -> Option<Table> {
+/// Who won where: per scene and dimension, at its largest N, the fastest detector and by how much. `None` without times.
+pub fn winners(cells: &[&Cell]) -> Option<String> {
+    let mut scenes: BTreeMap<(&str, u32), Vec<&Cell>> = BTreeMap::new();
+    for cell in cells.iter().filter(|cell| !is_control(&cell.key.detector) && cell.time().is_some()) {
+        scenes.entry((&cell.key.scene, cell.key.dim)).or_default().push(cell);
+    }
+    let mut rows = Vec::new();
+    for cells in scenes.values() {
+        let swept = place::swept(cells);
+        let Some((key, mut cells)) = last_scene(cells) else { continue };
+        let median = |cell: &Cell| cell.time().map_or(f64::INFINITY, |time| time.median);
+        cells.sort_by(|a, b| median(a).total_cmp(&median(b)));
+        let named = |cell: &Cell| format!("{} ({})", cell.key.detector, cell.key.arithmetic);
+        let (first, second) = (cells[0], cells.get(1));
+        let margin = second.and_then(|second| ratio(&second.times, &first.times).map(|ratio| (named(second), ratio)));
+        let margin = margin.map_or("alone".into(), |(name, ratio)| {
+            let undecided = if ratio.excludes(1.0) { "" } else { ": undecided" };
+            format!("{name} takes {} times as long{undecided}", with_interval(&ratio))
+        });
+        rows.push(vec![title(&key, &swept), named(first), text::number(median(first) / key.n.max(1) as f64), margin]);
+    }
+    (!rows.is_empty()).then(|| text::markdown_table(&["scene", "fastest", ">ns / N", "next"], &rows))
+}
+
+/// The cells of the largest N, and among those of the last parameters and the first seed.
+fn last_scene<'a>(cells: &[&'a Cell]) -> Option<(Key, Vec<&'a Cell>)> {
     let scene = |key: &Key| (key.n, key.params.clone(), key.order.clone(), std::cmp::Reverse(key.seed));
     let last = cells.iter().map(|cell| scene(&cell.key)).max()?;
-    let mut cells: Vec<&Cell> = cells.iter().copied().filter(|cell| scene(&cell.key) == last).collect();
-    let key = cells.first()?.key.clone();
+    let cells: Vec<&Cell> = cells.iter().copied().filter(|cell| scene(&cell.key) == last).collect();
+    Some((cells.first()?.key.clone(), cells))
+}
+
+fn at_largest(cells: &[&Cell]) -> Option<Table> {
+    let swept = place::swept(cells);
+    let (key, mut cells) = last_scene(cells)?;
     let median = |cell: &Cell| cell.time().map_or(f64::INFINITY, |time| time.median);
     cells.sort_by(|a, b| median(a).total_cmp(&median(b)));
     let fastest = cells.iter().find(|cell| !is_control(&cell.key.detector) && median(cell).is_finite()).copied();
@@ -86,7 +117,7 @@ fn at_largest(cells: &[&Cell]) -> Option<Table> {
     };
     let heads =
         ["detector", ">ns / N", ">time / fastest", ">contact tests / N", ">list ops / N", ">peak bytes / N", ">by formula / N", "outcome"];
-    Some(Table { title: title(&key), markdown: text::markdown_table(&heads, &cells.iter().map(row).collect::<Vec<_>>()) })
+    Some(Table { title: title(&key, &swept), markdown: text::markdown_table(&heads, &cells.iter().map(row).collect::<Vec<_>>()) })
 }
 
 /// `1.25 (1.20 to 1.31)`.

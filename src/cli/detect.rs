@@ -1,5 +1,6 @@
 //! `contactbench detect`.
 
+use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Instant;
@@ -67,7 +68,10 @@ pub fn detect(options: &Detect) -> anyhow::Result<ExitCode> {
     normalise(&mut pairs);
     match &options.output {
         Some(path) => read::write::pairs(path, &pairs)?,
-        None => read::write::csv(&mut std::io::BufWriter::new(std::io::stdout().lock()), &pairs)?,
+        None => {
+            let mut out = std::io::BufWriter::new(std::io::stdout().lock());
+            read::write::csv(&mut out, &pairs).and_then(|()| out.flush()).context("cannot write the pairs to standard output")?;
+        }
     }
     eprintln!(
         "{}: N = {}, {}D, {} pairs, {:.3} ms, {} held by the detector, {}, {} arithmetic",

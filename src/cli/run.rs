@@ -51,6 +51,10 @@ pub fn run(options: &Run) -> anyhow::Result<ExitCode> {
 
 fn run_named(options: &Run, name: &str) -> anyhow::Result<ExitCode> {
     let found = options.experiments.iter().map(|name| builtin::find(name)).collect::<anyhow::Result<Vec<_>>>()?;
+    for (k, (experiment, _)) in found.iter().enumerate() {
+        let name = &experiment.name;
+        ensure!(found[..k].iter().all(|(other, _)| other.name != *name), "there are two experiments named '{name}'; run them one by one");
+    }
     let folder = folder(options, name)?;
     let path = folder.join(record::FILE);
     let done = previous(&path, options.resume)?;

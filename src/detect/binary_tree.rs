@@ -102,9 +102,9 @@ impl BinaryTree {
     fn insert<const D: usize>(&mut self, k: u32, cell: [u32; D], levels: Levels, probe: &mut impl Probe) -> Result<(), Refusal> {
         let mut node = 0;
         for halving in 0..levels.halvings {
-            for axis in 0..D {
+            for (axis, &index) in cell.iter().enumerate() {
                 probe.count(Op::NodeVisit);
-                let half = levels.half(cell[axis], halving);
+                let half = levels.half(index, halving);
                 let child = self.nodes[node][half];
                 if halving + 1 == levels.halvings && axis + 1 == D {
                     probe.count(Op::ListPush);
@@ -144,9 +144,9 @@ impl BinaryTree {
     fn find<const D: usize>(&self, cell: [u32; D], levels: Levels, probe: &mut impl Probe) -> u32 {
         let mut at = 0;
         for halving in 0..levels.halvings {
-            for axis in 0..D {
+            for index in cell {
                 probe.count(Op::NodeVisit);
-                at = self.nodes[at as usize][levels.half(cell[axis], halving)];
+                at = self.nodes[at as usize][levels.half(index, halving)];
                 if at == EMPTY {
                     return EMPTY;
                 }

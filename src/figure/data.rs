@@ -80,18 +80,18 @@ impl Plot {
             }
             LineKey { rank: super::style::rank(&key.detector), detector: key.detector.clone(), variant: variant.trim().into() }
         };
-        // every parameter, besides x, that takes more than one value in a scene becomes part of the panel
-        let mut values: BTreeMap<(&str, &str), BTreeSet<_>> = BTreeMap::new();
+        // every parameter, besides x, that takes more than one value in a scene and dimension becomes part of the panel
+        let mut values: BTreeMap<(&str, u32, &str), BTreeSet<_>> = BTreeMap::new();
         for cell in &chosen {
             for name in cell.key.names() {
-                values.entry((&cell.key.scene, name)).or_default().insert(cell.key.field(name));
+                values.entry((&cell.key.scene, cell.key.dim, name)).or_default().insert(cell.key.field(name));
             }
         }
         let scene_of = |key: &Key| {
             let mut label = key.scene.clone();
             let params = key.params.iter().map(|(name, _)| name.as_str());
             for name in params.chain(["n"]).filter(|name| *name != x_name) {
-                if values.get(&(key.scene.as_str(), name)).is_some_and(|values| values.len() > 1) {
+                if values.get(&(key.scene.as_str(), key.dim, name)).is_some_and(|values| values.len() > 1) {
                     label += &format!(", {name} = {}", key.field(name).map_or(String::new(), |v| v.to_string()));
                 }
             }

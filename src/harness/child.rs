@@ -2,7 +2,7 @@
 
 use std::io::{BufRead, BufReader, Read, Write};
 use std::process::{Child, ChildStdin, Command, Stdio};
-use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
@@ -42,8 +42,8 @@ pub struct Runner {
     pub arithmetic: String,
 }
 
-/// At most this much of what a runner says on its standard error is kept.
-const KEPT: usize = 4096;
+/// At most this much of what a runner says on its standard error is kept: the end, where the reason for its death stands.
+const KEPT: usize = 1 << 16;
 /// A line from a runner is not longer than this.
 const LONGEST_LINE: u64 = 1 << 20;
 
@@ -61,7 +61,8 @@ impl Runner {
             .spawn()
             .map_err(|e| unavailable(format!("cannot start {program}: {e}{hint}")))?;
         limit_memory(&child, start.memory_limit);
-        let (sender, lines) = channel();
+        // A runner that says more than it is asked waits, and does not fill the memory.
+        let (sender, lines) = sync_channel(1);
         // The three pipes were asked for above.
         let output = child.stdout.take();
         std::thread::spawn(move || {
@@ -82,9 +83,9 @@ impl Runner {
             let mut buffer = [0; 1024];
             while let Ok(read @ 1..) = output.read(&mut buffer) {
                 let mut kept = kept.lock().unwrap_or_else(PoisonError::into_inner);
-                if kept.len() < KEPT {
-                    kept.push_str(&String::from_utf8_lossy(&buffer[..read]));
-                }
+                kept.push_str(&String::from_utf8_lossy(&buffer[..read]));
+                let surplus = kept.floor_char_boundary(kept.len().saturating_sub(KEPT));
+                kept.drain(..surplus);
             }
         });
         let input = child.stdin.take();
@@ -140,20 +141,25 @@ impl Runner {
     /// The runner is gone: why?
     fn post_mortem(&mut self) -> Failure {
         self.input = None;
-        // It closed its output, so it is ending or ended; one that lingers is ended here.
-        std::thread::sleep(Duration::from_millis(20));
-        let status = match self.child.try_wait() {
-            Ok(Some(status)) => status.to_string(),
-            _ => {
-                self.kill();
-                "it closed its output without answering".into()
+        // It closed its output, so it is ending or ended; one that lingers for a second is ended here. At least one pause lets its last
+        // words arrive.
+        let mut ended = None;
+        for _ in 0..50 {
+            std::thread::sleep(Duration::from_millis(20));
+            ended = self.child.try_wait().ok().flatten();
+            if ended.is_some() {
+                break;
             }
-        };
+        }
+        let status = ended.map_or_else(|| "it closed its output without answering".into(), |status| status.to_string());
+        self.kill();
         let errors = self.errors.lock().unwrap_or_else(PoisonError::into_inner).clone();
-        let last = errors.lines().rfind(|line| !line.trim().is_empty()).unwrap_or_default().to_string();
-        // The words of Rust's allocation failure, C++'s and Python's.
-        let starved = ["memory allocation of", "bad_alloc", "MemoryError"].iter().any(|words| errors.contains(words));
-        let outcome = if starved { Outcome::OutOfMemory } else { Outcome::Crashed };
+        // The words of Rust's allocation failure, C++'s and Python's. A backtrace may follow them.
+        let starved = |line: &&str| ["memory allocation of", "bad_alloc", "MemoryError"].iter().any(|words| line.contains(words));
+        let (outcome, last) = match errors.lines().rfind(starved) {
+            Some(line) => (Outcome::OutOfMemory, line),
+            None => (Outcome::Crashed, errors.lines().rfind(|line| !line.trim().is_empty()).unwrap_or_default()),
+        };
         Failure { outcome, reason: if last.is_empty() { status } else { format!("{status}: {last}") } }
     }
 

@@ -1,7 +1,7 @@
 //! Experiments: a question, scenes, a sweep, detectors, what is expected and how to read the answer, as a TOML file.
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use anyhow::{Context, bail, ensure};
 use serde::Deserialize;
@@ -241,12 +241,32 @@ impl Experiment {
         for name in &experiment.detectors {
             ensure!(table::find(name).is_some(), "there is no detector '{name}'; the detectors are: {}", table::names());
         }
+        let names = || experiment.detectors.iter().chain(experiment.runners.iter().map(|runner| &runner.name));
+        for (k, name) in names().enumerate() {
+            ensure!(
+                names().take(k).all(|other| other != name),
+                "there are two runners named '{name}'; their rows could not be told apart: rename one"
+            );
+        }
+        let word =
+            |name: &str| !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || "-_.".contains(c)) && !name.starts_with('.');
+        ensure!(
+            word(&experiment.name),
+            "the name '{}' must be of letters, digits, '-', '_' and '.': files are named after it",
+            experiment.name
+        );
+        let limit = experiment.time_limit_s;
+        ensure!(limit > 0.0 && limit <= 1e6, "time-limit-s = {limit}: it must be over 0 and at most 10^6 seconds");
+        ensure!(!experiment.block_budget_s.is_nan(), "block-budget-s is nan: leave it out for no budget");
+        let limit = experiment.memory_limit_mib;
+        ensure!(limit <= 1 << 30, "memory-limit-mib = {limit}: at most 2^30 (1 PiB) can be limited");
+        ensure!(experiment.threads >= 1, "threads = 0: at least one is needed");
         ensure!(experiment.blocks >= 1, "blocks = 0: at least one is needed");
         ensure!(!experiment.arithmetics.is_empty(), "arithmetics is empty; leave it out for exact");
         for scene in &mut experiment.scenes {
             for value in [scene.params.get_mut("path"), scene.quick.get_mut("path")].into_iter().flatten() {
                 let OneOrMany::One(toml::Value::String(path)) = value else { bail!("path must be one string") };
-                *path = folder.join(&PathBuf::from(&*path)).display().to_string();
+                *path = folder.join(&*path).display().to_string();
             }
         }
         experiment.plan(false)?;

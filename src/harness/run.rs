@@ -4,22 +4,24 @@
 //! samples, every detector once per block in a fresh random order. Rows go to the record one by one. What the record
 //! holds already (of a killed run) is not measured again.
 
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use anyhow::{Context, bail};
+use anyhow::Context;
 use rand::{SeedableRng, seq::SliceRandom};
 use rand_chacha::ChaCha8Rng;
 
 use super::bake;
 use super::child::{Failure, Runner, Start};
 use super::experiment::Experiment;
+use super::index::{Index, TooSlow, owed, rest};
 use super::protocol::{Reply, Request};
 use super::record::{Outcome, Pass, Row, Stats, Writer};
+use super::truths::Truths;
 use crate::contact::Arithmetic;
 use crate::detect::table::{self, Role};
-use crate::oracle::{self, NoTruth, Truth};
+use crate::oracle;
 use crate::scene::spec::{Order, Spec};
 use crate::scene::{AnyScene, stats};
 
@@ -59,11 +61,9 @@ struct Contender {
     /// `None`: the runner says.
     arithmetic: Option<Arithmetic>,
     role: Role,
+    threads: usize,
     start: Start,
 }
-
-/// Where in a sweep a detector has been too slow already: the elements, by everything else that makes the cell.
-type TooSlow = HashMap<String, u64>;
 
 /// Runs all experiments of a job into a record.
 pub fn run(job: &Job<'_>, record: &mut Writer, progress: &mut dyn Progress) -> anyhow::Result<()> {
@@ -74,7 +74,7 @@ pub fn run(job: &Job<'_>, record: &mut Writer, progress: &mut dyn Progress) -> a
     }
     let folder = tempfile::tempdir().context("cannot make a temporary folder for scenes; set TMPDIR to a writable place")?;
     let index = Index::new(job.done);
-    let mut too_slow = TooSlow::new();
+    let mut too_slow = TooSlow::new(job.done);
     for (k, (experiment, spec)) in plans.iter().enumerate() {
         progress.scene(k, plans.len(), &describe(experiment, spec));
         let mut stage = Stage { job, experiment, spec, index: &index, folder: folder.path(), record, too_slow: &mut too_slow, progress };
@@ -90,36 +90,12 @@ fn describe(experiment: &Experiment, spec: &Spec) -> String {
     format!("{}: {} {}D{n}{}", experiment.name, spec.name, spec.dim, swept.collect::<String>())
 }
 
-/// What the record holds already.
-struct Index {
-    keys: HashSet<String>,
-    /// Cells that ended badly: nothing more is to be measured there.
-    ended: HashSet<String>,
-}
-
-impl Index {
-    fn new(rows: &[Row]) -> Index {
-        let ended = rows.iter().filter(|row| is_final(row.outcome)).map(Index::cell).collect();
-        Index { keys: rows.iter().map(Row::key).collect(), ended }
-    }
-
-    /// The key of the detector on its scene, whatever the pass.
-    fn cell(row: &Row) -> String {
-        Row { pass: Pass::Count, block: 0, ..row.clone() }.key()
-    }
-
-    fn has(&self, row: &Row) -> bool {
-        self.keys.contains(&row.key())
-    }
-
-    fn ended(&self, row: &Row) -> bool {
-        self.ended.contains(&Index::cell(row))
-    }
-}
-
-/// After these the detector is not asked again on this scene.
-fn is_final(outcome: Outcome) -> bool {
-    !matches!(outcome, Outcome::Ok | Outcome::Control | Outcome::Wrong)
+/// An answer that does not belong to the request.
+fn astray(request: &Request, reply: &Reply) -> Failure {
+    // The variant's name alone: what else there is holds paths that differ from run to run.
+    let word = |text: String| text.split(' ').next().unwrap_or_default().to_string();
+    let reason = format!("the runner answered {} with {}", word(format!("{request:?}")), word(format!("{reply:?}")));
+    Failure { outcome: Outcome::Crashed, reason }
 }
 
 /// One scene of one experiment.
@@ -146,10 +122,10 @@ impl Stage<'_> {
     fn run(&mut self) -> anyhow::Result<()> {
         let blocks = if self.job.quick { self.experiment.blocks.min(QUICK_BLOCKS) } else { self.experiment.blocks };
         let scene = self.spec.make()?;
-        let mut truths = Truths { scene: &scene, known: BTreeMap::new() };
+        let mut truths = Truths::new(&scene);
         let exact_contacts = truths.get(Arithmetic::Exact)?.map_or(0, |truth| truth.digest.contacts);
         let stats = stats::stats(&scene, exact_contacts);
-        let contenders = self.contenders(&scene);
+        let contenders = self.contenders(&scene, exact_contacts);
         let blanks: Vec<Row> = contenders.iter().map(|contender| self.blank(contender, &scene, &stats)).collect();
         if contenders.iter().zip(&blanks).all(|(contender, blank)| self.complete(contender, blank, blocks)) {
             return Ok(());
@@ -159,7 +135,7 @@ impl Stage<'_> {
         let load = Request::Load { path, dim: scene.dim() as u32, n: scene.len() as u64, radius };
         let mut racers = Vec::new();
         for (contender, blank) in contenders.into_iter().zip(blanks) {
-            if self.index.ended(&blank) {
+            if self.give_up(&blank)? {
                 continue;
             }
             if let Some(racer) = self.enter(contender, blank, &load, &mut truths)? {
@@ -190,15 +166,16 @@ impl Stage<'_> {
         let has = |pass, block| self.index.has(&Row { pass, block, ..blank.clone() });
         // A budget may have ended the blocks early; an external runner says only when started which arithmetic it is held to.
         let enough = if self.experiment.block_budget_s.is_finite() { blocks.min(FEWEST_BLOCKS) } else { blocks };
+        let over = self.index.ended(blank).is_some_and(|last| owed(last.pass).iter().all(|&pass| has(pass, 0)));
         contender.arithmetic.is_some()
-            && (self.index.ended(blank) || has(Pass::Count, 0) && has(Pass::Memory, 0) && (1..=enough).all(|block| has(Pass::Time, block)))
+            && (over || has(Pass::Count, 0) && has(Pass::Memory, 0) && (1..=enough).all(|block| has(Pass::Time, block)))
     }
 
-    fn contenders(&self, scene: &AnyScene<'_>) -> Vec<Contender> {
+    fn contenders(&self, scene: &AnyScene<'_>, contacts: u64) -> Vec<Contender> {
         let experiment = self.experiment;
         let limit = experiment.memory_limit_mib << 20;
-        // The scene (twice while it is read), and room for 16 pairs per element, doubled by growth.
-        let allowance = PROGRAM_BYTES + scene.len() as u64 * (2 * 32 + 2 * 16 * 8);
+        // The scene (twice while it is read); the list of pairs (up to twice its size, and twice while it grows), with some to spare.
+        let allowance = PROGRAM_BYTES + scene.len() as u64 * (2 * 32 + 128) + contacts * 4 * 8;
         let start = |command: Vec<String>, install: String| Start {
             command,
             install,
@@ -210,20 +187,29 @@ impl Stage<'_> {
             for name in &experiment.detectors {
                 // The names were checked when the experiment was read.
                 let Some(entry) = table::find(name) else { continue };
+                // A sequential detector has one thread, whatever the others are given.
+                let threads = if entry.threads { experiment.threads } else { 1 };
                 let mut command = vec![self.job.program.display().to_string(), "runner".into(), "--detector".into(), name.clone()];
-                command.extend(["--arithmetic".into(), arithmetic.name().into(), "--threads".into(), experiment.threads.to_string()]);
+                command.extend(["--arithmetic".into(), arithmetic.name().into(), "--threads".into(), threads.to_string()]);
                 command.extend(["--memory-limit".into(), limit.to_string()]);
                 contenders.push(Contender {
                     name: name.clone(),
                     arithmetic: Some(arithmetic),
                     role: entry.role,
+                    threads,
                     start: start(command, String::new()),
                 });
             }
         }
         for runner in &experiment.runners {
             let start = start(runner.command.clone(), runner.install.clone());
-            contenders.push(Contender { name: runner.name.clone(), arithmetic: None, role: Role::Detector, start });
+            contenders.push(Contender {
+                name: runner.name.clone(),
+                arithmetic: None,
+                role: Role::Detector,
+                threads: experiment.threads,
+                start,
+            });
         }
         contenders
     }
@@ -245,7 +231,7 @@ impl Stage<'_> {
             .into(),
             detector: contender.name.clone(),
             arithmetic: contender.arithmetic.unwrap_or_default().name().into(),
-            threads: self.experiment.threads as u32,
+            threads: contender.threads as u32,
             pass: Pass::Count,
             block: 0,
             time_ns: None,
@@ -266,16 +252,29 @@ impl Stage<'_> {
         }
     }
 
-    /// The cell but for its number of elements: what a sweep over N keeps.
-    fn series(blank: &Row) -> String {
-        Row { n: 0, ..blank.clone() }.key()
+    /// True if the record says that this cell ended badly. Rows that the killed run still owed are written now.
+    fn give_up(&mut self, blank: &Row) -> anyhow::Result<bool> {
+        let Some(last) = self.index.ended(blank) else { return Ok(false) };
+        for &pass in owed(last.pass) {
+            let row = Row { pass, outcome: last.outcome, reason: last.reason.clone(), ..blank.clone() };
+            if !self.index.has(&row) {
+                self.record.write(&row)?;
+            }
+        }
+        Ok(true)
+    }
+
+    /// True, with rows that say so, if the detector was too slow with fewer elements already.
+    fn too_slow(&mut self, blank: &Row) -> anyhow::Result<bool> {
+        let Some(n) = self.too_slow.at(blank) else { return Ok(false) };
+        let reason = format!("not tried: over the time limit at N = {n} already");
+        self.fail(blank, Failure { outcome: Outcome::Timeout, reason }, &Pass::ALL)?;
+        Ok(true)
     }
 
     /// Starts a contender, loads the scene, counts and measures the memory. `None` if it is out; its rows say why.
     fn enter(&mut self, contender: Contender, mut blank: Row, load: &Request, truths: &mut Truths<'_>) -> anyhow::Result<Option<Racer>> {
-        if let Some(&n) = self.too_slow.get(&Stage::series(&blank)).filter(|&&n| n <= blank.n) {
-            let reason = format!("not tried: over the time limit at N = {n} already");
-            self.fail(&blank, Failure { outcome: Outcome::Timeout, reason }, &Pass::ALL)?;
+        if self.too_slow(&blank)? {
             return Ok(None);
         }
         let mut runner = match Runner::start(&contender.start) {
@@ -289,11 +288,20 @@ impl Stage<'_> {
             Some(arithmetic) => arithmetic,
             None => match Arithmetic::ALL.into_iter().find(|a| a.name() == runner.arithmetic) {
                 Some(arithmetic) => arithmetic,
-                None => bail!("runner {} says arithmetic '{}'; it must be f32, f64 or exact", contender.name, runner.arithmetic),
+                None => {
+                    let reason = format!("the runner says arithmetic '{}'; it must be f32, f64 or exact", runner.arithmetic);
+                    self.fail(&blank, Failure { outcome: Outcome::Unavailable, reason }, &Pass::ALL)?;
+                    return Ok(None);
+                }
             },
         };
+        // An external runner has just said which arithmetic its rows bear.
         blank.arithmetic = arithmetic.name().into();
-        if let Err(failure) = runner.ask(load) {
+        if self.give_up(&blank)? || self.too_slow(&blank)? {
+            return Ok(None);
+        }
+        let answer = runner.ask(load).and_then(|reply| if reply == Reply::Loaded { Ok(()) } else { Err(astray(load, &reply)) });
+        if let Err(failure) = answer {
             self.fail(&blank, failure, &Pass::ALL)?;
             return Ok(None);
         }
@@ -303,7 +311,11 @@ impl Stage<'_> {
             if self.index.has(&row) {
                 continue;
             }
-            match racer.runner.ask(&request) {
+            let answer = racer.runner.ask(&request).and_then(|reply| match (pass, &reply) {
+                (Pass::Count, Reply::Count { .. }) | (Pass::Memory, Reply::Memory { .. }) | (_, Reply::Unsupported) => Ok(reply),
+                _ => Err(astray(&request, &reply)),
+            });
+            match answer {
                 Ok(Reply::Count { counts, contacts, digest }) => {
                     row.counts = counts;
                     (row.contacts, row.digest) = (Some(contacts), Some(digest));
@@ -313,11 +325,10 @@ impl Stage<'_> {
                     (row.warm_allocations, row.formula_bytes) = (warm_allocations, formula_bytes);
                     (row.contacts, row.digest) = (Some(contacts), Some(digest));
                 }
-                Ok(Reply::Unsupported) => row.reason = "the runner does not measure this".into(),
-                Ok(other) => bail!("runner {} answered {request:?} with {other:?}", racer.contender.name),
+                // The only other reply let through above.
+                Ok(_) => row.reason = "the runner does not measure this".into(),
                 Err(failure) => {
-                    let passes: &[Pass] = if pass == Pass::Count { &Pass::ALL } else { &[Pass::Memory, Pass::Time] };
-                    self.fail(&racer.blank, failure, passes)?;
+                    self.fail(&racer.blank, failure, rest(pass))?;
                     return Ok(None);
                 }
             }
@@ -329,20 +340,20 @@ impl Stage<'_> {
 
     /// One timed sample. False if the contender is out.
     fn sample(&mut self, racer: &mut Racer, mut row: Row, truths: &mut Truths<'_>) -> anyhow::Result<bool> {
-        match racer.runner.ask(&Request::Sample { min_ns: SHORTEST_SAMPLE_NS }) {
+        let request = Request::Sample { min_ns: SHORTEST_SAMPLE_NS };
+        let failure = match racer.runner.ask(&request) {
             Ok(Reply::Sample { time_ns, calls, elapsed_ns, contacts, digest }) => {
                 (row.time_ns, row.calls, row.elapsed_ns) = (Some(time_ns), Some(calls), Some(elapsed_ns));
                 (row.contacts, row.digest) = (Some(contacts), Some(digest));
                 self.judge(&mut row, racer, truths)?;
                 self.record.write(&row)?;
-                Ok(true)
+                return Ok(true);
             }
-            Ok(other) => bail!("runner {} answered sample with {other:?}", racer.contender.name),
-            Err(failure) => {
-                self.fail(&row, failure, &[Pass::Time])?;
-                Ok(false)
-            }
-        }
+            Ok(other) => astray(&request, &other),
+            Err(failure) => failure,
+        };
+        self.fail(&row, failure, rest(Pass::Time))?;
+        Ok(false)
     }
 
     /// Holds a row's answer to the truth before it is written.
@@ -360,6 +371,8 @@ impl Stage<'_> {
         }
         row.outcome = Outcome::Wrong;
         let path = self.folder.join("pairs.npy");
+        // What another runner wrote there is not this one's answer; mostly there is nothing to remove.
+        let _ = std::fs::remove_file(&path);
         let reported = racer.runner.ask(&Request::Pairs { path: path.clone() }).map_err(|failure| failure.reason);
         let reported = reported.and_then(|_| bake::read_pairs(&path).map_err(|e| e.to_string()));
         match (reported, truths.get(racer.arithmetic)?) {
@@ -389,8 +402,7 @@ impl Stage<'_> {
 
     fn fail(&mut self, blank: &Row, failure: Failure, passes: &[Pass]) -> anyhow::Result<()> {
         if failure.outcome == Outcome::Timeout {
-            let n = self.too_slow.entry(Stage::series(blank)).or_insert(blank.n);
-            *n = blank.n.min(*n);
+            self.too_slow.note(blank);
         }
         if failure.outcome == Outcome::Crashed {
             self.progress.note(&format!("CRASHED: {} on {}: {}", blank.detector, describe(self.experiment, self.spec), failure.reason));
@@ -402,36 +414,5 @@ impl Stage<'_> {
             }
         }
         Ok(())
-    }
-}
-
-/// The truths about a scene, found when first asked for.
-struct Truths<'a> {
-    scene: &'a AnyScene<'a>,
-    known: BTreeMap<Arithmetic, Option<Truth>>,
-}
-
-impl Truths<'_> {
-    /// `None` where the arithmetic cannot hold the scene.
-    fn get(&mut self, arithmetic: Arithmetic) -> anyhow::Result<Option<&Truth>> {
-        if !self.known.contains_key(&arithmetic) {
-            let truth = match oracle::truth(self.scene, arithmetic) {
-                Ok(truth) => Some(truth),
-                Err(NoTruth::Refused(_) | NoTruth::Stored(_)) => None,
-                Err(defect) => return Err(defect.into()),
-            };
-            self.known.insert(arithmetic, truth);
-        }
-        Ok(self.known[&arithmetic].as_ref())
-    }
-
-    /// What deciding in `arithmetic` itself misses and adds, against exact decisions on the scene as given.
-    fn errors(&mut self, arithmetic: Arithmetic) -> anyhow::Result<Option<super::record::Errors>> {
-        self.get(arithmetic)?;
-        self.get(Arithmetic::Exact)?;
-        let (Some(Some(rounded)), Some(Some(exact))) = (self.known.get(&arithmetic), self.known.get(&Arithmetic::Exact)) else {
-            return Ok(None);
-        };
-        Ok(Some(if rounded.digest == exact.digest { Default::default() } else { oracle::compare(&rounded.pairs, &exact.pairs) }))
     }
 }

@@ -72,7 +72,8 @@ impl Runner {
             Request::Count => {
                 let mut tally = Tally::default();
                 self.pairs.clear();
-                self.detector.count(loaded(&self.scene)?, self.exact(), &mut tally, &mut self.pairs).map_err(refused)?;
+                let exact = self.arithmetic.is_exact();
+                self.detector.count(loaded(&self.scene)?, exact, &mut tally, &mut self.pairs).map_err(refused)?;
                 let digest = Digest::of(&self.pairs);
                 let counts = tally.iter().map(|(op, count)| (op.name().into(), count)).collect();
                 Ok(Reply::Count { counts, contacts: digest.contacts, digest: digest.hex() })
@@ -87,15 +88,10 @@ impl Runner {
         }
     }
 
-    fn exact(&self) -> bool {
-        self.arithmetic.is_exact()
-    }
-
     /// One detection into the list of pairs.
     fn detect(&mut self) -> Result<(), Reply> {
         self.pairs.clear();
-        let exact = self.exact();
-        self.detector.list(loaded(&self.scene)?, exact, &mut self.pairs).map_err(refused)
+        self.detector.list(loaded(&self.scene)?, self.arithmetic.is_exact(), &mut self.pairs).map_err(refused)
     }
 
     fn sample(&mut self, min_ns: u64) -> Answer {
@@ -125,7 +121,7 @@ impl Runner {
 
     /// Nanoseconds of so many detections, each into the same list of pairs: the timed loop.
     fn repeat(&mut self, calls: u64) -> Result<u64, Reply> {
-        let (scene, exact) = (loaded(&self.scene)?, self.exact());
+        let (scene, exact) = (loaded(&self.scene)?, self.arithmetic.is_exact());
         let start = Instant::now();
         for _ in 0..calls {
             self.pairs.clear();
@@ -136,7 +132,7 @@ impl Runner {
     }
 
     fn memory(&mut self) -> Answer {
-        let (scene, exact) = (loaded(&self.scene)?, self.exact());
+        let (scene, exact) = (loaded(&self.scene)?, self.arithmetic.is_exact());
         let mut digest = Digest::default();
         let ((result, mut detector), cold) = alloc::measure(|| {
             let mut detector = self.entry.make(self.options);

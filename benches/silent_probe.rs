@@ -1,0 +1,82 @@
+//! A silent probe costs nothing: direct checking with [`Silent`] executes as many instructions as a twin written by hand without any
+//! probe.
+//!
+//! `cargo bench --bench silent_probe` runs both under `valgrind --tool=callgrind`, which counts instructions repeatably whatever else
+//! the machine does, takes off what the program needs without either, and fails if the counts differ by more than 1%. The
+//! same with [`Tally`] shows that the comparison could fail. Without valgrind it says so and compares nothing.
+
+use std::hint::black_box;
+use std::process::{Command, ExitCode};
+
+use contactbench::contact::array;
+use contactbench::detect::any::run;
+use contactbench::detect::direct::Direct;
+use contactbench::detect::{Declare, Options};
+use contactbench::probe::{Silent, Tally};
+use contactbench::scene::spec::Spec;
+use contactbench::scene::{AnyScene, Radii, Scene};
+
+/// Direct checking, by hand: rounded arithmetic, one radius.
+#[inline(never)]
+fn twin(scene: &Scene<'_, f64, 3>, pairs: &mut Vec<[u32; 2]>) {
+    let Radii::Uniform(r) = *scene.radii() else { return };
+    let (centres, square) = (scene.centres(), (r + r) * (r + r));
+    let n = centres.len() as u32;
+    for i in 0..n {
+        for j in i + 1..n {
+            let (a, b) = (array(&centres[i as usize]), array(&centres[j as usize]));
+            let (x, y, z) = (a[0] - b[0], a[1] - b[1], a[2] - b[2]);
+            if x * x + y * y + z * z <= square {
+                pairs.push([i, j]);
+            }
+        }
+    }
+}
+
+fn work(what: &str) -> usize {
+    let scene = Spec::parse("packed:dim=3,n=2000").and_then(|spec| spec.make()).expect("the scene is a constant of this bench");
+    let AnyScene::SpaceF64(scene) = &scene else { return 0 };
+    let mut pairs = Vec::with_capacity(20_000);
+    let mut direct = Direct::with(Options::default());
+    match what {
+        "twin" => twin(scene, &mut pairs),
+        "silent" => run(&mut direct, scene, false, &mut Silent, &mut pairs).expect("direct refuses nothing here"),
+        "tally" => {
+            let mut tally = Tally::default();
+            run(&mut direct, scene, false, &mut tally, &mut pairs).expect("direct refuses nothing here");
+            black_box(tally);
+        }
+        _ => {}
+    }
+    black_box(pairs).len()
+}
+
+/// Instructions executed by this program when it does `what`; `None` without valgrind.
+fn instructions(what: &str) -> Option<f64> {
+    let program = std::env::current_exe().ok()?;
+    let output = Command::new("valgrind")
+        .args(["--tool=callgrind", "--callgrind-out-file=/dev/null"])
+        .arg(program)
+        .args(["--do", what])
+        .output()
+        .ok()?;
+    let text = String::from_utf8_lossy(&output.stderr);
+    let count = text.lines().find_map(|line| line.split("Collected :").nth(1))?;
+    count.trim().parse().ok()
+}
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().collect();
+    if let Some(at) = arguments.iter().position(|argument| argument == "--do") {
+        println!("{} contacts", work(arguments.get(at + 1).map_or("", String::as_str)));
+        return ExitCode::SUCCESS;
+    }
+    let counts = ["nothing", "twin", "silent", "tally"].map(instructions);
+    let [Some(nothing), Some(twin), Some(silent), Some(tally)] = counts else {
+        println!("silent_probe: skipped, valgrind is not installed (Debian: apt-get install valgrind)");
+        return ExitCode::SUCCESS;
+    };
+    let (silent, tally) = ((silent - nothing) / (twin - nothing), (tally - nothing) / (twin - nothing));
+    println!("silent_probe: instructions of direct checking against a hand-written twin: silent {silent:.5}, tally {tally:.5}");
+    if (silent - 1.0).abs() <= 0.01 && tally > 1.01 { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+}
