@@ -3,7 +3,7 @@
 //! 1. The domain, a square or cube large enough for all, is halved in x, then in y (then in z), again and again until the smallest
 //!    cell is as large as the cell of all other detectors.
 //! 2. Each element descends b levels to its leaf; nodes are made only where needed. At the leaf it is pushed on the leaf's
-//!    list: E[k] = HEAD; HEAD = k.
+//!    list: `E[k] = HEAD; HEAD = k`.
 //! 3. Detection walks over the tree: at every leaf the cell is checked against itself and its contact mask (4 cells in 2D, 13 in 3D);
 //!    each mask cell is found by a descent from the root.
 //!

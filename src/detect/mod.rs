@@ -59,7 +59,7 @@ impl Default for Options {
     }
 }
 
-/// Why a detector will not work on a scene. Nothing was allocated, nothing reported.
+/// Why a detector will not work on a scene. Nothing was reported; arrays whose size is known beforehand were not allocated.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[allow(missing_docs)] // the fields are explained by the messages
 pub enum Refusal {

@@ -1,7 +1,7 @@
 //! `screening`: a list head for every cell of the domain (Munjiza 2004, section 3.6).
 //!
-//! 1. Once, when the array is first made, all heads of the screening array C[nx][ny]([nz]) are set to empty.
-//! 2. Every element is put on the list of its cell: E[k] = C[cell]; C[cell] = k.
+//! 1. Once, when the array is first made, all heads of the screening array `C[nx][ny]([nz])` are set to empty.
+//! 2. Every element is put on the list of its cell: `E[k] = C[cell]; C[cell] = k`.
 //! 3. A loop over elements finds each cell that is not empty once (a *new* list, marked *old* when found) and checks it against
 //!    itself and the contact mask: 4 cells in 2D, 13 in 3D.
 //! 4. A second loop over *elements* sets C and E back to empty.

@@ -35,7 +35,7 @@ fn write_scene<T: crate::contact::Real, const D: usize>(path: &Path, scene: &Sce
     Ok(radius)
 }
 
-/// Reads what [`write`] wrote.
+/// Reads what [`write()`] wrote.
 pub fn read(path: &Path, dim: u32, n: u64, radius: Option<f64>) -> anyhow::Result<AnyScene<'static>> {
     let scene = read::scene(path, read::Options { radius, dim: Some(dim) })?;
     ensure!(

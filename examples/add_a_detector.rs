@@ -1,0 +1,89 @@
+//! A new detector, from its first line to agreement with the truth. README shows the marked parts.
+//!
+//! `cargo run --release --example add_a_detector`
+
+use std::time::Duration;
+
+use anyhow::ensure;
+use contactbench::contact::{Arithmetic, Bodies, Real};
+use contactbench::detect::any::{self, Both};
+use contactbench::detect::table::{Entry, Role};
+use contactbench::detect::{Declare, Detector, Options, Refusal, within};
+use contactbench::probe::{Op, Probe, Tally};
+use contactbench::scene::AnyScene;
+use contactbench::scene::spec::Spec;
+use contactbench::sink::{Digest, Sink};
+use contactbench::{check, oracle};
+
+// README: detector
+/// Sorts the elements by x and tests each against those that follow within reach.
+pub struct Sweep(Options, Vec<u32>);
+
+impl Declare for Sweep {
+    fn with(options: Options) -> Sweep {
+        Sweep(options, Vec::new())
+    }
+
+    fn formula_bytes(&self) -> u64 {
+        4 * self.1.len() as u64
+    }
+}
+
+impl<T: Real, const D: usize> Detector<T, D> for Sweep {
+    fn detect<B: Bodies<T, D>, P: Probe, S: Sink>(&mut self, bodies: B, probe: &mut P, sink: &mut S) -> Result<(), Refusal> {
+        let (n, x, order) = (bodies.len() as u32, |i: u32| bodies.position(i)[0], &mut self.1);
+        within(&self.0, "sweep", 4 * u64::from(n), || format!("{n} elements"))?;
+        order.clear();
+        order.reserve_exact(n as usize);
+        order.extend(0..n);
+        order.sort_unstable_by(|&i, &j| {
+            probe.count(Op::KeyCompare);
+            x(i).total_cmp(&x(j))
+        });
+        for (k, &i) in order.iter().enumerate() {
+            for &j in &order[k + 1..] {
+                probe.count(Op::BoundTest);
+                // Safe: rounding keeps order and the reach is a double, so a difference within reach stays so when rounded.
+                if x(j) - x(i) > bodies.reach() {
+                    break;
+                }
+                if bodies.touch(i, j, probe) {
+                    sink.contact(i, j);
+                }
+            }
+        }
+        Ok(())
+    }
+}
+// README: end
+
+static TABLE: &[Entry] = &[
+    // README: table
+    Entry {
+        name: "sweep",
+        role: Role::Detector,
+        summary: "sorts along x, tests what follows within reach",
+        cost: "N log N key comparisons; contact tests grow as N^(2 - 1/D) in a box",
+        memory: "4N",
+        limits: "many elements at the same x are N^2",
+        threads: false,
+        constructor: Both::<Sweep, Sweep>::boxed,
+    },
+    // README: end
+];
+
+fn main() -> anyhow::Result<()> {
+    // One scene, by hand: what a library user writes.
+    let AnyScene::SpaceF64(scene) = Spec::parse("packed:dim=3,n=5000")?.make()? else { unreachable!("dim=3 is made in space, in f64") };
+    let (mut tally, mut found) = (Tally::default(), Digest::default());
+    any::run(&mut Sweep::with(Options::default()), &scene, true, &mut tally, &mut found)?;
+    let truth = oracle::truth(&AnyScene::from(scene), Arithmetic::Exact)?;
+    ensure!(found == truth.digest, "sweep finds {} contacts, there are {}", found.contacts, truth.digest.contacts);
+    println!("sweep: {} contacts, as the oracle finds; {} contact tests", found.contacts, tally.get(Op::ContactTest));
+
+    // All generators, dimensions and arithmetics: what `contactbench check` does with every line of the table.
+    let report = check::check(&[&TABLE[0]], 1, Duration::ZERO)?;
+    ensure!(report.failures.is_empty() && report.refused.is_empty(), "sweep disagrees with the truth, or refuses");
+    println!("sweep: {} detections agree with all pairs tested", report.cases);
+    Ok(())
+}

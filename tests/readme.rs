@@ -1,0 +1,77 @@
+//! README is true: its Rust code is the code of the example, which is compiled and right, and its commands work as written.
+
+use std::path::Path;
+use std::process::Command;
+
+const README: &str = include_str!("../README.md");
+const EXAMPLE: &str = include_str!("../examples/add_a_detector.rs");
+
+/// The text of all fenced blocks of a language, in order.
+fn blocks(language: &str) -> Vec<String> {
+    let (mut found, mut inside) = (Vec::new(), None);
+    for line in README.lines() {
+        match (line.strip_prefix("```"), &mut inside) {
+            (Some(name), None) => inside = Some((name.to_string(), String::new())),
+            (Some(_), Some(_)) => found.extend(inside.take()),
+            (None, Some((_, text))) => *text += &format!("{line}\n"),
+            (None, None) => {}
+        }
+    }
+    assert!(inside.is_none(), "a fenced block of README is not closed");
+    found.into_iter().filter(|(name, _)| name == language).map(|(_, text)| text).collect()
+}
+
+/// What stands between `// README: name` and `// README: end` in the example, without common indentation.
+fn marked(name: &str) -> String {
+    let lines = EXAMPLE.lines().skip_while(|line| line.trim() != format!("// README: {name}")).skip(1);
+    let lines: Vec<&str> = lines.take_while(|line| line.trim() != "// README: end").collect();
+    let indent = lines.iter().filter(|line| !line.is_empty()).map(|line| line.len() - line.trim_start().len()).min().unwrap_or(0);
+    lines.iter().map(|line| format!("{}\n", line.get(indent..).unwrap_or_default())).collect()
+}
+
+#[test]
+fn the_code_is_that_of_the_example() {
+    let (detector, table) = (marked("detector"), marked("table"));
+    assert_eq!(blocks("rust"), [detector.clone(), table]);
+    assert!((10..40).contains(&detector.lines().count()), "{} lines", detector.lines().count());
+}
+
+/// In order and in one folder, so that a block can use the files of those before it. Blocks that call cargo build and run for minutes.
+#[test]
+fn the_commands_work_as_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let program = Path::new(env!("CARGO_BIN_EXE_contactbench"));
+    let path = std::env::join_paths(
+        std::iter::once(program.parent().unwrap().to_path_buf()).chain(std::env::split_paths(&std::env::var_os("PATH").unwrap())),
+    );
+    let path = path.unwrap();
+    let mut run = 0;
+    for block in blocks("sh").iter().filter(|block| !block.starts_with("cargo ")) {
+        let result = Command::new("sh").args(["-euc", block]).current_dir(folder.path()).env("PATH", &path).output().unwrap();
+        let errors = String::from_utf8_lossy(&result.stderr);
+        assert!(result.status.success(), "{}:\n{block}\n{}{errors}", result.status, String::from_utf8_lossy(&result.stdout));
+        run += block.lines().filter(|line| line.starts_with("contactbench ")).count();
+    }
+    assert_eq!(run, 7, "commands of README");
+    assert_eq!(std::fs::read_to_string(folder.path().join("pairs.csv")).unwrap(), "i,j\n0,1\n2,3\n");
+    assert!(folder.path().join("mine/report.md").exists());
+}
+
+/// Files named in links are there; those of the reference run only once there is one.
+#[test]
+fn links_lead_somewhere() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let reference = root.join("results/reference").exists();
+    for file in ["README.md", "DESIGN.md", "BIAS.md", "CHANGELOG.md"] {
+        let text = std::fs::read_to_string(root.join(file)).unwrap();
+        for target in text
+            .split("](")
+            .skip(1)
+            .filter_map(|rest| rest.split(')').next())
+            .filter(|target| !target.contains("://") && (reference || !target.starts_with("results/reference")))
+        {
+            let target = target.split('#').next().unwrap();
+            assert!(root.join(target).exists(), "{file} links to {target}, which is not there");
+        }
+    }
+}
