@@ -172,8 +172,8 @@ fn shrink(entry: &Entry, arithmetic: Arithmetic, scene: &AnyScene<'static>) -> A
 
 /// A scene as CSV with a header, in numbers that read back to the same bits.
 pub fn as_csv(scene: &AnyScene<'_>) -> String {
+    let dim = scene.dim();
     with_scene!(scene, scene => {
-        let dim = scene.centres().first().map_or(2, |centre| array(centre).len());
         let mut text = String::from(if dim == 2 { "x,y,r\n" } else { "x,y,z,r\n" });
         for (k, centre) in scene.centres().iter().enumerate() {
             for x in array(centre) {

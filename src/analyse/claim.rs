@@ -65,17 +65,27 @@ pub fn any_failed(verdicts: &[Verdict]) -> bool {
 pub fn verdicts(experiment: &Experiment, cells: &[Cell]) -> Vec<Verdict> {
     let own: Vec<Cell> = cells.iter().filter(|cell| cell.key.experiment == experiment.name).cloned().collect();
     let judge = |claim: &Claim| {
-        let (status, evidence) = check(claim, &own).unwrap_or_else(|e| (Status::Fails, format!("cannot be checked: {e:#}")));
+        let (status, mut evidence) = check(claim, &own).unwrap_or_else(|e| (Status::Fails, format!("cannot be checked: {e:#}")));
+        let of_times = of_times(claim);
+        if of_times {
+            evidence.insert_str(0, "of this machine: ");
+        }
         Verdict {
             experiment: experiment.name.clone(),
             claim: claim.name.clone(),
             source: claim.source.clone(),
             status,
-            machine_independent: claim.kind != ClaimKind::Faster,
+            machine_independent: !of_times,
             evidence,
         }
     };
     experiment.claims.iter().map(judge).collect()
+}
+
+/// Is the claim about times, which are of one machine? An expression that cannot be read is not: its failure must be seen.
+fn of_times(claim: &Claim) -> bool {
+    let uses_time = |text: &str| Expression::parse(text).is_ok_and(|expression| expression.uses_time());
+    claim.kind == ClaimKind::Faster || uses_time(&claim.value) || uses_time(&claim.to)
 }
 
 type Finding = (Status, String);
@@ -197,6 +207,7 @@ fn compared(claim: &Claim, points: &[(&Cell, f64)], to: &Expression) -> Finding 
 fn model(claim: &Claim, points: &[(&Cell, f64)]) -> anyhow::Result<Finding> {
     let wanted =
         Model::parse(&claim.model).ok_or_else(|| anyhow::anyhow!("unknown model '{}'; the models are: N, N log N, N^2", claim.model))?;
+    anyhow::ensure!(!of_times(claim), "a model is fitted to counts or bytes: the memory hierarchy makes linear times look like N log N");
     let mut series: BTreeMap<Key, Vec<(f64, f64)>> = BTreeMap::new();
     for (cell, value) in points {
         series.entry(cell.key.clone().without("n").without("seed")).or_default().push((cell.key.n as f64, *value));
@@ -257,7 +268,7 @@ fn faster(claim: &Claim, cells: &[&Cell], own: &[Cell]) -> anyhow::Result<(Statu
         found.iter().map(|(cell, _)| cell.key.clone()).chain(cells.iter().map(|c| c.key.clone()).filter(|k| k.detector == claim.than));
     let used: BTreeSet<Key> = used.collect();
     let Some((worst, interval)) = found.iter().max_by(|a, b| a.1.high.total_cmp(&b.1.high)) else {
-        return Ok((Status::NotShown, format!("of this machine: no cell has times of both it and {}", claim.than), used));
+        return Ok((Status::NotShown, format!("no cell has times of both it and {}", claim.than), used));
     };
     let lower = found.iter().map(|(_, ratio)| ratio.median).fold(f64::INFINITY, f64::min);
     let upper = found.iter().map(|(_, ratio)| ratio.median).fold(0.0, f64::max);
@@ -276,7 +287,7 @@ fn faster(claim: &Claim, cells: &[&Cell], own: &[Cell]) -> anyhow::Result<(Statu
         Status::Fails => format!("slower in {slower} of them; "),
     };
     let evidence = format!(
-        "of this machine: {lower:.2} to {upper:.2} times the time of {} in {count}; {tell}worst {:.2} [{:.2}, {:.2}] at {at}",
+        "{lower:.2} to {upper:.2} times the time of {} in {count}; {tell}worst {:.2} [{:.2}, {:.2}] at {at}",
         claim.than, interval.median, interval.low, interval.high
     );
     Ok((status, evidence, used))

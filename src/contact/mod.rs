@@ -370,6 +370,39 @@ mod tests {
         assert!(touch([[f64::MAX, 0.0], [-f64::MAX, 0.0]], [f64::MAX, f64::MAX], true).0);
     }
 
+    struct Reach;
+    impl<const D: usize> WithBodies<f32, D> for Reach {
+        type Output = Result<(bool, f64), Refusal>;
+        fn call<B: Bodies<f32, D>>(self, bodies: B) -> Self::Output {
+            Ok((bodies.touch(0, 1, &mut crate::probe::Silent), bodies.reach()))
+        }
+    }
+
+    /// Rounded arithmetic accepts couples that are apart; the reach covers them. The couples are those one step from not being accepted.
+    #[test]
+    fn the_reach_covers_what_rounding_accepts() {
+        let mut beyond = 0;
+        let radii = (1..2000).map(|k| k as f32 * 0.00137).chain([1e-18, 3e-20, 1e-22, 1e-30, 0.0, f32::from_bits(1)]);
+        for r in radii {
+            let accepted = |x: f32| {
+                let scene = Scene::new(vec![Point::from([0.0, 0.0]), Point::from([x, x])], Radii::Uniform(r)).unwrap();
+                with_bodies(&scene, false, Reach).unwrap()
+            };
+            // Bisection on the bits of x: couples at (0, 0) and (x, x).
+            let (mut low, mut high) = (0.0f32.to_bits(), (4.0 * r + 1e-3).to_bits());
+            while high - low > 1 {
+                let middle = low + (high - low) / 2;
+                if accepted(f32::from_bits(middle)).0 { low = middle } else { high = middle }
+            }
+            let x = f64::from(f32::from_bits(low));
+            let reach = accepted(x as f32).1;
+            let apart = |d: f64| exact::compare(&[0.0, 0.0], &[x, x], d / 2.0, d / 2.0) == Ordering::Greater;
+            beyond += i32::from(apart(2.0 * f64::from(r)));
+            assert!(!apart(reach), "r = {r:e}: accepted at ({x:e}, {x:e}), reach {reach:e}");
+        }
+        assert!(beyond > 100, "this test must hold couples that only rounding accepts");
+    }
+
     #[test]
     fn rounded_arithmetic_refuses_what_it_cannot_square() {
         let scene = Scene::<f64, 2>::new(vec![Point::from([0.0, 0.0])], Radii::Uniform(1e200)).unwrap();

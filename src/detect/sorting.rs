@@ -7,7 +7,7 @@
 //!    found by binary search, about log2 N steps each, and checked.
 //!
 //! * Cost: N log2 N for N elements. Memory: `4N(D + 1)` bytes in D dimensions, the leanest of all. Nothing is cached.
-//! * Refuses domains of 2^31 cells and more along an axis.
+//! * Refuses domains of 2^31 cells and more along an axis, and scenes over the memory limit.
 //! * Deviations from the book: cells are wider by 4 parts in a million ([`crate::cells`]); the mask cells are searched once per
 //!   occupied cell, not once per element; min and max of a part are the bounds of its values, not its extremes; where
 //!   (min + max) / 2 is min, mid is max, or the partition would not end.

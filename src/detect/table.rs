@@ -22,7 +22,7 @@ pub struct Entry {
     pub role: Role,
     /// What it does, in a few words.
     pub summary: &'static str,
-    /// Cost: N elements, b bits per cell number.
+    /// Cost for N elements.
     pub cost: &'static str,
     /// Memory in bytes: n.. are cells per axis (borders included), N elements.
     pub memory: &'static str,
@@ -64,7 +64,7 @@ pub static TABLE: &[Entry] = &[
         summary: "halves space in turn along the axes, lists in the leaves",
         cost: "N log N",
         memory: "4N + 8 nodes",
-        limits: "cells per axis < 2^31",
+        limits: "cells per axis < 2^31; the memory limit",
         threads: false,
         constructor: Both::<binary_tree::BinaryTree, binary_tree::BinaryTree>::boxed,
     },
@@ -84,7 +84,7 @@ pub static TABLE: &[Entry] = &[
         summary: "sorts integerised coordinates, finds mask cells by binary search",
         cost: "N log N",
         memory: "12N in 2D, 16N in 3D",
-        limits: "cells per axis < 2^31",
+        limits: "cells per axis < 2^31; the memory limit",
         threads: false,
         constructor: Both::<sorting::Sorting<2>, sorting::Sorting<3>>::boxed,
     },

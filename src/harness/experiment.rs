@@ -181,7 +181,8 @@ pub struct Claim {
     pub source: String,
 }
 
-/// Kinds of claims. All but `faster` are checked from counts, bytes and digests and do not depend on the machine.
+/// Kinds of claims. Those about times (`faster`, and any expression with `time_ns`) are of one machine and gate nothing; all others are
+/// checked from counts, bytes and digests.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ClaimKind {

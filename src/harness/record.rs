@@ -178,7 +178,7 @@ impl Row {
     }
 }
 
-/// Appends rows to a record; each is on disk, as one whole line, before the next is measured.
+/// Appends rows to a record; each is written, as one whole line, before the next is measured: a killed run loses at most one.
 pub struct Writer(File);
 
 impl Writer {
