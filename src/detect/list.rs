@@ -81,15 +81,16 @@ impl Heads {
         self.0[list.at()] & !OLD
     }
 
-    /// The first element of `list` if the list is new, and marks it old; `None` if it was old already.
+    /// The first element of `list` if there is one and the list is new, and marks it old; `None` if it was old already, or is empty.
     #[inline(always)]
     pub fn take_new<P: Probe>(&mut self, list: impl Index, probe: &mut P) -> Option<u32> {
         probe.count(Op::CellProbe);
         let head = &mut self.0[list.at()];
-        if *head & OLD != 0 {
+        let first = *head;
+        // EMPTY is the largest number without the mark.
+        if first >= EMPTY {
             return None;
         }
-        let first = *head;
         *head |= OLD;
         Some(first)
     }

@@ -1,7 +1,8 @@
 //! `nbs` in 2D: Munjiza-NBS (Munjiza 2004, section 3.8; Munjiza and Andrews 1998, doi:10.1002/(SICI)1097-0207(19980915)43:1<131::AID-NME447>3.0.CO;2-S).
 //!
 //! 1. Every element is put on the y-list of its row.
-//! 2. A loop over elements finds each row that is not empty once: a *new* list, marked *old* when found.
+//! 2. A loop over elements finds each row that is not empty once: a *new* list, marked *old* when found. From there it goes up, row by
+//!    row, as long as rows are new and not empty.
 //! 3. Its elements and those of the row below are put on two sets of x-lists: one list per cell.
 //! 4. A loop over the row's elements finds each of its cells once and checks it against itself and the contact mask:
 //!    the cell to the left, and the three cells below.
@@ -12,7 +13,8 @@
 //!   included. Nothing is cached: integerised coordinates are computed again where they are needed.
 //! * Refuses scenes whose ny + 2nx exceeds the memory limit, and more than 2^31 - 1 elements.
 //! * Deviations from the book: cells are wider by 4 parts in a million ([`crate::cells`]); heads are marked old with the highest
-//!   bit instead of by adding N; elements count from 0.
+//!   bit instead of by adding N; elements count from 0; the book takes every row where the loop over elements finds it, we go on to the row
+//!   above it, whose row below is then still in the caches.
 
 use super::list::{EMPTY, Heads, Links, numbered};
 use super::{Declare, Detector, Options, Refusal, within};
@@ -54,9 +56,10 @@ impl<T: Real> Detector<T, 2> for Nbs2d {
         let n = bodies.len() as u32;
         self.push_rows(&bodies, &cells, probe);
         for k in 0..n {
-            let row = cells.index(bodies.position(k)[1], 1, probe);
-            if let Some(first) = self.b.take_new(row, probe) {
+            let mut row = cells.index(bodies.position(k)[1], 1, probe);
+            while let Some(first) = self.b.take_new(row, probe) {
                 self.row(&bodies, &cells, first, row, probe, sink);
+                row += 1;
             }
         }
         for k in 0..n {

@@ -13,7 +13,7 @@
 //! * Memory: `4(nz + 2ny + 2nx + 3N)` bytes (BOOK 3.80) for N elements and nx, ny, nz cells per axis, two empty border cells per
 //!   axis included. Nothing is cached: integerised coordinates are computed again where they are needed.
 //! * Refuses scenes whose nz + 2ny + 2nx exceeds the memory limit, and more than 2^31 - 1 elements.
-//! * Deviations from the book: as for [`super::nbs2d`].
+//! * Deviations from the book: as for [`super::nbs2d`]; layers and rows are both taken upwards from where they are found.
 
 use super::list::{EMPTY, Heads, Links, numbered};
 use super::{Declare, Detector, Options, Refusal, within};
@@ -58,9 +58,10 @@ impl<T: Real> Detector<T, 3> for Nbs3d {
         let n = bodies.len() as u32;
         self.push_layers(&bodies, &cells, probe);
         for k in 0..n {
-            let layer = cells.index(bodies.position(k)[2], 2, probe);
-            if let Some(first) = self.c.take_new(layer, probe) {
+            let mut layer = cells.index(bodies.position(k)[2], 2, probe);
+            while let Some(first) = self.c.take_new(layer, probe) {
                 self.layer(&bodies, &cells, first, layer, probe, sink);
+                layer += 1;
             }
         }
         for k in 0..n {
@@ -107,9 +108,10 @@ impl Nbs3d {
         }
         let mut k = first;
         while k != EMPTY {
-            let row = row_of(k, probe);
-            if let Some(first) = self.b[0].take_new(row, probe) {
+            let mut row = row_of(k, probe);
+            while let Some(first) = self.b[0].take_new(row, probe) {
                 self.row(bodies, cells, first, row, probe, sink);
+                row += 1;
             }
             k = self.links.next(k, Z, probe);
         }
