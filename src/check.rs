@@ -3,12 +3,13 @@
 //! disagrees, elements are taken away as long as it still does.
 
 use std::collections::BTreeMap;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::{Duration, Instant};
 
 use crate::contact::{Arithmetic, Real, array};
+use crate::detect::Options;
 use crate::detect::any::AnyDetector;
 use crate::detect::table::Entry;
-use crate::detect::{Options, Refusal};
 use crate::harness::record::Errors;
 use crate::oracle;
 use crate::scene::AnyScene;
@@ -37,8 +38,16 @@ pub struct Failure {
     pub found_on: String,
     /// The smallest scene found on which it is still wrong.
     pub smallest: AnyScene<'static>,
-    /// What it misses and adds there.
-    pub errors: Errors,
+    /// In which way, there; `None` if a fresh detector is right there: what earlier scenes left in its buffers makes it wrong.
+    pub wrong: Option<Wrong>,
+}
+
+/// In which way a detector is wrong.
+pub enum Wrong {
+    /// It misses, adds or repeats pairs.
+    Pairs(Errors),
+    /// It panics.
+    Panics,
 }
 
 /// A scene of the check: a generator with parameters.
@@ -121,14 +130,16 @@ fn check_scene(spec: &Spec, subjects: &mut [(&'static Entry, Box<dyn AnyDetector
             }
             let mut digest = Digest::default();
             report.cases += 1;
-            match detector.visit(&stored, arithmetic.is_exact(), &mut digest) {
-                Err(refusal) => *report.refused.entry(format!("{}: {refusal}", entry.name)).or_default() += 1,
-                Ok(()) if digest == truth => {}
-                Ok(()) => {
+            let answer = catch_unwind(AssertUnwindSafe(|| detector.visit(&stored, arithmetic.is_exact(), &mut digest)));
+            match answer {
+                Ok(Err(refusal)) => *report.refused.entry(format!("{}: {refusal}", entry.name)).or_default() += 1,
+                Ok(Ok(())) if digest == truth => {}
+                // Other pairs, or a panic.
+                Ok(Ok(())) | Err(_) => {
                     let smallest = shrink(entry, arithmetic, &scene);
-                    let errors = errors(entry, arithmetic, &smallest).unwrap_or_default();
+                    let wrong = wrong(entry, arithmetic, &smallest);
                     let found_on = format!("{} dim={} n={} seed={} {:?}", spec.name, spec.dim, spec.n, spec.seed, spec.params);
-                    report.failures.push(Failure { detector: entry.name, arithmetic, found_on, smallest, errors });
+                    report.failures.push(Failure { detector: entry.name, arithmetic, found_on, smallest, wrong });
                 }
             }
         }
@@ -136,21 +147,24 @@ fn check_scene(spec: &Spec, subjects: &mut [(&'static Entry, Box<dyn AnyDetector
     Ok(())
 }
 
-/// What a fresh detector misses and adds on a scene; `None` if it is right, refuses, or there is no truth.
-fn errors(entry: &Entry, arithmetic: Arithmetic, scene: &AnyScene<'_>) -> Option<Errors> {
+/// In which way a fresh detector is wrong on a scene; `None` if it is right, refuses, or there is no truth.
+fn wrong(entry: &Entry, arithmetic: Arithmetic, scene: &AnyScene<'_>) -> Option<Wrong> {
     let truth = oracle::truth(scene, arithmetic).ok()?;
     let stored = scene.stored(arithmetic).ok()?;
     let mut pairs = Vec::new();
-    let answer: Result<(), Refusal> = entry.make(Options::default()).list(&stored, arithmetic.is_exact(), &mut pairs);
-    answer.ok()?;
-    (Digest::of(&pairs) != truth.digest).then(|| oracle::compare(&pairs, &truth.pairs))
+    let answer = catch_unwind(AssertUnwindSafe(|| entry.make(Options::default()).list(&stored, arithmetic.is_exact(), &mut pairs)));
+    match answer {
+        Err(_) => Some(Wrong::Panics),
+        Ok(Err(_)) => None,
+        Ok(Ok(())) => (Digest::of(&pairs) != truth.digest).then(|| Wrong::Pairs(oracle::compare(&pairs, &truth.pairs))),
+    }
 }
 
 /// Takes elements away, in ever smaller chunks, as long as a fresh detector is still wrong. A failure that needs the history of
 /// earlier calls is given back whole.
 fn shrink(entry: &Entry, arithmetic: Arithmetic, scene: &AnyScene<'static>) -> AnyScene<'static> {
     let mut kept: Vec<u32> = (0..scene.len() as u32).collect();
-    if errors(entry, arithmetic, scene).is_none() {
+    if wrong(entry, arithmetic, scene).is_none() {
         return scene.clone();
     }
     let mut chunk = kept.len().div_ceil(2);
@@ -159,7 +173,7 @@ fn shrink(entry: &Entry, arithmetic: Arithmetic, scene: &AnyScene<'static>) -> A
         while start < kept.len() {
             let mut fewer = kept.clone();
             fewer.drain(start..(start + chunk).min(kept.len()));
-            if errors(entry, arithmetic, &scene.reordered(&fewer)).is_some() {
+            if wrong(entry, arithmetic, &scene.reordered(&fewer)).is_some() {
                 kept = fewer;
             } else {
                 start += chunk;

@@ -6,7 +6,7 @@
 //!
 //! The contact test itself is held to an arbitrary-precision library in the tests.
 
-use rand::{RngExt, SeedableRng};
+use rand::{SeedableRng, seq::index};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
@@ -31,6 +31,9 @@ pub struct Truth {
     pub digest: Digest,
 }
 
+/// Where fewer than two detectors take a scene, up to this number of elements every pair is tested.
+pub const LARGEST_BRUTE_FORCE: usize = 200_000;
+
 /// Why there is no truth.
 #[derive(Debug, thiserror::Error)]
 pub enum NoTruth {
@@ -40,6 +43,12 @@ pub enum NoTruth {
     /// The scene cannot be stored in the arithmetic's precision.
     #[error("as f32: {0}")]
     Stored(#[from] crate::scene::SceneError),
+    /// Nothing to hold an answer to.
+    #[error("fewer than two detectors take this scene, and {n} elements are too many to test all pairs (at most {LARGEST_BRUTE_FORCE})")]
+    TooLarge {
+        /// Elements.
+        n: usize,
+    },
     /// A defect of this program, never to be ignored.
     #[error("{first} and {second} disagree on this scene ({a} and {b} contacts): one of them is wrong")]
     Disagree {
@@ -92,21 +101,22 @@ fn agreed(scene: &AnyScene<'_>, exact: bool) -> Result<Vec<[u32; 2]>, NoTruth> {
         check_sample(scene, exact, &pairs)?;
         return Ok(pairs);
     }
+    if scene.len() > LARGEST_BRUTE_FORCE {
+        return Err(NoTruth::TooLarge { n: scene.len() });
+    }
     Ok(brute_force(scene, exact)?)
 }
 
 /// Tests random elements against all others.
 fn check_sample(scene: &AnyScene<'_>, exact: bool, pairs: &[[u32; 2]]) -> Result<(), NoTruth> {
     let mut random = ChaCha8Rng::seed_from_u64(scene.len() as u64);
-    let mut elements: Vec<u32> = (0..SAMPLE).map(|_| random.random_range(0..scene.len() as u32)).collect();
+    let mut elements: Vec<u32> = index::sample(&mut random, scene.len(), SAMPLE.min(scene.len())).into_iter().map(|k| k as u32).collect();
     elements.sort_unstable();
-    elements.dedup();
     let mut chosen = vec![false; scene.len()];
     elements.iter().for_each(|&k| chosen[k as usize] = true);
-    let mut theirs: Vec<[u32; 2]> = pairs.iter().copied().filter(|[i, j]| chosen[*i as usize] || chosen[*j as usize]).collect();
+    let theirs: Vec<[u32; 2]> = pairs.iter().copied().filter(|[i, j]| chosen[*i as usize] || chosen[*j as usize]).collect();
     let mut ours = with_scene!(scene, scene => with_bodies(scene, exact, Rows { elements: Some(elements) }))?;
-    ours.dedup();
-    theirs.dedup();
+    ours.dedup(); // pairs of two chosen elements were tested from both sides
     if ours == theirs {
         return Ok(());
     }

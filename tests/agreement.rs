@@ -84,6 +84,17 @@ fn small_and_degenerate() {
     assert_eq!(contacts("one", &space(&[[1e300, -1e-300, 0.0]], 1.0)), 0);
     assert_eq!(contacts("two in one place", &space(&[[5.0; 3]; 2], 0.0)), 1);
     assert_eq!(contacts("points apart", &plane(&[[0.0, 0.0], [0.0, f64::from_bits(1)]], 0.0)), 0);
+    let points = Spec::parse("loose:n=300").unwrap().make().unwrap();
+    let AnyScene::PlaneF64(points) = points else { unreachable!() };
+    let points = AnyScene::from(Scene::new(points.centres().to_vec(), Radii::Uniform(0.0)).unwrap());
+    assert_eq!(contacts("many points", &points), 0);
+    for arithmetic in Arithmetic::ALL {
+        for entry in detectors() {
+            let taken =
+                entry.make(Options::default()).visit(&points.stored(arithmetic).unwrap(), arithmetic.is_exact(), &mut Digest::default());
+            assert!(taken.is_ok(), "{}: {taken:?}", entry.name);
+        }
+    }
     assert_eq!(contacts("a clique", &plane(&[[0.25, 0.5]; 60], 1.0)), 60 * 59 / 2);
     assert_eq!(contacts("zeros of both signs", &plane(&[[0.0, -0.0], [-0.0, 0.0], [-5e-17, 0.0]], 0.5)), 3);
     assert_eq!(contacts("all on one x", &space(&std::array::from_fn::<_, 50, _>(|k| [3.0, k as f64, 0.0]), 0.5)), 49);

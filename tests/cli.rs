@@ -109,9 +109,10 @@ fn scenes_that_no_grid_can_hold_are_refused_with_numbers() {
     assert_eq!(detected(folder, &["far.csv", "--detector", "direct"]).stdout, "i,j\n");
     // 999,999 cells per axis (of a little more than a diameter, and two at the borders), and two elements, 4 bytes each.
     file(folder, "loose.csv", "x,y,r\n0,0,0.5\n1e6,1e6,0.5\n");
-    let words = ["screening needs 3999992000012 bytes", "999999 x 999999 cells", "the limit is 4294967296", "raise --memory-limit or use"];
+    let words =
+        ["screening needs 3999992000012 bytes", "999999 x 999999 cells", "the limit is 4294967296", "raise the limit (--memory-limit"];
     refused(folder, &["loose.csv", "--detector", "screening"], &words);
-    refused(folder, &["loose.csv", "--memory-limit", "1000"], &["nbs needs", "the limit is 1000", "raise --memory-limit or use"]);
+    refused(folder, &["loose.csv", "--memory-limit", "1000"], &["nbs needs", "the limit is 1000", "raise the limit (--memory-limit"]);
     assert_eq!(detected(folder, &["loose.csv"]).stdout, "i,j\n");
 }
 

@@ -8,8 +8,10 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::fit::{self, Model};
 use super::interval::{Interval, ratio};
 use super::place::{over, place, varying};
+use super::summary::is_control;
 use super::value::{Cell, Expression, Key, Reading};
 use super::{filter, text};
+use crate::detect::table;
 use crate::harness::experiment::{Claim, ClaimKind, Experiment};
 use crate::harness::record::{Outcome, Pass};
 
@@ -96,7 +98,7 @@ fn check(claim: &Claim, own: &[Cell]) -> anyhow::Result<Finding> {
     }
     let named = claim.filter.contains_key("detector");
     let mut cells = filter::select(own, &claim.filter)?;
-    cells.retain(|cell| named || cell.overall().0 != Outcome::Control);
+    cells.retain(|cell| named || !is_control(&cell.key.detector));
     if cells.is_empty() {
         return Ok((Status::NotShown, "no cell matches".into()));
     }
@@ -104,6 +106,9 @@ fn check(claim: &Claim, own: &[Cell]) -> anyhow::Result<Finding> {
     if let Some(first) = wrong.first() {
         let place = place(&first.key, &varying(&cells));
         return Ok((Status::Fails, format!("wrong answers in {}, first at {place}", text::plural(wrong.len(), "cell"))));
+    }
+    if let Some(first) = cells.iter().find(|cell| cell.overall().0 == Outcome::Crashed && table::find(&cell.key.detector).is_some()) {
+        return Ok((Status::Fails, format!("a detector of this program crashed, first at {}", place(&first.key, &varying(&cells)))));
     }
     let (status, mut evidence, used) = if claim.kind == ClaimKind::Faster {
         faster(claim, &cells, own)?

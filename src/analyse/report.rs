@@ -111,8 +111,11 @@ fn embed(out: &mut String, title: &str, paths: &[PathBuf]) {
     }
 }
 
-/// Summary, what did not end well, errors, noise.
+/// Growth, summary, what did not end well, errors, noise.
 fn tables(out: &mut String, own: &[&Cell]) {
+    if let Some(growth) = summary::growth(own) {
+        let _ = write!(out, "### How all operations together grow with N (from exact counts)\n\n{growth}\n");
+    }
     for table in summary::largest(own) {
         let _ = write!(out, "### {}\n\n{}\n", text::escape(&table.title), table.markdown);
     }

@@ -4,9 +4,10 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::interval::{Interval, ratio};
 use super::value::{Cell, Key};
-use super::{place, text};
+use super::{fit, place, text};
 use crate::detect::table::{self, Role};
 use crate::harness::record::{Errors, Outcome, Pass};
+use crate::probe::Op;
 
 /// A heading and a Markdown table.
 #[derive(Clone, Debug, PartialEq)]
@@ -48,13 +49,14 @@ pub fn largest(cells: &[&Cell]) -> Vec<Table> {
     scenes.values().filter_map(|cells| at_largest(cells)).collect()
 }
 
-/// Who won where: per scene and dimension, at its largest N, the fastest detector and by how much. `None` without times.
+/// Who won where: per scene and dimension, at its largest N, the fastest detector and by how much; undecided where the interval holds 1 or
+/// the ratio is within the noise floor. `None` without times.
 pub fn winners(cells: &[&Cell]) -> Option<String> {
     let mut scenes: BTreeMap<(&str, u32), Vec<&Cell>> = BTreeMap::new();
     for cell in cells.iter().filter(|cell| !is_control(&cell.key.detector) && cell.time().is_some()) {
         scenes.entry((&cell.key.scene, cell.key.dim)).or_default().push(cell);
     }
-    let mut rows = Vec::new();
+    let (floor, mut rows) = (floor(cells), Vec::new());
     for cells in scenes.values() {
         let swept = place::swept(cells);
         let Some((key, mut cells)) = last_scene(cells) else { continue };
@@ -64,7 +66,7 @@ pub fn winners(cells: &[&Cell]) -> Option<String> {
         let (first, second) = (cells[0], cells.get(1));
         let margin = second.and_then(|second| ratio(&second.times, &first.times).map(|ratio| (named(second), ratio)));
         let margin = margin.map_or("alone".into(), |(name, ratio)| {
-            let undecided = if ratio.excludes(1.0) { "" } else { ": undecided" };
+            let undecided = if ratio.excludes(1.0) && ratio.median > floor { "" } else { ": undecided" };
             format!("{name} takes {} times as long{undecided}", with_interval(&ratio))
         });
         rows.push(vec![title(&key, &swept), named(first), text::number(median(first) / key.n.max(1) as f64), margin]);
@@ -107,6 +109,7 @@ fn at_largest(cells: &[&Cell]) -> Option<Table> {
         vec![
             name,
             per(cell.time().map(|time| time.median)),
+            cell.times.len().to_string(),
             versus,
             per(cell.variable("contact_test", None)),
             per(sum(["list_push", "list_step", "list_reset"])),
@@ -115,8 +118,17 @@ fn at_largest(cells: &[&Cell]) -> Option<Table> {
             outcome.name().into(),
         ]
     };
-    let heads =
-        ["detector", ">ns / N", ">time / fastest", ">contact tests / N", ">list ops / N", ">peak bytes / N", ">by formula / N", "outcome"];
+    let heads = [
+        "detector",
+        ">ns / N",
+        ">blocks",
+        ">time / fastest",
+        ">contact tests / N",
+        ">list ops / N",
+        ">peak bytes / N",
+        ">by formula / N",
+        "outcome",
+    ];
     Some(Table { title: title(&key, &swept), markdown: text::markdown_table(&heads, &cells.iter().map(row).collect::<Vec<_>>()) })
 }
 
@@ -124,6 +136,29 @@ fn at_largest(cells: &[&Cell]) -> Option<Table> {
 fn with_interval(ratio: &Interval) -> String {
     let digits = if ratio.median < 10.0 { 2 } else { 1 };
     format!("{:.digits$} ({:.digits$} to {:.digits$})", ratio.median, ratio.low, ratio.high)
+}
+
+/// How the operations of each detector grow with N: exponent and law, fitted to exact counts. `None` with fewer than two N.
+pub fn growth(cells: &[&Cell]) -> Option<String> {
+    let mut series: BTreeMap<Key, Vec<(f64, f64)>> = BTreeMap::new();
+    for cell in cells.iter().filter(|cell| !is_control(&cell.key.detector) && cell.outcome(&[Pass::Count]).0.is_good()) {
+        let operations = Op::ALL.into_iter().map(|op| cell.variable(op.name(), None)).sum::<Option<f64>>();
+        if let Some(operations) = operations.filter(|&operations| operations > 0.0) {
+            series.entry(cell.key.clone().without("n").without("seed")).or_default().push((cell.key.n as f64, operations));
+        }
+    }
+    series.retain(|_, points| points.iter().any(|point| point.0 != points[0].0));
+    let fields: Vec<String> =
+        place::varying(cells).into_iter().filter(|name| !["n", "seed", "detector"].contains(&name.as_str())).collect();
+    let row = |(key, points): (&Key, &Vec<(f64, f64)>)| {
+        let choice = fit::choose(points);
+        let exponent = choice.slope.map_or("–".into(), |s| format!("{:.3} ({:.3} to {:.3})", s.exponent, s.low, s.high));
+        let law = choice.model.map_or_else(|| format!("cannot tell: {}", choice.why), |model| model.name().into());
+        let delta = choice.delta().map_or("–".into(), |delta| format!("{delta:.0}"));
+        vec![place::place(key, &fields), key.detector.clone(), exponent, law, delta]
+    };
+    let rows: Vec<Vec<String>> = series.iter().map(row).collect();
+    (!rows.is_empty()).then(|| text::markdown_table(&["scene", "detector", ">exponent", "law", ">ΔAICc to the next"], &rows))
 }
 
 /// Every cell that did not end well: one line per detector, scene and outcome, with the N and the first reason.
@@ -152,18 +187,31 @@ pub fn not_ok(cells: &[&Cell]) -> Option<String> {
     (!rows.is_empty()).then(|| text::markdown_table(&["detector", "scene", ">N", "outcome", "reason"], &rows))
 }
 
-/// What two measurements of the same code differ by: every twin against its original, cell by cell, in one sentence per twin.
-pub fn noise(cells: &[&Cell]) -> Vec<String> {
+/// Twins with their originals, and the ratios of their times in all cells.
+fn twins<'a>(cells: &[&'a Cell]) -> BTreeMap<(&'a str, &'static str), Vec<Interval>> {
     let by_key: BTreeMap<&Key, &Cell> = cells.iter().map(|cell| (&cell.key, *cell)).collect();
-    let mut found: BTreeMap<(&str, &str), Vec<Interval>> = BTreeMap::new();
-    for cell in cells {
-        let Some(base) = twin_of(&cell.key.detector) else { continue };
+    let mut found: BTreeMap<_, Vec<Interval>> = BTreeMap::new();
+    for &cell in cells {
+        let Some(Role::Twin(base)) = table::find(&cell.key.detector).map(|entry| entry.role) else { continue };
         let original = by_key.get(&Key { detector: base.into(), ..cell.key.clone() });
         let good = |cell: &Cell| cell.outcome(&[Pass::Time]).0.is_good();
         if let Some(original) = original.filter(|original| good(original) && good(cell)) {
-            found.entry((&cell.key.detector, base)).or_default().extend(ratio(&cell.times, &original.times));
+            found.entry((cell.key.detector.as_str(), base)).or_default().extend(ratio(&cell.times, &original.times));
         }
     }
+    found
+}
+
+/// The noise floor: nine in ten cells of a twin are within this factor of the original; 1 without twins.
+pub fn floor(cells: &[&Cell]) -> f64 {
+    let mut apart: Vec<f64> = twins(cells).into_values().flatten().map(|ratio| ratio.median.ln().abs()).collect();
+    apart.sort_by(f64::total_cmp);
+    apart.get((apart.len() * 9 / 10).min(apart.len().saturating_sub(1))).map_or(1.0, |log| log.exp())
+}
+
+/// What two measurements of the same code differ by: every twin against its original, cell by cell, in one sentence per twin.
+pub fn noise(cells: &[&Cell]) -> Vec<String> {
+    let found = twins(cells);
     let sentence = |((twin, base), ratios): (&(&str, &str), &Vec<Interval>)| {
         let worst = ratios.iter().max_by(|a, b| a.median.ln().abs().total_cmp(&b.median.ln().abs()))?;
         let typical = super::interval::median(&ratios.iter().map(|ratio| ratio.median.ln().abs()).collect::<Vec<_>>())?;
@@ -171,11 +219,13 @@ pub fn noise(cells: &[&Cell]) -> Vec<String> {
         let expected = 100.0 * ratios.iter().map(|ratio| 1.0 - ratio.coverage).sum::<f64>() / ratios.len() as f64;
         Some(format!(
             "{twin} against {base}, the same code measured twice, in {}: typically {} apart, at worst a ratio of {}; {outside} of {} \
-             intervals exclude 1 (about {expected:.1}% would by chance). Differences below that are noise.",
+             intervals exclude 1 (about {expected:.1}% would by chance). Nine in ten cells are within a factor of {:.2}: a smaller \
+             difference between detectors is called undecided.",
             text::plural(ratios.len(), "cell"),
             text::percent(typical.exp_m1()),
             with_interval(worst),
-            ratios.len()
+            ratios.len(),
+            floor(cells)
         ))
     };
     found.iter().filter_map(sentence).collect()
@@ -276,8 +326,8 @@ mod tests {
         assert_eq!(tables.len(), 1);
         assert_eq!(tables[0].title, "packed, 2D, N = 1000");
         let lines: Vec<&str> = tables[0].markdown.lines().collect();
-        assert_eq!(lines[2], "| nbs | 1 | 1 | 6 | 2 | 20 | 21 | ok |");
-        assert!(lines[4].starts_with("| sorting | 2.500 | 2.50 (2.50 to 2.50) | – |"), "{}", lines[4]);
+        assert_eq!(lines[2], "| nbs | 1 | 15 | 1 | 6 | 2 | 20 | 21 | ok |");
+        assert!(lines[4].starts_with("| sorting | 2.500 | 15 | 2.50 (2.50 to 2.50) | – |"), "{}", lines[4]);
         assert!(lines[5].ends_with("| timeout |"));
         assert!(not_ok(&all).is_some_and(|table| table.contains("| direct (exact) | packed 2D | 1000 | timeout | 30 s, the limit |")));
         let noise = noise(&all);

@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use anyhow::{Context, ensure};
 
-use crate::check::{self, Failure};
+use crate::check::{self, Failure, Wrong};
 use crate::detect::table::TABLE;
 
 /// Options of `check`.
@@ -34,6 +34,8 @@ pub fn check(options: &Check) -> anyhow::Result<ExitCode> {
     ensure!(options.seeds >= 1, "--seeds 0: at least one is needed");
     let chosen = options.detector.iter().map(|name| super::detector(name)).collect::<anyhow::Result<Vec<_>>>()?;
     let chosen = if chosen.is_empty() { TABLE.iter().filter(|entry| entry.must_be_right()).collect() } else { chosen };
+    // A detector that panics is reported like any other that is wrong, and shrinking makes it panic often.
+    std::panic::set_hook(Box::new(|_| ()));
     let report = check::check(&chosen, options.seeds, Duration::from_secs_f64(seconds))?;
     let mut out = std::io::stdout().lock();
     for failure in &report.failures {
@@ -53,15 +55,14 @@ fn describe(failure: &Failure, options: &Check, out: &mut impl Write) -> anyhow:
     let scene = check::as_csv(&failure.smallest);
     std::fs::write(&path, &scene).with_context(|| format!("cannot write {}; choose another place with --out", path.display()))?;
     writeln!(out, "WRONG: {} with {} arithmetic, on {}", failure.detector, failure.arithmetic.name(), failure.found_on)?;
-    writeln!(
-        out,
-        "  smallest failing scene: {} elements, {} missed, {} spurious, {} duplicate pairs: {}",
-        failure.smallest.len(),
-        failure.errors.missed,
-        failure.errors.spurious,
-        failure.errors.duplicate,
-        path.display()
-    )?;
+    let how = match &failure.wrong {
+        Some(Wrong::Pairs(errors)) => {
+            format!("{} missed, {} spurious, {} duplicate pairs", errors.missed, errors.spurious, errors.duplicate)
+        }
+        Some(Wrong::Panics) => "it panics".into(),
+        None => "only after earlier scenes: something is left in its buffers".into(),
+    };
+    writeln!(out, "  smallest failing scene: {} elements, {how}: {}", failure.smallest.len(), path.display())?;
     for line in scene.lines().take(12) {
         writeln!(out, "    {line}")?;
     }

@@ -8,6 +8,7 @@ use anyhow::{Context, bail, ensure};
 
 use super::progress::Terminal;
 use crate::analyse::{claim, report};
+use crate::detect::table;
 use crate::harness::experiment::Experiment;
 use crate::harness::record::{self, Record, Writer};
 use crate::harness::run::Job;
@@ -63,6 +64,14 @@ fn run_named(options: &Run, name: &str) -> anyhow::Result<ExitCode> {
     let mut record = Writer::append(&path).with_context(|| format!("cannot write {}; choose another folder with --out", path.display()))?;
     let experiments: Vec<Experiment> = found.iter().map(|(experiment, _)| experiment.clone()).collect();
     for (experiment, text) in &found {
+        let copy = folder.join("experiments").join(format!("{}.toml", experiment.name));
+        // Rows of two different experiments must not end in one record.
+        let before = std::fs::read_to_string(&copy).unwrap_or_else(|_| text.clone());
+        ensure!(
+            before == *text,
+            "{} differs from the experiment that this record was begun with; choose another folder with --out",
+            experiment.name
+        );
         write(&folder.join("experiments").join(format!("{}.toml", experiment.name)), text.as_bytes())?;
     }
     let names: Vec<String> = experiments.iter().map(|experiment| experiment.name.clone()).collect();
@@ -137,5 +146,10 @@ fn finish(folder: &Path) -> anyhow::Result<ExitCode> {
     if wrong > 0 {
         writeln!(out, "WRONG answers in {wrong} rows: see the report")?;
     }
-    Ok(if wrong > 0 || claim::any_failed(&report.verdicts) { ExitCode::from(1) } else { ExitCode::SUCCESS })
+    let ours = |row: &&record::Row| row.outcome == record::Outcome::Crashed && table::find(&row.detector).is_some();
+    let crashed = record.rows.iter().filter(ours).count();
+    if crashed > 0 {
+        writeln!(out, "CRASHED detectors in {crashed} rows: see the report")?;
+    }
+    Ok(if wrong > 0 || crashed > 0 || claim::any_failed(&report.verdicts) { ExitCode::from(1) } else { ExitCode::SUCCESS })
 }

@@ -11,8 +11,9 @@
 //! difference or sum of two doubles has relative error at most u (it never underflows), a product u plus an absolute 2^-1075.
 //! So d2 = d²(1 + e) + t with |e| <= (1+u)^5 - 1 < 6u for up to three dimensions and |t| <= 4·2^-1075, and
 //! s2 = s²(1 + e') + t' with |e'| < 4u. If d2 > s2(1 + 16u) + 2^-960 as computed (two more roundings), then d² > s²: apart. If
-//! d2 <= s2(1 - 16u) - 2^-960, then d² < s²: overlap. An overflowing d2 means d² > 2^1023 and is compared with a finite s2 only;
-//! an overflowing s2 never decides. Everything between is left to exact arithmetic. NaN cannot arise from finite input.
+//! d2 <= s2(1 - 16u) - 2^-960, then d² < s²: overlap. If d2 overflows, d² >= 2^1024(1 - 7u); a threshold s2(1 + 16u) + 2^-960 that does
+//! not overflow means s² < 2^1024(1 - 9u): apart, too. An overflowing s2 never decides. Everything between is left to exact
+//! arithmetic. NaN cannot arise from finite input.
 //!
 //! **The reach.** [`Bodies::reach`] is an upper bound of the true distance of any pair that `touch` can accept:
 //!

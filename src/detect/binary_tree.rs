@@ -125,13 +125,13 @@ impl BinaryTree {
     fn make_node(&mut self) -> Result<u32, Refusal> {
         let made = self.nodes.len();
         if made == self.nodes.capacity() {
-            let most = EMPTY as usize;
-            let grown = (2 * made).min(most);
-            within(&self.options, "binary-tree", 4 * self.elements as u64 + 8 * grown as u64, || {
-                format!("{} elements, more than {made} nodes", self.elements)
-            })?;
-            if made == most {
-                return Err(Refusal::Elements { detector: "binary-tree", n: made as u64, limit: most as u64 });
+            // Twice as many, or as many as the limit allows.
+            let allowed = (self.options.memory_limit.saturating_sub(4 * self.elements as u64) / 8).min(u64::from(EMPTY)) as usize;
+            let grown = (2 * made).min(allowed);
+            if grown <= made {
+                let shape = format!("{} elements, more than {made} nodes", self.elements);
+                let needed = self.formula_bytes() + 8;
+                return Err(Refusal::Memory { detector: "binary-tree", needed, limit: self.options.memory_limit, shape });
             }
             self.nodes.reserve_exact(grown - made);
         }

@@ -18,7 +18,7 @@ pub struct InCells<'a, const D: usize>(pub &'a [[u32; D]]);
 impl<const D: usize> InCells<'_, D> {
     /// Cells 1 to 10 on every axis.
     pub fn grid(&self) -> Cells<D> {
-        Cells::spanning([0.0; D], [9.1; D], self.reach(), 1).unwrap()
+        Cells::spanning([0.0; D], [9.1; D], self.reach()).unwrap()
     }
 }
 

@@ -54,7 +54,7 @@ impl Index for usize {
 }
 
 impl Heads {
-    /// Room for lists 0 to `count - 1`. The only loop over cells there is, and only over cells not seen before.
+    /// Room for lists 0 to `count - 1`. The only loop over cells there is: when the array is made, or grows.
     pub fn prepare(&mut self, count: usize) {
         if count > self.0.len() {
             // Heads are all empty here, so a larger array need not copy the old one, nor hold both at once.

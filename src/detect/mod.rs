@@ -65,7 +65,7 @@ impl Default for Options {
 pub enum Refusal {
     /// The arrays would be larger than the limit.
     #[error(
-        "{detector} needs {needed} bytes for this scene ({shape}), the limit is {limit}; raise --memory-limit or use a detector whose memory does not depend on the number of cells"
+        "{detector} needs {needed} bytes for this scene ({shape}), the limit is {limit}; raise the limit (--memory-limit, in experiments memory-limit-mib), or use another detector: sorting is the leanest, direct needs nothing"
     )]
     Memory { detector: &'static str, needed: u64, limit: u64, shape: String },
     /// Cells cannot be told apart or addressed.

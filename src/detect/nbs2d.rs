@@ -13,7 +13,8 @@
 //!   included. Nothing is cached: integerised coordinates are computed again where they are needed.
 //! * Refuses scenes whose ny + 2nx exceeds the memory limit, and more than 2^31 - 1 elements.
 //! * Deviations from the book: cells are wider by 4 parts in a million ([`crate::cells`]); heads are marked old with the highest
-//!   bit instead of by adding N; elements count from 0; the book takes every row where the loop over elements finds it, we go on to the row
+//!   bit instead of by adding N; elements count from 0; the links of one element stand side by side, where
+//!   the book has arrays X and Y; removal computes integerised coordinates again, where the book keeps them; the book takes every row where the loop over elements finds it, we go on to the row
 //!   above it, whose row below is then still in the caches.
 
 use super::list::{EMPTY, Heads, Links, numbered};

@@ -53,13 +53,12 @@ impl Runner {
         let unavailable = |reason: String| Failure { outcome: Outcome::Unavailable, reason };
         let hint = if start.install.is_empty() { String::new() } else { format!("; {}", start.install) };
         let [program, arguments @ ..] = &start.command[..] else { return Err(unavailable("the runner's command is empty".into())) };
-        let mut child = Command::new(program)
-            .args(arguments)
-            .stdin(Stdio::piped())
-            .stdout(Stdio::piped())
-            .stderr(Stdio::piped())
-            .spawn()
-            .map_err(|e| unavailable(format!("cannot start {program}: {e}{hint}")))?;
+        let mut command = Command::new(program);
+        command.args(arguments).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+        // A group of its own: what the runner starts can be ended with it. When the harness ends, runners see the end of their input.
+        #[cfg(unix)]
+        std::os::unix::process::CommandExt::process_group(&mut command, 0);
+        let mut child = command.spawn().map_err(|e| unavailable(format!("cannot start {program}: {e}{hint}")))?;
         limit_memory(&child, start.memory_limit);
         // A runner that says more than it is asked waits, and does not fill the memory.
         let (sender, lines) = sync_channel(1);
@@ -164,7 +163,11 @@ impl Runner {
     }
 
     fn kill(&mut self) {
-        // Either may fail only because the process has ended already.
+        // Any of these may fail only because the processes have ended already.
+        #[cfg(unix)]
+        if let Some(group) = rustix::process::Pid::from_raw(self.child.id() as i32) {
+            let _ = rustix::process::kill_process_group(group, rustix::process::Signal::KILL);
+        }
         let _ = self.child.kill();
         let _ = self.child.wait();
     }

@@ -36,10 +36,10 @@ pub struct Experiment {
     /// Paired blocks: each runs every detector once, in a fresh random order.
     #[serde(default = "fifteen")]
     pub blocks: u32,
-    /// Seconds after which no further block of a scene is begun, once five are done.
+    /// Seconds after which no further block of a scene is begun, once six are done.
     #[serde(default = "unlimited")]
     pub block_budget_s: f64,
-    /// Seconds that one request to a runner may take.
+    /// Seconds that one request to a runner may take; the first sample of a scene is two detections, one to warm the caches.
     #[serde(default = "thirty")]
     pub time_limit_s: f64,
     /// Limit for a detector's arrays, and (with an allowance for input, output and program) for a runner's address space.
@@ -107,9 +107,8 @@ pub struct SceneSweep {
     /// Dimensions.
     #[serde(default = "plane")]
     pub dim: OneOrMany<u32>,
-    /// Numbers of elements; not for `file`.
-    #[serde(default = "no_n")]
-    pub n: OneOrMany<u64>,
+    /// Numbers of elements; not for `file`, which brings its own.
+    pub n: Option<OneOrMany<u64>>,
     /// Seeds.
     #[serde(default = "seed_one")]
     pub seed: OneOrMany<u64>,
@@ -126,9 +125,6 @@ pub struct SceneSweep {
 
 fn plane() -> OneOrMany<u32> {
     OneOrMany::One(2)
-}
-fn no_n() -> OneOrMany<u64> {
-    OneOrMany::One(0)
 }
 fn seed_one() -> OneOrMany<u64> {
     OneOrMany::One(1)
@@ -283,13 +279,24 @@ impl Experiment {
         let mut specs = Vec::new();
         for sweep in &self.scenes {
             let sweep = if quick { sweep.quickened()? } else { sweep.clone() };
+            let numbers = match &sweep.n {
+                Some(numbers) => numbers.values(),
+                None if sweep.name == "file" => vec![0],
+                None => bail!("scene {}: n is missing; give the numbers of elements, as in n = [100, 1000]", sweep.name),
+            };
             let axes: Vec<(&String, Vec<toml::Value>)> = sweep.params.iter().map(|(name, values)| (name, values.values())).collect();
             for dim in sweep.dim.values() {
                 for order in sweep.order.values() {
                     for combination in product(&axes) {
-                        for n in sweep.n.values() {
+                        for &n in &numbers {
                             for seed in sweep.seed.values() {
-                                specs.push(Spec::new(&sweep.name, dim, n, seed, order, &combination)?);
+                                let spec = Spec::new(&sweep.name, dim, n, seed, order, &combination)?;
+                                ensure!(
+                                    !specs.contains(&spec),
+                                    "scene {} stands there twice with the same parameters; leave one out",
+                                    spec.name
+                                );
+                                specs.push(spec);
                             }
                         }
                     }
@@ -309,7 +316,7 @@ impl SceneSweep {
             };
             let values = || value.values().iter().map(whole).collect::<anyhow::Result<Vec<u64>>>();
             match name.as_str() {
-                "n" => sweep.n = OneOrMany::Many(values()?),
+                "n" => sweep.n = Some(OneOrMany::Many(values()?)),
                 "seed" => sweep.seed = OneOrMany::Many(values()?),
                 "dim" => sweep.dim = OneOrMany::Many(values()?.into_iter().map(|dim| dim as u32).collect()),
                 _ => {

@@ -24,11 +24,12 @@ use crate::detect::table::{self, Role};
 use crate::oracle;
 use crate::scene::spec::{Order, Spec};
 use crate::scene::{AnyScene, stats};
+use crate::sink::splitmix64;
 
 /// Samples are at least this long, or the clock would be measured.
 const SHORTEST_SAMPLE_NS: u64 = 1_000_000;
-/// Blocks done before the budget can end a scene.
-const FEWEST_BLOCKS: u32 = 5;
+/// Blocks done before the budget can end a scene: the range of six values covers the median in 96.9% of samples.
+const FEWEST_BLOCKS: u32 = 6;
 /// Blocks of a quick run.
 const QUICK_BLOCKS: u32 = 3;
 /// Address space for a runner beside a detector's arrays and the scene: the program, its stacks, its libraries.
@@ -147,7 +148,10 @@ impl Stage<'_> {
             if block > FEWEST_BLOCKS && started.elapsed().as_secs_f64() > self.experiment.block_budget_s {
                 break;
             }
-            let mut random = ChaCha8Rng::seed_from_u64(self.spec.seed.wrapping_mul(1 << 20).wrapping_add(u64::from(block)));
+            // Another order in each block of each scene, the same whenever the scene is run.
+            let of_scene =
+                describe(self.experiment, self.spec).bytes().fold(self.spec.seed, |seed, byte| splitmix64(seed ^ u64::from(byte)));
+            let mut random = ChaCha8Rng::seed_from_u64(of_scene.wrapping_add(u64::from(block)));
             racers.shuffle(&mut random);
             let mut still = Vec::new();
             for mut racer in racers {
@@ -369,6 +373,14 @@ impl Stage<'_> {
             row.errors = truths.errors(racer.arithmetic)?;
             return Ok(());
         }
+        if expected.is_none() {
+            // No time without an answer that is known to be right.
+            row.outcome = Outcome::Refused;
+            row.reason =
+                "the answer cannot be checked: fewer than two detectors take this scene, and it is too large to test all pairs".into();
+            row.time_ns = None;
+            return Ok(());
+        }
         row.outcome = Outcome::Wrong;
         let path = self.folder.join("pairs.npy");
         // What another runner wrote there is not this one's answer; mostly there is nothing to remove.
@@ -388,7 +400,7 @@ impl Stage<'_> {
                 row.errors = truths.get(Arithmetic::Exact)?.map(|truth| oracle::compare(&pairs, &truth.pairs));
             }
             (Err(reason), _) => row.reason = format!("the pairs differ from the truth, and could not be read: {reason}"),
-            (_, None) => row.reason = format!("the scene cannot be decided in {}, yet there was an answer", racer.arithmetic.name()),
+            (_, None) => row.reason = "the pairs differ from the truth".into(),
         }
         self.progress.note(&format!(
             "WRONG: {} ({}) on {}: {}",

@@ -27,6 +27,9 @@ pub struct Runner {
     calls: Option<u64>,
 }
 
+/// A sample has at most so many detections, also of a detector that takes no time.
+const MOST_CALLS: u64 = 1 << 20;
+
 /// Either an answer or the reason why there is none.
 type Answer = Result<Reply, Reply>;
 
@@ -97,25 +100,26 @@ impl Runner {
     fn sample(&mut self, min_ns: u64) -> Answer {
         // Since the last sample other runners had the caches: one detection wins them back before the clock starts.
         self.detect()?;
-        if self.calls.is_none() {
-            self.calls = Some(self.calibrate(min_ns)?);
-        }
-        let calls = self.calls.unwrap_or(1);
-        let elapsed_ns = self.repeat(calls)?;
+        let (calls, elapsed_ns) = match self.calls {
+            Some(calls) => (calls, self.repeat(calls)?),
+            None => self.calibrate(min_ns)?,
+        };
+        self.calls = Some(calls);
         let digest = Digest::of(&self.pairs);
         Ok(Reply::Sample { time_ns: (elapsed_ns + calls / 2) / calls, calls, elapsed_ns, contacts: digest.contacts, digest: digest.hex() })
     }
 
-    /// How many detections make a sample of `min_ns`.
-    fn calibrate(&mut self, min_ns: u64) -> Result<u64, Reply> {
+    /// How many detections make a sample of `min_ns`, and how long so many took.
+    fn calibrate(&mut self, min_ns: u64) -> Result<(u64, u64), Reply> {
         let mut calls = 1;
         loop {
-            let elapsed = self.repeat(calls)?.max(1);
-            // Long enough for the clock's own cost not to matter.
-            if elapsed >= min_ns / 4 || calls >= 1 << 20 {
-                return Ok((u128::from(min_ns) * u128::from(calls)).div_ceil(u128::from(elapsed)).clamp(1, 1 << 20) as u64);
+            let elapsed = self.repeat(calls)?;
+            if elapsed >= min_ns || calls >= MOST_CALLS {
+                return Ok((calls, elapsed));
             }
-            calls *= 4;
+            // Ten times as many at once: the first guesses are mostly the cost of the clock.
+            let wanted = (u128::from(min_ns) * u128::from(calls) * 9 / 8).div_ceil(u128::from(elapsed.max(1)));
+            calls = (wanted as u64).clamp(calls + 1, (calls * 10).min(MOST_CALLS));
         }
     }
 
@@ -132,6 +136,8 @@ impl Runner {
     }
 
     fn memory(&mut self) -> Answer {
+        // The buffers of the detector at hand must not count against the limit of the one that is measured.
+        self.detector = self.entry.make(self.options);
         let (scene, exact) = (loaded(&self.scene)?, self.arithmetic.is_exact());
         let mut digest = Digest::default();
         let ((result, mut detector), cold) = alloc::measure(|| {
