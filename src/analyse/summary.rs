@@ -148,8 +148,8 @@ pub fn growth(cells: &[&Cell]) -> Option<String> {
         }
     }
     series.retain(|_, points| points.iter().any(|point| point.0 != points[0].0));
-    let fields: Vec<String> =
-        place::varying(cells).into_iter().filter(|name| !["n", "seed", "detector"].contains(&name.as_str())).collect();
+    let more = place::varying(cells).into_iter().filter(|name| !["scene", "dim", "n", "seed", "detector"].contains(&name.as_str()));
+    let fields: Vec<String> = ["scene".to_string(), "dim".to_string()].into_iter().chain(more).collect();
     let row = |(key, points): (&Key, &Vec<(f64, f64)>)| {
         let choice = fit::choose(points);
         let exponent = choice.slope.map_or("–".into(), |s| format!("{:.3} ({:.3} to {:.3})", s.exponent, s.low, s.high));
