@@ -316,7 +316,9 @@ pub fn score(verdicts: &[Verdict]) -> String {
 
 /// The verdict table for a terminal, at most 110 columns wide.
 pub fn plain(verdicts: &[Verdict]) -> String {
-    let row = |v: &Verdict| vec![v.status.name().to_string(), v.claim.clone(), v.evidence.clone()];
+    let several = verdicts.iter().any(|verdict| verdict.experiment != verdicts[0].experiment);
+    let named = |v: &Verdict| if several { format!("{}: {}", v.experiment, v.claim) } else { v.claim.clone() };
+    let row = |v: &Verdict| vec![v.status.name().to_string(), named(v), v.evidence.clone()];
     text::plain_table(&[9, 42, 55], &verdicts.iter().map(row).collect::<Vec<_>>()) + &score(verdicts) + "\n"
 }
 

@@ -22,7 +22,7 @@ pub struct Detect {
     #[arg(long, default_value = "nbs")]
     detector: String,
     /// The radius of all particles, for files without radii
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     radius: Option<f64>,
     /// 2 or 3, where the file leaves it open (an npy array of three columns)
     #[arg(long)]

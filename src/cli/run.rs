@@ -41,6 +41,9 @@ pub struct Report {
 /// The standard reproduction.
 pub fn standard() -> anyhow::Result<ExitCode> {
     let names = builtin::all()?.into_iter().filter(|experiment| experiment.standard).map(|experiment| experiment.name).collect();
+    eprintln!(
+        "the standard reproduction: the book's scaling experiments, about 3 minutes; results go to a new folder under results/standard"
+    );
     run_named(&Run { experiments: names, quick: false, resume: false, out: None }, "standard")
 }
 
