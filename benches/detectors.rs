@@ -5,6 +5,7 @@
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 
+use contactbench::contact::Test;
 use contactbench::detect::Options;
 use contactbench::detect::table::{Role, TABLE};
 use contactbench::scene::spec::Spec;
@@ -21,7 +22,7 @@ fn detectors(criterion: &mut Criterion) {
             group.bench_with_input(BenchmarkId::new(entry.name, n), &scene, |bencher, scene| {
                 bencher.iter(|| {
                     pairs.clear();
-                    detector.list(scene, true, &mut pairs).expect("a dense pack fits the default limit");
+                    detector.list(scene, Test::Exact, &mut pairs).expect("a dense pack fits the default limit");
                     pairs.len()
                 });
             });

@@ -8,7 +8,7 @@
 use std::hint::black_box;
 use std::process::{Command, ExitCode};
 
-use contactbench::contact::array;
+use contactbench::contact::{Test, array};
 use contactbench::detect::any::run;
 use contactbench::detect::direct::Direct;
 use contactbench::detect::{Declare, Options};
@@ -40,10 +40,10 @@ fn work(what: &str) -> usize {
     let mut direct = Direct::with(Options::default());
     match what {
         "twin" => twin(scene, &mut pairs),
-        "silent" => run(&mut direct, scene, false, &mut Silent, &mut pairs).expect("direct refuses nothing here"),
+        "silent" => run(&mut direct, scene, Test::Rounded, &mut Silent, &mut pairs).expect("direct refuses nothing here"),
         "tally" => {
             let mut tally = Tally::default();
-            run(&mut direct, scene, false, &mut tally, &mut pairs).expect("direct refuses nothing here");
+            run(&mut direct, scene, Test::Rounded, &mut tally, &mut pairs).expect("direct refuses nothing here");
             black_box(tally);
         }
         _ => {}

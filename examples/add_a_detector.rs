@@ -5,7 +5,7 @@
 use std::time::Duration;
 
 use anyhow::ensure;
-use contactbench::contact::{Arithmetic, Bodies, Real};
+use contactbench::contact::{Arithmetic, Bodies, Real, Test};
 use contactbench::detect::any::{self, Both};
 use contactbench::detect::table::{Entry, Role};
 use contactbench::detect::{Declare, Detector, Options, Refusal, within};
@@ -13,7 +13,7 @@ use contactbench::probe::{Op, Probe, Tally};
 use contactbench::scene::AnyScene;
 use contactbench::scene::spec::Spec;
 use contactbench::sink::{Digest, Sink};
-use contactbench::{check, oracle};
+use contactbench::{check, filter, oracle};
 
 // README: detector
 /// Sorts the elements by x and tests each against those that follow within reach.
@@ -43,8 +43,7 @@ impl<T: Real, const D: usize> Detector<T, D> for Sweep {
         for (k, &i) in order.iter().enumerate() {
             for &j in &order[k + 1..] {
                 probe.count(Op::BoundTest);
-                // Safe: rounding keeps order and the reach is a double, so a difference within reach stays so when rounded.
-                if x(j) - x(i) > bodies.reach() {
+                if filter::beyond(x(i), x(j), bodies.reach()) {
                     break;
                 }
                 if bodies.touch(i, j, probe) {
@@ -76,13 +75,13 @@ fn main() -> anyhow::Result<()> {
     // One scene, by hand: what a library user writes.
     let AnyScene::SpaceF64(scene) = Spec::parse("packed:dim=3,n=5000")?.make()? else { unreachable!("dim=3 is made in space, in f64") };
     let (mut tally, mut found) = (Tally::default(), Digest::default());
-    any::run(&mut Sweep::with(Options::default()), &scene, true, &mut tally, &mut found)?;
+    any::run(&mut Sweep::with(Options::default()), &scene, Test::Exact, &mut tally, &mut found)?;
     let truth = oracle::truth(&AnyScene::from(scene), Arithmetic::Exact)?;
     ensure!(found == truth.digest, "sweep finds {} contacts, there are {}", found.contacts, truth.digest.contacts);
     println!("sweep: {} contacts, as the oracle finds; {} contact tests", found.contacts, tally.get(Op::ContactTest));
 
     // All generators, dimensions and arithmetics: what `contactbench check` does with every line of the table.
-    let report = check::check(&[&TABLE[0]], 1, Duration::ZERO)?;
+    let report = check::check(&[&TABLE[0]], &Arithmetic::SAFE, 1, Duration::ZERO)?;
     ensure!(report.failures.is_empty() && report.refused.is_empty(), "sweep disagrees with the truth, or refuses");
     println!("sweep: {} detections agree with all pairs tested", report.cases);
     Ok(())

@@ -1,4 +1,4 @@
-//! Cross-checks: every detector against all pairs tested, on every generator, in 2D and 3D, in every arithmetic, with many seeds and small
+//! Cross-checks: every detector against all pairs tested, on every generator, in 2D and 3D, in the arithmetics asked for, with many seeds and small
 //! N. A detector keeps its buffers from scene to scene, so that what one call leaves behind is checked, too. When one
 //! disagrees, elements are taken away as long as it still does.
 
@@ -97,8 +97,9 @@ impl Case {
     }
 }
 
-/// Checks `detectors` with seeds 1, 2, ... until `seeds` are done or the time is over (the first seed is always completed).
-pub fn check(detectors: &[&'static Entry], seeds: u64, time: Duration) -> anyhow::Result<Report> {
+/// Checks `detectors` in the given arithmetics with seeds 1, 2, ... until `seeds` are done or the time is over (the first seed is always
+/// completed).
+pub fn check(detectors: &[&'static Entry], arithmetics: &[Arithmetic], seeds: u64, time: Duration) -> anyhow::Result<Report> {
     let started = Instant::now();
     let mut report = Report::default();
     let mut subjects: Vec<(&'static Entry, Box<dyn AnyDetector>)> =
@@ -111,7 +112,7 @@ pub fn check(detectors: &[&'static Entry], seeds: u64, time: Duration) -> anyhow
                         return Ok(report);
                     }
                     let spec = case.spec(dim, n, seed)?;
-                    check_scene(&spec, &mut subjects, &mut report)?;
+                    check_scene(&spec, arithmetics, &mut subjects, &mut report)?;
                 }
             }
         }
@@ -119,9 +120,14 @@ pub fn check(detectors: &[&'static Entry], seeds: u64, time: Duration) -> anyhow
     Ok(report)
 }
 
-fn check_scene(spec: &Spec, subjects: &mut [(&'static Entry, Box<dyn AnyDetector>)], report: &mut Report) -> anyhow::Result<()> {
+fn check_scene(
+    spec: &Spec,
+    arithmetics: &[Arithmetic],
+    subjects: &mut [(&'static Entry, Box<dyn AnyDetector>)],
+    report: &mut Report,
+) -> anyhow::Result<()> {
     let scene = spec.make()?;
-    for arithmetic in Arithmetic::ALL {
+    for &arithmetic in arithmetics {
         let truth = oracle::truth(&scene, arithmetic)?.digest;
         let stored = scene.stored(arithmetic)?;
         for (entry, detector) in subjects.iter_mut() {
@@ -130,7 +136,7 @@ fn check_scene(spec: &Spec, subjects: &mut [(&'static Entry, Box<dyn AnyDetector
             }
             let mut digest = Digest::default();
             report.cases += 1;
-            let answer = catch_unwind(AssertUnwindSafe(|| detector.visit(&stored, arithmetic.is_exact(), &mut digest)));
+            let answer = catch_unwind(AssertUnwindSafe(|| detector.visit(&stored, arithmetic.test(), &mut digest)));
             match answer {
                 Ok(Err(refusal)) => *report.refused.entry(format!("{}: {refusal}", entry.name)).or_default() += 1,
                 Ok(Ok(())) if digest == truth => {}
@@ -152,7 +158,7 @@ fn wrong(entry: &Entry, arithmetic: Arithmetic, scene: &AnyScene<'_>) -> Option<
     let truth = oracle::truth(scene, arithmetic).ok()?;
     let stored = scene.stored(arithmetic).ok()?;
     let mut pairs = Vec::new();
-    let answer = catch_unwind(AssertUnwindSafe(|| entry.make(Options::default()).list(&stored, arithmetic.is_exact(), &mut pairs)));
+    let answer = catch_unwind(AssertUnwindSafe(|| entry.make(Options::default()).list(&stored, arithmetic.test(), &mut pairs)));
     match answer {
         Err(_) => Some(Wrong::Panics),
         Ok(Err(_)) => None,

@@ -6,7 +6,7 @@
 //! The flow, the same everywhere:
 //!
 //! 1. [`scene`]: a generator, or a file ([`read`]), makes a set of centres and radii.
-//! 2. [`contact`]: radii and arithmetic become one contact test, shared by all; [`cells`] are sized so that none loses a pair to rounding.
+//! 2. [`contact`]: radii and arithmetic become one contact test, shared by all; [`filter`] derives how none loses a pair to rounding.
 //! 3. [`detect`]: a detector finds the touching pairs; one file per algorithm, one line each in [`detect::table`].
 //! 4. [`probe`]: its operations are counted, or cost nothing when nobody listens; [`sink`]: its contacts become a list, a count, a digest.
 //! 5. [`oracle`]: the truth, which every answer must meet; [`mod@check`]: the same on many small scenes.
@@ -15,30 +15,31 @@
 //! 8. [`cli`]: the verbs of the program `contactbench`.
 //!
 //! ```
+//! use contactbench::contact::Test;
 //! use contactbench::detect::{Options, table};
 //! use contactbench::scene::spec::Spec;
 //!
 //! let scene = Spec::parse("packed:dim=3,n=1000,seed=1")?.make()?;
 //! let mut nbs = table::find("nbs").expect("nbs is in the table").make(Options::default());
 //! let mut pairs = Vec::new();
-//! nbs.list(&scene, true, &mut pairs)?; // true: contacts are decided in exact arithmetic
+//! nbs.list(&scene, Test::Exact, &mut pairs)?;
 //! assert!(pairs.len() > 2000, "a dense pack has several contacts per sphere");
 //!
 //! let mut direct = table::find("direct").expect("direct is in the table").make(Options::default());
 //! let mut count = contactbench::sink::Count::default();
-//! direct.visit(&scene, true, &mut count)?;
+//! direct.visit(&scene, Test::Exact, &mut count)?;
 //! assert_eq!(count.0, pairs.len() as u64);
 //! # Ok::<(), anyhow::Error>(())
 //! ```
 #![warn(missing_docs)]
 
 pub mod analyse;
-pub mod cells;
 pub mod check;
 pub mod cli;
 pub mod contact;
 pub mod detect;
 pub mod figure;
+pub mod filter;
 pub mod harness;
 pub mod oracle;
 pub mod probe;

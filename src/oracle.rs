@@ -10,7 +10,7 @@ use rand::{SeedableRng, seq::index};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
-use crate::contact::{Arithmetic, Bodies, Real, WithBodies, with_bodies};
+use crate::contact::{Arithmetic, Bodies, Real, Test, WithBodies, with_bodies};
 use crate::detect::table::{self, Role};
 use crate::detect::{Options, Refusal};
 use crate::probe::Silent;
@@ -41,7 +41,7 @@ pub enum NoTruth {
     #[error(transparent)]
     Refused(#[from] Refusal),
     /// The scene cannot be stored in the arithmetic's precision.
-    #[error("as f32: {0}")]
+    #[error("as stored: {0}")]
     Stored(#[from] crate::scene::SceneError),
     /// Nothing to hold an answer to.
     #[error("fewer than two detectors take this scene, and {n} elements are too many to test all pairs (at most {LARGEST_BRUTE_FORCE})")]
@@ -69,25 +69,29 @@ pub enum NoTruth {
     },
 }
 
-/// The truth about `scene` in `arithmetic` (which may round the scene to f32 first).
+/// The truth about `scene` in `arithmetic` (which may round the scene to f32 first): what all pairs tested give.
 pub fn truth(scene: &AnyScene<'_>, arithmetic: Arithmetic) -> Result<Truth, NoTruth> {
-    let scene = scene.stored(arithmetic)?;
-    let exact = arithmetic.is_exact();
-    let pairs = if scene.len() <= BRUTE_FORCE { brute_force(&scene, exact)? } else { agreed(&scene, exact)? };
+    truth_as_stored(&scene.stored(arithmetic)?, arithmetic.test())
+}
+
+/// The truth about a scene as it is stored, in a contact test.
+pub fn truth_as_stored(scene: &AnyScene<'_>, test: Test) -> Result<Truth, NoTruth> {
+    let test = test.safe();
+    let pairs = if scene.len() <= BRUTE_FORCE { brute_force(scene, test)? } else { agreed(scene, test)? };
     let digest = Digest::of(&pairs);
     Ok(Truth { pairs, digest })
 }
 
-fn brute_force(scene: &AnyScene<'_>, exact: bool) -> Result<Vec<[u32; 2]>, Refusal> {
-    with_scene!(scene, scene => with_bodies(scene, exact, Rows { elements: None }))
+fn brute_force(scene: &AnyScene<'_>, test: Test) -> Result<Vec<[u32; 2]>, Refusal> {
+    with_scene!(scene, scene => with_bodies(scene, test, Rows { elements: None }))
 }
 
-fn agreed(scene: &AnyScene<'_>, exact: bool) -> Result<Vec<[u32; 2]>, NoTruth> {
+fn agreed(scene: &AnyScene<'_>, test: Test) -> Result<Vec<[u32; 2]>, NoTruth> {
     let mut first: Option<(&'static str, Vec<[u32; 2]>)> = None;
     for name in ["nbs", "sorting", "binary-tree", "screening"] {
         let Some(entry) = table::find(name).filter(|entry| entry.role == Role::Detector) else { continue };
         let mut pairs = Vec::new();
-        if entry.make(Options::default()).list(scene, exact, &mut pairs).is_err() {
+        if entry.make(Options::default()).list(scene, test, &mut pairs).is_err() {
             continue;
         }
         normalise(&mut pairs);
@@ -98,24 +102,24 @@ fn agreed(scene: &AnyScene<'_>, exact: bool) -> Result<Vec<[u32; 2]>, NoTruth> {
         if *agreed != pairs {
             return Err(NoTruth::Disagree { first: earlier, second: entry.name, a: agreed.len(), b: pairs.len() });
         }
-        check_sample(scene, exact, &pairs)?;
+        check_sample(scene, test, &pairs)?;
         return Ok(pairs);
     }
     if scene.len() > LARGEST_BRUTE_FORCE {
         return Err(NoTruth::TooLarge { n: scene.len() });
     }
-    Ok(brute_force(scene, exact)?)
+    Ok(brute_force(scene, test)?)
 }
 
 /// Tests random elements against all others.
-fn check_sample(scene: &AnyScene<'_>, exact: bool, pairs: &[[u32; 2]]) -> Result<(), NoTruth> {
+fn check_sample(scene: &AnyScene<'_>, test: Test, pairs: &[[u32; 2]]) -> Result<(), NoTruth> {
     let mut random = ChaCha8Rng::seed_from_u64(scene.len() as u64);
     let mut elements: Vec<u32> = index::sample(&mut random, scene.len(), SAMPLE.min(scene.len())).into_iter().map(|k| k as u32).collect();
     elements.sort_unstable();
     let mut chosen = vec![false; scene.len()];
     elements.iter().for_each(|&k| chosen[k as usize] = true);
     let theirs: Vec<[u32; 2]> = pairs.iter().copied().filter(|[i, j]| chosen[*i as usize] || chosen[*j as usize]).collect();
-    let mut ours = with_scene!(scene, scene => with_bodies(scene, exact, Rows { elements: Some(elements) }))?;
+    let mut ours = with_scene!(scene, scene => with_bodies(scene, test, Rows { elements: Some(elements) }))?;
     ours.dedup(); // pairs of two chosen elements were tested from both sides
     if ours == theirs {
         return Ok(());

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use contactbench::check::{self, Failure, Wrong};
-use contactbench::contact::{Bodies, Real};
+use contactbench::contact::{Arithmetic, Bodies, Real};
 use contactbench::detect::any::Both;
 use contactbench::detect::table::{Entry, Role};
 use contactbench::detect::{Declare, Detector, Options, Refusal};
@@ -75,7 +75,7 @@ static MUTANTS: [Entry; 5] = [
 ];
 
 fn failure(way: u8) -> Failure {
-    let mut report = check::check(&[&MUTANTS[way as usize]], 1, Duration::ZERO).unwrap();
+    let mut report = check::check(&[&MUTANTS[way as usize]], &Arithmetic::SAFE, 1, Duration::ZERO).unwrap();
     assert_eq!(report.failures.len(), 1, "mutant {way}");
     report.failures.remove(0)
 }

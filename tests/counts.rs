@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use contactbench::contact::Arithmetic;
+use contactbench::contact::{Arithmetic, Test};
 use contactbench::detect::Options;
 use contactbench::detect::table::{self, TABLE};
 use contactbench::probe::{Op, Tally};
@@ -17,7 +17,7 @@ fn scene(text: &str) -> AnyScene<'static> {
 fn count(detector: &str, scene: &AnyScene<'_>) -> Tally {
     let (mut tally, mut contacts) = (Tally::default(), Count::default());
     let mut detector = table::find(detector).unwrap().make(Options::default());
-    detector.count(&scene.stored(Arithmetic::Exact).unwrap(), true, &mut tally, &mut contacts).unwrap();
+    detector.count(&scene.stored(Arithmetic::Exact).unwrap(), Test::Exact, &mut tally, &mut contacts).unwrap();
     tally
 }
 
@@ -105,8 +105,8 @@ fn counting_changes_nothing_and_repeats_exactly() {
             let mut seen = BTreeMap::new();
             for round in 0..2 {
                 let (mut tally, mut counted, mut silent) = (Tally::default(), Digest::default(), Digest::default());
-                detector.count(&scene, true, &mut tally, &mut counted).unwrap();
-                detector.visit(&scene, true, &mut silent).unwrap();
+                detector.count(&scene, Test::Exact, &mut tally, &mut counted).unwrap();
+                detector.visit(&scene, Test::Exact, &mut silent).unwrap();
                 assert_eq!(counted, silent, "{} {text}", entry.name);
                 seen.insert(round, tally);
             }

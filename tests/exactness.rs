@@ -2,7 +2,7 @@
 
 use std::cmp::Ordering;
 
-use contactbench::contact::{Bodies, WithBodies, exact, with_bodies};
+use contactbench::contact::{Bodies, Test, WithBodies, exact, with_bodies};
 use contactbench::detect::Refusal;
 use contactbench::probe::Silent;
 use contactbench::scene::{Radii, Scene};
@@ -37,7 +37,7 @@ impl<const D: usize> WithBodies<f64, D> for Touch {
 /// The whole test, filter and all, as detectors use it.
 fn touch<const D: usize>(a: [f64; D], b: [f64; D], radii: Radii<'_, f64>) -> bool {
     let scene = Scene::new(vec![Point::from(a), Point::from(b)], radii).unwrap();
-    with_bodies(&scene, true, Touch).unwrap()
+    with_bodies(&scene, Test::Exact, Touch).unwrap()
 }
 
 fn check<const D: usize>(a: [f64; D], b: [f64; D], ra: f64, rb: f64) -> Result<(), TestCaseError> {

@@ -1,6 +1,6 @@
 //! What detectors take from the heap, measured by the counting allocator, against the formulas they declare.
 
-use contactbench::contact::Arithmetic;
+use contactbench::contact::{Arithmetic, Test};
 use contactbench::detect::Options;
 use contactbench::detect::table::{TABLE, find};
 use contactbench::harness::alloc::{Counting, measure};
@@ -32,9 +32,9 @@ fn formulas_hold_and_warm_calls_allocate_nothing() {
         for text in SCENES {
             for arithmetic in Arithmetic::ALL {
                 let scene = scene(text).stored(arithmetic).unwrap();
-                let exact = arithmetic.is_exact();
+                let test = arithmetic.test();
                 let mut detector = entry.make(Options::default());
-                let (_, cold) = measure(|| detector.visit(&scene, exact, &mut Count::default()).unwrap());
+                let (_, cold) = measure(|| detector.visit(&scene, test, &mut Count::default()).unwrap());
                 let (cold, formula) = (cold.expect("the counting allocator is installed"), detector.formula_bytes());
                 let what = format!("{} on {text} in {}", entry.name, arithmetic.name());
                 if entry.name == "binary-tree" {
@@ -43,7 +43,7 @@ fn formulas_hold_and_warm_calls_allocate_nothing() {
                 } else {
                     assert_eq!((cold.peak_bytes, cold.live_bytes), (formula, formula), "{what}");
                 }
-                let (_, warm) = measure(|| detector.visit(&scene, exact, &mut Count::default()).unwrap());
+                let (_, warm) = measure(|| detector.visit(&scene, test, &mut Count::default()).unwrap());
                 assert_eq!(warm.unwrap().allocations, 0, "{what}: warm");
             }
         }
@@ -57,7 +57,7 @@ fn book_formulas() {
     let scene = scene("pack-c:n=10000,s=200");
     let bytes = |name: &str| {
         let mut detector = find(name).unwrap().make(Options::default());
-        measure(|| detector.visit(&scene, true, &mut Count::default()).unwrap()).1.unwrap().peak_bytes
+        measure(|| detector.visit(&scene, Test::Exact, &mut Count::default()).unwrap()).1.unwrap().peak_bytes
     };
     // The centres span 19,800 diameters; cells are wider than that by 2^-18; and there are 2 border cells.
     let cells = (19_800.0 * (1.0 - 1.0 / f64::from(1 << 18))) as u64 + 1 + 2;
@@ -68,7 +68,7 @@ fn book_formulas() {
 fn refusals_allocate_nothing() {
     let scene = scene("pack-c:n=10000,s=200");
     let mut detector = find("screening").unwrap().make(Options { memory_limit: 1 << 30, threads: 1 });
-    let (refusal, usage) = measure(|| detector.visit(&scene, true, &mut Count::default()).unwrap_err());
+    let (refusal, usage) = measure(|| detector.visit(&scene, Test::Exact, &mut Count::default()).unwrap_err());
     let text = refusal.to_string();
     assert!(usage.unwrap().peak_bytes < 1000, "{usage:?}");
     assert!(text.contains("1073741824") && text.contains("--memory-limit") && text.contains("screening"), "{text}");

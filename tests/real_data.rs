@@ -3,7 +3,7 @@
 
 use std::path::PathBuf;
 
-use contactbench::contact::Arithmetic;
+use contactbench::contact::{Arithmetic, Test};
 use contactbench::detect::Options;
 use contactbench::detect::table::TABLE;
 use contactbench::oracle;
@@ -24,7 +24,7 @@ fn all_find(name: &str, scene: &AnyScene<'static>, expected: u64) {
     // Brute force would take long for the largest set; agreement of all detectors with the number known is the test.
     for entry in TABLE.iter().filter(|entry| entry.must_be_right() && (entry.name != "direct" || scene.len() <= oracle::BRUTE_FORCE)) {
         let mut digest = Digest::default();
-        entry.make(Options::default()).visit(scene, true, &mut digest).unwrap();
+        entry.make(Options::default()).visit(scene, Test::Exact, &mut digest).unwrap();
         assert_eq!(digest.contacts, expected, "{} on {name}", entry.name);
     }
     assert_eq!(oracle::truth(scene, Arithmetic::Exact).unwrap().digest.contacts, expected, "{name}");

@@ -8,6 +8,7 @@ use std::time::Duration;
 use anyhow::{Context, ensure};
 
 use crate::check::{self, Failure, Wrong};
+use crate::contact::Arithmetic;
 use crate::detect::table::TABLE;
 
 /// Options of `check`.
@@ -16,6 +17,9 @@ pub struct Check {
     /// Only this detector (may be given several times; default: all)
     #[arg(long)]
     detector: Vec<String>,
+    /// Only this arithmetic (may be given several times); textbook filters lose contacts, as is to be expected
+    #[arg(long, value_enum, default_values_t = [Arithmetic::Exact])]
+    arithmetic: Vec<Arithmetic>,
     /// Seeds to try at most
     #[arg(long, default_value_t = 1000)]
     seeds: u64,
@@ -36,7 +40,7 @@ pub fn check(options: &Check) -> anyhow::Result<ExitCode> {
     let chosen = if chosen.is_empty() { TABLE.iter().filter(|entry| entry.must_be_right()).collect() } else { chosen };
     // A detector that panics is reported like any other that is wrong, and shrinking makes it panic often.
     std::panic::set_hook(Box::new(|_| ()));
-    let report = check::check(&chosen, options.seeds, Duration::from_secs_f64(seconds))?;
+    let report = check::check(&chosen, &options.arithmetic, options.seeds, Duration::from_secs_f64(seconds))?;
     let mut out = std::io::stdout().lock();
     for failure in &report.failures {
         describe(failure, options, &mut out)?;

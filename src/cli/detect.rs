@@ -60,7 +60,7 @@ pub fn detect(options: &Detect) -> anyhow::Result<ExitCode> {
     let mut detector = entry.make(Options { memory_limit: options.memory_limit, threads });
     let mut pairs = Vec::new();
     let started = Instant::now();
-    let (result, usage) = alloc::measure(|| detector.list(&scene, options.arithmetic.is_exact(), &mut pairs));
+    let (result, usage) = alloc::measure(|| detector.list(&scene, options.arithmetic.test(), &mut pairs));
     let seconds = started.elapsed().as_secs_f64();
     result?;
     // What is left on the heap is the list of pairs and the detector's buffers.

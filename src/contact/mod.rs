@@ -1,4 +1,4 @@
-//! The contact test, and how far a filter must look so that it never loses a pair that the test accepts.
+//! The contact test: in which number format a scene is stored, and how |xi - xj| <= ri + rj is decided.
 //!
 //! **One predicate.** Two bodies touch when |xi - xj| <= ri + rj: the test is closed (BOOK: "touch or overlap"). Every detector
 //! decides through [`Bodies::touch`], which counts itself. There are two ways to evaluate it:
@@ -15,91 +15,32 @@
 //! not overflow means s² < 2^1024(1 - 9u): apart, too. An overflowing s2 never decides. Everything between is left to exact
 //! arithmetic. NaN cannot arise from finite input.
 //!
-//! **The reach.** [`Bodies::reach`] is an upper bound of the true distance of any pair that `touch` can accept:
-//!
-//! * exact: 2·rmax, without error (doubling is exact);
-//! * rounded, in precision u with smallest normal squares underflowing by at most η = half the smallest subnormal: acceptance
-//!   means d²(1-u)^5 - 4η <= s²(1+u)^3 + η, hence d <= s(1 + 5u) + 3√η. We take 2·rmax(1 + 8u) + 4√η. Where squares overflow,
-//!   rounded arithmetic would accept everything: such scenes are refused ([`Refusal::Overflow`]).
-//!
-//! What a *cell* must add to the reach for its own rounding is derived in [`crate::cells`].
+//! How far apart two accepted bodies can be at most, and what cells, boxes and keys must add to that, is derived in
+//! [`crate::filter`].
 
 pub mod exact;
-
-use std::cmp::Ordering;
+mod rule;
+mod scalar;
 
 use nalgebra::Point;
 
 use crate::detect::Refusal;
+use crate::filter::{self, Margin};
 use crate::probe::{Op, Probe};
 use crate::scene::{Radii, Scene};
+pub use rule::{ExactEach, ExactUniform, RoundedEach, RoundedUniform, Rule};
+pub use scalar::{CellF32, Real, Work};
 
-/// A scalar in which scenes are stored: `f32` or `f64`.
-pub trait Real:
-    nalgebra::Scalar
-    + Copy
-    + PartialOrd
-    + std::ops::Add<Output = Self>
-    + std::ops::Sub<Output = Self>
-    + std::ops::Mul<Output = Self>
-    + Default
-    + Send
-    + Sync
-    + sealed::Sealed
-{
-    /// Half the distance from 1 to the next number: the relative rounding error of one operation.
-    const UNIT: f64;
-    /// At least four times the square root of half the smallest subnormal.
-    const UNDERFLOW: f64;
-    /// The value as a double, without error.
-    fn wide(self) -> f64;
-    /// The nearest value of this type.
-    fn nearest(x: f64) -> Self;
-    /// False for NaN and the infinities.
-    fn finite(self) -> bool;
-}
-
-mod sealed {
-    pub trait Sealed {}
-    impl Sealed for f32 {}
-    impl Sealed for f64 {}
-}
-
-impl Real for f32 {
-    const UNIT: f64 = 1.0 / (1u64 << 24) as f64;
-    const UNDERFLOW: f64 = f64::from_bits((1023 - 73) << 52); // 4·√(2^-150) = 2^-73
-    fn wide(self) -> f64 {
-        f64::from(self)
-    }
-    fn nearest(x: f64) -> f32 {
-        x as f32
-    }
-    fn finite(self) -> bool {
-        self.is_finite()
-    }
-}
-
-impl Real for f64 {
-    const UNIT: f64 = 1.0 / (1u64 << 53) as f64;
-    const UNDERFLOW: f64 = f64::from_bits((1023 - 535) << 52); // 4·√(2^-1075) < 2^-535
-    #[inline(always)]
-    fn wide(self) -> f64 {
-        self
-    }
-    fn nearest(x: f64) -> f64 {
-        x
-    }
-    fn finite(self) -> bool {
-        self.is_finite()
-    }
-}
-
-/// How contacts are decided, and in which precision the scene is stored.
+/// How contacts are decided, and in which precision the scene is stored: the axis of accuracy.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Default, serde::Serialize, serde::Deserialize, clap::ValueEnum)]
-#[serde(rename_all = "lowercase")]
+#[serde(rename_all = "kebab-case")]
 pub enum Arithmetic {
     /// Scene rounded to f32, |xi - xj|² <= (ri + rj)² evaluated in f32.
     F32,
+    /// As f32, but coordinates are stored as a cell number and an offset from the cell's origin in f32: see [`CellF32`].
+    F32Cell,
+    /// f64 with the filters as the book prints them, without a safety margin: may lose contacts.
+    Textbook,
     /// |xi - xj|² <= (ri + rj)² evaluated in f64.
     F64,
     /// The exact sign for the given f64 numbers.
@@ -108,16 +49,58 @@ pub enum Arithmetic {
 }
 
 impl Arithmetic {
-    /// All arithmetics, cheapest first.
-    pub const ALL: [Arithmetic; 3] = [Arithmetic::F32, Arithmetic::F64, Arithmetic::Exact];
+    /// All arithmetics, from the least to the most accurate.
+    pub const ALL: [Arithmetic; 5] = [Arithmetic::F32, Arithmetic::F32Cell, Arithmetic::Textbook, Arithmetic::F64, Arithmetic::Exact];
+
+    /// Those in which every detector must find exactly the pairs that the contact test accepts. Textbook filters promise no such thing.
+    pub const SAFE: [Arithmetic; 4] = [Arithmetic::F32, Arithmetic::F32Cell, Arithmetic::F64, Arithmetic::Exact];
 
     /// The name used in records and on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Arithmetic::F32 => "f32",
+            Arithmetic::F32Cell => "f32-cell",
+            Arithmetic::Textbook => "textbook",
             Arithmetic::F64 => "f64",
             Arithmetic::Exact => "exact",
         }
+    }
+
+    /// All names, for messages.
+    pub fn names() -> String {
+        Arithmetic::ALL.map(Arithmetic::name).join(", ")
+    }
+
+    /// How a scene that is stored for this arithmetic is tested.
+    pub fn test(self) -> Test {
+        match self {
+            Arithmetic::F32 | Arithmetic::F32Cell | Arithmetic::F64 => Test::Rounded,
+            Arithmetic::Textbook => Test::Textbook,
+            Arithmetic::Exact => Test::Exact,
+        }
+    }
+
+    /// One of [`Arithmetic::SAFE`]?
+    pub fn is_safe(self) -> bool {
+        Arithmetic::SAFE.contains(&self)
+    }
+}
+
+/// How a stored scene is tested for contacts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Test {
+    /// Rounded in the scene's own precision.
+    Rounded,
+    /// Rounded, with filters that have no safety margin.
+    Textbook,
+    /// The exact sign for the stored numbers.
+    Exact,
+}
+
+impl Test {
+    /// The same contact test with filters that lose nothing: what all pairs tested are held to.
+    pub fn safe(self) -> Test {
+        if self == Test::Textbook { Test::Rounded } else { self }
     }
 }
 
@@ -135,6 +118,10 @@ pub trait Bodies<T: Real, const D: usize>: Copy + Sync {
     fn touch<P: Probe>(&self, i: u32, j: u32, probe: &mut P) -> bool;
     /// An upper bound for the true distance between the centres of any two elements that `touch` accepts.
     fn reach(&self) -> f64;
+    /// Whether filters may lose pairs to rounding.
+    fn margin(&self) -> Margin {
+        Margin::Safe
+    }
 }
 
 /// A scene with its contact test resolved to a type: what [`Bodies`] is implemented for.
@@ -143,12 +130,7 @@ pub struct Subject<'a, T: Real, R, const D: usize> {
     centres: &'a [Point<T, D>],
     rule: R,
     reach: f64,
-}
-
-/// Evaluates the contact test for one kind of radii and arithmetic.
-pub trait Rule<T: Real>: Copy + Sync {
-    /// Do bodies `i` at `a` and `j` at `b` touch?
-    fn touch<const D: usize, P: Probe>(&self, i: u32, j: u32, a: &[T; D], b: &[T; D], probe: &mut P) -> bool;
+    margin: Margin,
 }
 
 impl<T: Real, R: Rule<T>, const D: usize> Bodies<T, D> for Subject<'_, T, R, D> {
@@ -170,111 +152,16 @@ impl<T: Real, R: Rule<T>, const D: usize> Bodies<T, D> for Subject<'_, T, R, D> 
     fn reach(&self) -> f64 {
         self.reach
     }
+
+    fn margin(&self) -> Margin {
+        self.margin
+    }
 }
 
 /// The coordinates of a point as a plain array.
 #[inline(always)]
 pub fn array<T: nalgebra::Scalar, const D: usize>(p: &Point<T, D>) -> &[T; D] {
     &p.coords.data.0[0]
-}
-
-#[inline(always)]
-fn square_distance<T: Real, const D: usize>(a: &[T; D], b: &[T; D]) -> T {
-    let mut sum = T::default();
-    for k in 0..D {
-        let d = a[k] - b[k];
-        sum = sum + d * d;
-    }
-    sum
-}
-
-/// Rounded arithmetic, one radius: the square of the diameter is computed once.
-#[derive(Clone, Copy)]
-pub struct RoundedUniform<T> {
-    square: T,
-}
-
-impl<T: Real> Rule<T> for RoundedUniform<T> {
-    #[inline(always)]
-    fn touch<const D: usize, P: Probe>(&self, _: u32, _: u32, a: &[T; D], b: &[T; D], _: &mut P) -> bool {
-        square_distance(a, b) <= self.square
-    }
-}
-
-/// Rounded arithmetic, one radius per element.
-#[derive(Clone, Copy)]
-pub struct RoundedEach<'a, T> {
-    radii: &'a [T],
-}
-
-impl<T: Real> Rule<T> for RoundedEach<'_, T> {
-    #[inline(always)]
-    fn touch<const D: usize, P: Probe>(&self, i: u32, j: u32, a: &[T; D], b: &[T; D], _: &mut P) -> bool {
-        let sum = self.radii[i as usize] + self.radii[j as usize];
-        square_distance(a, b) <= sum * sum
-    }
-}
-
-/// The relative half-width of the band in which the filter does not decide: 16u of f64.
-const BAND: f64 = 16.0 / (1u64 << 53) as f64;
-/// The absolute half-width of the band: 2^-960.
-const FLOOR: f64 = f64::from_bits((1023 - 960) << 52);
-
-/// (undecided above this, apart above this) for a computed square of the sum of radii.
-#[inline(always)]
-fn band(square: f64) -> (f64, f64) {
-    let overlap = if square < f64::INFINITY { square * (1.0 - BAND) - FLOOR } else { -1.0 };
-    (overlap, square * (1.0 + BAND) + FLOOR)
-}
-
-#[inline(always)]
-fn decide<T: Real, const D: usize, P: Probe>(
-    a: &[T; D],
-    b: &[T; D],
-    radii: impl Fn() -> (f64, f64),
-    band: (f64, f64),
-    probe: &mut P,
-) -> bool {
-    let (a, b) = (a.map(Real::wide), b.map(Real::wide));
-    let square = square_distance(&a, &b);
-    if square > band.1 {
-        return false;
-    }
-    if square <= band.0 {
-        return true;
-    }
-    probe.count(Op::ExactTest);
-    let (ra, rb) = radii();
-    exact::compare(&a, &b, ra, rb) != Ordering::Greater
-}
-
-/// Exact arithmetic, one radius: the filter's band is computed once.
-#[derive(Clone, Copy)]
-pub struct ExactUniform {
-    radius: f64,
-    band: (f64, f64),
-}
-
-impl<T: Real> Rule<T> for ExactUniform {
-    #[inline(always)]
-    fn touch<const D: usize, P: Probe>(&self, _: u32, _: u32, a: &[T; D], b: &[T; D], probe: &mut P) -> bool {
-        decide(a, b, || (self.radius, self.radius), self.band, probe)
-    }
-}
-
-/// Exact arithmetic, one radius per element.
-#[derive(Clone, Copy)]
-pub struct ExactEach<'a, T> {
-    radii: &'a [T],
-}
-
-impl<T: Real> Rule<T> for ExactEach<'_, T> {
-    #[inline(always)]
-    fn touch<const D: usize, P: Probe>(&self, i: u32, j: u32, a: &[T; D], b: &[T; D], probe: &mut P) -> bool {
-        let (ra, rb) = (self.radii[i as usize].wide(), self.radii[j as usize].wide());
-        let sum = ra + rb;
-        decide(a, b, || (ra, rb), band(sum * sum), probe)
-    }
 }
 
 /// Something to be done with a scene once its contact test has a type.
@@ -285,42 +172,48 @@ pub trait WithBodies<T: Real, const D: usize> {
     fn call<B: Bodies<T, D>>(self, bodies: B) -> Self::Output;
 }
 
-/// Resolves radii and arithmetic to a type, once per detection, and hands the result to `then`.
-///
-/// `exact` asks for the exact test; otherwise the test is rounded in `T`.
-pub fn with_bodies<T: Real, const D: usize, W, O>(scene: &Scene<'_, T, D>, exact: bool, then: W) -> Result<O, Refusal>
+/// Resolves radii and contact test to a type, once per detection, and hands the result to `then`.
+pub fn with_bodies<T: Real, const D: usize, W, O>(scene: &Scene<'_, T, D>, test: Test, then: W) -> Result<O, Refusal>
 where
     W: WithBodies<T, D, Output = Result<O, Refusal>>,
 {
     let centres = scene.centres();
     let diameter = 2.0 * scene.largest_radius().wide();
-    if exact {
+    let (margin, reach) = match test {
+        Test::Exact => (Margin::Safe, diameter),
+        Test::Rounded => (Margin::Safe, filter::rounded_reach::<T>(diameter)),
+        Test::Textbook => (Margin::Textbook, diameter),
+    };
+    if test == Test::Exact {
         return match scene.radii() {
-            Radii::Uniform(r) => {
-                then.call(Subject { centres, rule: ExactUniform { radius: r.wide(), band: band(diameter * diameter) }, reach: diameter })
-            }
-            Radii::Each(radii) => then.call(Subject { centres, rule: ExactEach { radii }, reach: diameter }),
+            Radii::Uniform(r) => then.call(Subject { centres, rule: ExactUniform::new(r.wide()), reach, margin }),
+            Radii::Each(radii) => then.call(Subject { centres, rule: ExactEach { radii }, reach, margin }),
         };
     }
     refuse_overflow(scene, diameter)?;
-    let reach = diameter * (1.0 + 8.0 * T::UNIT) + T::UNDERFLOW;
     match scene.radii() {
-        Radii::Uniform(r) => then.call(Subject { centres, rule: RoundedUniform { square: (*r + *r) * (*r + *r) }, reach }),
-        Radii::Each(radii) => then.call(Subject { centres, rule: RoundedEach { radii }, reach }),
+        Radii::Uniform(r) => {
+            let sum = r.plus(*r);
+            then.call(Subject { centres, rule: RoundedUniform { square: sum * sum }, reach, margin })
+        }
+        Radii::Each(radii) => then.call(Subject { centres, rule: RoundedEach { radii }, reach, margin }),
     }
 }
 
 /// Rounded arithmetic must be able to hold the square of the largest diameter.
 fn refuse_overflow<T: Real, const D: usize>(scene: &Scene<'_, T, D>, diameter: f64) -> Result<(), Refusal> {
     let r = scene.largest_radius();
-    if ((r + r) * (r + r)).finite() {
+    let sum = r.plus(r);
+    if (sum * sum).finite() {
         return Ok(());
     }
-    Err(Refusal::Overflow { diameter, precision: std::any::type_name::<T>() })
+    Err(Refusal::Overflow { diameter, precision: T::NAME })
 }
 
 #[cfg(test)]
 mod tests {
+    use std::cmp::Ordering;
+
     use super::*;
     use crate::probe::Tally;
 
@@ -332,7 +225,7 @@ mod tests {
         }
     }
 
-    fn touch<const D: usize>(centres: [[f64; D]; 2], radii: [f64; 2], exact: bool) -> (bool, u64) {
+    fn touch<const D: usize>(centres: [[f64; D]; 2], radii: [f64; 2], test: Test) -> (bool, u64) {
         let centres: Vec<_> = centres.into_iter().map(Point::from).collect();
         let mut answer = None;
         for uniform in [true, false] {
@@ -342,7 +235,7 @@ mod tests {
             let radii = if uniform { Radii::Uniform(radii[0]) } else { Radii::Each(radii.to_vec().into()) };
             let scene = Scene::new(centres.clone(), radii).unwrap();
             let mut probe = Touch(Tally::default());
-            let this = (with_bodies(&scene, exact, &mut probe).unwrap(), probe.0.get(Op::ExactTest));
+            let this = (with_bodies(&scene, test, &mut probe).unwrap(), probe.0.get(Op::ExactTest));
             assert_eq!(*answer.get_or_insert(this), this);
         }
         answer.unwrap()
@@ -352,23 +245,23 @@ mod tests {
     fn tangency_is_contact_and_one_ulp_apart_is_not() {
         for (x, y) in [(3.0, 4.0), (5.0, 12.0), (0.0, 7.0)] {
             let d = f64::hypot(x, y);
-            assert_eq!(touch([[0.0, 0.0], [x, y]], [d / 2.0, d / 2.0], true), (true, 1));
-            assert!(touch([[0.0, 0.0], [x, y]], [d / 4.0, d * 0.75], true).0);
-            assert!(!touch([[0.0, 0.0], [x, y.next_up()]], [d / 2.0, d / 2.0], true).0);
-            assert!(touch([[0.0, 0.0], [x, y.next_down()]], [d / 2.0, d / 2.0], true).0);
+            assert_eq!(touch([[0.0, 0.0], [x, y]], [d / 2.0, d / 2.0], Test::Exact), (true, 1));
+            assert!(touch([[0.0, 0.0], [x, y]], [d / 4.0, d * 0.75], Test::Exact).0);
+            assert!(!touch([[0.0, 0.0], [x, y.next_up()]], [d / 2.0, d / 2.0], Test::Exact).0);
+            assert!(touch([[0.0, 0.0], [x, y.next_down()]], [d / 2.0, d / 2.0], Test::Exact).0);
         }
-        assert!(touch([[0.0, 0.0, 0.0], [2.0, 3.0, 6.0]], [3.5, 3.5], true).0);
-        assert_eq!(touch([[0.0, 0.0], [3.0, 0.0]], [1.0, 1.0], true), (false, 0));
-        assert_eq!(touch([[0.0, 0.0], [1.0, 0.0]], [1.0, 1.0], true), (true, 0));
+        assert!(touch([[0.0, 0.0, 0.0], [2.0, 3.0, 6.0]], [3.5, 3.5], Test::Exact).0);
+        assert_eq!(touch([[0.0, 0.0], [3.0, 0.0]], [1.0, 1.0], Test::Exact), (false, 0));
+        assert_eq!(touch([[0.0, 0.0], [1.0, 0.0]], [1.0, 1.0], Test::Exact), (true, 0));
     }
 
     #[test]
     fn the_exact_test_holds_where_squares_overflow_or_underflow() {
-        assert!(touch([[0.0, 0.0], [1e-200, 0.0]], [1e-200, 1e-200], true).0);
-        assert!(!touch([[0.0, 0.0], [3e-200, 0.0]], [1e-200, 1e-200], true).0);
-        assert!(touch([[-1e200, 0.0], [1e200, 0.0]], [1e200, 1e200], true).0);
-        assert!(!touch([[-1e200, 0.0], [1.1e200, 0.0]], [1e200, 1e200], true).0);
-        assert!(touch([[f64::MAX, 0.0], [-f64::MAX, 0.0]], [f64::MAX, f64::MAX], true).0);
+        assert!(touch([[0.0, 0.0], [1e-200, 0.0]], [1e-200, 1e-200], Test::Exact).0);
+        assert!(!touch([[0.0, 0.0], [3e-200, 0.0]], [1e-200, 1e-200], Test::Exact).0);
+        assert!(touch([[-1e200, 0.0], [1e200, 0.0]], [1e200, 1e200], Test::Exact).0);
+        assert!(!touch([[-1e200, 0.0], [1.1e200, 0.0]], [1e200, 1e200], Test::Exact).0);
+        assert!(touch([[f64::MAX, 0.0], [-f64::MAX, 0.0]], [f64::MAX, f64::MAX], Test::Exact).0);
     }
 
     struct Reach;
@@ -387,7 +280,7 @@ mod tests {
         for r in radii {
             let accepted = |x: f32| {
                 let scene = Scene::new(vec![Point::from([0.0, 0.0]), Point::from([x, x])], Radii::Uniform(r)).unwrap();
-                with_bodies(&scene, false, Reach).unwrap()
+                with_bodies(&scene, Test::Rounded, Reach).unwrap()
             };
             // Bisection on the bits of x: couples at (0, 0) and (x, x).
             let (mut low, mut high) = (0.0f32.to_bits(), (4.0 * r + 1e-3).to_bits());
@@ -407,7 +300,7 @@ mod tests {
     #[test]
     fn rounded_arithmetic_refuses_what_it_cannot_square() {
         let scene = Scene::<f64, 2>::new(vec![Point::from([0.0, 0.0])], Radii::Uniform(1e200)).unwrap();
-        let refusal = with_bodies(&scene, false, &mut Touch(Tally::default()));
+        let refusal = with_bodies(&scene, Test::Rounded, &mut Touch(Tally::default()));
         assert!(matches!(refusal, Err(Refusal::Overflow { .. })));
     }
 }

@@ -1,33 +1,26 @@
 //! One object-safe face for all detectors: dynamic once per detection, static inside.
 
 use super::{Declare, Detector, Options, Refusal};
-use crate::contact::{Arithmetic, Bodies, Real, WithBodies, with_bodies};
+use crate::contact::{Bodies, CellF32, Real, Test, WithBodies, with_bodies};
 use crate::probe::{Probe, Silent, Tally};
 use crate::scene::{AnyScene, Scene};
 use crate::sink::Sink;
 
 /// A detector of any algorithm, for scenes of both dimensions and precisions.
 ///
-/// The scene's stored precision must be the one of the arithmetic: see [`AnyScene::stored`].
+/// The precision is the scene's: [`AnyScene::stored`] gives the one that an [`crate::contact::Arithmetic`] asks for.
 pub trait AnyDetector: Send {
     /// The complete list of pairs, appended to `pairs`: what is timed.
-    fn list(&mut self, scene: &AnyScene<'_>, exact: bool, pairs: &mut Vec<[u32; 2]>) -> Result<(), Refusal>;
+    fn list(&mut self, scene: &AnyScene<'_>, test: Test, pairs: &mut Vec<[u32; 2]>) -> Result<(), Refusal>;
 
     /// Hands every contact to `sink`; counts nothing.
-    fn visit(&mut self, scene: &AnyScene<'_>, exact: bool, sink: &mut dyn Sink) -> Result<(), Refusal>;
+    fn visit(&mut self, scene: &AnyScene<'_>, test: Test, sink: &mut dyn Sink) -> Result<(), Refusal>;
 
     /// Hands every contact to `sink` and counts every operation.
-    fn count(&mut self, scene: &AnyScene<'_>, exact: bool, tally: &mut Tally, sink: &mut dyn Sink) -> Result<(), Refusal>;
+    fn count(&mut self, scene: &AnyScene<'_>, test: Test, tally: &mut Tally, sink: &mut dyn Sink) -> Result<(), Refusal>;
 
     /// See [`Declare::formula_bytes`]; for the dimension of the last call.
     fn formula_bytes(&self) -> u64;
-}
-
-impl Arithmetic {
-    /// Is the exact test asked for?
-    pub fn is_exact(self) -> bool {
-        self == Arithmetic::Exact
-    }
 }
 
 /// The two forms of one algorithm: for the plane and for space.
@@ -39,40 +32,42 @@ pub struct Both<A, B> {
 
 impl<A, B> Both<A, B>
 where
-    A: Detector<f32, 2> + Detector<f64, 2> + Declare + 'static,
-    B: Detector<f32, 3> + Detector<f64, 3> + Declare + 'static,
+    A: Detector<f32, 2> + Detector<f64, 2> + Detector<CellF32, 2> + Declare + 'static,
+    B: Detector<f32, 3> + Detector<f64, 3> + Detector<CellF32, 3> + Declare + 'static,
 {
     /// A boxed detector with empty buffers.
     pub fn boxed(options: Options) -> Box<dyn AnyDetector> {
         Box::new(Both { plane: A::with(options), space: B::with(options), last_was_space: false })
     }
 
-    fn run<P: Probe, S: Sink>(&mut self, scene: &AnyScene<'_>, exact: bool, probe: &mut P, sink: &mut S) -> Result<(), Refusal> {
+    fn run<P: Probe, S: Sink>(&mut self, scene: &AnyScene<'_>, test: Test, probe: &mut P, sink: &mut S) -> Result<(), Refusal> {
         self.last_was_space = scene.dim() == 3;
         match scene {
-            AnyScene::PlaneF32(scene) => run(&mut self.plane, scene, exact, probe, sink),
-            AnyScene::PlaneF64(scene) => run(&mut self.plane, scene, exact, probe, sink),
-            AnyScene::SpaceF32(scene) => run(&mut self.space, scene, exact, probe, sink),
-            AnyScene::SpaceF64(scene) => run(&mut self.space, scene, exact, probe, sink),
+            AnyScene::PlaneF32(scene) => run(&mut self.plane, scene, test, probe, sink),
+            AnyScene::PlaneF64(scene) => run(&mut self.plane, scene, test, probe, sink),
+            AnyScene::PlaneCell(scene) => run(&mut self.plane, scene, test, probe, sink),
+            AnyScene::SpaceF32(scene) => run(&mut self.space, scene, test, probe, sink),
+            AnyScene::SpaceF64(scene) => run(&mut self.space, scene, test, probe, sink),
+            AnyScene::SpaceCell(scene) => run(&mut self.space, scene, test, probe, sink),
         }
     }
 }
 
 impl<A, B> AnyDetector for Both<A, B>
 where
-    A: Detector<f32, 2> + Detector<f64, 2> + Declare + 'static,
-    B: Detector<f32, 3> + Detector<f64, 3> + Declare + 'static,
+    A: Detector<f32, 2> + Detector<f64, 2> + Detector<CellF32, 2> + Declare + 'static,
+    B: Detector<f32, 3> + Detector<f64, 3> + Detector<CellF32, 3> + Declare + 'static,
 {
-    fn list(&mut self, scene: &AnyScene<'_>, exact: bool, pairs: &mut Vec<[u32; 2]>) -> Result<(), Refusal> {
-        self.run(scene, exact, &mut Silent, pairs)
+    fn list(&mut self, scene: &AnyScene<'_>, test: Test, pairs: &mut Vec<[u32; 2]>) -> Result<(), Refusal> {
+        self.run(scene, test, &mut Silent, pairs)
     }
 
-    fn visit(&mut self, scene: &AnyScene<'_>, exact: bool, mut sink: &mut dyn Sink) -> Result<(), Refusal> {
-        self.run(scene, exact, &mut Silent, &mut sink)
+    fn visit(&mut self, scene: &AnyScene<'_>, test: Test, mut sink: &mut dyn Sink) -> Result<(), Refusal> {
+        self.run(scene, test, &mut Silent, &mut sink)
     }
 
-    fn count(&mut self, scene: &AnyScene<'_>, exact: bool, tally: &mut Tally, mut sink: &mut dyn Sink) -> Result<(), Refusal> {
-        self.run(scene, exact, tally, &mut sink)
+    fn count(&mut self, scene: &AnyScene<'_>, test: Test, tally: &mut Tally, mut sink: &mut dyn Sink) -> Result<(), Refusal> {
+        self.run(scene, test, tally, &mut sink)
     }
 
     fn formula_bytes(&self) -> u64 {
@@ -82,15 +77,15 @@ where
 
 /// Runs a detector on a scene: the entry for library users who hold a concrete detector.
 ///
-/// `exact` asks for the exact contact test; otherwise the test is rounded in `T`.
+/// A rounded test is rounded in `T`.
 pub fn run<T: Real, const D: usize>(
     detector: &mut impl Detector<T, D>,
     scene: &Scene<'_, T, D>,
-    exact: bool,
+    test: Test,
     probe: &mut impl Probe,
     sink: &mut impl Sink,
 ) -> Result<(), Refusal> {
-    with_bodies(scene, exact, Run { detector, probe, sink })
+    with_bodies(scene, test, Run { detector, probe, sink })
 }
 
 struct Run<'a, X, P, S> {

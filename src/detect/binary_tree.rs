@@ -12,14 +12,14 @@
 //!   N·b nodes, about 2 per occupied cell in a dense pack. The number of nodes is not known before the tree is built: the
 //!   array grows by doubling, so that at its peak it may hold up to three times its final size.
 //! * Refuses 2^31 cells and more along an axis, and trees over the memory limit. A refused tree has been built in part.
-//! * Deviations from the book: cells are wider by 4 parts in a million ([`crate::cells`]); the leaves are visited in the order of
+//! * Deviations from the book: cells are wider by 4 parts in a million ([`crate::filter::cells`]); the leaves are visited in the order of
 //!   the tree, not of the elements; the tree is built anew for each detection (the variant that moves only elements that
 //!   changed their leaf needs scenes that move).
 
 use super::list::{EMPTY, Links, numbered};
 use super::{Declare, Detector, Options, Refusal, mask, within};
-use crate::cells::Cells;
 use crate::contact::{Bodies, Real};
+use crate::filter::Cells;
 use crate::probe::{Op, Probe};
 use crate::sink::Sink;
 

@@ -1,7 +1,7 @@
 //! The book's golden examples, which give integerised coordinates instead of centres (tests only).
 
-use crate::cells::Cells;
 use crate::contact::Bodies;
+use crate::filter::Cells;
 use crate::probe::{Op, Probe};
 
 /// G5: ten elements in 10 x 10 cells, numbered from 1. The book does not show the column of element 9; any will do.
@@ -18,7 +18,7 @@ pub struct InCells<'a, const D: usize>(pub &'a [[u32; D]]);
 impl<const D: usize> InCells<'_, D> {
     /// Cells 1 to 10 on every axis.
     pub fn grid(&self) -> Cells<D> {
-        Cells::spanning([0.0; D], [9.1; D], self.reach()).unwrap()
+        Cells::spanning([0.0; D], [9.1; D], self.reach(), crate::filter::Margin::Safe).unwrap()
     }
 }
 

@@ -12,15 +12,15 @@
 //! * Memory: `4(ny + 2nx + 2N)` bytes (BOOK 3.65) for N elements and nx, ny cells per axis, two empty border cells per axis
 //!   included. Nothing is cached: integerised coordinates are computed again where they are needed.
 //! * Refuses scenes whose ny + 2nx exceeds the memory limit, and more than 2^31 - 1 elements.
-//! * Deviations from the book: cells are wider by 4 parts in a million ([`crate::cells`]); heads are marked old with the highest
+//! * Deviations from the book: cells are wider by 4 parts in a million ([`crate::filter::cells`]); heads are marked old with the highest
 //!   bit instead of by adding N; elements count from 0; the links of one element stand side by side, where
 //!   the book has arrays X and Y; removal computes integerised coordinates again, where the book keeps them; the book takes every row where the loop over elements finds it, we go on to the row
 //!   above it, whose row below is then still in the caches.
 
 use super::list::{EMPTY, Heads, Links, numbered};
 use super::{Declare, Detector, Options, Refusal, within};
-use crate::cells::Cells;
 use crate::contact::{Bodies, Real};
+use crate::filter::Cells;
 use crate::probe::Probe;
 use crate::sink::Sink;
 

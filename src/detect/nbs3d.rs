@@ -17,8 +17,8 @@
 
 use super::list::{EMPTY, Heads, Links, numbered};
 use super::{Declare, Detector, Options, Refusal, within};
-use crate::cells::Cells;
 use crate::contact::{Bodies, Real};
+use crate::filter::Cells;
 use crate::probe::Probe;
 use crate::sink::Sink;
 

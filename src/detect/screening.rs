@@ -10,14 +10,14 @@
 //!   cells per axis included. Nothing is cached.
 //! * Right for dense packs only: the array grows with the volume of the domain. Refuses scenes over the memory limit, and more
 //!   than 2^31 - 1 elements.
-//! * Deviations from the book: cells are wider by 4 parts in a million ([`crate::cells`]); heads are marked old with the highest
+//! * Deviations from the book: cells are wider by 4 parts in a million ([`crate::filter::cells`]); heads are marked old with the highest
 //!   bit instead of by adding N; elements count from 0. The array is kept between detections, and one made for a smaller
 //!   domain is replaced.
 
 use super::list::{Heads, Links, numbered};
 use super::{Declare, Detector, Options, Refusal, mask, within};
-use crate::cells::Cells;
 use crate::contact::{Bodies, Real};
+use crate::filter::Cells;
 use crate::probe::Probe;
 use crate::sink::Sink;
 

@@ -9,13 +9,13 @@
 //! * Cost: N log2 N for N elements in a dense pack. The sort makes at most Σ log2 n passes over the elements, n being the cells along each
 //!   axis, so a sparse domain costs more; a key comparison is of one integer in the sort, of all D in a search. Memory: `4N(D + 1)` bytes in D dimensions, the leanest of all. Nothing is cached.
 //! * Refuses domains of 2^31 cells and more along an axis, and scenes over the memory limit.
-//! * Deviations from the book: cells are wider by 4 parts in a million ([`crate::cells`]); the mask cells are searched once per
+//! * Deviations from the book: cells are wider by 4 parts in a million ([`crate::filter::cells`]); the mask cells are searched once per
 //!   occupied cell, not once per element; min and max of a part are the bounds of its values, not its extremes; where
 //!   (min + max) / 2 is min, mid is max, or the partition would not end.
 
 use super::{Declare, Detector, Options, Refusal, mask, within};
-use crate::cells::Cells;
 use crate::contact::{Bodies, Real};
+use crate::filter::Cells;
 use crate::probe::{Op, Probe};
 use crate::sink::Sink;
 

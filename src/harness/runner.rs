@@ -75,8 +75,8 @@ impl Runner {
             Request::Count => {
                 let mut tally = Tally::default();
                 self.pairs.clear();
-                let exact = self.arithmetic.is_exact();
-                self.detector.count(loaded(&self.scene)?, exact, &mut tally, &mut self.pairs).map_err(refused)?;
+                let test = self.arithmetic.test();
+                self.detector.count(loaded(&self.scene)?, test, &mut tally, &mut self.pairs).map_err(refused)?;
                 let digest = Digest::of(&self.pairs);
                 let counts = tally.iter().map(|(op, count)| (op.name().into(), count)).collect();
                 Ok(Reply::Count { counts, contacts: digest.contacts, digest: digest.hex() })
@@ -94,7 +94,7 @@ impl Runner {
     /// One detection into the list of pairs.
     fn detect(&mut self) -> Result<(), Reply> {
         self.pairs.clear();
-        self.detector.list(loaded(&self.scene)?, self.arithmetic.is_exact(), &mut self.pairs).map_err(refused)
+        self.detector.list(loaded(&self.scene)?, self.arithmetic.test(), &mut self.pairs).map_err(refused)
     }
 
     fn sample(&mut self, min_ns: u64) -> Answer {
@@ -125,11 +125,11 @@ impl Runner {
 
     /// Nanoseconds of so many detections, each into the same list of pairs: the timed loop.
     fn repeat(&mut self, calls: u64) -> Result<u64, Reply> {
-        let (scene, exact) = (loaded(&self.scene)?, self.arithmetic.is_exact());
+        let (scene, test) = (loaded(&self.scene)?, self.arithmetic.test());
         let start = Instant::now();
         for _ in 0..calls {
             self.pairs.clear();
-            self.detector.list(black_box(scene), exact, &mut self.pairs).map_err(refused)?;
+            self.detector.list(black_box(scene), test, &mut self.pairs).map_err(refused)?;
             black_box(&self.pairs);
         }
         Ok(start.elapsed().as_nanos() as u64)
@@ -138,15 +138,15 @@ impl Runner {
     fn memory(&mut self) -> Answer {
         // The buffers of the detector at hand must not count against the limit of the one that is measured.
         self.detector = self.entry.make(self.options);
-        let (scene, exact) = (loaded(&self.scene)?, self.arithmetic.is_exact());
+        let (scene, test) = (loaded(&self.scene)?, self.arithmetic.test());
         let mut digest = Digest::default();
         let ((result, mut detector), cold) = alloc::measure(|| {
             let mut detector = self.entry.make(self.options);
-            (detector.visit(scene, exact, &mut digest), detector)
+            (detector.visit(scene, test, &mut digest), detector)
         });
         result.map_err(refused)?;
         let formula_bytes = Some(detector.formula_bytes());
-        let (again, warm) = alloc::measure(|| detector.visit(scene, exact, &mut Digest::default()));
+        let (again, warm) = alloc::measure(|| detector.visit(scene, test, &mut Digest::default()));
         again.map_err(refused)?;
         let (Some(cold), Some(warm)) = (cold, warm) else { return Ok(Reply::Unsupported) };
         // The detector itself is one allocation of a few hundred bytes: its box is not part of the algorithm.

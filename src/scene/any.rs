@@ -1,7 +1,7 @@
 //! A scene of any dimension and precision.
 
 use super::{Radii, Scene, SceneError};
-use crate::contact::{Arithmetic, Real};
+use crate::contact::{Arithmetic, CellF32, Real};
 
 /// A scene whose dimension and precision are known at run time.
 #[derive(Clone, Debug, PartialEq)]
@@ -10,10 +10,14 @@ pub enum AnyScene<'a> {
     PlaneF32(Scene<'a, f32, 2>),
     /// Discs in f64: what generators and readers give.
     PlaneF64(Scene<'a, f64, 2>),
+    /// Discs by cells, in units of the cell.
+    PlaneCell(Scene<'a, CellF32, 2>),
     /// Spheres in f32.
     SpaceF32(Scene<'a, f32, 3>),
     /// Spheres in f64: what generators and readers give.
     SpaceF64(Scene<'a, f64, 3>),
+    /// Spheres by cells, in units of the cell.
+    SpaceCell(Scene<'a, CellF32, 3>),
 }
 
 /// Runs an expression on the scene inside an [`AnyScene`], whatever its type.
@@ -23,8 +27,10 @@ macro_rules! with_scene {
         match $any {
             $crate::scene::AnyScene::PlaneF32($scene) => $body,
             $crate::scene::AnyScene::PlaneF64($scene) => $body,
+            $crate::scene::AnyScene::PlaneCell($scene) => $body,
             $crate::scene::AnyScene::SpaceF32($scene) => $body,
             $crate::scene::AnyScene::SpaceF64($scene) => $body,
+            $crate::scene::AnyScene::SpaceCell($scene) => $body,
         }
     };
 }
@@ -45,8 +51,8 @@ impl AnyScene<'_> {
     /// 2 for discs, 3 for spheres.
     pub fn dim(&self) -> usize {
         match self {
-            AnyScene::PlaneF32(_) | AnyScene::PlaneF64(_) => 2,
-            AnyScene::SpaceF32(_) | AnyScene::SpaceF64(_) => 3,
+            AnyScene::PlaneF32(_) | AnyScene::PlaneF64(_) | AnyScene::PlaneCell(_) => 2,
+            AnyScene::SpaceF32(_) | AnyScene::SpaceF64(_) | AnyScene::SpaceCell(_) => 3,
         }
     }
 
@@ -70,13 +76,16 @@ impl AnyScene<'_> {
         with_scene!(self, scene => scene.largest_radius().wide())
     }
 
-    /// The scene as the arithmetic stores it: rounded to f32, or as it is. Fails where a number overflows f32.
+    /// The scene as the arithmetic stores it: rounded to f32, by cells, or in f64. Fails where a number overflows f32, or there are too
+    /// many cells.
     pub fn stored(&self, arithmetic: Arithmetic) -> Result<AnyScene<'static>, SceneError> {
-        Ok(match (self, arithmetic) {
-            (AnyScene::PlaneF32(_) | AnyScene::PlaneF64(_), Arithmetic::F32) => AnyScene::PlaneF32(with_plane(self)?),
-            (AnyScene::SpaceF32(_) | AnyScene::SpaceF64(_), Arithmetic::F32) => AnyScene::SpaceF32(with_space(self)?),
-            (AnyScene::PlaneF32(_) | AnyScene::PlaneF64(_), _) => AnyScene::PlaneF64(with_plane(self)?),
-            (AnyScene::SpaceF32(_) | AnyScene::SpaceF64(_), _) => AnyScene::SpaceF64(with_space(self)?),
+        Ok(match (self.dim(), arithmetic) {
+            (2, Arithmetic::F32) => AnyScene::PlaneF32(with_plane(self)?),
+            (2, Arithmetic::F32Cell) => AnyScene::PlaneCell(with_plane::<f64>(self)?.by_cells()?),
+            (2, _) => AnyScene::PlaneF64(with_plane(self)?),
+            (_, Arithmetic::F32) => AnyScene::SpaceF32(with_space(self)?),
+            (_, Arithmetic::F32Cell) => AnyScene::SpaceCell(with_space::<f64>(self)?.by_cells()?),
+            (_, _) => AnyScene::SpaceF64(with_space(self)?),
         })
     }
 
@@ -85,8 +94,10 @@ impl AnyScene<'_> {
         match self {
             AnyScene::PlaneF32(scene) => AnyScene::PlaneF32(scene.reordered(order)),
             AnyScene::PlaneF64(scene) => AnyScene::PlaneF64(scene.reordered(order)),
+            AnyScene::PlaneCell(scene) => AnyScene::PlaneCell(scene.reordered(order)),
             AnyScene::SpaceF32(scene) => AnyScene::SpaceF32(scene.reordered(order)),
             AnyScene::SpaceF64(scene) => AnyScene::SpaceF64(scene.reordered(order)),
+            AnyScene::SpaceCell(scene) => AnyScene::SpaceCell(scene.reordered(order)),
         }
     }
 }
@@ -95,7 +106,8 @@ fn with_plane<U: Real>(scene: &AnyScene<'_>) -> Result<Scene<'static, U, 2>, Sce
     match scene {
         AnyScene::PlaneF32(scene) => scene.convert(),
         AnyScene::PlaneF64(scene) => scene.convert(),
-        AnyScene::SpaceF32(_) | AnyScene::SpaceF64(_) => unreachable!("called for plane scenes only"),
+        AnyScene::PlaneCell(scene) => scene.convert(),
+        AnyScene::SpaceF32(_) | AnyScene::SpaceF64(_) | AnyScene::SpaceCell(_) => unreachable!("called for plane scenes only"),
     }
 }
 
@@ -103,6 +115,7 @@ fn with_space<U: Real>(scene: &AnyScene<'_>) -> Result<Scene<'static, U, 3>, Sce
     match scene {
         AnyScene::SpaceF32(scene) => scene.convert(),
         AnyScene::SpaceF64(scene) => scene.convert(),
-        AnyScene::PlaneF32(_) | AnyScene::PlaneF64(_) => unreachable!("called for space scenes only"),
+        AnyScene::SpaceCell(scene) => scene.convert(),
+        AnyScene::PlaneF32(_) | AnyScene::PlaneF64(_) | AnyScene::PlaneCell(_) => unreachable!("called for space scenes only"),
     }
 }

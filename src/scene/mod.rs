@@ -13,7 +13,7 @@ use std::borrow::Cow;
 
 use nalgebra::Point;
 
-use crate::contact::{Real, array};
+use crate::contact::{CellF32, Real, array};
 pub use any::AnyScene;
 
 /// Discs (`D` = 2) or spheres (`D` = 3), borrowed or owned.
@@ -48,6 +48,11 @@ pub enum SceneError {
     /// Numbers of centres and radii differ.
     #[error("{centres} centres but {radii} radii; give one radius per particle, or one for all")]
     Lengths { centres: usize, radii: usize },
+    /// Cell numbers and offsets do not hold the coordinates.
+    #[error(
+        "along {axis} the scene spans 2^28 cells of edge {edge:e} or more ({low:e} to {high:e}); coordinates by cells hold fewer: take f32 or f64"
+    )]
+    Cells { axis: &'static str, low: f64, high: f64, edge: f64 },
     /// More than can be numbered.
     #[error("{n} particles; at most 2^32 - 1 = 4294967295 can be numbered: split the scene")]
     TooMany { n: usize },
@@ -130,11 +135,56 @@ impl<'a, T: Real, const D: usize> Scene<'a, T, D> {
 
     /// The scene rounded to another precision. Fails where a number overflows.
     pub fn convert<U: Real>(&self) -> Result<Scene<'static, U, D>, SceneError> {
-        let near = |x: T| U::nearest(x.wide());
-        let radii = match &self.radii {
-            Radii::Uniform(r) => Radii::Uniform(near(*r)),
-            Radii::Each(radii) => Radii::Each(radii.iter().map(|&r| near(r)).collect()),
-        };
-        Scene::new(self.centres.iter().map(|p| Point::from(array(p).map(near))).collect::<Vec<_>>(), radii)
+        self.map(|x, _| U::place(x), U::nearest)
     }
+
+    /// The scene with every coordinate (and its axis) and every radius mapped.
+    fn map<U: Real>(&self, coordinate: impl Fn(f64, usize) -> U, length: impl Fn(f64) -> U) -> Result<Scene<'static, U, D>, SceneError> {
+        let place = |p: &Point<T, D>| Point::from(std::array::from_fn(|k| coordinate(array(p)[k].wide(), k)));
+        let radii = match &self.radii {
+            Radii::Uniform(r) => Radii::Uniform(length(r.wide())),
+            Radii::Each(radii) => Radii::Each(radii.iter().map(|r| length(r.wide())).collect()),
+        };
+        Scene::new(self.centres.iter().map(place).collect::<Vec<_>>(), radii)
+    }
+}
+
+impl<const D: usize> Scene<'_, f64, D> {
+    /// The scene by cells, in units of the cell's edge: the power of two from the largest diameter upwards (for points: such that the
+    /// scene spans 2^20 cells). Cells are numbered from the one that holds the lowest coordinate. Fails beyond 2^28 cells along an axis.
+    ///
+    /// Cell numbers are exact. What rounding there is, half of 2^-24 of an edge, is that of the offsets.
+    pub fn by_cells(&self) -> Result<Scene<'static, CellF32, D>, SceneError> {
+        let (mut low, mut high) = ([f64::INFINITY; D], [f64::NEG_INFINITY; D]);
+        for centre in self.centres.iter() {
+            for (k, &x) in array(centre).iter().enumerate() {
+                (low[k], high[k]) = (low[k].min(x), high[k].max(x));
+            }
+        }
+        let diameter = 2.0 * self.largest_radius();
+        // Halved, so that the extent does not overflow.
+        let extent = (0..D).map(|k| 0.5 * high[k] - 0.5 * low[k]).fold(0.0, f64::max) * (1.0 / (1u64 << 19) as f64);
+        let edge = [diameter, extent, 1.0].into_iter().find(|&size| size > 0.0).map_or(1.0, power_of_two);
+        let first = low.map(|x| (x / edge).floor());
+        for k in 0..D {
+            let cells = (high[k] / edge).floor() - first[k];
+            // Also where the quotients overflow, and nothing can be said.
+            if !(cells < CellF32::MOST_CELLS || self.is_empty()) {
+                return Err(SceneError::Cells { axis: ["x", "y", "z"][k.min(2)], low: low[k], high: high[k], edge });
+            }
+        }
+        self.map(
+            |x, k| {
+                let x = x / edge;
+                CellF32::at(x.floor() - first[k], x - x.floor())
+            },
+            |r| CellF32::nearest(r / edge),
+        )
+    }
+}
+
+/// The smallest power of two of at least `x`; in the range of normal numbers.
+fn power_of_two(x: f64) -> f64 {
+    let below = f64::from_bits(x.clamp(f64::MIN_POSITIVE, f64::MAX).to_bits() & (0x7ff << 52));
+    if below < x && below < f64::MAX / 2.0 { 2.0 * below } else { below }
 }

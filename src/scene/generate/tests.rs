@@ -18,8 +18,8 @@ fn couples(scene: &AnyScene<'_>) -> Vec<[f64; 2]> {
         for i in 0..scene.len() {
             for j in 0..i {
                 let (a, b) = (array(&scene.centres()[i]), array(&scene.centres()[j]));
-                let square: f64 = a.iter().zip(b).map(|(p, q)| (p - q).wide() * (p - q).wide()).sum();
-                let reach = (scene.radius(i) + scene.radius(j)).wide();
+                let square: f64 = a.iter().zip(b).map(|(p, q)| (p.wide() - q.wide()) * (p.wide() - q.wide())).sum();
+                let reach = scene.radius(i).wide() + scene.radius(j).wide();
                 couples.push([square, reach * reach]);
             }
         }

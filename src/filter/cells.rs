@@ -12,10 +12,14 @@
 //!
 //! Cells are computed in f64 for f32 scenes too: the conversion is exact, and so the same proof holds.
 //!
+//! **Without the margin.** [`Margin::Textbook`] gives the book's cells, i = 1 + Int((x - xmin) / d), divided and not multiplied,
+//! to show what it costs to leave the margin out.
+//!
 //! **Borders.** Cell numbers start at 1 (one of the book's two conventions), and the axis has one empty cell at either end, so that
 //! mask cells need no bounds checks. `count` includes these two: "nx" in every memory formula is the number of occupied-range
 //! cells plus 2.
 
+use super::Margin;
 use crate::contact::{Bodies, Real};
 use crate::detect::Refusal;
 use crate::probe::{Op, Probe};
@@ -28,6 +32,8 @@ pub const MOST_CELLS: f64 = (1u64 << 31) as f64;
 pub struct Cells<const D: usize> {
     origin: [f64; D],
     scale: f64,
+    /// The edge of textbook cells.
+    textbook: Option<f64>,
     /// Cells per axis, the two border cells included.
     pub count: [u32; D],
 }
@@ -49,23 +55,23 @@ impl<const D: usize> Cells<D> {
         // Points without extent touch only where they coincide (or underflow), so any larger cell will do: about one point per cell.
         let points = extent(low, high) / libm::pow(bodies.len().max(1) as f64, 1.0 / D as f64);
         let reach = if bodies.reach() <= T::UNDERFLOW { bodies.reach().max(points) } else { bodies.reach() };
-        Cells::spanning(low, high, reach)
+        Cells::spanning(low, high, reach, bodies.margin())
     }
 
     /// The grid over a box for a given reach (see [`Bodies::reach`]).
-    pub fn spanning(low: [f64; D], high: [f64; D], reach: f64) -> Result<Cells<D>, Refusal> {
+    pub fn spanning(low: [f64; D], high: [f64; D], reach: f64, margin: Margin) -> Result<Cells<D>, Refusal> {
         let reach = reach.max(f64::MIN_POSITIVE * 4.0);
         let scale = (1.0 - 1.0 / (1u64 << 18) as f64) / reach;
-        let mut cells = Cells { origin: low, scale, count: [0; D] };
+        let mut cells = Cells { origin: low, scale, textbook: (margin == Margin::Textbook).then_some(reach), count: [0; D] };
         for k in 0..D {
-            let quotient = (high[k] - low[k]) * scale;
+            let quotient = cells.quotient(high[k], k);
             // A box whose extent overflows has an infinite quotient, or NaN where the reach is infinite, too.
             if quotient.is_nan() || quotient >= MOST_CELLS - 4.0 {
                 return Err(Refusal::Domain {
                     axis: ["x", "y", "z"][k.min(2)],
                     low: low[k],
                     high: high[k],
-                    edge: 1.0 / scale,
+                    edge: cells.textbook.unwrap_or(1.0 / scale),
                     cells: quotient,
                 });
             }
@@ -79,13 +85,28 @@ impl<const D: usize> Cells<D> {
     pub fn index<P: Probe>(&self, x: f64, k: usize, probe: &mut P) -> u32 {
         probe.count(Op::Integerise);
         // Not negative and below 2^31 for every element that the box was made from: truncation is floor.
-        ((x - self.origin[k]) * self.scale) as i64 as u32 + 1
+        self.quotient(x, k) as i64 as u32 + 1
+    }
+
+    #[inline(always)]
+    fn quotient(&self, x: f64, k: usize) -> f64 {
+        match self.textbook {
+            None => (x - self.origin[k]) * self.scale,
+            Some(edge) => divided(x - self.origin[k], edge),
+        }
     }
 
     /// The product of the numbers of cells; saturates.
     pub fn volume(&self) -> u64 {
         self.count.iter().fold(1, |product, &n| product.saturating_mul(u64::from(n)))
     }
+}
+
+/// A division that the other arithmetics never wait for: out of line, so that it is not computed and thrown away.
+#[cold]
+#[inline(never)]
+fn divided(distance: f64, edge: f64) -> f64 {
+    distance / edge
 }
 
 /// The longest edge of a box.
@@ -103,7 +124,7 @@ mod tests {
     use crate::probe::Silent;
 
     fn index(x: f64, low: f64, high: f64, reach: f64) -> i64 {
-        i64::from(Cells::spanning([low, 0.0], [high, 0.0], reach).unwrap().index(x, 0, &mut Silent))
+        i64::from(Cells::spanning([low, 0.0], [high, 0.0], reach, Margin::Safe).unwrap().index(x, 0, &mut Silent))
     }
 
     #[test]
@@ -137,7 +158,7 @@ mod tests {
         for _ in 0..20_000 {
             let reach = [0.3, 0.7, 1.0, 1.1][random.random_range(0..4)];
             let low = -6e8 * random.random::<f64>();
-            let cells = Cells::spanning([low, 0.0], [low + reach * (MOST_CELLS - 16.0), 0.0], reach).unwrap();
+            let cells = Cells::spanning([low, 0.0], [low + reach * (MOST_CELLS - 16.0), 0.0], reach, Margin::Safe).unwrap();
             let at = |x: f64| i64::from(cells.index(x, 0, &mut Silent));
             let k = random.random_range(1 << 30..(1i64 << 31) - 32);
             let mut x = low + k as f64 / cells.scale;
@@ -153,8 +174,8 @@ mod tests {
             }
             assert!(at(y) - at(x) <= 1, "{x} {y} from {low}, reach {reach}: cells {} and {}", at(x), at(y));
         }
-        assert!(matches!(Cells::<2>::spanning([0.0; 2], [4e9, 0.0], 1.0), Err(Refusal::Domain { axis: "x", .. })));
-        assert!(Cells::<2>::spanning([-f64::MAX; 2], [f64::MAX; 2], 1.0).is_err());
-        assert!(Cells::<2>::spanning([-f64::MAX; 2], [f64::MAX; 2], f64::INFINITY).is_err());
+        assert!(matches!(Cells::<2>::spanning([0.0; 2], [4e9, 0.0], 1.0, Margin::Safe), Err(Refusal::Domain { axis: "x", .. })));
+        assert!(Cells::<2>::spanning([-f64::MAX; 2], [f64::MAX; 2], 1.0, Margin::Safe).is_err());
+        assert!(Cells::<2>::spanning([-f64::MAX; 2], [f64::MAX; 2], f64::INFINITY, Margin::Safe).is_err());
     }
 }

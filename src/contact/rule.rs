@@ -1,0 +1,121 @@
+//! The evaluations of the contact test: rounded or exact, for one radius or one per element.
+
+use std::cmp::Ordering;
+
+use super::exact;
+use super::scalar::Real;
+use crate::probe::{Op, Probe};
+
+/// Evaluates the contact test for one kind of radii and arithmetic.
+pub trait Rule<T: Real>: Copy + Sync {
+    /// Do bodies `i` at `a` and `j` at `b` touch?
+    fn touch<const D: usize, P: Probe>(&self, i: u32, j: u32, a: &[T; D], b: &[T; D], probe: &mut P) -> bool;
+}
+
+#[inline(always)]
+fn square_distance<T: Real, const D: usize>(a: &[T; D], b: &[T; D]) -> T::Work {
+    let mut sum = T::Work::default();
+    for k in 0..D {
+        let d = a[k].minus(b[k]);
+        sum = sum + d * d;
+    }
+    sum
+}
+
+/// Rounded arithmetic, one radius: the square of the diameter is computed once.
+#[derive(Clone, Copy)]
+pub struct RoundedUniform<T: Real> {
+    /// (2r)².
+    pub(super) square: T::Work,
+}
+
+impl<T: Real> Rule<T> for RoundedUniform<T> {
+    #[inline(always)]
+    fn touch<const D: usize, P: Probe>(&self, _: u32, _: u32, a: &[T; D], b: &[T; D], _: &mut P) -> bool {
+        square_distance(a, b) <= self.square
+    }
+}
+
+/// Rounded arithmetic, one radius per element.
+#[derive(Clone, Copy)]
+pub struct RoundedEach<'a, T> {
+    pub(super) radii: &'a [T],
+}
+
+impl<T: Real> Rule<T> for RoundedEach<'_, T> {
+    #[inline(always)]
+    fn touch<const D: usize, P: Probe>(&self, i: u32, j: u32, a: &[T; D], b: &[T; D], _: &mut P) -> bool {
+        let sum = self.radii[i as usize].plus(self.radii[j as usize]);
+        square_distance(a, b) <= sum * sum
+    }
+}
+
+/// The relative half-width of the band in which the filter does not decide: 16u of f64.
+const BAND: f64 = 16.0 / (1u64 << 53) as f64;
+/// The absolute half-width of the band: 2^-960.
+const FLOOR: f64 = f64::from_bits((1023 - 960) << 52);
+
+/// (undecided above this, apart above this) for a computed square of the sum of radii.
+#[inline(always)]
+fn band(square: f64) -> (f64, f64) {
+    let overlap = if square < f64::INFINITY { square * (1.0 - BAND) - FLOOR } else { -1.0 };
+    (overlap, square * (1.0 + BAND) + FLOOR)
+}
+
+#[inline(always)]
+fn decide<T: Real, const D: usize, P: Probe>(
+    a: &[T; D],
+    b: &[T; D],
+    radii: impl Fn() -> (f64, f64),
+    band: (f64, f64),
+    probe: &mut P,
+) -> bool {
+    let (a, b) = (a.map(Real::wide), b.map(Real::wide));
+    let square = square_distance(&a, &b);
+    if square > band.1 {
+        return false;
+    }
+    if square <= band.0 {
+        return true;
+    }
+    probe.count(Op::ExactTest);
+    let (ra, rb) = radii();
+    exact::compare(&a, &b, ra, rb) != Ordering::Greater
+}
+
+/// Exact arithmetic, one radius: the filter's band is computed once.
+#[derive(Clone, Copy)]
+pub struct ExactUniform {
+    radius: f64,
+    band: (f64, f64),
+}
+
+impl ExactUniform {
+    /// The test for bodies of this radius.
+    pub(super) fn new(radius: f64) -> ExactUniform {
+        let diameter = 2.0 * radius;
+        ExactUniform { radius, band: band(diameter * diameter) }
+    }
+}
+
+impl<T: Real> Rule<T> for ExactUniform {
+    #[inline(always)]
+    fn touch<const D: usize, P: Probe>(&self, _: u32, _: u32, a: &[T; D], b: &[T; D], probe: &mut P) -> bool {
+        decide(a, b, || (self.radius, self.radius), self.band, probe)
+    }
+}
+
+/// Exact arithmetic, one radius per element.
+#[derive(Clone, Copy)]
+pub struct ExactEach<'a, T> {
+    pub(super) radii: &'a [T],
+}
+
+impl<T: Real> Rule<T> for ExactEach<'_, T> {
+    #[inline(always)]
+    fn touch<const D: usize, P: Probe>(&self, i: u32, j: u32, a: &[T; D], b: &[T; D], probe: &mut P) -> bool {
+        let (ra, rb) = (self.radii[i as usize].wide(), self.radii[j as usize].wide());
+        let sum = ra + rb;
+        decide(a, b, || (ra, rb), band(sum * sum), probe)
+    }
+}

@@ -1,0 +1,102 @@
+//! Safe filters: how much a cell, a box, a key or a sweep must be widened so that no pair is lost that the contact test accepts.
+//!
+//! A detector filters: it looks only at pairs that are near each other by some cheap measure. The measure is computed in floating point,
+//! the contact test may be exact, and a filter that is right in real numbers loses pairs to rounding (BOOK section 7: up to 10% of
+//! the couples that are exactly a diameter apart). This page derives, once for all detectors, what is safe. The only assumptions are
+//! IEEE 754 arithmetic in f64, rounding to nearest, and finite coordinates and radii, as every [`crate::scene::Scene`] has them.
+//! u = 2^-53; fl(..) is what f64 computes; positions are doubles without error, for every storage ([`crate::contact::Real::wide`]).
+//!
+//! **1. Reach.** The true distance of a pair that the test accepts is at most its *reach* R:
+//!
+//! * exact test: R = ri + rj <= 2·rmax, and doubling is exact;
+//! * rounded test in a precision with unit v = [`Real::UNIT`]: differences have relative error at most v (2v by cells: the difference
+//!   of cell numbers is rounded, too), squares and sums v each, products may underflow by η = half the smallest subnormal. Acceptance
+//!   means d²(1-v)^7 - 4η <= s²(1+v)^3 + η, hence d <= s(1 + 6v) + 3√η. [`rounded_reach`] takes 2·rmax(1 + 8v) + 4√η: the
+//!   difference covers its own rounding. Where (2·rmax)² overflows, the rounded test would accept everything: such scenes are
+//!   refused ([`crate::detect::Refusal::Overflow`]).
+//!
+//! If |xi - xj| > R along any one axis, the pair does not touch.
+//!
+//! **2. Comparisons need no widening.** Rounding is monotone: a <= b implies fl(a) <= fl(b), and fl(R) = R since R is a double.
+//! So for a pair with xj - xi <= R (true values):
+//!
+//! * *sweep*: fl(xj - xi) <= R. To stop at the first fl(xj - xi) > R is safe: [`beyond`].
+//! * *boxes*: with Ri + Rj >= the pair's reach, xj - Rj <= xi + Ri, hence fl(xj - Rj) <= fl(xi + Ri): boxes from fl(x - R) to fl(x + R)
+//!   that do not overlap belong to pairs that do not touch: [`interval`]. Minima and maxima of bounds are exact, so this holds for
+//!   boxes around boxes. An overflowing bound is infinite and compares as it should.
+//!
+//! **3. Cells need a margin,** since floor is not a comparison: quotients that differ by at most 1 in real numbers may differ by more
+//! when computed, and the cells by 2. [`cells`] makes them wider by 4 parts in a million, proves that this suffices below 2^31
+//! cells per axis, and refuses more, with the numbers: there cells cannot be told apart.
+//!
+//! **4. Keys.** A key made of cell numbers inherits 3, if it is injective: two numbers below 2^31 fit a u64, three do not (a detector
+//! that packs three must refuse 2^21 cells per axis, or take 128 bits), and a hash must compare the cells themselves where it
+//! collides. No key is ever made of an f32.
+//!
+//! **5. Squared distances** that prune (a point against a box): the computed square of a distance in up to three dimensions is at most
+//! (1 + 6u) times the true one plus 2^-1073, so to prune where it exceeds R²(1 + 16u) + 2^-960 is safe, by the argument of the exact test's
+//! own filter ([`crate::contact`]).
+
+pub mod cells;
+
+pub use cells::Cells;
+
+use crate::contact::Real;
+
+/// Whether the filters of a detection may lose pairs to rounding.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Margin {
+    /// They lose none.
+    Safe,
+    /// As printed in the book: cells of edge d, found by i = Int((x - xmin) / d), where rounding may separate a touching pair.
+    Textbook,
+}
+
+/// The largest true distance at which a test rounded in `T` may accept bodies of this largest diameter: 1.
+pub fn rounded_reach<T: Real>(diameter: f64) -> f64 {
+    diameter * (1.0 + 8.0 * T::UNIT) + T::UNDERFLOW
+}
+
+/// True if coordinates `low` <= `high` are so far apart that no pair with this reach touches: 2.
+#[inline(always)]
+pub fn beyond(low: f64, high: f64, reach: f64) -> bool {
+    high - low > reach
+}
+
+/// The bounds of a body at `x` with half a pair's reach `half`, along one axis: pairs whose intervals do not overlap do not touch: 2.
+#[inline(always)]
+pub fn interval(x: f64, half: f64) -> [f64; 2] {
+    [x - half, x + half]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::exact;
+
+    /// Couples exactly at reach, and one unit in the last place around it, at offsets where every sum is rounded.
+    #[test]
+    fn comparisons_lose_no_touching_couple() {
+        let (mut touching, mut at_reach) = (0, 0);
+        for offset in [0.0, -0.7, 1e3, -1e6 / 3.0, 1e15, 3e-9] {
+            for k in 1..3000 {
+                let (ri, rj) = (0.37 * f64::from(k), 0.1 + f64::from(k % 7) / 3.0);
+                let xi = offset + 0.1 * f64::from(k);
+                let mut xj = (xi + (ri + rj)).next_up().next_up();
+                for _ in 0..5 {
+                    if exact::compare(&[xi, 0.0], &[xj, 0.0], ri, rj).is_le() {
+                        let (a, b) = (interval(xi, ri), interval(xj, rj));
+                        assert!(b[0] <= a[1] && a[0] <= b[1], "boxes of {xi} {xj} {ri} {rj}");
+                        // The reach of a scene with these two bodies.
+                        let reach = 2.0 * ri.max(rj);
+                        assert!(!beyond(xi, xj, reach), "{xi} {xj} {reach}");
+                        touching += 1;
+                        at_reach += i32::from(b[0] == a[1]);
+                    }
+                    xj = xj.next_down();
+                }
+            }
+        }
+        assert!(touching > 20_000 && at_reach > 1_000, "{touching} {at_reach}");
+    }
+}
