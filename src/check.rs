@@ -162,7 +162,7 @@ fn wrong(entry: &Entry, arithmetic: Arithmetic, scene: &AnyScene<'_>) -> Option<
     match answer {
         Err(_) => Some(Wrong::Panics),
         Ok(Err(_)) => None,
-        Ok(Ok(())) => (Digest::of(&pairs) != truth.digest).then(|| Wrong::Pairs(oracle::compare(&pairs, &truth.pairs))),
+        Ok(Ok(())) => (Digest::of(&pairs) != truth.digest).then(|| Wrong::Pairs(oracle::compare(&pairs, &truth.pairs, &stored))),
     }
 }
 

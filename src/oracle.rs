@@ -10,12 +10,14 @@ use rand::{SeedableRng, seq::index};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
-use crate::contact::{Arithmetic, Bodies, Real, Test, WithBodies, with_bodies};
+use crate::contact::depth::depth;
+use crate::contact::{Arithmetic, Bodies, Real, Test, WithBodies, array, with_bodies};
 use crate::detect::table::{self, Role};
 use crate::detect::{Options, Refusal};
+use crate::harness::record::Errors;
 use crate::probe::Silent;
 use crate::scene::AnyScene;
-use crate::sink::{Digest, key, normalise};
+use crate::sink::{Digest, normalise};
 use crate::with_scene;
 
 /// Up to this number of elements every pair is tested.
@@ -147,36 +149,62 @@ impl<T: Real, const D: usize> WithBodies<T, D> for Rows {
     }
 }
 
-/// What a detector's pairs, in any order, miss and add.
-pub fn compare(reported: &[[u32; 2]], truth: &[[u32; 2]]) -> crate::harness::record::Errors {
-    let mut reported: Vec<u64> = reported.iter().map(|&[i, j]| key(i, j)).collect();
-    reported.sort_unstable();
+/// What a detector's pairs, in any order, miss and add; `truth` is in ascending order, depths are those of `scene`.
+pub fn compare(reported: &[[u32; 2]], truth: &[[u32; 2]], scene: &AnyScene<'_>) -> Errors {
+    let mut reported = reported.to_vec();
+    normalise(&mut reported);
     let all = reported.len();
     reported.dedup();
-    let duplicate = (all - reported.len()) as u64;
-    let (mut spurious, mut found) = (0, 0);
-    let mut truth_keys = truth.iter().map(|&[i, j]| key(i, j)).peekable();
+    let mut errors = Errors { duplicate: (all - reported.len()) as u64, ..Errors::default() };
+    let mut miss = |pair: [u32; 2]| {
+        errors.missed += 1;
+        errors.deepest_miss = errors.deepest_miss.max(depth_of(scene, pair));
+    };
+    let mut truth = truth.iter().copied().peekable();
     for pair in reported {
-        while truth_keys.next_if(|&t| t < pair).is_some() {}
-        if truth_keys.next_if_eq(&pair).is_some() {
-            found += 1;
+        while let Some(missed) = truth.next_if(|&t| t < pair) {
+            miss(missed);
+        }
+        if truth.next_if_eq(&pair).is_some() {
+        } else if pair[0] == pair[1] {
+            errors.self_pairs += 1;
         } else {
-            spurious += 1;
+            errors.spurious += 1;
+            errors.widest_false = errors.widest_false.max(-depth_of(scene, pair));
         }
     }
-    crate::harness::record::Errors { missed: truth.len() as u64 - found, spurious, duplicate }
+    truth.for_each(miss);
+    errors
+}
+
+/// See [`depth`]; infinity, which a record cannot hold, becomes the largest double. 0 for elements that the scene does not have.
+fn depth_of(scene: &AnyScene<'_>, [i, j]: [u32; 2]) -> f64 {
+    let (i, j) = (i as usize, j as usize);
+    with_scene!(scene, scene => {
+        let (Some(a), Some(b)) = (scene.centres().get(i), scene.centres().get(j)) else { return 0.0 };
+        let (a, b) = (array(a).map(Real::wide), array(b).map(Real::wide));
+        depth(&a, &b, scene.radius(i).wide(), scene.radius(j).wide()).clamp(-f64::MAX, f64::MAX)
+    })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::harness::record::Errors;
+    use crate::scene::{Radii, Scene};
 
     #[test]
     fn errors_are_counted_apart() {
-        let truth = [[0, 1], [0, 2], [3, 4], [5, 6]];
-        assert_eq!(compare(&[[1, 0], [2, 0], [4, 3], [6, 5]], &truth), Errors::default());
-        let errors = compare(&[[5, 6], [2, 0], [0, 2], [7, 8], [7, 7], [0, 0]], &truth);
-        assert_eq!(errors, Errors { missed: 2, spurious: 3, duplicate: 1 });
+        // Unit discs in a row, the centres 0, 1.5, 2, ... 6.5 apart from the first.
+        let centres = [0.0, 1.5, 2.0, 3.5, 4.0, 5.5, 6.5].map(|x| nalgebra::Point::from([x, 0.0]));
+        let scene: AnyScene<'_> = Scene::new(centres.to_vec(), Radii::Uniform(1.0)).unwrap().into();
+        let truth = truth(&scene, Arithmetic::Exact).unwrap().pairs;
+        assert_eq!(truth, [[0, 1], [0, 2], [1, 2], [1, 3], [2, 3], [2, 4], [3, 4], [3, 5], [4, 5], [5, 6]]);
+        assert_eq!(compare(&truth, &truth, &scene), Errors::default());
+        let reported = [[2, 0], [0, 2], [2, 1], [3, 1], [3, 2], [4, 2], [4, 3], [6, 4], [4, 5], [0, 0], [6, 3], [6, 5]];
+        let errors = Errors { missed: 2, spurious: 2, duplicate: 1, self_pairs: 1, deepest_miss: 0.5, widest_false: 1.0 };
+        assert_eq!(compare(&reported, &truth, &scene), errors);
+        // Tangent pairs are missed at depth 0.
+        let without: Vec<[u32; 2]> = truth.iter().copied().filter(|&pair| pair != [0, 2] && pair != [2, 4]).collect();
+        assert_eq!(compare(&without, &truth, &scene), Errors { missed: 2, ..Errors::default() });
     }
 }

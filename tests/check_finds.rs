@@ -82,13 +82,13 @@ fn failure(way: u8) -> Failure {
 
 #[test]
 fn wrong_pairs_are_found_and_shrunk() {
-    for (way, elements, missed, spurious, duplicate) in
+    for (way, elements, missed, self_pairs, duplicate) in
         [(DROPS_THE_LAST_ELEMENT, 2, 1, 0, 0), (REPEATS_THE_FIRST_PAIR, 2, 0, 0, 1), (PAIRS_ELEMENTS_WITH_THEMSELVES, 1, 0, 1, 0)]
     {
         let failure = failure(way);
         let Some(Wrong::Pairs(errors)) = failure.wrong else { panic!("mutant {way}") };
         assert_eq!(failure.smallest.len(), elements, "mutant {way}");
-        assert_eq!((errors.missed, errors.spurious, errors.duplicate), (missed, spurious, duplicate), "mutant {way}");
+        assert_eq!((errors.missed, errors.self_pairs, errors.duplicate), (missed, self_pairs, duplicate), "mutant {way}");
     }
 }
 

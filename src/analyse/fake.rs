@@ -39,6 +39,7 @@ impl Lab {
             warm_allocations: None,
             formula_bytes: None,
             errors: None,
+            causes: None,
             stats: Stats { packing_fraction: 0.9, coordination: 5.0, ..Stats::default() },
         };
         Lab { base, rows: Vec::new() }

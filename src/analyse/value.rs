@@ -284,7 +284,7 @@ fn is_operation(name: &str) -> bool {
 fn severity(outcome: Outcome) -> u8 {
     match outcome {
         Outcome::Ok => 0,
-        Outcome::Control => 1,
+        Outcome::Lossy | Outcome::Control => 1,
         Outcome::Unavailable => 2,
         Outcome::Refused => 3,
         Outcome::Timeout => 4,

@@ -18,6 +18,7 @@
 //! How far apart two accepted bodies can be at most, and what cells, boxes and keys must add to that, is derived in
 //! [`crate::filter`].
 
+pub mod depth;
 pub mod exact;
 mod rule;
 mod scalar;

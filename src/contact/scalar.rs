@@ -98,8 +98,7 @@ impl CellF32 {
 
     /// The coordinate `offset` (from 0 to 1) beyond the origin of `cell`, a whole number; not finite where that is too large.
     pub fn at(cell: f64, offset: f64) -> CellF32 {
-        // Written so that NaN is too large.
-        if !(cell.abs() < CellF32::MOST_CELLS) {
+        if cell.is_nan() || cell.abs() >= CellF32::MOST_CELLS {
             return CellF32 { cell: 0, offset: f32::INFINITY };
         }
         // At most 2^24 steps: an f32 holds every whole number up to there.

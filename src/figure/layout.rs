@@ -38,6 +38,7 @@ pub struct Sheet<'a> {
 pub fn letter(outcome: Outcome) -> (&'static str, &'static str) {
     match outcome {
         Outcome::Ok => ("", "ok"),
+        Outcome::Lossy => ("", "lossy"),
         Outcome::Control => ("", "control"),
         Outcome::Wrong => ("W", "wrong answer"),
         Outcome::Timeout => ("T", "time limit"),

@@ -14,6 +14,7 @@ pub const FILES: &[(&str, &str)] = &[
     ("book-3", include_str!("../../experiments/book-3.toml")),
     ("book-4", include_str!("../../experiments/book-4.toml")),
     ("arithmetic", include_str!("../../experiments/arithmetic.toml")),
+    ("speed-error", include_str!("../../experiments/speed-error.toml")),
     ("million", include_str!("../../experiments/million.toml")),
 ];
 

@@ -33,7 +33,7 @@ pub struct Experiment {
     /// Threads given to the detectors.
     #[serde(default = "one")]
     pub threads: usize,
-    /// Paired blocks: each runs every detector once, in a fresh random order.
+    /// Paired blocks: each runs every detector once, in a fresh random order. 0: no times, only answers, counts and memory.
     #[serde(default = "fifteen")]
     pub blocks: u32,
     /// Seconds after which no further block of a scene is begun, once six are done.
@@ -261,7 +261,6 @@ impl Experiment {
         let limit = experiment.memory_limit_mib;
         ensure!(limit <= 1 << 30, "memory-limit-mib = {limit}: at most 2^30 (1 PiB) can be limited");
         ensure!(experiment.threads >= 1, "threads = 0: at least one is needed");
-        ensure!(experiment.blocks >= 1, "blocks = 0: at least one is needed");
         ensure!(!experiment.arithmetics.is_empty(), "arithmetics is empty; leave it out for exact");
         for scene in &mut experiment.scenes {
             for value in [scene.params.get_mut("path"), scene.quick.get_mut("path")].into_iter().flatten() {

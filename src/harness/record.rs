@@ -34,6 +34,8 @@ impl Pass {
 pub enum Outcome {
     /// The answer was right.
     Ok,
+    /// Contacts were lost, as textbook filters may: the answer is what was asked for, and its error stands in the row.
+    Lossy,
     /// The answer was wrong: its time means nothing.
     Wrong,
     /// A control that reports nothing on purpose.
@@ -53,13 +55,14 @@ pub enum Outcome {
 impl Outcome {
     /// Did the detector do what it is there for?
     pub fn is_good(self) -> bool {
-        matches!(self, Outcome::Ok | Outcome::Control)
+        matches!(self, Outcome::Ok | Outcome::Lossy | Outcome::Control)
     }
 
     /// The word in the record.
     pub fn name(self) -> &'static str {
         match self {
             Outcome::Ok => "ok",
+            Outcome::Lossy => "lossy",
             Outcome::Wrong => "wrong",
             Outcome::Control => "control",
             Outcome::Timeout => "timeout",
@@ -86,16 +89,58 @@ pub struct Stats {
     pub scene_hash: String,
 }
 
-/// The detector's pairs against the exact truth of the scene as generated (f64): rounding of the input, of the test and of the
-/// algorithm together.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+/// A set of pairs against another that is taken for true.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Errors {
     /// Touching pairs not reported.
     pub missed: u64,
-    /// Reported pairs that do not touch.
+    /// Reported pairs, of two elements, that do not touch.
     pub spurious: u64,
     /// Pairs reported again.
     pub duplicate: u64,
+    /// Elements reported as touching themselves.
+    #[serde(default)]
+    pub self_pairs: u64,
+    /// Of the pairs missed, the largest overlap, in mean radii of the couple; 0 where all missed pairs are exactly tangent.
+    #[serde(default)]
+    pub deepest_miss: f64,
+    /// Of the spurious pairs, the widest gap, in mean radii of the couple.
+    #[serde(default)]
+    pub widest_false: f64,
+}
+
+impl std::fmt::Display for Errors {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{} missed, {} spurious, {} duplicate", self.missed, self.spurious, self.duplicate)?;
+        if self.self_pairs > 0 {
+            write!(f, ", {} with itself", self.self_pairs)?;
+        }
+        if self.deepest_miss > 0.0 {
+            write!(f, ", deepest miss {:.1e} r", self.deepest_miss)?;
+        }
+        if self.widest_false > 0.0 {
+            write!(f, ", widest gap {:.1e} r", self.widest_false)?;
+        }
+        Ok(())
+    }
+}
+
+impl Errors {
+    /// Pairs that are there and should not be, or should be and are not.
+    pub fn wrong(&self) -> u64 {
+        self.missed + self.spurious + self.duplicate + self.self_pairs
+    }
+}
+
+/// The three causes of error, each against the step before it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Causes {
+    /// Storing the scene: exact decisions on the scene as stored, against exact decisions on the scene as given.
+    pub input: Errors,
+    /// Deciding: the arithmetic's own contact test on all pairs, against exact decisions, both on the scene as stored.
+    pub arithmetic: Errors,
+    /// Looking: the detector's pairs, against the arithmetic's own contact test on all pairs.
+    pub algorithm: Errors,
 }
 
 /// One measurement.
@@ -117,7 +162,7 @@ pub struct Row {
     pub order: String,
     /// The detector's name.
     pub detector: String,
-    /// f32, f64 or exact.
+    /// f32, f32-cell, textbook, f64 or exact.
     pub arithmetic: String,
     /// Threads given to the detector.
     pub threads: u32,
@@ -151,8 +196,11 @@ pub struct Row {
     pub warm_allocations: Option<u64>,
     /// Bytes by the detector's declared formula.
     pub formula_bytes: Option<u64>,
-    /// Against the exact truth, where it was compared.
+    /// Against exact decisions on the scene as given, where that was compared: all causes together.
     pub errors: Option<Errors>,
+    /// The same by cause.
+    #[serde(default)]
+    pub causes: Option<Causes>,
     /// The scene as realised.
     pub stats: Stats,
 }

@@ -1,50 +1,115 @@
-//! The truths that the rows of one scene are held to.
+//! The truths that the rows of one scene are held to, and the errors of the answers.
 
-use std::collections::BTreeMap;
+use std::collections::HashMap;
+use std::rc::Rc;
 
-use super::record::Errors;
-use crate::contact::Arithmetic;
+use super::record::{Causes, Errors};
+use crate::contact::{Arithmetic, Test};
 use crate::oracle::{self, NoTruth, Truth};
 use crate::scene::AnyScene;
+use crate::sink::Digest;
 
 /// The truths about a scene, found when first asked for.
 pub(super) struct Truths<'a> {
     scene: &'a AnyScene<'a>,
-    known: BTreeMap<Arithmetic, Option<Truth>>,
-    errors: BTreeMap<Arithmetic, Option<Errors>>,
+    known: HashMap<Arithmetic, Option<Known>>,
+    /// The errors of answers seen before: timed samples repeat the same answer.
+    seen: HashMap<(Arithmetic, u64, u64), (Errors, Causes)>,
+}
+
+/// What is true in one arithmetic. Arithmetics that store the scene alike share.
+#[derive(Clone)]
+struct Known {
+    stored: Rc<AnyScene<'static>>,
+    /// By the arithmetic's own contact test.
+    rounded: Rc<Truth>,
+    /// By exact decisions on the scene as stored.
+    exact: Rc<Truth>,
 }
 
 impl<'a> Truths<'a> {
     /// None known yet.
     pub fn new(scene: &'a AnyScene<'a>) -> Truths<'a> {
-        Truths { scene, known: BTreeMap::new(), errors: BTreeMap::new() }
+        Truths { scene, known: HashMap::new(), seen: HashMap::new() }
     }
 
-    /// `None` where the arithmetic cannot hold the scene, or nothing can be said of it.
+    /// What the arithmetic's own contact test gives for all pairs. `None` where the arithmetic cannot hold the scene, or nothing can be
+    /// said of it.
     pub fn get(&mut self, arithmetic: Arithmetic) -> anyhow::Result<Option<&Truth>> {
+        Ok(self.known(arithmetic)?.map(|known| &*known.rounded))
+    }
+
+    fn known(&mut self, arithmetic: Arithmetic) -> anyhow::Result<Option<&Known>> {
         if !self.known.contains_key(&arithmetic) {
-            let truth = match oracle::truth(self.scene, arithmetic) {
-                Ok(truth) => Some(truth),
-                Err(NoTruth::Refused(_) | NoTruth::Stored(_) | NoTruth::TooLarge { .. }) => None,
-                Err(defect) => return Err(defect.into()),
+            let known = match arithmetic {
+                Arithmetic::Textbook => self.known(Arithmetic::F64)?.cloned(),
+                Arithmetic::F64 => match self.known(Arithmetic::Exact)?.cloned() {
+                    Some(exact) => known(oracle::truth_as_stored(&exact.stored, Test::Rounded))?
+                        .map(|rounded| Known { rounded: Rc::new(rounded), ..exact }),
+                    None => None,
+                },
+                _ => known(self.find(arithmetic))?,
             };
-            self.known.insert(arithmetic, truth);
+            self.known.insert(arithmetic, known);
         }
         Ok(self.known[&arithmetic].as_ref())
     }
 
-    /// What deciding in `arithmetic` itself misses and adds, against exact decisions on the scene as given.
-    pub fn errors(&mut self, arithmetic: Arithmetic) -> anyhow::Result<Option<Errors>> {
-        if let Some(errors) = self.errors.get(&arithmetic) {
-            return Ok(*errors);
-        }
-        self.get(arithmetic)?;
-        self.get(Arithmetic::Exact)?;
-        let (Some(Some(rounded)), Some(Some(exact))) = (self.known.get(&arithmetic), self.known.get(&Arithmetic::Exact)) else {
-            return Ok(None);
+    fn find(&self, arithmetic: Arithmetic) -> Result<Known, NoTruth> {
+        let stored = Rc::new(self.scene.stored(arithmetic)?);
+        let exact = Rc::new(oracle::truth_as_stored(&stored, Test::Exact)?);
+        let rounded = match arithmetic.test() {
+            Test::Exact => exact.clone(),
+            test => Rc::new(oracle::truth_as_stored(&stored, test)?),
         };
-        let errors = if rounded.digest == exact.digest { Default::default() } else { oracle::compare(&rounded.pairs, &exact.pairs) };
-        self.errors.insert(arithmetic, Some(errors));
-        Ok(Some(errors))
+        Ok(Known { stored, rounded, exact })
     }
+
+    /// The errors of an answer in `arithmetic`, all together and by cause. `pairs` fetches it; it is not called for an answer that is
+    /// right in its arithmetic, or has been seen before. `None` where there is no truth.
+    pub fn errors<E>(
+        &mut self,
+        arithmetic: Arithmetic,
+        answer: Digest,
+        pairs: impl FnOnce() -> Result<Vec<[u32; 2]>, E>,
+    ) -> anyhow::Result<Result<Option<(Errors, Causes)>, E>> {
+        let key = (arithmetic, answer.contacts, answer.sum);
+        if let Some(errors) = self.seen.get(&key) {
+            return Ok(Ok(Some(*errors)));
+        }
+        let (known, given) = (self.known(arithmetic)?.cloned(), self.known(Arithmetic::Exact)?.cloned());
+        let (Some(known), Some(given)) = (known, given) else { return Ok(Ok(None)) };
+        let fetched;
+        let answered = if answer == known.rounded.digest {
+            &known.rounded.pairs
+        } else {
+            fetched = match pairs() {
+                Ok(pairs) => pairs,
+                Err(error) => return Ok(Err(error)),
+            };
+            &fetched
+        };
+        let errors = compare(answered, &given.exact, self.scene);
+        let causes = Causes {
+            input: compare(&known.exact.pairs, &given.exact, self.scene),
+            arithmetic: compare(&known.rounded.pairs, &known.exact, &known.stored),
+            algorithm: compare(answered, &known.rounded, &known.stored),
+        };
+        self.seen.insert(key, (errors, causes));
+        Ok(Ok(Some((errors, causes))))
+    }
+}
+
+/// `None` where nothing can be said; a defect is an error.
+fn known<T>(found: Result<T, NoTruth>) -> anyhow::Result<Option<T>> {
+    match found {
+        Ok(known) => Ok(Some(known)),
+        Err(NoTruth::Refused(_) | NoTruth::Stored(_) | NoTruth::TooLarge { .. }) => Ok(None),
+        Err(defect) => Err(defect.into()),
+    }
+}
+
+/// Most answers are right: their pairs need not be sorted.
+fn compare(reported: &[[u32; 2]], truth: &Truth, scene: &AnyScene<'_>) -> Errors {
+    if Digest::of(reported) == truth.digest { Errors::default() } else { oracle::compare(reported, &truth.pairs, scene) }
 }

@@ -182,7 +182,7 @@ mod tests {
         let spec = Spec::parse("packed:dim=3,n=27,seed=2,order=morton,spacing=1").unwrap();
         assert_eq!((spec.name.as_str(), spec.dim, spec.n, spec.seed, spec.order), ("packed", 3, 27, 2, Order::Morton));
         let params = serde_json::to_string(&spec.params).unwrap();
-        assert_eq!(params, r#"{"diameter":1.0,"jitter":0.05,"lattice":"fcc","size-ratio":1.0,"spacing":1.0}"#);
+        assert_eq!(params, r#"{"diameter":1.0,"jitter":0.05,"lattice":"fcc","offset":0.0,"size-ratio":1.0,"spacing":1.0}"#);
         let spec = Spec::parse("file:path=a,b=1.csv,dim=2");
         assert!(spec.is_err(), "a piece with '=' is a parameter");
         let spec = Spec::parse("file:path=a,b.csv,dim=2").unwrap();
@@ -197,7 +197,7 @@ mod tests {
             ("packed:dim=4", "packed: dim = 4; it is made in 2 dimensions and 3 dimensions only"),
             ("pack-b:dim=3", "pack-b: dim = 3; it is made in 2 dimensions only"),
             ("loose:n=4294967296", "loose: n = 4294967296; at most 2^32 - 1 = 4294967295 elements can be numbered: make n smaller"),
-            ("loose:spacing=1", "loose: there is no parameter 'spacing'; the parameters are: diameter, size-ratio, fraction"),
+            ("loose:spacing=1", "loose: there is no parameter 'spacing'; the parameters are: diameter, offset, size-ratio, fraction"),
             ("loose:fraction=0", "loose: fraction is 0; it must be a finite number over 0"),
             ("loose:fraction=nan", "loose: fraction is \"nan\"; it must be a finite number over 0"),
             ("loose:fraction=-inf", "loose: fraction is \"-inf\"; it must be a finite number over 0"),

@@ -17,7 +17,7 @@
 //! smaller than asked. In generated order the clusters come first, one after the other, then the background.
 
 use super::table::{Generator, Kind, Parameter, Preset};
-use super::{DIAMETER, Inputs, SIZE_RATIO, assemble, box_edge, draw::Draw, unit_radii};
+use super::{DIAMETER, Inputs, OFFSET, SIZE_RATIO, assemble, box_edge, draw::Draw, unit_radii};
 use crate::scene::{AnyScene, Scene};
 
 /// The table line.
@@ -27,6 +27,7 @@ pub const GENERATOR: Generator = Generator {
     summary: "Gaussian clusters on a thin uniform background",
     params: &[
         DIAMETER,
+        OFFSET,
         SIZE_RATIO,
         Parameter {
             name: "per-cluster",

@@ -13,7 +13,7 @@
 //! `fraction`. Overlaps are kept, so that about 4·fraction·n/2 (2D) or 8·fraction·n/2 (3D) pairs touch.
 
 use super::table::{Generator, Kind, Parameter, Preset};
-use super::{DIAMETER, Inputs, SIZE_RATIO, assemble, box_edge, draw::Draw, unit_radii};
+use super::{DIAMETER, Inputs, OFFSET, SIZE_RATIO, assemble, box_edge, draw::Draw, unit_radii};
 use crate::scene::{AnyScene, Scene};
 
 /// The table line.
@@ -23,6 +23,7 @@ pub const GENERATOR: Generator = Generator {
     summary: "uniform random in a square or cube",
     params: &[
         DIAMETER,
+        OFFSET,
         SIZE_RATIO,
         Parameter {
             name: "fraction",

@@ -1,7 +1,8 @@
 //! Generators: scenes made from a seed, the same bits on every machine.
 //!
 //! One file per generator, each with a picture of its scene, its parameters and its table line ([`table::GENERATORS`]). A generator
-//! thinks in diameters: it draws coordinates and radii for a largest diameter of 1, and `assemble` multiplies both by `diameter`.
+//! thinks in diameters: it draws coordinates and radii for a largest diameter of 1, and `assemble` multiplies both by `diameter` and
+//! moves the scene by `offset`.
 //! To give the same bits everywhere it uses only + - * / and square roots, which IEEE 754 fixes, and the `libm` crate's cube root and
 //! logarithm, which are plain Rust; never the functions of the machine's own mathematical library. Overlaps are allowed everywhere.
 
@@ -55,6 +56,13 @@ const DIAMETER: Parameter = Parameter {
     meaning: "largest diameter, in units of length",
 };
 
+const OFFSET: Parameter = Parameter {
+    name: "offset",
+    kind: Kind::NotNegative,
+    default: [Preset::Number(0.0); 2],
+    meaning: "added to every coordinate, in largest diameters; the sums are rounded to f64",
+};
+
 const SIZE_RATIO: Parameter = Parameter {
     name: "size-ratio",
     kind: Kind::AtLeastOne,
@@ -99,8 +107,10 @@ fn assemble<const D: usize>(
     radii: Option<Vec<f64>>,
 ) -> anyhow::Result<Scene<'static, f64, D>> {
     let diameter = inputs.number("diameter")?;
+    let offset = inputs.number("offset").unwrap_or(0.0) * diameter;
     let mut points = room(inputs.n)?;
-    points.extend(centres.map(|centre| Point::from(centre.map(|x| x * diameter))));
+    // Adding 0 is not without effect: -0.0 would become 0.0.
+    points.extend(centres.map(|centre| Point::from(centre.map(|x| if offset == 0.0 { x * diameter } else { x * diameter + offset }))));
     let radii = match radii {
         None => Radii::Uniform(0.5 * diameter),
         Some(mut radii) => {

@@ -13,7 +13,7 @@
 //! i·spacing·diameter (one rounding each, none where spacing and diameter are dyadic).
 
 use super::table::{Generator, Kind, Parameter, Preset};
-use super::{DIAMETER, Inputs, SIZE_RATIO, assemble, draw::Draw, unit_radii};
+use super::{DIAMETER, Inputs, OFFSET, SIZE_RATIO, assemble, draw::Draw, unit_radii};
 use crate::scene::{AnyScene, Scene};
 
 /// The table line.
@@ -23,6 +23,7 @@ pub const GENERATOR: Generator = Generator {
     summary: "jittered lattice that overlaps and touches like a dense granular pack",
     params: &[
         DIAMETER,
+        OFFSET,
         SIZE_RATIO,
         Parameter {
             name: "lattice",
