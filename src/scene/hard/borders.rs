@@ -14,7 +14,7 @@ pub const CASES: &[Case] = &[
     Case {
         name: "three-across-a-border",
         reason: "with cells of edge d and rounded arithmetic, the second and the third body touch and are two cells apart",
-        source: "src/cells.rs",
+        source: "src/filter/cells.rs",
         expect: Expect::Contacts([2, 3]), // in exact arithmetic the second and the third are 2^-53 apart
         make: |dim| uniform(dim, &lines(dim, &[0.0, 1.0f64.next_down(), 2.0], 8.0), 0.5),
         ..BORDERS
@@ -22,7 +22,7 @@ pub const CASES: &[Case] = &[
     Case {
         name: "row-from-minus-one",
         reason: "every centre is on a border, and x - xmin is a sum: borders move by its rounding",
-        source: "src/cells.rs",
+        source: "src/filter/cells.rs",
         expect: Expect::Contacts([2 * 299, 3 * 299]),
         make: |dim| uniform(dim, &lines(dim, &(0..300).map(|k| f64::from(k) - 1.0).collect::<Vec<_>>(), 400.0), 0.5),
         ..BORDERS
@@ -30,7 +30,7 @@ pub const CASES: &[Case] = &[
     Case {
         name: "couples-from-minus-one",
         reason: "couples as far apart as bodies that touch can be, astride cell borders; xmin = -1 costs the quotient its last bits",
-        source: "src/cells.rs",
+        source: "src/filter/cells.rs",
         expect: Expect::Contacts([2 * 160, 3 * 160]),
         make: |dim| uniform(dim, &lines(dim, &couples(-1.0, 1.0, 160), 1000.0), 0.5),
         ..BORDERS
@@ -38,7 +38,7 @@ pub const CASES: &[Case] = &[
     Case {
         name: "couples-from-far-below",
         reason: "as couples-from-minus-one with xmin = -10^6 and d = 0.1: a grid of cells of edge d loses one couple in ten",
-        source: "src/cells.rs",
+        source: "src/filter/cells.rs",
         expect: Expect::Contacts([2 * 160, 3 * 160]),
         make: |dim| uniform(dim, &lines(dim, &couples(-1e6, 0.1, 160), -999_800.0), 0.05),
         ..BORDERS
