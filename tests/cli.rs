@@ -245,7 +245,7 @@ fn list_mentions_every_detector_scene_and_experiment() {
         assert!(begins(&all, &experiment.name) && begins(&experiments, &experiment.name), "{}", experiment.name);
         assert!(experiments.contains(&experiment.question));
     }
-    for scene in ["packed", "loose", "clustered", "pack-a", "pack-b", "pack-c", "pack-d", "file"] {
+    for scene in ["packed", "loose", "clustered", "pack-a", "pack-b", "pack-c", "pack-d", "file", "hard"] {
         assert!(begins(&all, scene) && begins(&listed(&["scenes"]), scene), "{scene}");
     }
     assert!(!begins(&experiments, "nbs") && !begins(&detectors, "scaling"));

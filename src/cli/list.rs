@@ -3,8 +3,10 @@
 use std::io::Write;
 use std::process::ExitCode;
 
+use crate::analyse::text::wrap;
 use crate::detect::table::TABLE;
 use crate::harness::builtin;
+use crate::scene::hard::{self, Expect};
 use crate::scene::spec::GENERATORS;
 
 /// Options of `list`.
@@ -23,6 +25,8 @@ enum What {
     Scenes,
     /// With their questions
     Experiments,
+    /// Scenes on which detectors go wrong, with the reason and its source (only when asked for)
+    HardCases,
 }
 
 /// Prints the tables.
@@ -57,5 +61,30 @@ pub fn list(options: &List) -> anyhow::Result<ExitCode> {
             writeln!(out, "   {:<20} {}\n", "", experiment.question)?;
         }
     }
+    // A hundred cases would bury the rest.
+    if options.what == Some(What::HardCases) {
+        hard_cases(&mut out)?;
+    }
     Ok(ExitCode::SUCCESS)
+}
+
+fn hard_cases(out: &mut impl Write) -> std::io::Result<()> {
+    writeln!(out, "HARD CASES (in experiments: name = \"hard\", case = \"NAME\")\n")?;
+    for case in hard::cases() {
+        let dims: Vec<String> = case.dims.iter().map(|dim| format!("{dim}D")).collect();
+        let answer = match case.expect {
+            Expect::Contacts(contacts) => {
+                let contacts: Vec<String> = case.dims.iter().map(|dim| contacts[usize::from(*dim == 3)].to_string()).collect();
+                format!("contacts: {}", contacts.join(", "))
+            }
+            Expect::Oracle => "contacts: all pairs tested tell".into(),
+            Expect::Invalid => "must be refused".into(),
+        };
+        writeln!(out, "  {:<32} {:<12} {:<7} {answer}", case.name, case.group.name(), dims.join(", "))?;
+        for line in wrap(case.reason, 94) {
+            writeln!(out, "    {line}")?;
+        }
+        writeln!(out, "    source: {}\n", case.source)?;
+    }
+    Ok(())
 }

@@ -8,6 +8,7 @@ use serde::Deserialize;
 
 use crate::contact::Arithmetic;
 use crate::detect::table;
+use crate::scene::generate;
 use crate::scene::spec::{Order, Spec};
 
 /// One experiment file.
@@ -280,7 +281,7 @@ impl Experiment {
             let sweep = if quick { sweep.quickened()? } else { sweep.clone() };
             let numbers = match &sweep.n {
                 Some(numbers) => numbers.values(),
-                None if sweep.name == "file" => vec![0],
+                None if generate::table::find(&sweep.name).is_ok_and(|generator| generator.own_n) => vec![0],
                 None => bail!("scene {}: n is missing; give the numbers of elements, as in n = [100, 1000]", sweep.name),
             };
             let axes: Vec<(&String, Vec<toml::Value>)> = sweep.params.iter().map(|(name, values)| (name, values.values())).collect();

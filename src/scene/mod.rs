@@ -6,6 +6,7 @@
 
 pub mod any;
 pub mod generate;
+pub mod hard;
 pub mod spec;
 pub mod stats;
 

@@ -34,7 +34,7 @@ pub struct Spec {
     pub name: String,
     /// 2 or 3. A file decides its own: ask the scene made.
     pub dim: u32,
-    /// Elements; for files 0 until read.
+    /// Elements; 0 where the generator decides ([`Generator::own_n`]) and was not asked yet.
     pub n: u64,
     /// Seed of the generator and of the shuffle.
     pub seed: u64,
@@ -55,7 +55,8 @@ impl Spec {
     /// A scene as named on the command line: `packed:dim=3,n=1000,seed=2,order=morton,spacing=0.98`.
     ///
     /// The keys are `dim` (2), `n` (1000), `seed` (1), `order` (shuffled) and the generator's parameters. A piece without `=` belongs
-    /// to the value before it, so that a path may hold commas. For `file`, `dim` is the parameter `file-dim` and n is the file's.
+    /// to the value before it, so that a path may hold commas. For `file`, `dim` is the parameter `file-dim`; `file` and `hard` bring
+    /// their own n.
     pub fn parse(text: &str) -> anyhow::Result<Spec> {
         let (name, rest) = text.split_once(':').unwrap_or((text, ""));
         let (name, is_file) = (name.trim(), name.trim() == file::NAME);
@@ -68,7 +69,8 @@ impl Spec {
                 (None, None) => bail!("'{text}': '{piece}' is not of the form key=value, as in packed:dim=3,n=1000,spacing=0.98"),
             }
         }
-        let (mut dim, mut n, mut seed, mut order) = (2, if is_file { 0 } else { 1000 }, 1, Order::default());
+        let own_n = table::find(name).is_ok_and(|generator| generator.own_n);
+        let (mut dim, mut n, mut seed, mut order) = (2, if own_n { 0 } else { 1000 }, 1, Order::default());
         let mut params = BTreeMap::new();
         for (k, (key, value)) in pairs.iter().enumerate() {
             ensure!(pairs[..k].iter().all(|(other, _)| other != key), "'{text}': {key} is given twice; leave one out");
@@ -92,16 +94,29 @@ impl Spec {
 
     /// Makes the scene.
     pub fn make(&self) -> anyhow::Result<AnyScene<'static>> {
+        Ok(self.ordered(self.given(|generator, inputs| (generator.make)(inputs))?))
+    }
+
+    /// Makes the scenes that a detector is to be given before the one of [`Spec::make`], in order: none, but for hard cases of several
+    /// steps. A detector may refuse them.
+    pub fn history(&self) -> anyhow::Result<Vec<AnyScene<'static>>> {
+        Ok(self.given(|generator, inputs| (generator.history)(inputs))?.into_iter().map(|scene| self.ordered(scene)).collect())
+    }
+
+    fn given<O>(&self, then: impl FnOnce(&Generator, &Inputs<'_>) -> anyhow::Result<O>) -> anyhow::Result<O> {
         // The fields are public: what was changed since `new` is checked here.
         let generator = table::find(&self.name)?;
         let params = generator.check(self.dim, self.n, &self.params)?;
         let inputs = Inputs { dim: self.dim, n: self.n, seed: self.seed, params: &params };
-        let scene = (generator.make)(&inputs).with_context(|| format!("cannot make the scene '{}'", self.name))?;
-        Ok(match self.order {
+        then(generator, &inputs).with_context(|| format!("cannot make the scene '{}'", self.name))
+    }
+
+    fn ordered(&self, scene: AnyScene<'static>) -> AnyScene<'static> {
+        match self.order {
             Order::Generated => scene,
             Order::Shuffled => scene.reordered(&shuffled(scene.len(), self.seed)),
             Order::Morton => scene.reordered(&morton(&scene)),
-        })
+        }
     }
 }
 
@@ -116,10 +131,10 @@ fn json(value: &toml::Value) -> Value {
     }
 }
 
-/// A value of the command line: whole number, number or text; a path is text whatever it looks like.
+/// A value of the command line: whole number, number or text; paths and names of cases are text whatever they look like.
 fn scalar(key: &str, value: &str) -> toml::Value {
     match (key, value.parse::<i64>(), value.parse::<f64>()) {
-        ("path", ..) => value.into(),
+        ("path" | "case", ..) => value.into(),
         (_, Ok(whole), _) => whole.into(),
         (_, _, Ok(number)) => number.into(),
         _ => value.into(),
@@ -193,7 +208,7 @@ mod tests {
     #[test]
     fn bad_requests_are_refused_by_name() {
         for (text, message) in [
-            ("packd", "there is no scene 'packd'; the scenes are: packed, loose, clustered, pack-a, pack-b, pack-c, pack-d, file"),
+            ("packd", "there is no scene 'packd'; the scenes are: packed, loose, clustered, pack-a, pack-b, pack-c, pack-d, file, hard"),
             ("packed:dim=4", "packed: dim = 4; it is made in 2 dimensions and 3 dimensions only"),
             ("pack-b:dim=3", "pack-b: dim = 3; it is made in 2 dimensions only"),
             ("loose:n=4294967296", "loose: n = 4294967296; at most 2^32 - 1 = 4294967295 elements can be numbered: make n smaller"),
@@ -214,6 +229,19 @@ mod tests {
             ("file", "file: the parameter 'path' is missing (the file's name)"),
             ("file:path=", "file: path is \"\"; it must be a text that is not empty"),
             ("file:path=a,dim=4", "file: file-dim is 4; it must be 2 or 3"),
+            ("hard", "hard: the parameter 'case' is missing (the name of the case)"),
+            (
+                "hard:case=tangent-1-2-2-3",
+                "hard: case is \"tangent-1-2-2-3\"; it must be the name of a hard case in 2 dimensions: see contactbench list hard-cases",
+            ),
+            (
+                "hard:case=every-neighbor",
+                "hard: case is \"every-neighbor\"; it must be the name of a hard case: there is no hard case 'every-neighbor'; the nearest names are every-neighbour, every-quadrant, one-hash-bucket (contactbench list hard-cases)",
+            ),
+            (
+                "hard:case=every-neighbour,n=5",
+                "cannot make the scene 'hard': the case has 17 elements, but n = 5 was asked for; leave n out",
+            ),
             ("packed:n=-1", "'packed:n=-1': n is '-1'; it must be a whole number: invalid digit found in string"),
             ("packed:order=up", "'packed:order=up': order is 'up'; it must be shuffled, generated or morton"),
             ("packed:3", "'packed:3': '3' is not of the form key=value, as in packed:dim=3,n=1000,spacing=0.98"),

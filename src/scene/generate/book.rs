@@ -17,7 +17,7 @@
 //! stands at (i·s)·D, of pack D at (⌊i/2⌋·(1 + s) + i mod 2)·D, row j at (2j)·D or (j·s)·D: exact where s and D are dyadic and
 //! neither product exceeds 53 bits. So neighbours that should be D apart are exactly D apart, at the very border of the closed contact test.
 
-use super::table::{Generator, Kind, Parameter, Preset};
+use super::table::{Generator, Kind, Parameter, Preset, no_history};
 use super::{DIAMETER, Inputs, assemble};
 use crate::scene::AnyScene;
 
@@ -26,8 +26,10 @@ pub const PACK_A: Generator = Generator {
     name: "pack-a",
     dims: &[2],
     summary: "the book's pack A: columns D apart, rows 2D apart",
+    own_n: false,
     params: &[DIAMETER],
     make: |inputs| pack(inputs, |i, j| [i, 2.0 * j]),
+    history: no_history,
 };
 
 /// The table line of pack B.
@@ -35,11 +37,13 @@ pub const PACK_B: Generator = Generator {
     name: "pack-b",
     dims: &[2],
     summary: "the book's pack B: columns S apart, rows 2D apart",
+    own_n: false,
     params: &[DIAMETER, S],
     make: |inputs| {
         let s = inputs.number("s")?;
         pack(inputs, |i, j| [i * s, 2.0 * j])
     },
+    history: no_history,
 };
 
 /// The table line of pack C.
@@ -47,11 +51,13 @@ pub const PACK_C: Generator = Generator {
     name: "pack-c",
     dims: &[2],
     summary: "the book's pack C: columns and rows S apart",
+    own_n: false,
     params: &[DIAMETER, S],
     make: |inputs| {
         let s = inputs.number("s")?;
         pack(inputs, |i, j| [i * s, j * s])
     },
+    history: no_history,
 };
 
 /// The table line of pack D.
@@ -59,6 +65,7 @@ pub const PACK_D: Generator = Generator {
     name: "pack-d",
     dims: &[2],
     summary: "the book's pack D: columns D and S apart in turn, rows 2D apart",
+    own_n: false,
     params: &[DIAMETER, S],
     make: |inputs| {
         let s = inputs.number("s")?;
@@ -67,6 +74,7 @@ pub const PACK_D: Generator = Generator {
             [couple * (1.0 + s) + (i - 2.0 * couple), 2.0 * j]
         })
     },
+    history: no_history,
 };
 
 const S: Parameter =

@@ -16,7 +16,7 @@
 //! throws elements outside the box; they stay, so the box around the scene is somewhat larger and its packing fraction somewhat
 //! smaller than asked. In generated order the clusters come first, one after the other, then the background.
 
-use super::table::{Generator, Kind, Parameter, Preset};
+use super::table::{Generator, Kind, Parameter, Preset, no_history};
 use super::{DIAMETER, Inputs, OFFSET, SIZE_RATIO, assemble, box_edge, draw::Draw, unit_radii};
 use crate::scene::{AnyScene, Scene};
 
@@ -25,6 +25,7 @@ pub const GENERATOR: Generator = Generator {
     name: "clustered",
     dims: &[2, 3],
     summary: "Gaussian clusters on a thin uniform background",
+    own_n: false,
     params: &[
         DIAMETER,
         OFFSET,
@@ -55,6 +56,7 @@ pub const GENERATOR: Generator = Generator {
         },
     ],
     make: |inputs| Ok(if inputs.dim == 2 { AnyScene::from(make::<2>(inputs)?) } else { AnyScene::from(make::<3>(inputs)?) }),
+    history: no_history,
 };
 
 fn make<const D: usize>(inputs: &Inputs<'_>) -> anyhow::Result<Scene<'static, f64, D>> {

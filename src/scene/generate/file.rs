@@ -13,7 +13,7 @@ use std::path::Path;
 
 use anyhow::ensure;
 
-use super::table::{Generator, Kind, Parameter, Preset};
+use super::table::{Generator, Kind, Parameter, Preset, no_history};
 use crate::read;
 
 /// The name under which the program knows files.
@@ -24,6 +24,7 @@ pub const GENERATOR: Generator = Generator {
     name: NAME,
     dims: &[2, 3],
     summary: "a particle file: CSV, XYZ, extended XYZ or NumPy npy",
+    own_n: true,
     params: &[
         Parameter { name: "path", kind: Kind::Text, default: [Preset::Required; 2], meaning: "the file's name" },
         Parameter {
@@ -47,4 +48,5 @@ pub const GENERATOR: Generator = Generator {
         ensure!(n == 0 || n == found as u64, "{} holds {found} particles, but n = {n} was asked for; leave n out", path.display());
         Ok(scene)
     },
+    history: no_history,
 };

@@ -12,7 +12,7 @@
 //! Centres are independent and uniform in a square (cube) with a corner at the origin, whose volume is the volume of all bodies over
 //! `fraction`. Overlaps are kept, so that about 4·fraction·n/2 (2D) or 8·fraction·n/2 (3D) pairs touch.
 
-use super::table::{Generator, Kind, Parameter, Preset};
+use super::table::{Generator, Kind, Parameter, Preset, no_history};
 use super::{DIAMETER, Inputs, OFFSET, SIZE_RATIO, assemble, box_edge, draw::Draw, unit_radii};
 use crate::scene::{AnyScene, Scene};
 
@@ -21,6 +21,7 @@ pub const GENERATOR: Generator = Generator {
     name: "loose",
     dims: &[2, 3],
     summary: "uniform random in a square or cube",
+    own_n: false,
     params: &[
         DIAMETER,
         OFFSET,
@@ -33,6 +34,7 @@ pub const GENERATOR: Generator = Generator {
         },
     ],
     make: |inputs| Ok(if inputs.dim == 2 { AnyScene::from(make::<2>(inputs)?) } else { AnyScene::from(make::<3>(inputs)?) }),
+    history: no_history,
 };
 
 fn make<const D: usize>(inputs: &Inputs<'_>) -> anyhow::Result<Scene<'static, f64, D>> {

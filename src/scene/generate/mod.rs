@@ -10,6 +10,7 @@ pub mod book;
 pub mod clustered;
 pub mod draw;
 pub mod file;
+pub mod hard;
 pub mod loose;
 pub mod packed;
 pub mod table;

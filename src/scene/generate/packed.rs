@@ -12,7 +12,7 @@
 //! 3.5 contacts per element in 2D and 6.9 in 3D, as in a dense granular pack. Square and cubic sites without jitter are exactly
 //! i·spacing·diameter (one rounding each, none where spacing and diameter are dyadic).
 
-use super::table::{Generator, Kind, Parameter, Preset};
+use super::table::{Generator, Kind, Parameter, Preset, no_history};
 use super::{DIAMETER, Inputs, OFFSET, SIZE_RATIO, assemble, draw::Draw, unit_radii};
 use crate::scene::{AnyScene, Scene};
 
@@ -21,6 +21,7 @@ pub const GENERATOR: Generator = Generator {
     name: "packed",
     dims: &[2, 3],
     summary: "jittered lattice that overlaps and touches like a dense granular pack",
+    own_n: false,
     params: &[
         DIAMETER,
         OFFSET,
@@ -50,6 +51,7 @@ pub const GENERATOR: Generator = Generator {
             (_, lattice) => AnyScene::from(make(inputs, space(lattice, inputs.n))?),
         })
     },
+    history: no_history,
 };
 
 fn make<const D: usize>(inputs: &Inputs<'_>, site: impl Fn(u64) -> [f64; D]) -> anyhow::Result<Scene<'static, f64, D>> {

@@ -5,12 +5,21 @@ use std::collections::BTreeMap;
 use anyhow::{bail, ensure};
 use serde_json::Value;
 
-use super::{Inputs, book, clustered, file, loose, packed};
-use crate::scene::AnyScene;
+use super::{Inputs, book, clustered, file, hard, loose, packed};
+use crate::scene::{self, AnyScene};
 
 /// All generators.
-pub static GENERATORS: [Generator; 8] =
-    [packed::GENERATOR, loose::GENERATOR, clustered::GENERATOR, book::PACK_A, book::PACK_B, book::PACK_C, book::PACK_D, file::GENERATOR];
+pub static GENERATORS: [Generator; 9] = [
+    packed::GENERATOR,
+    loose::GENERATOR,
+    clustered::GENERATOR,
+    book::PACK_A,
+    book::PACK_B,
+    book::PACK_C,
+    book::PACK_D,
+    file::GENERATOR,
+    hard::GENERATOR,
+];
 
 /// One line of the table.
 #[derive(Clone, Copy)]
@@ -21,10 +30,19 @@ pub struct Generator {
     pub dims: &'static [u32],
     /// What it makes, in a phrase.
     pub summary: &'static str,
+    /// It decides the number of elements itself, and n is 0 where none is given.
+    pub own_n: bool,
     /// Its parameters.
     pub params: &'static [Parameter],
     /// Makes the scene, in generated order.
     pub make: fn(&Inputs<'_>) -> anyhow::Result<AnyScene<'static>>,
+    /// Makes the scenes that a detector is to be given before it, in generated order.
+    pub history: fn(&Inputs<'_>) -> anyhow::Result<Vec<AnyScene<'static>>>,
+}
+
+/// For generators whose scenes stand alone.
+pub fn no_history(_: &Inputs<'_>) -> anyhow::Result<Vec<AnyScene<'static>>> {
+    Ok(Vec::new())
 }
 
 /// A parameter of a generator.
@@ -59,6 +77,8 @@ pub enum Kind {
     Word([&'static [&'static str]; 2]),
     /// Any text that is not empty.
     Text,
+    /// The name of a hard case that is made in the dimension.
+    Case,
 }
 
 /// The value of a parameter that is not given.
@@ -152,6 +172,7 @@ impl Kind {
             Kind::Dim => "2 or 3".into(),
             Kind::Word(words) => format!("{} in {dim} dimensions", words[usize::from(dim == 3)].join(" or ")),
             Kind::Text => "a text that is not empty".into(),
+            Kind::Case => format!("the name of a hard case in {dim} dimensions: see contactbench list hard-cases"),
         }
     }
 
@@ -169,6 +190,11 @@ impl Kind {
             Kind::Dim => whole(|k| k == 2 || k == 3),
             Kind::Word(words) => text(&|word| words[usize::from(dim == 3)].contains(&word)),
             Kind::Text => text(&|text| !text.is_empty()),
+            Kind::Case => match scene::hard::find(value.as_str().unwrap_or_default()) {
+                Ok(case) if case.dims.contains(&dim) => Some(case.name.into()),
+                Ok(_) => None,
+                Err(error) => return Err(format!("the name of a hard case: {error}")),
+            },
         };
         good.ok_or_else(|| self.accepts(dim))
     }

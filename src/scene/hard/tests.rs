@@ -1,0 +1,180 @@
+//! The catalogue is what it says: complete, right by its own arithmetic, and answered rightly by every detector.
+
+use std::collections::{BTreeSet, HashMap, HashSet};
+
+use super::*;
+use crate::contact::{Arithmetic, Bodies, Real, WithBodies, with_bodies};
+use crate::detect::table::{Entry, TABLE};
+use crate::detect::{Options, Refusal, mask};
+use crate::filter::cells::Cells;
+use crate::oracle;
+use crate::probe::Silent;
+use crate::scene::SceneError;
+use crate::scene::spec::{Order, Spec};
+use crate::sink::{Digest, normalise};
+
+/// All cases in all their dimensions, without those that have no scene.
+fn valid() -> impl Iterator<Item = (&'static Case, u32, Vec<AnyScene<'static>>)> {
+    cases()
+        .filter(|case| case.expect != Expect::Invalid)
+        .flat_map(|case| case.dims.iter().map(move |&dim| (case, dim, case.steps(dim).unwrap())))
+}
+
+#[test]
+fn the_catalogue_is_complete() {
+    let names: HashSet<&str> = cases().map(|case| case.name).collect();
+    assert_eq!(names.len(), cases().count(), "a name occurs twice");
+    assert!(names.len() >= 100, "{}", names.len());
+    for group in Group::ALL {
+        let of_group = cases().filter(|case| case.group == group).count();
+        println!("{:<12}{of_group:>4}", group.name());
+        assert!(of_group >= 4, "{}", group.name());
+    }
+    for case in cases() {
+        assert!(case.name.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-'), "{}", case.name);
+        assert!(case.reason.len() > 20 && !case.source.is_empty(), "{}", case.name);
+        assert!(case.dims == [2, 3] || case.dims == [2] || case.dims == [3], "{}", case.name);
+    }
+    for (case, dim, steps) in valid() {
+        assert!(!steps.is_empty() && steps.iter().all(|scene| scene.dim() == dim as usize && scene.len() <= 3000), "{}", case.name);
+        assert_eq!(steps.len() > 1, case.group == Group::State, "{}", case.name);
+    }
+}
+
+#[test]
+fn expected_contacts_are_those_of_the_oracle() {
+    for (case, dim, steps) in valid() {
+        let truth = oracle::truth(&steps[steps.len() - 1], Arithmetic::Exact).unwrap();
+        if let Expect::Contacts(contacts) = case.expect {
+            assert_eq!(truth.digest.contacts, contacts[usize::from(dim == 3)], "{} in {dim}D", case.name);
+        }
+    }
+}
+
+#[test]
+fn invalid_cases_name_the_particle() {
+    for case in cases().filter(|case| case.expect == Expect::Invalid) {
+        for &dim in case.dims {
+            let params = [("case".to_string(), case.name.into())].into();
+            let error = Spec::new("hard", dim, 0, 1, Order::Generated, &params).unwrap().make().unwrap_err();
+            let found = error.chain().find_map(|cause| cause.downcast_ref::<SceneError>());
+            assert!(found.is_some_and(|error| error.to_string().starts_with("particle 3: ")), "{}: {error:#}", case.name);
+        }
+    }
+}
+
+fn detectors() -> impl Iterator<Item = &'static Entry> {
+    TABLE.iter().filter(|entry| entry.must_be_right())
+}
+
+/// What a new detector says of the last of some steps, and the digest of what it reports.
+fn last_answer(entry: &Entry, arithmetic: Arithmetic, steps: &[AnyScene<'static>]) -> Option<(Result<(), Refusal>, Digest)> {
+    let mut detector = entry.make(Options::default());
+    let mut last = None;
+    for scene in steps {
+        let mut digest = Digest::default();
+        let answer = detector.visit(&scene.stored(arithmetic).ok()?, arithmetic.test(), &mut digest);
+        assert!(answer.is_ok() || digest == Digest::default(), "{} refused after it had reported", entry.name);
+        last = Some((answer, digest));
+    }
+    last
+}
+
+/// In exact arithmetic only what the case allows may be refused; in the others anything.
+#[test]
+fn every_detector_is_right_in_every_safe_arithmetic() {
+    let mut refused: BTreeSet<(&str, &str, bool)> = BTreeSet::new();
+    for (case, dim, steps) in valid() {
+        for arithmetic in Arithmetic::SAFE {
+            let Ok(truth) = oracle::truth(&steps[steps.len() - 1], arithmetic) else {
+                assert_ne!(arithmetic, Arithmetic::Exact, "{}: exact arithmetic holds every scene", case.name);
+                continue;
+            };
+            for entry in detectors() {
+                let Some((answer, digest)) = last_answer(entry, arithmetic, &steps) else { continue };
+                let what = format!("{} in {dim}D: {} in {}", case.name, entry.name, arithmetic.name());
+                let Err(refusal) = answer else {
+                    assert_eq!(digest, truth.digest, "{what}");
+                    continue;
+                };
+                if arithmetic == Arithmetic::Exact {
+                    let allowed = match refusal {
+                        Refusal::Domain { .. } => case.allows.contains(&Allowed::Domain),
+                        Refusal::Memory { .. } => case.allows.contains(&Allowed::Memory),
+                        _ => false,
+                    };
+                    assert!(allowed && entry.name != "direct", "{what}: {refusal}");
+                    refused.insert((case.name, entry.name, dim == 3));
+                }
+            }
+        }
+    }
+    // What is allowed does occur.
+    for case in cases().filter(|case| !case.allows.is_empty()) {
+        assert!(refused.iter().any(|(name, ..)| *name == case.name), "{}: nothing is refused", case.name);
+    }
+}
+
+/// The same scenes by way of a spec, and the earlier steps as its history.
+#[test]
+fn a_spec_gives_last_step_and_history() {
+    for case in cases().filter(|case| case.group == Group::State || case.group == Group::Keys) {
+        for &dim in case.dims {
+            let params = [("case".to_string(), case.name.into())].into();
+            let spec = Spec::new("hard", dim, 0, 1, Order::Generated, &params).unwrap();
+            let mut steps = spec.history().unwrap();
+            steps.push(spec.make().unwrap());
+            assert!(steps == case.steps(dim).unwrap(), "{}", case.name);
+        }
+    }
+    assert!(Spec::parse("packed:n=10").unwrap().history().unwrap().is_empty());
+    assert_eq!(Spec::parse("hard:case=shrink-then-grow").unwrap().history().unwrap().len(), 2);
+    assert!(cases().all(|case| find(case.name).is_ok_and(|found| std::ptr::eq(found, case))));
+    assert!(find("tangent-3-4-6").err().is_some_and(|error| error.to_string().contains("tangent-3-4-5")));
+    assert!(cases().next().unwrap().steps(4).is_err());
+}
+
+/// The contacts of a scene by the offset of the second element's cell from the first's; elements in input order.
+struct ByOffset<const D: usize>(Vec<[u32; 2]>);
+
+impl<T: Real, const D: usize> WithBodies<T, D> for ByOffset<D> {
+    type Output = Result<HashMap<[i64; D], usize>, Refusal>;
+    fn call<B: Bodies<T, D>>(self, bodies: B) -> Self::Output {
+        let cells = Cells::new(&bodies)?;
+        let cell = |i: u32| {
+            let position = bodies.position(i);
+            std::array::from_fn::<i64, D, _>(|k| i64::from(cells.index(position[k], k, &mut Silent)))
+        };
+        let mut found = HashMap::new();
+        for [i, j] in self.0 {
+            let (a, b) = (cell(i), cell(j));
+            *found.entry(std::array::from_fn(|k| b[k] - a[k])).or_default() += 1;
+        }
+        Ok(found)
+    }
+}
+
+/// A detector that forgets one cell of its mask, half or full, loses a contact of `every-neighbour`.
+#[test]
+fn every_cell_of_the_mask_is_needed() {
+    let case = find("every-neighbour").unwrap();
+    for dim in [2, 3] {
+        let scene = case.steps(dim).unwrap().remove(0);
+        let mut pairs = oracle::truth(&scene, Arithmetic::Exact).unwrap().pairs;
+        normalise(&mut pairs);
+        let test = Arithmetic::Exact.test();
+        match scene {
+            AnyScene::PlaneF64(scene) => {
+                let found = with_bodies(&scene, test, ByOffset::<2>(pairs)).unwrap();
+                assert!(mask::PLANE.iter().all(|v| found[&v.map(i64::from)] == 1 && found[&v.map(|x| -i64::from(x))] == 1));
+                assert_eq!(found.len(), 8);
+            }
+            AnyScene::SpaceF64(scene) => {
+                let found = with_bodies(&scene, test, ByOffset::<3>(pairs)).unwrap();
+                assert!(mask::SPACE.iter().all(|v| found[&v.map(i64::from)] == 1 && found[&v.map(|x| -i64::from(x))] == 1));
+                assert_eq!(found.len(), 26);
+            }
+            _ => panic!("cases are made in f64"),
+        }
+    }
+}
