@@ -24,6 +24,7 @@
 //!
 //! What a *cell* must add to the reach for its own rounding is derived in [`crate::cells`].
 
+pub mod depth;
 pub mod exact;
 
 use std::cmp::Ordering;
