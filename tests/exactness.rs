@@ -2,7 +2,9 @@
 
 use std::cmp::Ordering;
 
-use contactbench::contact::{Bodies, Test, WithBodies, exact, with_bodies};
+use contactbench::contact::depth::depth;
+use contactbench::contact::exact::{self, Label};
+use contactbench::contact::{Bodies, Test, WithBodies, with_bodies};
 use contactbench::detect::Refusal;
 use contactbench::probe::Silent;
 use contactbench::scene::{Radii, Scene};
@@ -19,11 +21,26 @@ fn integer(x: f64) -> BigInt {
     if x.is_sign_negative() { -magnitude } else { magnitude }
 }
 
-/// The truth, by a library that rounds nothing.
-fn truth<const D: usize>(a: &[f64; D], b: &[f64; D], ra: f64, rb: f64) -> Ordering {
+/// (|a - b|², (ra + rb)²) by a library that rounds nothing, in units of 2^-2148.
+fn squares<const D: usize>(a: &[f64; D], b: &[f64; D], ra: f64, rb: f64) -> (BigInt, BigInt) {
     let square = |x: BigInt| &x * &x;
-    let distance: BigInt = (0..D).map(|k| square(integer(a[k]) - integer(b[k]))).sum();
-    distance.cmp(&square(integer(ra) + integer(rb)))
+    ((0..D).map(|k| square(integer(a[k]) - integer(b[k]))).sum(), square(integer(ra) + integer(rb)))
+}
+
+/// The depth within 10^-15 of 2(s² - d²) / (s² + sd), and within 2^-1074 where it is subnormal.
+fn depth_is_right(depth: f64, distance: &BigInt, reach: &BigInt) -> bool {
+    if *reach == BigInt::ZERO || *distance == *reach {
+        return depth == if distance == reach { 0.0 } else { f64::NEG_INFINITY };
+    }
+    // s² + sd to 200 bits behind the point.
+    let below: BigInt = (reach << 200) + (reach * distance << 400u32).sqrt();
+    let above: BigInt = (reach - distance) << 1274 + 1;
+    if depth.is_infinite() {
+        return depth < 0.0 && -above >= &below * integer(f64::MAX);
+    }
+    let error: BigInt = (integer(depth) * &below - &above).magnitude().clone().into();
+    let allowed = BigInt::from(above.magnitude().clone()) / 1_000_000_000_000_000u64;
+    (depth > 0.0) == (reach > distance) && depth != 0.0 && error <= allowed.max(below)
 }
 
 struct Touch;
@@ -41,7 +58,12 @@ fn touch<const D: usize>(a: [f64; D], b: [f64; D], radii: Radii<'_, f64>) -> boo
 }
 
 fn check<const D: usize>(a: [f64; D], b: [f64; D], ra: f64, rb: f64) -> Result<(), TestCaseError> {
-    let truth = truth(&a, &b, ra, rb);
+    let (distance, reach) = squares(&a, &b, ra, rb);
+    let truth = distance.cmp(&reach);
+    let label = [Label::Overlap, Label::Tangent, Label::Apart][(truth as i8 + 1) as usize];
+    prop_assert_eq!(exact::label(&a, &b, ra, rb), label);
+    let depth = depth(&a, &b, ra, rb);
+    prop_assert!(depth_is_right(depth, &distance, &reach), "{:?} {:?} {} {}: {}", a, b, ra, rb, depth);
     prop_assert_eq!(exact::compare(&a, &b, ra, rb), truth, "{:?} {:?} {} {}", a, b, ra, rb);
     prop_assert_eq!(touch(a, b, Radii::Each(vec![ra, rb].into())), truth != Ordering::Greater, "{:?} {:?} {} {}", a, b, ra, rb);
     if ra == rb {

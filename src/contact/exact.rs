@@ -2,21 +2,122 @@
 //!
 //! A binary floating-point number is an integer times a power of two. The numbers of one test are brought to one common power
 //! of two; then differences, sums and squares are integers and there is no rounding to argue about: no underflow, no
-//! overflow, no special case for subnormals. Two widths do the work:
+//! overflow, no special case for subnormals. Three widths do the work:
 //!
-//! * all significant bits of the inputs lie within 124 binary places (practically always): differences fit an `i128`, their
-//!   squares and the sum of up to four of them fit 256 bits;
-//! * anything else: fixed point with unit 2^-1074 in 33 words, squares in 66 words. Every finite double fits.
+//! * *short*: the differences a[k] - b[k] and the sum ra + rb are integers below 2^62 in units of 2^-62 of the sum (nearly every
+//!   pair near tangency), their squares fit 128 bits. The proof is below;
+//! * *narrow*: all significant bits of the inputs lie within 124 binary places: differences fit an `i128`, their squares and the
+//!   sum of up to four of them fit 256 bits;
+//! * *wide*: anything else, in fixed point with unit 2^-1074 in 33 words, squares in 66 words. Every finite double fits.
 //!
 //! Nothing here allocates.
+//!
+//! **The short form.** Let h = fl(x ± y) and l the error term of Knuth's two-sum (Dekker 1971, doi:10.1007/BF01397083; Shewchuk 1997,
+//! doi:10.1007/PL00009321, theorem 7): x ± y = h + l exactly, in any order of magnitudes, unless a sum overflows; the error of a sum is
+//! a multiple of the smallest subnormal, so it never underflows. Let s be the h of ra + rb, in [2^-900, 2^60), and c the power of
+//! two that brings it into [2^61, 2^62); so c lies in [2^2, 2^962) and is a double. As c > 1, the product c·x of a double x is exact
+//! or overflows to infinity. A value v = c·x passes if |v| < 2^62, so that `v as i64` truncates and never saturates, and if the integer converted back is v,
+//! so that nothing was truncated. NaN and infinities do not pass. Where the h and l of a sum pass, its integer is theirs added, at
+//! most 2^62 + 2^62 in magnitude and so no `i64` overflow. An l is at most half an ulp of its h, hence below 2^62 · 2^-53: the integers are below
+//! 2^62 + 2^9, their squares below 2^124 + 2^73, and the sum of up to 15 of them below 2^128. All of it is exact, so the comparison is.
 
 use std::cmp::Ordering;
+
+/// How two bodies lie to each other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Label {
+    /// |a - b| > ra + rb: no contact.
+    Apart,
+    /// |a - b| = ra + rb: contact, at one point.
+    Tangent,
+    /// |a - b| < ra + rb: contact.
+    Overlap,
+}
+
+impl Label {
+    /// All labels, in the order of growing depth.
+    pub const ALL: [Label; 3] = [Label::Apart, Label::Tangent, Label::Overlap];
+
+    /// The name used in records and tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Label::Apart => "apart",
+            Label::Tangent => "tangent",
+            Label::Overlap => "overlap",
+        }
+    }
+
+    /// Do bodies that lie so touch? The contact test is closed: tangent bodies do.
+    pub fn touches(self) -> bool {
+        self != Label::Apart
+    }
+}
+
+/// How the bodies of radii `ra` and `rb` at `a` and `b` lie to each other, for the numbers as given.
+///
+/// All numbers must be finite; radii must not be negative.
+pub fn label<const D: usize>(a: &[f64; D], b: &[f64; D], ra: f64, rb: f64) -> Label {
+    match compare(a, b, ra, rb) {
+        Ordering::Less => Label::Overlap,
+        Ordering::Equal => Label::Tangent,
+        Ordering::Greater => Label::Apart,
+    }
+}
 
 /// Compares |a - b|² with (ra + rb)² exactly: `Less` is overlap, `Equal` is tangency, `Greater` is apart.
 ///
 /// All numbers must be finite; radii must not be negative.
 #[cold]
 pub fn compare<const D: usize>(a: &[f64; D], b: &[f64; D], ra: f64, rb: f64) -> Ordering {
+    match short(a, b, ra, rb) {
+        Some((distance, reach)) => distance.cmp(&reach),
+        None => long(a, b, ra, rb),
+    }
+}
+
+/// |a - b|² and (ra + rb)² as integers of one unit, where the short form holds them.
+#[inline(always)]
+pub(super) fn short<const D: usize>(a: &[f64; D], b: &[f64; D], ra: f64, rb: f64) -> Option<(u128, u128)> {
+    const MOST: f64 = (1u64 << 62) as f64;
+    let (s, error) = two_sum(ra, rb);
+    let field = s.to_bits() >> 52;
+    if !(1023 - 900..1023 + 60).contains(&field) || D > 15 {
+        return None;
+    }
+    let c = f64::from_bits((2 * 1023 + 61 - field) << 52);
+    let mut exact = true;
+    let mut integer = |x: f64, error: f64| -> u64 {
+        let (x, error) = (x * c, error * c);
+        let (whole, rest) = (x as i64, error as i64);
+        exact &= x.abs() < MOST && whole as f64 == x && error.abs() < MOST && rest as f64 == error;
+        whole.wrapping_add(rest).unsigned_abs()
+    };
+    let reach = u128::from(integer(s, error));
+    let mut distance = 0u128;
+    for k in 0..D {
+        let (d, error) = two_sum(a[k], -b[k]);
+        let d = u128::from(integer(d, error));
+        distance = distance.wrapping_add(d * d);
+    }
+    exact.then_some((distance, reach * reach))
+}
+
+/// (fl(x + y), x + y - fl(x + y)); the second is exact where nothing overflows.
+#[inline(always)]
+fn two_sum(x: f64, y: f64) -> (f64, f64) {
+    let sum = x + y;
+    let part = sum - x;
+    (sum, (x - (sum - part)) + (y - part))
+}
+
+/// The comparison for any finite numbers.
+#[cold]
+fn long<const D: usize>(a: &[f64; D], b: &[f64; D], ra: f64, rb: f64) -> Ordering {
+    with_squares(a, b, ra, rb, compare_words)
+}
+
+/// Hands |a - b|² and (ra + rb)² to `then`: integers of one unit, as words of which the lowest is the first; equally many in both.
+pub(super) fn with_squares<O, const D: usize>(a: &[f64; D], b: &[f64; D], ra: f64, rb: f64, then: impl FnOnce(&[u64], &[u64]) -> O) -> O {
     let (mut lowest, mut highest) = (i32::MAX, i32::MIN);
     for &x in a.iter().chain(b).chain([&ra, &rb]) {
         let Parts { mantissa, exponent, .. } = parts(x);
@@ -26,9 +127,20 @@ pub fn compare<const D: usize>(a: &[f64; D], b: &[f64; D], ra: f64, rb: f64) -> 
         }
     }
     if lowest > highest {
-        return Ordering::Equal; // every number is zero: two points at the same place
+        return then(&[0], &[0]); // every number is zero: two points at the same place
     }
-    if highest - lowest <= 124 { narrow(a, b, ra, rb, lowest) } else { wide(a, b, ra, rb) }
+    if highest - lowest <= 124 && D <= 4 {
+        let (distance, reach) = narrow(a, b, ra, rb, lowest);
+        then(&words(distance), &words(reach))
+    } else {
+        let (distance, reach) = wide(a, b, ra, rb);
+        then(&distance, &reach)
+    }
+}
+
+/// The four words of a number of 256 bits.
+fn words((high, low): (u128, u128)) -> [u64; 4] {
+    [low as u64, (low >> 64) as u64, high as u64, (high >> 64) as u64]
 }
 
 /// A double as sign, integer mantissa and power of two: value = ±mantissa · 2^exponent, exponent >= -1074.
@@ -46,9 +158,11 @@ fn parts(x: f64) -> Parts {
     Parts { negative: x.is_sign_negative(), mantissa, exponent }
 }
 
+/// |a - b|² and (ra + rb)² in units of 2^(2·lowest), as (high, low).
+///
 /// Magnitudes are below 2^124, so differences and the sum of radii are below 2^125, squares below 2^250, and their sum over at
 /// most four dimensions below 2^252.
-fn narrow<const D: usize>(a: &[f64; D], b: &[f64; D], ra: f64, rb: f64, lowest: i32) -> Ordering {
+fn narrow<const D: usize>(a: &[f64; D], b: &[f64; D], ra: f64, rb: f64, lowest: i32) -> ((u128, u128), (u128, u128)) {
     let integer = |x: f64| -> i128 {
         let Parts { negative, mantissa, exponent } = parts(x);
         if mantissa == 0 {
@@ -64,7 +178,7 @@ fn narrow<const D: usize>(a: &[f64; D], b: &[f64; D], ra: f64, rb: f64, lowest: 
         distance = add256(distance, square256((integer(a[k]) - integer(b[k])).unsigned_abs()));
     }
     let reach = (integer(ra) + integer(rb)).unsigned_abs();
-    distance.cmp(&square256(reach))
+    (distance, square256(reach))
 }
 
 /// (high, low) of x².
@@ -82,23 +196,27 @@ fn add256(a: (u128, u128), b: (u128, u128)) -> (u128, u128) {
 
 /// Words of a number in units of 2^-1074: magnitudes stay below 2^2099 after one addition.
 const WORDS: usize = 33;
+/// Words of its square.
+pub(super) const SQUARE_WORDS: usize = 2 * WORDS;
 type Word = [u64; WORDS];
-type Square = [u64; 2 * WORDS];
+type Square = [u64; SQUARE_WORDS];
 
-fn wide<const D: usize>(a: &[f64; D], b: &[f64; D], ra: f64, rb: f64) -> Ordering {
-    let mut distance: Square = [0; 2 * WORDS];
+/// |a - b|² and (ra + rb)² in units of 2^-2148.
+fn wide<const D: usize>(a: &[f64; D], b: &[f64; D], ra: f64, rb: f64) -> (Square, Square) {
+    let mut distance: Square = [0; SQUARE_WORDS];
     for k in 0..D {
         let (x, y) = (fixed(a[k]), fixed(b[k]));
-        let difference = if a[k].is_sign_negative() != b[k].is_sign_negative() {
-            sum(&x, &y)
+        let mut difference = [0; WORDS];
+        if a[k].is_sign_negative() != b[k].is_sign_negative() {
+            difference = sum(&x, &y);
         } else if compare_words(&x, &y) == Ordering::Less {
-            subtract(&y, &x)
+            subtract(&y, &x, &mut difference);
         } else {
-            subtract(&x, &y)
-        };
+            subtract(&x, &y, &mut difference);
+        }
         distance = sum(&distance, &square(&difference));
     }
-    compare_words(&distance, &square(&sum(&fixed(ra), &fixed(rb))))
+    (distance, square(&sum(&fixed(ra), &fixed(rb))))
 }
 
 /// |x| in units of 2^-1074.
@@ -115,7 +233,8 @@ fn fixed(x: f64) -> Word {
     words
 }
 
-fn compare_words(a: &[u64], b: &[u64]) -> Ordering {
+/// Compares two numbers of equally many words.
+pub(super) fn compare_words(a: &[u64], b: &[u64]) -> Ordering {
     a.iter().rev().cmp(b.iter().rev())
 }
 
@@ -129,20 +248,19 @@ fn sum<const W: usize>(a: &[u64; W], b: &[u64; W]) -> [u64; W] {
     out
 }
 
-/// a - b for a >= b.
-fn subtract(a: &Word, b: &Word) -> Word {
-    let (mut out, mut borrow) = ([0; WORDS], false);
-    for k in 0..WORDS {
-        let (difference, first) = a[k].overflowing_sub(b[k]);
+/// out = a - b for a >= b of equal lengths.
+pub(super) fn subtract(a: &[u64], b: &[u64], out: &mut [u64]) {
+    let mut borrow = false;
+    for ((a, b), out) in a.iter().zip(b).zip(out) {
+        let (difference, first) = a.overflowing_sub(*b);
         let (difference, second) = difference.overflowing_sub(u64::from(borrow));
-        out[k] = difference;
+        *out = difference;
         borrow = first | second;
     }
-    out
 }
 
 fn square(a: &Word) -> Square {
-    let mut out = [0; 2 * WORDS];
+    let mut out = [0; SQUARE_WORDS];
     for i in (0..WORDS).filter(|&i| a[i] != 0) {
         let mut carry = 0u128;
         for j in 0..WORDS {
@@ -161,16 +279,22 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_two_widths_agree_where_both_apply() {
+    fn the_three_widths_agree_where_they_apply() {
+        let mut in_short = 0;
         let values = [0.0, 1.0, -1.0, 0.1, 3.0, 4.0, 5.0, 1e9, -1e-9, 2.5f64.next_up(), 2.5];
         for &x in &values {
             for &y in &values {
                 for &r in values.iter().filter(|r| **r >= 0.0) {
                     let (a, b) = ([x, 3.0], [y, -1.0]);
-                    assert_eq!(compare(&a, &b, r, 2.5), wide(&a, &b, r, 2.5), "{a:?} {b:?} {r}");
+                    let (distance, reach) = wide(&a, &b, r, 2.5);
+                    let truth = compare_words(&distance, &reach);
+                    assert_eq!(long(&a, &b, r, 2.5), truth, "{a:?} {b:?} {r}");
+                    assert_eq!(compare(&a, &b, r, 2.5), truth, "{a:?} {b:?} {r}");
+                    in_short += usize::from(short(&a, &b, r, 2.5).is_some());
                 }
             }
         }
+        assert!(in_short > 500, "{in_short}");
     }
 
     #[test]
@@ -184,5 +308,32 @@ mod tests {
         assert_eq!(compare(&[0.0, 0.0], &[tiny, tiny], tiny, tiny), Ordering::Less);
         assert_eq!(compare(&[-0.0, 0.0], &[0.0, 0.0], 0.0, 0.0), Ordering::Equal);
         assert_eq!(compare(&[1e300, tiny], &[1e300, 0.0], tiny, 0.0), Ordering::Equal);
+    }
+
+    /// Each condition of the short form alone, at its border: what passes is right, what would not be is refused.
+    #[test]
+    fn the_short_form_refuses_what_it_cannot_hold() {
+        let power = |k: i32| f64::from_bits(((1023 + k) as u64) << 52);
+        for (r, inside) in [(-902, false), (-901, true), (0, true), (58, true), (59, false)] {
+            let r = power(r); // the sum is 2r
+            assert_eq!(short(&[0.0, 0.0], &[2.0 * r, 0.0], r, r).is_some(), inside, "{r:e}");
+            assert_eq!(compare(&[0.0, 0.0], &[2.0 * r, 0.0], r, r), Ordering::Equal);
+        }
+        // The sum is 2, the unit 2^-60.
+        assert!(short(&[0.0, power(-60)], &[2.0, 0.0], 1.0, 1.0).is_some());
+        assert!(short(&[0.0, power(-61)], &[2.0, 0.0], 1.0, 1.0).is_none());
+        assert!(short(&[4.0f64.next_down(), 0.0], &[0.0, 0.0], 1.0, 1.0).is_some());
+        assert!(short(&[4.0, 0.0], &[0.0, 0.0], 1.0, 1.0).is_none());
+        assert!(short(&[f64::MAX, 0.0], &[-f64::MAX, 0.0], 1.0, 1.0).is_none());
+        // A difference and a sum that need a second double.
+        assert!(short(&[power(-60), 0.0], &[2.0, 0.0], 1.0, 1.0).is_some());
+        assert_eq!(compare(&[power(-60), 0.0], &[2.0, 0.0], 1.0, 1.0), Ordering::Less);
+        assert_eq!(compare(&[-power(-60), 0.0], &[2.0, 0.0], 1.0, 1.0), Ordering::Greater);
+        assert_eq!(compare(&[-power(-60), 0.0], &[2.0, 0.0], 2.0, power(-60)), Ordering::Equal);
+        assert!(short(&[0.0, 0.0], &[2.0, 0.0], 2.0, power(-61)).is_none());
+        assert_eq!(short(&[0.0, 0.0], &[0.0, 0.0], 0.0, 0.0), None);
+        assert_eq!(label(&[0.0, 0.0], &[0.0, 0.0], 0.0, 0.0), Label::Tangent);
+        assert_eq!(Label::ALL.map(Label::name), ["apart", "tangent", "overlap"]);
+        assert_eq!(Label::ALL.map(Label::touches), [false, true, true]);
     }
 }
