@@ -5,6 +5,7 @@ use std::path::Path;
 
 use anyhow::{Context, ensure};
 
+use super::protocol::Request;
 use crate::contact::array;
 use crate::read;
 use crate::scene::{AnyScene, Radii, Scene};
@@ -13,6 +14,12 @@ use crate::with_scene;
 /// Writes centres, and radii as one more column unless they are all the same, as f64. Gives the radius for the `load` request.
 pub fn write(path: &Path, scene: &AnyScene<'_>) -> anyhow::Result<Option<f64>> {
     with_scene!(scene, scene => write_scene(path, scene)).with_context(|| format!("cannot write the scene to {}", path.display()))
+}
+
+/// Writes a scene, and gives the request that makes a runner read it.
+pub fn load(path: &Path, scene: &AnyScene<'_>) -> anyhow::Result<Request> {
+    let radius = write(path, scene)?;
+    Ok(Request::Load { path: path.to_path_buf(), dim: scene.dim() as u32, n: scene.len() as u64, radius })
 }
 
 fn write_scene<T: crate::contact::Real, const D: usize>(path: &Path, scene: &Scene<'_, T, D>) -> anyhow::Result<Option<f64>> {

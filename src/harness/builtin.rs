@@ -15,6 +15,7 @@ pub const FILES: &[(&str, &str)] = &[
     ("book-4", include_str!("../../experiments/book-4.toml")),
     ("arithmetic", include_str!("../../experiments/arithmetic.toml")),
     ("speed-error", include_str!("../../experiments/speed-error.toml")),
+    ("hard-cases", include_str!("../../experiments/hard-cases.toml")),
     ("million", include_str!("../../experiments/million.toml")),
 ];
 

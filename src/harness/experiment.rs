@@ -8,8 +8,8 @@ use serde::Deserialize;
 
 use crate::contact::Arithmetic;
 use crate::detect::table;
-use crate::scene::generate;
 use crate::scene::spec::{Order, Spec};
+use crate::scene::{generate, hard};
 
 /// One experiment file.
 #[derive(Clone, Debug, Deserialize)]
@@ -103,7 +103,7 @@ impl<T: Clone> OneOrMany<T> {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub struct SceneSweep {
-    /// The generator: packed, loose, clustered, pack-a ... pack-d; or file.
+    /// The generator: packed, loose, clustered, pack-a ... pack-d; file; or hard, which without a `case` means all cases.
     pub name: String,
     /// Dimensions.
     #[serde(default = "plane")]
@@ -284,8 +284,12 @@ impl Experiment {
                 None if generate::table::find(&sweep.name).is_ok_and(|generator| generator.own_n) => vec![0],
                 None => bail!("scene {}: n is missing; give the numbers of elements, as in n = [100, 1000]", sweep.name),
             };
-            let axes: Vec<(&String, Vec<toml::Value>)> = sweep.params.iter().map(|(name, values)| (name, values.values())).collect();
             for dim in sweep.dim.values() {
+                let mut axes: Vec<(&str, Vec<toml::Value>)> =
+                    sweep.params.iter().map(|(name, values)| (name.as_str(), values.values())).collect();
+                if sweep.name == generate::hard::NAME && !sweep.params.contains_key("case") {
+                    axes.push(("case", hard::cases().filter(|case| case.dims.contains(&dim)).map(|case| case.name.into()).collect()));
+                }
                 for order in sweep.order.values() {
                     for combination in product(&axes) {
                         for &n in &numbers {
@@ -329,7 +333,7 @@ impl SceneSweep {
 }
 
 /// All combinations of one value per axis.
-fn product(axes: &[(&String, Vec<toml::Value>)]) -> Vec<BTreeMap<String, toml::Value>> {
+fn product(axes: &[(&str, Vec<toml::Value>)]) -> Vec<BTreeMap<String, toml::Value>> {
     let mut all = vec![BTreeMap::new()];
     for (name, values) in axes {
         all = all
@@ -337,7 +341,7 @@ fn product(axes: &[(&String, Vec<toml::Value>)]) -> Vec<BTreeMap<String, toml::V
             .flat_map(|head| {
                 values.iter().map(move |value| {
                     let mut head = head.clone();
-                    head.insert((*name).clone(), value.clone());
+                    head.insert((*name).to_string(), value.clone());
                     head
                 })
             })

@@ -4,6 +4,7 @@ pub mod alloc;
 pub mod bake;
 pub mod builtin;
 pub mod child;
+mod contender;
 pub mod experiment;
 mod index;
 pub mod protocol;

@@ -4,25 +4,26 @@
 //! samples, every detector once per block in a fresh random order. Rows go to the record one by one. What the record
 //! holds already (of a killed run) is not measured again.
 
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use anyhow::Context;
 use rand::{SeedableRng, seq::SliceRandom};
 use rand_chacha::ChaCha8Rng;
 
 use super::bake;
-use super::child::{Failure, Runner, Start};
+use super::child::{Failure, Runner};
+use super::contender::{Contender, contenders};
 use super::experiment::Experiment;
 use super::index::{Index, TooSlow, owed, rest};
 use super::protocol::{Reply, Request};
 use super::record::{Causes, Outcome, Pass, Row, Stats, Writer};
 use super::truths::Truths;
 use crate::contact::Arithmetic;
-use crate::detect::table::{self, Role};
-use crate::scene::spec::{Order, Spec};
-use crate::scene::{AnyScene, stats};
+use crate::detect::table::Role;
+use crate::scene::generate::hard;
+use crate::scene::spec::Spec;
+use crate::scene::{SceneError, stats};
 use crate::sink::{Digest, splitmix64};
 
 /// Samples are at least this long, or the clock would be measured.
@@ -31,8 +32,6 @@ const SHORTEST_SAMPLE_NS: u64 = 1_000_000;
 const FEWEST_BLOCKS: u32 = 6;
 /// Blocks of a quick run.
 const QUICK_BLOCKS: u32 = 3;
-/// Address space for a runner beside a detector's arrays and the scene: the program, its stacks, its libraries.
-const PROGRAM_BYTES: u64 = 1 << 30;
 
 /// What is to be run, and where to.
 pub struct Job<'a> {
@@ -52,17 +51,6 @@ pub trait Progress {
     fn scene(&mut self, done: usize, total: usize, next: &str);
     /// Something the user should know now.
     fn note(&mut self, text: &str);
-}
-
-/// A detector with an arithmetic, as a runner.
-#[derive(Clone)]
-struct Contender {
-    name: String,
-    /// `None`: the runner says.
-    arithmetic: Option<Arithmetic>,
-    role: Role,
-    threads: usize,
-    start: Start,
 }
 
 /// Runs all experiments of a job into a record.
@@ -86,7 +74,7 @@ pub fn run(job: &Job<'_>, record: &mut Writer, progress: &mut dyn Progress) -> a
 
 fn describe(experiment: &Experiment, spec: &Spec) -> String {
     let n = if spec.n == 0 { String::new() } else { format!(" N={}", spec.n) };
-    let swept = spec.params.iter().filter(|(name, _)| *name == "s" || *name == "path").map(|(name, value)| format!(" {name}={value}"));
+    let swept = spec.params.iter().filter(|(name, _)| matches!(name.as_str(), "s" | "path" | "case" | "offset" | "diameter")).map(|(name, value)| format!(" {name}={value}"));
     format!("{}: {} {}D{n}{}", experiment.name, spec.name, spec.dim, swept.collect::<String>())
 }
 
@@ -121,24 +109,30 @@ struct Racer {
 impl Stage<'_> {
     fn run(&mut self) -> anyhow::Result<()> {
         let blocks = if self.job.quick { self.experiment.blocks.min(QUICK_BLOCKS) } else { self.experiment.blocks };
-        let scene = self.spec.make()?;
-        let mut truths = Truths::new(&scene);
-        let exact_contacts = truths.get(Arithmetic::Exact)?.map_or(0, |truth| truth.digest.contacts);
-        let stats = stats::stats(&scene, exact_contacts);
-        let contenders = self.contenders(&scene, exact_contacts);
-        let blanks: Vec<Row> = contenders.iter().map(|contender| self.blank(contender, &scene, &stats)).collect();
-        if contenders.iter().zip(&blanks).all(|(contender, blank)| self.complete(contender, blank, blocks)) {
+        let contenders = contenders(self.experiment, &self.job.program);
+        let scene = match self.spec.make() {
+            Ok(scene) => scene,
+            Err(error) => return self.invalid(&contenders, error),
+        };
+        let blank = |contender: &Contender, stats: &Stats| contender.blank(self.experiment, self.spec, Some(&scene), stats);
+        if contenders.iter().all(|contender| self.complete(contender, &blank(contender, &Stats::default()), blocks)) {
             return Ok(());
         }
-        let path = self.folder.join("scene.npy");
-        let radius = bake::write(&path, &scene)?;
-        let load = Request::Load { path, dim: scene.dim() as u32, n: scene.len() as u64, radius };
+        let mut truths = Truths::new(&scene);
+        let contacts = truths.get(Arithmetic::Exact)?.map_or(0, |truth| truth.digest.contacts);
+        let stats = stats::stats(&scene, contacts);
+        let mut loads = Vec::new();
+        for (k, scene) in self.spec.history()?.iter().chain([&scene]).enumerate() {
+            loads.push(bake::load(&self.folder.join(format!("scene-{k}.npy")), scene)?);
+        }
+        let contenders: Vec<Contender> = contenders.into_iter().map(|contender| contender.allowing(&scene, contacts)).collect();
+        let blanks: Vec<Row> = contenders.iter().map(|contender| blank(contender, &stats)).collect();
         let mut racers = Vec::new();
         for (contender, blank) in contenders.into_iter().zip(blanks) {
             if self.give_up(&blank)? {
                 continue;
             }
-            if let Some(racer) = self.enter(contender, blank, &load, &mut truths)? {
+            if let Some(racer) = self.enter(contender, blank, &loads, &mut truths)? {
                 racers.push(racer);
             }
         }
@@ -174,86 +168,17 @@ impl Stage<'_> {
             && (over || has(Pass::Count, 0) && has(Pass::Memory, 0) && (1..=enough).all(|block| has(Pass::Time, block)))
     }
 
-    fn contenders(&self, scene: &AnyScene<'_>, contacts: u64) -> Vec<Contender> {
-        let experiment = self.experiment;
-        let limit = experiment.memory_limit_mib << 20;
-        // The scene (twice while it is read); the list of pairs (up to twice its size, and twice while it grows), with some to spare.
-        let allowance = PROGRAM_BYTES + scene.len() as u64 * (2 * 32 + 128) + contacts * 4 * 8;
-        let start = |command: Vec<String>, install: String| Start {
-            command,
-            install,
-            time_limit: Duration::from_secs_f64(experiment.time_limit_s),
-            memory_limit: limit + allowance,
+    /// The rows of a case of the catalogue whose scene is not valid, as it should be. Any other scene that cannot be made is an error.
+    fn invalid(&mut self, contenders: &[Contender], error: anyhow::Error) -> anyhow::Result<()> {
+        let Some(invalid) = error.chain().find_map(|cause| cause.downcast_ref::<SceneError>()).filter(|_| self.spec.name == hard::NAME)
+        else {
+            return Err(error);
         };
-        let mut contenders = Vec::new();
-        for &arithmetic in &experiment.arithmetics {
-            for name in &experiment.detectors {
-                // The names were checked when the experiment was read.
-                let Some(entry) = table::find(name) else { continue };
-                // A sequential detector has one thread, whatever the others are given.
-                let threads = if entry.threads { experiment.threads } else { 1 };
-                let mut command = vec![self.job.program.display().to_string(), "runner".into(), "--detector".into(), name.clone()];
-                command.extend(["--arithmetic".into(), arithmetic.name().into(), "--threads".into(), threads.to_string()]);
-                command.extend(["--memory-limit".into(), limit.to_string()]);
-                contenders.push(Contender {
-                    name: name.clone(),
-                    arithmetic: Some(arithmetic),
-                    role: entry.role,
-                    threads,
-                    start: start(command, String::new()),
-                });
-            }
+        for contender in contenders {
+            let blank = contender.blank(self.experiment, self.spec, None, &Stats::default());
+            self.fail(&blank, Failure { outcome: Outcome::Refused, reason: format!("invalid scene: {invalid}") }, &[Pass::Count])?;
         }
-        for runner in &experiment.runners {
-            let start = start(runner.command.clone(), runner.install.clone());
-            contenders.push(Contender {
-                name: runner.name.clone(),
-                arithmetic: None,
-                role: Role::Detector,
-                threads: experiment.threads,
-                start,
-            });
-        }
-        contenders
-    }
-
-    /// A row of this scene and detector without a measurement.
-    fn blank(&self, contender: &Contender, scene: &AnyScene<'_>, stats: &Stats) -> Row {
-        Row {
-            experiment: self.experiment.name.clone(),
-            scene: self.spec.name.clone(),
-            params: self.spec.params.clone(),
-            dim: scene.dim() as u32,
-            n: scene.len() as u64,
-            seed: self.spec.seed,
-            order: match self.spec.order {
-                Order::Shuffled => "shuffled",
-                Order::Generated => "generated",
-                Order::Morton => "morton",
-            }
-            .into(),
-            detector: contender.name.clone(),
-            arithmetic: contender.arithmetic.unwrap_or_default().name().into(),
-            threads: contender.threads as u32,
-            pass: Pass::Count,
-            block: 0,
-            time_ns: None,
-            calls: None,
-            elapsed_ns: None,
-            outcome: Outcome::Ok,
-            reason: String::new(),
-            contacts: None,
-            digest: None,
-            counts: BTreeMap::new(),
-            peak_bytes: None,
-            live_bytes: None,
-            allocations: None,
-            warm_allocations: None,
-            formula_bytes: None,
-            errors: None,
-            causes: None,
-            stats: stats.clone(),
-        }
+        Ok(())
     }
 
     /// True if the record says that this cell ended badly. Rows that the killed run still owed are written now.
@@ -277,7 +202,7 @@ impl Stage<'_> {
     }
 
     /// Starts a contender, loads the scene, counts and measures the memory. `None` if it is out; its rows say why.
-    fn enter(&mut self, contender: Contender, mut blank: Row, load: &Request, truths: &mut Truths<'_>) -> anyhow::Result<Option<Racer>> {
+    fn enter(&mut self, contender: Contender, mut blank: Row, loads: &[Request], truths: &mut Truths<'_>) -> anyhow::Result<Option<Racer>> {
         if self.too_slow(&blank)? {
             return Ok(None);
         }
@@ -304,10 +229,19 @@ impl Stage<'_> {
         if self.give_up(&blank)? || self.too_slow(&blank)? {
             return Ok(None);
         }
-        let answer = runner.ask(load).and_then(|reply| if reply == Reply::Loaded { Ok(()) } else { Err(astray(load, &reply)) });
-        if let Err(failure) = answer {
-            self.fail(&blank, failure, &Pass::ALL)?;
-            return Ok(None);
+        for (k, load) in loads.iter().enumerate() {
+            let last = k + 1 == loads.len();
+            let answer = runner.ask(load).and_then(|reply| if reply == Reply::Loaded { Ok(()) } else { Err(astray(load, &reply)) });
+            // What a detector makes of the steps before the last is not judged; only, they are to leave their traces.
+            let answer = if last { answer } else { answer.and_then(|()| runner.ask(&Request::Sample { min_ns: 1 }).map(|_| ())) };
+            match answer {
+                Ok(()) => {}
+                Err(failure) if failure.outcome == Outcome::Refused && !last => {}
+                Err(failure) => {
+                    self.fail(&blank, failure, &Pass::ALL)?;
+                    return Ok(None);
+                }
+            }
         }
         let mut racer = Racer { contender, runner, arithmetic, blank };
         for (pass, request) in [(Pass::Count, Request::Count), (Pass::Memory, Request::Memory)] {

@@ -14,9 +14,12 @@ use super::Inputs;
 use super::table::{Generator, Kind, Parameter, Preset};
 use crate::scene::{AnyScene, hard};
 
+/// The name under which the program knows hard cases.
+pub const NAME: &str = "hard";
+
 /// The table line.
 pub const GENERATOR: Generator = Generator {
-    name: "hard",
+    name: NAME,
     dims: &[2, 3],
     summary: "a named case on which detectors go wrong; contactbench list hard-cases",
     own_n: true,

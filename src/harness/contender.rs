@@ -1,0 +1,115 @@
+//! Who takes part in an experiment: every detector in every arithmetic, and the runners in other languages.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::time::Duration;
+
+use super::child::Start;
+use super::experiment::Experiment;
+use super::record::{Outcome, Pass, Row, Stats};
+use crate::contact::Arithmetic;
+use crate::detect::table::{self, Role};
+use crate::scene::AnyScene;
+use crate::scene::spec::{Order, Spec};
+
+/// Address space for a runner beside a detector's arrays and the scene: the program, its stacks, its libraries.
+const PROGRAM_BYTES: u64 = 1 << 30;
+
+/// A detector with an arithmetic, as a runner.
+#[derive(Clone)]
+pub(super) struct Contender {
+    pub name: String,
+    /// `None`: the runner says.
+    pub arithmetic: Option<Arithmetic>,
+    pub role: Role,
+    pub threads: usize,
+    pub start: Start,
+}
+
+/// The contenders of an experiment, by arithmetic.
+pub(super) fn contenders(experiment: &Experiment, program: &Path) -> Vec<Contender> {
+    let limit = experiment.memory_limit_mib << 20;
+    let start = |command: Vec<String>, install: String| Start {
+        command,
+        install,
+        time_limit: Duration::from_secs_f64(experiment.time_limit_s),
+        memory_limit: limit + PROGRAM_BYTES,
+    };
+    let mut contenders = Vec::new();
+    for &arithmetic in &experiment.arithmetics {
+        for name in &experiment.detectors {
+            // The names were checked when the experiment was read.
+            let Some(entry) = table::find(name) else { continue };
+            // A sequential detector has one thread, whatever the others are given.
+            let threads = if entry.threads { experiment.threads } else { 1 };
+            let mut command = vec![program.display().to_string(), "runner".into(), "--detector".into(), name.clone()];
+            command.extend(["--arithmetic".into(), arithmetic.name().into(), "--threads".into(), threads.to_string()]);
+            command.extend(["--memory-limit".into(), limit.to_string()]);
+            contenders.push(Contender {
+                name: name.clone(),
+                arithmetic: Some(arithmetic),
+                role: entry.role,
+                threads,
+                start: start(command, String::new()),
+            });
+        }
+    }
+    for runner in &experiment.runners {
+        contenders.push(Contender {
+            name: runner.name.clone(),
+            arithmetic: None,
+            role: Role::Detector,
+            threads: experiment.threads,
+            start: start(runner.command.clone(), runner.install.clone()),
+        });
+    }
+    contenders
+}
+
+impl Contender {
+    /// With memory for a scene and its list of pairs beside the detector's own.
+    pub fn allowing(mut self, scene: &AnyScene<'_>, contacts: u64) -> Contender {
+        // The scene (twice while it is read); the list of pairs (up to twice its size, and twice while it grows), with some to spare.
+        self.start.memory_limit += scene.len() as u64 * (2 * 32 + 128) + contacts * 4 * 8;
+        self
+    }
+
+    /// A row of this contender without a measurement; without a scene, too, where there is none.
+    pub fn blank(&self, experiment: &Experiment, spec: &Spec, scene: Option<&AnyScene<'_>>, stats: &Stats) -> Row {
+        Row {
+            experiment: experiment.name.clone(),
+            scene: spec.name.clone(),
+            params: spec.params.clone(),
+            dim: scene.map_or(spec.dim, |scene| scene.dim() as u32),
+            n: scene.map_or(spec.n, |scene| scene.len() as u64),
+            seed: spec.seed,
+            order: match spec.order {
+                Order::Shuffled => "shuffled",
+                Order::Generated => "generated",
+                Order::Morton => "morton",
+            }
+            .into(),
+            detector: self.name.clone(),
+            arithmetic: self.arithmetic.unwrap_or_default().name().into(),
+            threads: self.threads as u32,
+            pass: Pass::Count,
+            block: 0,
+            time_ns: None,
+            calls: None,
+            elapsed_ns: None,
+            outcome: Outcome::Ok,
+            reason: String::new(),
+            contacts: None,
+            digest: None,
+            counts: BTreeMap::new(),
+            peak_bytes: None,
+            live_bytes: None,
+            allocations: None,
+            warm_allocations: None,
+            formula_bytes: None,
+            errors: None,
+            causes: None,
+            stats: stats.clone(),
+        }
+    }
+}
