@@ -188,10 +188,10 @@ fn textbook_filters_fail_where_the_catalogue_says_so() {
     for (case, _, steps) in valid() {
         let Ok(truth) = oracle::truth(&steps[steps.len() - 1], Arithmetic::Textbook) else { continue };
         for entry in detectors() {
-            if let Some((Ok(()), digest)) = last_answer(entry, Arithmetic::Textbook, &steps) {
-                if digest != truth.digest {
-                    wrong.insert((case.name, entry.name));
-                }
+            if let Some((Ok(()), digest)) = last_answer(entry, Arithmetic::Textbook, &steps)
+                && digest != truth.digest
+            {
+                wrong.insert((case.name, entry.name));
             }
         }
     }
