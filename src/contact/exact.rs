@@ -79,27 +79,35 @@ pub fn compare<const D: usize>(a: &[f64; D], b: &[f64; D], ra: f64, rb: f64) -> 
 #[inline(always)]
 pub(super) fn short<const D: usize>(a: &[f64; D], b: &[f64; D], ra: f64, rb: f64) -> Option<(u128, u128)> {
     const MOST: f64 = (1u64 << 62) as f64;
-    let (s, error) = two_sum(ra, rb);
+    let (s, s_rest) = two_sum(ra, rb);
     let field = s.to_bits() >> 52;
     if !(1023 - 900..1023 + 60).contains(&field) || D > 15 {
         return None;
     }
     let c = f64::from_bits((2 * 1023 + 61 - field) << 52);
     let mut exact = true;
-    let mut integer = |x: f64, error: f64| -> u64 {
-        let (x, error) = (x * c, error * c);
-        let (whole, rest) = (x as i64, error as i64);
-        exact &= x.abs() < MOST && whole as f64 == x && error.abs() < MOST && rest as f64 == error;
-        whole.wrapping_add(rest).unsigned_abs()
+    let mut integer = |x: f64| {
+        let x = x * c;
+        let whole = x as i64;
+        exact &= x.abs() < MOST && whole as f64 == x;
+        whole
     };
-    let reach = u128::from(integer(s, error));
-    let mut distance = 0u128;
+    let (mut sum, mut differences, mut rests) = (integer(s), [0; D], [0.0; D]);
+    let mut one_double = s_rest == 0.0;
     for k in 0..D {
-        let (d, error) = two_sum(a[k], -b[k]);
-        let d = u128::from(integer(d, error));
-        distance = distance.wrapping_add(d * d);
+        let (d, rest) = two_sum(a[k], -b[k]);
+        (differences[k], rests[k]) = (integer(d), rest);
+        one_double &= rest == 0.0;
     }
-    exact.then_some((distance, reach * reach))
+    if !one_double {
+        sum = sum.wrapping_add(integer(s_rest));
+        for k in 0..D {
+            differences[k] = differences[k].wrapping_add(integer(rests[k]));
+        }
+    }
+    let square = |x: i64| u128::from(x.unsigned_abs()) * u128::from(x.unsigned_abs());
+    let distance = differences.into_iter().fold(0u128, |sum, d| sum.wrapping_add(square(d)));
+    exact.then(|| (distance, square(sum)))
 }
 
 /// (fl(x + y), x + y - fl(x + y)); the second is exact where nothing overflows.
