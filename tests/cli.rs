@@ -248,5 +248,10 @@ fn list_mentions_every_detector_scene_and_experiment() {
     for scene in ["packed", "loose", "clustered", "pack-a", "pack-b", "pack-c", "pack-d", "file", "hard"] {
         assert!(begins(&all, scene) && begins(&listed(&["scenes"]), scene), "{scene}");
     }
+    let hard_cases = listed(&["hard-cases"]);
+    for case in contactbench::scene::hard::cases() {
+        assert!(begins(&hard_cases, case.name), "{}", case.name);
+    }
+    assert!(hard_cases.lines().all(|line| line.chars().count() <= 100));
     assert!(!begins(&experiments, "nbs") && !begins(&detectors, "scaling"));
 }

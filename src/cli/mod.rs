@@ -35,7 +35,7 @@ pub enum Verb {
     /// Makes report and figures of a result folder again, from its record alone
     #[command(after_help = "Example: contactbench report results/reference")]
     Report(run::Report),
-    /// Lists detectors with cost, memory and limits; scenes; experiments
+    /// Lists detectors with cost, memory and limits; scenes; experiments; hard cases
     #[command(after_help = "Example: contactbench list detectors")]
     List(list::List),
     /// Cross-checks detectors against all pairs tested: for your CI

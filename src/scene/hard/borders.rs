@@ -6,7 +6,7 @@
 //! ```
 
 use super::build::*;
-use super::{Case, Expect, Group};
+use super::{Allowed, Case, Expect, Group};
 
 const BORDERS: Case = Case::of(Group::Borders);
 
@@ -23,24 +23,42 @@ pub const CASES: &[Case] = &[
         name: "row-from-minus-one",
         reason: "every centre is on a border, and x - xmin is a sum: borders move by its rounding",
         source: "src/filter/cells.rs",
-        expect: Expect::Contacts([2 * 299, 3 * 299]),
-        make: |dim| uniform(dim, &lines(dim, &(0..300).map(|k| f64::from(k) - 1.0).collect::<Vec<_>>(), 400.0), 0.5),
+        expect: Expect::Contacts([2 * 299, 3 * 59]),
+        make: |dim| {
+            let row: Vec<f64> = (0..by_dim(dim, [300, 60])).map(|k| f64::from(k) - 1.0).collect();
+            uniform(dim, &lines(dim, &row, by_dim(dim, [400.0, 80.0])), 0.5)
+        },
         ..BORDERS
     },
     Case {
         name: "couples-from-minus-one",
-        reason: "couples as far apart as bodies that touch can be, astride cell borders; xmin = -1 costs the quotient its last bits",
+        reason: "xmin = -1 costs x - xmin its last bit at every power of two: with cells of edge d, couples astride it are two cells apart",
         source: "src/filter/cells.rs",
-        expect: Expect::Contacts([2 * 160, 3 * 160]),
-        make: |dim| uniform(dim, &lines(dim, &couples(-1.0, 1.0, 160), 1000.0), 0.5),
+        expect: Expect::Contacts([2 * 5, 3 * 5]),
+        make: |dim| uniform(dim, &lines(dim, &astride(-1.0, 1.0, [4.0, 8.0, 16.0, 32.0, 64.0]), 70.0), 0.5),
         ..BORDERS
     },
     Case {
-        name: "couples-from-far-below",
-        reason: "as couples-from-minus-one with xmin = -10^6 and d = 0.1: a grid of cells of edge d loses one couple in ten",
+        name: "couples-below-zero",
+        reason: "as couples-from-minus-one with decimal xmin and d: the quotient is rounded twice, and a third of the couples near 0 is lost",
         source: "src/filter/cells.rs",
-        expect: Expect::Contacts([2 * 160, 3 * 160]),
-        make: |dim| uniform(dim, &lines(dim, &couples(-1e6, 0.1, 160), -999_800.0), 0.05),
+        expect: Expect::Contacts([2 * 50, 3 * 50]),
+        make: |dim| uniform(dim, &lines(dim, &astride(-7.3, 0.1, (1..=50).map(|k| f64::from(3 * k))), 9.7), 0.05),
+        ..BORDERS
+    },
+    Case {
+        name: "couples-far-from-xmin",
+        reason: "as couples-below-zero with xmin = -10^6: near 0 coordinates have 33 bits more than x - xmin, and four couples in five are lost",
+        source: "src/filter/cells.rs",
+        expect: Expect::Contacts([40, 40]),
+        allows: &[Allowed::Memory],
+        make: |dim| {
+            // Along the last axis, which costs NBS least memory; the other corner of the box is wide, so that screening declines at once.
+            let along = |x: f64, other: f64| std::array::from_fn(|axis| if axis + 1 == dim as usize { x } else { other });
+            let line = astride(-1e6, 0.1, (0..40).map(|k| f64::from(3 * k + 9_999_940)));
+            let places = line.into_iter().map(|x| along(x, 0.0));
+            uniform(dim, &places.chain([along(0.0, 200.0)]).collect::<Vec<_>>(), 0.05)
+        },
         ..BORDERS
     },
     Case {
@@ -122,13 +140,20 @@ pub const CASES: &[Case] = &[
     },
 ];
 
-/// Pairs of coordinates as far apart as touching bodies of diameter d can be, the left one about a border of cells of edge d from `low`.
-fn couples(low: f64, d: f64, count: u32) -> Vec<f64> {
+/// `low`, and for each border of cells of edge d from there (border k is k cells from `low`) two coordinates: the last that rounded
+/// arithmetic puts before the border, and the last in reach of that. The borders must be three cells apart.
+fn astride(low: f64, d: f64, borders: impl IntoIterator<Item = f64>) -> Vec<f64> {
     let mut line = vec![low];
-    for k in 1..=count {
-        let at = low + d * f64::from(3 * k);
-        let x = [at.next_down().next_down(), at.next_down(), at, at.next_up()][k as usize % 4];
-        line.extend([x, reach_from(x, d)]);
+    for border in borders {
+        let (mut before, mut after) = (low + d * (border - 0.5), low + d * (border + 0.5));
+        loop {
+            let middle = before + 0.5 * (after - before);
+            if middle <= before || middle >= after {
+                break;
+            }
+            if (middle - low) / d < border { before = middle } else { after = middle }
+        }
+        line.extend([before, reach_from(before, d)]);
     }
     line
 }

@@ -7,7 +7,7 @@
 //! ```
 
 use super::build::*;
-use super::{Case, Expect, Group};
+use super::{Allowed, Case, Expect, Group};
 use crate::scene::generate::draw::Draw;
 
 const CLUSTERS: Case = Case::of(Group::Clusters);
@@ -80,6 +80,7 @@ pub const CASES: &[Case] = &[
     Case {
         name: "geometric-series",
         reason: "bodies at 2^-k: halving space separates one body per level, so a tree is as deep as it has elements",
+        allows: &[Allowed::Memory],
         make: |dim| uniform(dim, &(0..60).map(|k| [two_to(-k); 3]).collect::<Vec<_>>(), two_to(-20)),
         ..CLUSTERS
     },

@@ -114,7 +114,7 @@ pub const CASES: &[Case] = &[
         make: |dim| {
             let parts = [0.5, 0.25, two_to(-10), two_to(-20), 0.0];
             let couples = orientations(dim, [3.0, 4.0, 0.0]).into_iter().flat_map(|v| parts.map(|part| (v, part)));
-            together(dim, 16.0, couples.map(|(v, part)| Couple { v, outward: 0, radii: [5.0 * part, 5.0 * (1.0 - part)] }))
+            together(dim, 32.0, couples.map(|(v, part)| Couple { v, outward: 0, radii: [5.0 * part, 5.0 * (1.0 - part)] }))
         },
         ..TANGENT
     },
