@@ -189,3 +189,47 @@ fn power_of_two(x: f64) -> f64 {
     let below = f64::from_bits(x.clamp(f64::MIN_POSITIVE, f64::MAX).to_bits() & (0x7ff << 52));
     if below < x && below < f64::MAX / 2.0 { 2.0 * below } else { below }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::Arithmetic;
+    use crate::oracle;
+
+    /// Dyadic coordinates of few bits are stored without error wherever the scene is, so the contacts are those of the scene.
+    #[test]
+    fn coordinates_by_cells_do_not_depend_on_the_offset() {
+        for (offset, edge) in [(0.0, 1.0), (-3.75, 0.125), (1e9, 1.0), (-(2f64.powi(40)), 3.0), (0.0, 2f64.powi(-900))] {
+            let centres: Vec<Point<f64, 2>> =
+                (0..400).map(|k| Point::from([f64::from(k % 20), f64::from(k / 20)].map(|x| offset + edge * x))).collect();
+            let scene: AnyScene<'_> = Scene::new(centres, Radii::Uniform(edge / 2.0)).unwrap().into();
+            let exact = oracle::truth(&scene, Arithmetic::Exact).unwrap();
+            assert_eq!(exact.pairs.len(), 2 * 20 * 19, "{offset} {edge}");
+            assert_eq!(oracle::truth(&scene, Arithmetic::F32Cell).unwrap().digest, exact.digest, "{offset} {edge}");
+        }
+    }
+
+    #[test]
+    fn what_cells_cannot_hold_is_refused_and_the_rest_is_not() {
+        let stored = |points: &[[f64; 2]], r: f64| {
+            Scene::new(points.iter().copied().map(Point::from).collect::<Vec<_>>(), Radii::Uniform(r)).unwrap().by_cells()
+        };
+        assert!(matches!(stored(&[[0.0, 0.0], [0.0, 3e8]], 0.5), Err(SceneError::Cells { axis: "y", .. })));
+        assert!(stored(&[[0.0, 0.0], [0.0, 2e8]], 0.5).is_ok());
+        assert!(matches!(stored(&[[f64::MAX, 0.0], [-f64::MAX, 3e8]], 1e-300), Err(SceneError::Cells { axis: "x", .. })));
+        for points in [&[][..], &[[1e300, -1e300]], &[[5.0, 5.0], [5.0, 5.0]], &[[0.0, 0.0], [1e-310, 7.0]], &[[-0.0, 0.0], [-5e-324, 0.0]]]
+        {
+            assert!(stored(points, 0.0).is_ok(), "{points:?}");
+        }
+        assert!(stored(&[[0.0, 0.0], [f64::MAX, 0.0]], f64::MAX).is_ok());
+    }
+
+    #[test]
+    fn powers_of_two_are_not_below_the_size() {
+        for (size, power) in
+            [(1.0, 1.0), (1.5, 2.0), (0.1, 0.125), (f64::MIN_POSITIVE / 2.0, f64::MIN_POSITIVE), (f64::INFINITY, 2f64.powi(1023))]
+        {
+            assert_eq!(power_of_two(size), power, "{size}");
+        }
+    }
+}

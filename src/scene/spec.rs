@@ -208,7 +208,10 @@ mod tests {
     #[test]
     fn bad_requests_are_refused_by_name() {
         for (text, message) in [
-            ("packd", "there is no scene 'packd'; the scenes are: packed, loose, clustered, pack-a, pack-b, pack-c, pack-d, file, hard"),
+            (
+                "packd",
+                "there is no scene 'packd'; the scenes are: packed, loose, clustered, couples, pack-a, pack-b, pack-c, pack-d, file, hard",
+            ),
             ("packed:dim=4", "packed: dim = 4; it is made in 2 dimensions and 3 dimensions only"),
             ("pack-b:dim=3", "pack-b: dim = 3; it is made in 2 dimensions only"),
             ("loose:n=4294967296", "loose: n = 4294967296; at most 2^32 - 1 = 4294967295 elements can be numbered: make n smaller"),

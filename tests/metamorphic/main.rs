@@ -209,7 +209,7 @@ fn difference<const D: usize>(found: &Pairs, expected: &Pairs, before: &Bag<D>, 
 where
     AnyScene<'static>: From<Scene<'static, f64, D>>,
 {
-    let errors = oracle::compare(found, expected);
+    let errors = oracle::compare(found, expected, &after.scene());
     let [before, after] = [before, after].map(|bag| check::as_csv(&bag.scene()));
     format!("{errors:?}\nfound {found:?}\nexpected {expected:?}\nbefore\n{before}after\n{after}")
 }

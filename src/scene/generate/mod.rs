@@ -8,6 +8,7 @@
 
 pub mod book;
 pub mod clustered;
+pub mod couples;
 pub mod draw;
 pub mod file;
 pub mod hard;
@@ -59,7 +60,7 @@ const DIAMETER: Parameter = Parameter {
 
 const OFFSET: Parameter = Parameter {
     name: "offset",
-    kind: Kind::NotNegative,
+    kind: Kind::Finite,
     default: [Preset::Number(0.0); 2],
     meaning: "added to every coordinate, in largest diameters; the sums are rounded to f64",
 };
@@ -120,7 +121,11 @@ fn assemble<const D: usize>(
         }
     };
     // Only an overflow can spoil a generated scene.
-    Scene::new(points, radii).map_err(|_| anyhow::anyhow!("coordinates or radii leave the range of f64; take parameters nearer to 1"))
+    Scene::new(points, radii).map_err(|_| beyond())
+}
+
+fn beyond() -> anyhow::Error {
+    anyhow::anyhow!("coordinates or radii leave the range of f64; take parameters nearer to 1")
 }
 
 #[cfg(test)]

@@ -5,14 +5,15 @@ use std::collections::BTreeMap;
 use anyhow::{bail, ensure};
 use serde_json::Value;
 
-use super::{Inputs, book, clustered, file, hard, loose, packed};
+use super::{Inputs, book, clustered, couples, file, hard, loose, packed};
 use crate::scene::{self, AnyScene};
 
 /// All generators.
-pub static GENERATORS: [Generator; 9] = [
+pub static GENERATORS: [Generator; 10] = [
     packed::GENERATOR,
     loose::GENERATOR,
     clustered::GENERATOR,
+    couples::GENERATOR,
     book::PACK_A,
     book::PACK_B,
     book::PACK_C,
@@ -63,6 +64,8 @@ pub struct Parameter {
 pub enum Kind {
     /// A finite number over 0.
     Positive,
+    /// Any finite number.
+    Finite,
     /// A finite number of at least 0.
     NotNegative,
     /// A finite number of at least 1.
@@ -165,6 +168,7 @@ impl Kind {
     pub fn accepts(&self, dim: u32) -> String {
         match self {
             Kind::Positive => "a finite number over 0".into(),
+            Kind::Finite => "a finite number".into(),
             Kind::NotNegative => "a finite number of at least 0".into(),
             Kind::AtLeastOne => "a finite number of at least 1".into(),
             Kind::Share => "a number from 0 to 1".into(),
@@ -183,6 +187,7 @@ impl Kind {
         let text = |good: &dyn Fn(&str) -> bool| value.as_str().filter(|text| good(text)).map(Value::from);
         let good = match self {
             Kind::Positive => number(|x| x > 0.0),
+            Kind::Finite => number(|_| true),
             Kind::NotNegative => number(|x| x >= 0.0),
             Kind::AtLeastOne => number(|x| x >= 1.0),
             Kind::Share => number(|x| (0.0..=1.0).contains(&x)),

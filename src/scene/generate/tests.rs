@@ -45,6 +45,9 @@ fn the_bits_of_every_generator_are_fixed() {
         ("loose:n=1000,dim=3,size-ratio=2", "0x980151858b518bb2"),
         ("clustered:n=1000,dim=2", "0x8ec565ed90433fa6"),
         ("clustered:n=1000,dim=3", "0xda33f6880b5d96c0"),
+        ("couples:n=1000,diameter=0.1,offset=-1e6", "0xecf507fc024c29a1"),
+        ("couples:n=1000,dim=3", "0xb961674a383b5b0b"),
+        ("loose:n=1000,diameter=0.1,offset=-1e3", "0x6acd44cd61215b57"),
         ("pack-a:n=1000", "0x7d0ac799801ffaf2"),
         ("pack-b:n=1000,s=1.5", "0xc733b23789d05212"),
         ("pack-c:n=1000,s=200", "0x527e55c942cbfea8"),
@@ -207,4 +210,25 @@ fn book_packs_touch_exactly() {
     let AnyScene::PlaneF64(scene) = make("pack-d:n=10,s=3,diameter=2,order=generated") else { panic!("made in the plane") };
     let places: Vec<[f64; 2]> = scene.centres().iter().map(|p| *array(p)).collect();
     assert_eq!(places[..5], [[0.0, 0.0], [2.0, 0.0], [8.0, 0.0], [10.0, 0.0], [0.0, 4.0]]);
+}
+
+/// Every couple just touches, no other pair does, and textbook filters lose some where the coordinates are rounded.
+#[test]
+fn couples_touch_and_textbook_filters_lose_them() {
+    use crate::contact::{Arithmetic, Test};
+    use crate::detect::{Options, table};
+    use crate::oracle;
+    use crate::sink::Count;
+    for (text, lossy) in [
+        ("couples:n=2000", false),
+        ("couples:n=2000,dim=3,diameter=0.1,offset=-10", true),
+        ("couples:n=2000,diameter=0.1,offset=-1e6", true),
+    ] {
+        let scene = make(text);
+        assert_eq!(oracle::truth(&scene, Arithmetic::Exact).unwrap().digest.contacts, 1000, "{text}");
+        let rounded = oracle::truth(&scene, Arithmetic::Textbook).unwrap().digest.contacts;
+        let mut found = Count::default();
+        table::find("nbs").unwrap().make(Options::default()).visit(&scene, Test::Textbook, &mut found).unwrap();
+        assert_eq!(found.0 < rounded, lossy, "{text}: {} of {rounded}", found.0);
+    }
 }
