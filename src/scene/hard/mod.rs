@@ -3,7 +3,7 @@
 //! Every case says what breaks on it and why, where it comes from, and what the right answer is: the number of contacts where the
 //! construction tells it, else what testing every pair in exact arithmetic gives. A case is a list of *steps*: scenes that one
 //! detector is given one after the other. The last step is judged; those before it leave something behind (group `state`), and
-//! may be refused. One file per group, `signs` holding two; [`build`] has what they share.
+//! may be refused. One file per group, `signs` holding two; `build` has what they share.
 //!
 //! Coordinates are dyadic wherever ties matter, and made with + - * / and square roots only: the same bits on every machine.
 

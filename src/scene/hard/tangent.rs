@@ -60,11 +60,16 @@ pub const CASES: &[Case] = &[
     },
     Case {
         name: "tangent-many-bits",
-        reason: "ties of lengths up to 4,097 times a 24-bit number: the squares do not fit 53 bits, so every rounded test is a guess",
+        reason: "ties of numbers of up to 36 bits: the squares do not fit 53, and rounded in f64 they say apart",
         expect: Expect::Contacts([24, 72]),
         make: |dim| {
-            let scale = f64::from((1 << 24) - 3);
-            let couples = [[128.0, 4095.0, 4097.0], [1155.0, 68.0, 1157.0], [3.0, 4.0, 5.0]].into_iter().flat_map(|[x, y, length]| {
+            // Triples with a factor for which the rounded squares say apart.
+            let triples = [
+                [128.0, 4095.0, 4097.0, two_to(24) - 111.0],
+                [1155.0, 68.0, 1157.0, two_to(24) - 37.0],
+                [3.0, 4.0, 5.0, two_to(27) - 19.0],
+            ];
+            let couples = triples.into_iter().flat_map(|[x, y, length, scale]| {
                 let directions = orientations(dim, [x * scale, y * scale, 0.0]);
                 directions.into_iter().map(move |v| Couple { v, outward: 0, radii: [0.5 * length * scale; 2] })
             });
@@ -165,15 +170,15 @@ pub const CASES: &[Case] = &[
     },
     Case {
         name: "sum-of-radii-rounds",
-        reason: "1 + 2^-53 rounds to 1: the sum of radii and the distance are both rounded, and only one of them may be",
+        reason: "a distance of 1 + 2^-53 against a sum of radii equal to it or a hair less: both round to 1",
         expect: Expect::Contacts([2, 3]),
         make: |dim| {
             let r = two_to(-53);
-            // Along every axis a couple 1 + 2^-53 apart, in touch, and one 1 + 2^-53 + 2^-105 apart, not in touch.
+            // Along every axis two couples 1 + 2^-53 apart, one in touch, one 2^-106 short of it.
             let bodies = (0..dim as usize).flat_map(|axis| {
-                [r, r.next_up()].into_iter().enumerate().flat_map(move |(k, x)| {
+                [r, r.next_down()].into_iter().enumerate().flat_map(move |(k, small)| {
                     let at = |x: f64| std::array::from_fn(|a| if a == axis { x } else { 8.0 * (k + 1 + 2 * axis) as f64 });
-                    [(at(-x), r), (at(1.0), 1.0)]
+                    [(at(-r), small), (at(1.0), 1.0)]
                 })
             });
             each(dim, &bodies.collect::<Vec<_>>())
