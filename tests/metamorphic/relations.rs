@@ -21,7 +21,6 @@ pub fn permutation<const D: usize>(bag: &Bag<D>, _: Arithmetic, random: &mut Cha
 pub fn radius_each<const D: usize>(bag: &Bag<D>, _: Arithmetic, _: &mut ChaCha8Rng) -> Option<Claim<D>> {
     let before = Bag { radii: Size::One(bag.largest()), ..bag.clone() };
     let after = Bag { radii: Size::Each(vec![bag.largest(); bag.len()]), ..bag.clone() };
-    // By cells, an empty scene has no edge to agree about; it has no pairs either.
     Some(Claim::same(before, after))
 }
 
@@ -60,7 +59,6 @@ pub fn growth<const D: usize>(bag: &Bag<D>, arithmetic: Arithmetic, random: &mut
         [r, r.next_up(), 1.5 * r, 4.0 * r, r + 0.1][random.random_range(0..5)].min(most)
     });
     let after = Bag { radii: Size::Each(radii.collect()), ..bag.clone() };
-    // As for removal: of radii that are all zero nothing is grown by cells.
     Some(Claim { superset: true, ..Claim::same(bag.clone(), after) })
 }
 
@@ -70,7 +68,7 @@ where
 {
     let (low, high) = powers(bag, arithmetic)?;
     let k = [low, high, random.random_range(low..=high)][random.random_range(0..3)];
-    let scaled = |k: i32| bag.map(|c| c.map(|x| shifted(x, k)), |r| shifted(r, k));
+    let scaled = |k: i32| bag.map(|c| c.map(|x| libm::ldexp(x, k)), |r| libm::ldexp(r, k));
     // The scale nearest to the given one at which nothing under- or overflows, either.
     Some(Claim::same(scaled(0.clamp(low, high)), scaled(k)))
 }
@@ -109,11 +107,6 @@ where
     let low = exponents().map(|e| (least_square + 1).div_euclid(2) - e).chain(own.iter().map(|&x| least_square - exponent(x))).max()?;
     let high = exponents().map(|e| (most_square - 2) / 2 - 1 - e).chain(own.iter().map(|&x| most_square - 1 - exponent(x))).min()?;
     (low <= high).then_some((low, high))
-}
-
-/// x·2^k; in steps, since 2^k alone may not be a number.
-fn shifted(x: f64, k: i32) -> f64 {
-    libm::ldexp(x, k)
 }
 
 pub fn mirror<const D: usize>(bag: &Bag<D>, arithmetic: Arithmetic, random: &mut ChaCha8Rng) -> Option<Claim<D>>

@@ -1,7 +1,7 @@
 //! Scenes for the relations: lattices in exact touch, decimal lattices, clouds, clusters and lines, in which elements are moved by a
 //! last bit, are of very different sizes, or lie far away.
 
-use contactbench::contact::{Arithmetic, array};
+use contactbench::contact::{Arithmetic, Real, array};
 use contactbench::scene::{AnyScene, Radii, Scene};
 use contactbench::with_scene;
 use nalgebra::Point;
@@ -75,7 +75,7 @@ impl<const D: usize> Bag<D> {
         AnyScene<'static>: From<Scene<'static, f64, D>>,
     {
         with_scene!(self.scene().stored(arithmetic).ok()?, scene => {
-            let wide = |x| contactbench::contact::Real::wide(x);
+            let wide = |x| Real::wide(x);
             Some(Bag {
                 centres: scene.centres().iter().map(|p| std::array::from_fn(|k| wide(array(p)[k]))).collect(),
                 radii: match scene.radii() {
@@ -106,7 +106,7 @@ struct Seed<const D: usize> {
 }
 
 fn seed<const D: usize>() -> impl Strategy<Value = Seed<D>> {
-    // A ratio of 1,000 at most: half a diameter of dust to five of a giant.
+    // A ratio of 1,000 at most, from the dust of 1/100 to the giants of 10.
     let size = prop_oneof![12 => Just(1.0), 2 => Just(0.5), 2 => 0.3..1.0, 2 => Just(0.01), 1 => Just(0.0), 1 => Just(10.0)];
     // Multiples of 2^-30, so that no difference is nearly nothing.
     let noise = (-(1i32 << 29)..1 << 29).prop_map(|k| f64::from(k) / f64::from(1 << 30));

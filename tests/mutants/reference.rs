@@ -69,6 +69,7 @@ impl<const D: usize> Reference<D> {
                 list.push(if self.way == Way::ByteElements { i & 0xff } else { i });
             }
         }
+        let mask = self.mask();
         let (mut pairs, mut done) = (Pairs { way: self.way, found: Vec::new(), of: vec![0; bodies.len()] }, HashSet::new());
         for list in self.lists.values() {
             let list = self.counted(list);
@@ -82,7 +83,7 @@ impl<const D: usize> Reference<D> {
                     self.test(bodies, i, j, &mut pairs, probe);
                 }
             }
-            for offset in self.mask() {
+            for &offset in &mask {
                 let Some(others) = self.neighbour(central, offset) else { continue };
                 for &i in list {
                     for &j in self.counted(others).iter().filter(|&&j| self.way != Way::OrderedAcross || i < j) {
@@ -147,7 +148,7 @@ impl<const D: usize> Reference<D> {
                 Way::SinglePrecisionCells => (from_low as f32 * scale as f32) as i64,
                 Way::SinglePrecisionFromZero => (x as f32 * scale as f32).floor() as i64,
                 Way::ZerosDiffer => (x * scale).floor().to_bits() as i64,
-                // Below 2^32, where numbers may be of a grid that is not this scene's.
+                // Of any size and sign, where the grid is not this scene's or too fine.
                 Way::StaleGrid | Way::NeverRefuses => (from_low * scale).floor() as i64,
                 way => {
                     let number = i64::from(grid.cells.map_or(0, |cells| cells.index(x, k, probe)));

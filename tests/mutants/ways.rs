@@ -157,6 +157,14 @@ impl Way {
             _ => Grid,
         }
     }
+
+    /// The dimension in which it differs from its algorithm, if it is only one.
+    pub fn dim(self) -> Option<usize> {
+        match self {
+            Way::MaskWithout(dim, _) | Way::MaskRepeats(dim, _) | Way::Mirrored(dim, _) => Some(dim),
+            _ => None,
+        }
+    }
 }
 
 /// All mutants that must be found out.

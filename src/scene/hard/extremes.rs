@@ -70,6 +70,13 @@ pub const CASES: &[Case] = &[
         ..EXTREMES
     },
     Case {
+        name: "squares-vanish-in-f32",
+        reason: "lattice scaled by 2^-80: as scale-1e-200 in f32, whose squares vanish below 2^-75; every pair is in touch there, so cells must be larger than bodies",
+        expect: of_lattice(SITES, 1),
+        make: |dim| scaled_lattice(dim, two_to(-80)),
+        ..EXTREMES
+    },
+    Case {
         name: "squares-are-subnormal",
         reason: "lattice scaled by 2^-530: squares are subnormal and have 15 bits, and tangency is lost in them",
         expect: of_lattice(SITES, 1),

@@ -101,6 +101,22 @@ pub const CASES: &[Case] = &[
         ..KEYS
     },
     Case {
+        name: "chains-across-2-to-16",
+        reason: "chains at the 2^16th cell of each axis and at the first: wrapped numbers of 16 bits break the one, or take it for the other",
+        expect: Expect::Contacts([2 * 2 * 63, 3 * 2 * 63]),
+        allows: &[Allowed::Memory],
+        make: |dim| chains(dim, two_to(16)),
+        ..KEYS
+    },
+    Case {
+        name: "chains-across-2-to-21",
+        reason: "as chains-across-2-to-16, where each axis has 21 bits of 64",
+        expect: Expect::Contacts([2 * 2 * 63, 3 * 2 * 63]),
+        allows: &[Allowed::Memory],
+        make: |dim| chains(dim, two_to(21)),
+        ..KEYS
+    },
+    Case {
         name: "single-precision-keys",
         reason: "cell numbers above 2^24 are even in f32: a neighbour's number is that of the cell itself, or of the one after it",
         expect: Expect::Contacts([63, 63]),
@@ -154,4 +170,11 @@ fn aliases(dim: u32, period: f64) -> Steps {
     let strangers = |y: f64| [[period + 0.5, y + 0.5, 0.5], [period + 1.5, y + 0.5, 0.5]];
     let places = [&[[0.0; 3], [0.0, two_to(31) / period, 0.0]][..], &strangers(4.0), &clump(4.0), &clump(12.0), &strangers(12.0)].concat();
     uniform(dim, &places, 0.5)
+}
+
+/// Along every axis a chain of 64 touching bodies from 0, and one across `period`: long enough that cells some millionths wider than
+/// a diameter, too, have their border with that number within it, and the same numbers modulo `period` as the first chain.
+fn chains(dim: u32, period: f64) -> Steps {
+    let line: Vec<f64> = (0..64).map(f64::from).chain((-40..24).map(|k| period + f64::from(k))).collect();
+    uniform(dim, &lines(dim, &line, 200.0), 0.5)
 }
