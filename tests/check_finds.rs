@@ -125,7 +125,7 @@ fn wrong_pairs_are_found_and_shrunk_to_the_simplest_numbers() {
         (PAIRS_ELEMENTS_WITH_THEMSELVES, "x,y,r\n0.0,0.0,0.0\n", [0, 0, 0, 1]),
     ] {
         let failure = failure(way);
-        assert_eq!((regression::as_csv(&failure.smallest).as_str(), differences(&failure)), (scene, wrong), "mutant {way}");
+        assert_eq!((check::as_csv(&failure.smallest).as_str(), differences(&failure)), (scene, wrong), "mutant {way}");
     }
 }
 
@@ -133,7 +133,7 @@ fn wrong_pairs_are_found_and_shrunk_to_the_simplest_numbers() {
 #[test]
 fn a_tangent_pair_stays_tangent_and_gets_simple() {
     let failure = found(&MUTANTS[SKIPS_PAIRS_AT_REACH as usize], &[Arithmetic::Exact]);
-    let scene = regression::as_csv(&failure.smallest);
+    let scene = check::as_csv(&failure.smallest);
     assert!(["x,y,r\n2.0,0.0,1.0\n0.0,0.0,1.0\n", "x,y,r\n0.0,0.0,1.0\n2.0,0.0,1.0\n"].contains(&&*scene), "{scene}");
     assert_eq!(differences(&failure), [1, 0, 0, 0]);
 }
@@ -149,7 +149,7 @@ fn a_pair_lost_to_rounding_keeps_its_last_bits_only() {
         let entry = table::find(name).unwrap();
         let mut report = check::check_scene(&scene, "43 discs", &[entry], &[Arithmetic::Textbook], &Limits::default()).unwrap();
         let failure = report.failures.remove(0);
-        let scene = regression::as_csv(&failure.smallest);
+        let scene = check::as_csv(&failure.smallest);
         assert_eq!((failure.smallest.len(), differences(&failure)), (3, [1, 0, 0, 0]), "{name}: {scene}");
         assert!(total_bits(&failure) <= 64, "{name}: {} bits in {scene}", total_bits(&failure));
     }
@@ -159,7 +159,7 @@ fn a_pair_lost_to_rounding_keeps_its_last_bits_only() {
 fn a_panic_is_a_failure_with_a_small_scene() {
     let failure = failure(PANICS_AT_TEN_ELEMENTS);
     assert_eq!(failure.wrong, Some(Wrong::Panics("on purpose".into())));
-    assert_eq!((failure.smallest.len(), total_bits(&failure)), (10, 10), "{}", regression::as_csv(&failure.smallest));
+    assert_eq!((failure.smallest.len(), total_bits(&failure)), (10, 10), "{}", check::as_csv(&failure.smallest));
 }
 
 #[test]

@@ -22,6 +22,7 @@ use crate::oracle::{self, NoTruth, Truth};
 use crate::scene::AnyScene;
 use crate::sink::{key, normalise};
 use cases::{CASES, SIZES};
+pub use regression::as_csv;
 use shrink::{Effort, shrink};
 use subject::{Answer, Subject};
 

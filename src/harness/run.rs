@@ -74,7 +74,11 @@ pub fn run(job: &Job<'_>, record: &mut Writer, progress: &mut dyn Progress) -> a
 
 fn describe(experiment: &Experiment, spec: &Spec) -> String {
     let n = if spec.n == 0 { String::new() } else { format!(" N={}", spec.n) };
-    let swept = spec.params.iter().filter(|(name, _)| matches!(name.as_str(), "s" | "path" | "case" | "offset" | "diameter")).map(|(name, value)| format!(" {name}={value}"));
+    let swept = spec
+        .params
+        .iter()
+        .filter(|(name, _)| matches!(name.as_str(), "s" | "path" | "case" | "offset" | "diameter"))
+        .map(|(name, value)| format!(" {name}={value}"));
     format!("{}: {} {}D{n}{}", experiment.name, spec.name, spec.dim, swept.collect::<String>())
 }
 
