@@ -2,9 +2,8 @@
 //!
 //! `cargo run --release --example add_a_detector`
 
-use std::time::Duration;
-
 use anyhow::ensure;
+use contactbench::check::{self, Limits};
 use contactbench::contact::{Arithmetic, Bodies, Real, Test};
 use contactbench::detect::any::{self, Both};
 use contactbench::detect::table::{Entry, Role};
@@ -13,7 +12,7 @@ use contactbench::probe::{Op, Probe, Tally};
 use contactbench::scene::AnyScene;
 use contactbench::scene::spec::Spec;
 use contactbench::sink::{Digest, Sink};
-use contactbench::{check, filter, oracle};
+use contactbench::{filter, oracle};
 
 // README: detector
 /// Sorts the elements by x and tests each against those that follow within reach.
@@ -81,7 +80,7 @@ fn main() -> anyhow::Result<()> {
     println!("sweep: {} contacts, as the oracle finds; {} contact tests", found.contacts, tally.get(Op::ContactTest));
 
     // All generators, dimensions and arithmetics: what `contactbench check` does with every line of the table.
-    let report = check::check(&[&TABLE[0]], &Arithmetic::SAFE, 1, Duration::ZERO)?;
+    let report = check::check(&[&TABLE[0]], &Arithmetic::SAFE, &Limits { seeds: 1, ..Limits::default() })?;
     ensure!(report.failures.is_empty() && report.refused.is_empty(), "sweep disagrees with the truth, or refuses");
     println!("sweep: {} detections agree with all pairs tested", report.cases);
     Ok(())

@@ -3,7 +3,7 @@
 
 use std::time::Duration;
 
-use contactbench::check;
+use contactbench::check::{self, Limits};
 use contactbench::contact::{Arithmetic, Test};
 use contactbench::detect::Options;
 use contactbench::detect::table::{Entry, TABLE};
@@ -46,7 +46,8 @@ fn contacts(name: &str, scene: &AnyScene<'static>) -> u64 {
 
 #[test]
 fn every_generator_with_seeds() {
-    let report = check::check(&detectors(), &Arithmetic::SAFE, 3, Duration::from_secs(60)).unwrap();
+    let report =
+        check::check(&detectors(), &Arithmetic::SAFE, &Limits { seeds: 3, time: Duration::from_secs(60), ..Limits::default() }).unwrap();
     for failure in &report.failures {
         println!("{} {:?} on {}:\n{}", failure.detector, failure.arithmetic, failure.found_on, check::as_csv(&failure.smallest));
     }

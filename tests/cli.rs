@@ -201,8 +201,27 @@ fn check_passes_detectors_and_fails_the_control_that_finds_nothing() {
     let commands: Vec<Vec<&str>> =
         wrong.stdout.lines().filter_map(|line| line.split_once("contactbench ")).map(|(_, c)| c.split(' ').collect()).collect();
     let found: Vec<String> = commands.iter().map(|command| run(folder, command).stdout).collect();
-    assert_eq!(found, ["i,j\n", "i,j\n0,1\n"], "{commands:?}");
+    assert_eq!(found[1..], ["i,j\n", "i,j\n0,1\n"], "{commands:?}");
+    assert!(found[0].contains("1 missed, 0 spurious, 0 duplicate pairs; missed 0,1"), "{}", found[0]);
     assert_eq!(run(folder, &["check", "--detector", "nsb"]).code, Some(2));
+}
+
+#[test]
+fn check_takes_scenes() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    file(folder, "two.csv", "# a comment\nx,y,r\n0,0,1\n2,0,1\n9,0,1\n");
+    file(folder, "far.csv", "x,y,z,r\n0,0,0,1\n1e40,0,0,1\n");
+    let right = run(folder, &["check", "--scene", "two.csv", "--scene", "far.csv", "--arithmetic", "exact", "--arithmetic", "f32"]);
+    assert_eq!((right.code, &*right.stderr), (Some(0), ""), "{}", right.stdout);
+    // Six detectors on two scenes, one of which f32 cannot hold.
+    assert!(right.stdout.contains("check: 18 detections by "), "{}", right.stdout);
+    assert!(right.stdout.contains("refused 1 times: f32: ") && right.stdout.contains("refused 1 times: nbs: "), "{}", right.stdout);
+    let wrong = run(folder, &["check", "--scene", "two.csv", "--detector", "nothing"]);
+    assert_eq!(wrong.code, Some(1), "{}", wrong.stderr);
+    assert!(wrong.stdout.contains("on two.csv: 1 missed, 0 spurious, 0 duplicate pairs; missed 0,1\n"), "{}", wrong.stdout);
+    assert!(folder.join("failing-nothing-exact-two.csv").exists());
+    assert_eq!(run(folder, &["check", "--scene", "none.csv"]).code, Some(2));
 }
 
 #[test]

@@ -1,15 +1,16 @@
 //! `contactbench check`.
 
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Duration;
 
 use anyhow::{Context, ensure};
 
-use crate::check::{self, Failure, Wrong};
+use crate::check::{self, Failure, Limits, Report, Wrong, regression, subject};
 use crate::contact::Arithmetic;
 use crate::detect::table::TABLE;
+use crate::read;
 
 /// Options of `check`.
 #[derive(clap::Args)]
@@ -20,12 +21,18 @@ pub struct Check {
     /// Only this arithmetic (may be given several times); textbook filters lose contacts, as is to be expected
     #[arg(long, value_enum, default_values_t = [Arithmetic::Exact])]
     arithmetic: Vec<Arithmetic>,
+    /// Check this particle file with radii (may be given several times) instead of generated scenes
+    #[arg(long)]
+    scene: Vec<PathBuf>,
     /// Seeds to try at most
-    #[arg(long, default_value_t = 1000)]
+    #[arg(long, default_value_t = Limits::default().seeds)]
     seeds: u64,
-    /// No new scene is begun after this many seconds (the first seed is always completed)
-    #[arg(long, default_value_t = 6.0)]
+    /// No new scene is generated after this many seconds (the first seed is always completed)
+    #[arg(long, default_value_t = Limits::default().time.as_secs_f64())]
     seconds: f64,
+    /// A detection that takes more seconds than this hangs
+    #[arg(long, default_value_t = Limits::default().deadline.as_secs_f64())]
+    deadline: f64,
     /// Where failing scenes are written
     #[arg(long, default_value = ".")]
     out: PathBuf,
@@ -33,45 +40,73 @@ pub struct Check {
 
 /// Runs the checks; exit code 1 if a detector disagrees with the truth.
 pub fn check(options: &Check) -> anyhow::Result<ExitCode> {
-    let seconds = options.seconds;
+    let (seconds, deadline) = (options.seconds, options.deadline);
     ensure!((0.0..1e9).contains(&seconds), "--seconds {seconds}: give a number from 0 to 10^9");
+    ensure!((1e-3..1e9).contains(&deadline), "--deadline {deadline}: give a number from 0.001 to 10^9");
     ensure!(options.seeds >= 1, "--seeds 0: at least one is needed");
     let chosen = options.detector.iter().map(|name| super::detector(name)).collect::<anyhow::Result<Vec<_>>>()?;
     let chosen = if chosen.is_empty() { TABLE.iter().filter(|entry| entry.must_be_right()).collect() } else { chosen };
-    // A detector that panics is reported like any other that is wrong, and shrinking makes it panic often.
-    std::panic::set_hook(Box::new(|_| ()));
-    let report = check::check(&chosen, &options.arithmetic, options.seeds, Duration::from_secs_f64(seconds))?;
+    let limits = Limits {
+        seeds: options.seeds,
+        time: Duration::from_secs_f64(seconds),
+        deadline: Duration::from_secs_f64(deadline),
+        ..Limits::default()
+    };
+    quiet_panics();
+    let mut reports: Vec<(Report, Option<&Path>)> = Vec::new();
+    for path in &options.scene {
+        let scene = read::scene(path, read::Options::default())?;
+        reports.push((check::check_scene(&scene, &path.display().to_string(), &chosen, &options.arithmetic, &limits)?, Some(path)));
+    }
+    if options.scene.is_empty() {
+        reports.push((check::check(&chosen, &options.arithmetic, &limits)?, None));
+    }
     let mut out = std::io::stdout().lock();
-    for failure in &report.failures {
-        describe(failure, options, &mut out)?;
+    for (report, path) in &reports {
+        for failure in &report.failures {
+            describe(failure, *path, options, &mut out)?;
+        }
+        for (reason, times) in &report.refused {
+            writeln!(out, "refused {times} times: {reason}")?;
+        }
     }
-    for (reason, times) in &report.refused {
-        writeln!(out, "refused {times} times: {reason}")?;
-    }
-    let verdict = if report.failures.is_empty() { "all agree with all pairs tested" } else { "WRONG" };
+    let right = reports.iter().all(|(report, _)| report.failures.is_empty());
+    let cases: u64 = reports.iter().map(|(report, _)| report.cases).sum();
     let names: Vec<&str> = chosen.iter().map(|entry| entry.name).collect();
-    writeln!(out, "check: {} detections by {}: {verdict}", report.cases, names.join(", "))?;
-    Ok(if report.failures.is_empty() { ExitCode::SUCCESS } else { ExitCode::from(1) })
+    let verdict = if right { "all agree with all pairs tested" } else { "WRONG" };
+    writeln!(out, "check: {cases} detections by {}: {verdict}", names.join(", "))?;
+    Ok(if right { ExitCode::SUCCESS } else { ExitCode::from(1) })
 }
 
-fn describe(failure: &Failure, options: &Check, out: &mut impl Write) -> anyhow::Result<()> {
-    let path = options.out.join(format!("failing-{}-{}.csv", failure.detector, failure.arithmetic.name()));
-    let scene = check::as_csv(&failure.smallest);
-    std::fs::write(&path, &scene).with_context(|| format!("cannot write {}; choose another place with --out", path.display()))?;
-    writeln!(out, "WRONG: {} with {} arithmetic, on {}", failure.detector, failure.arithmetic.name(), failure.found_on)?;
-    let how = match &failure.wrong {
-        Some(Wrong::Pairs(errors)) => {
-            format!("{} missed, {} spurious, {} duplicate pairs", errors.missed, errors.spurious, errors.duplicate)
+/// A detector that panics is reported like any other that is wrong, and shrinking makes it panic often.
+fn quiet_panics() {
+    let hook = std::panic::take_hook();
+    std::panic::set_hook(Box::new(move |panic| {
+        if std::thread::current().name() != Some(subject::THREAD) {
+            hook(panic);
         }
-        Some(Wrong::Panics) => "it panics".into(),
-        None => "only after earlier scenes: something is left in its buffers".into(),
-    };
-    writeln!(out, "  smallest failing scene: {} elements, {how}: {}", failure.smallest.len(), path.display())?;
-    for line in scene.lines().take(12) {
+    }));
+}
+
+fn describe(failure: &Failure, given: Option<&Path>, options: &Check, out: &mut impl Write) -> anyhow::Result<()> {
+    let Failure { detector, arithmetic, found_on, found, smallest, wrong } = failure;
+    let arithmetic = arithmetic.name();
+    writeln!(out, "WRONG: {detector} with {arithmetic} arithmetic, on {found_on}: {found}")?;
+    let stem = given.and_then(Path::file_stem).map(|stem| format!("-{}", stem.to_string_lossy())).unwrap_or_default();
+    let path = options.out.join(format!("failing-{detector}-{arithmetic}{stem}.csv"));
+    let scene = regression::file(failure, &path);
+    std::fs::write(&path, &scene).with_context(|| format!("cannot write {}; choose another place with --out", path.display()))?;
+    let (n, place) = (smallest.len(), path.display());
+    match wrong {
+        Some(Wrong::Hangs(_)) => writeln!(out, "  the scene, not made smaller: {n} elements: {place}")?,
+        Some(wrong) => writeln!(out, "  smallest failing scene: {n} elements, {wrong}: {place}")?,
+        None => writeln!(out, "  only after earlier scenes: something is left in its buffers; the scene: {n} elements: {place}")?,
+    }
+    for line in scene.lines().filter(|line| !line.starts_with('#')).take(12) {
         writeln!(out, "    {line}")?;
     }
-    let arithmetic = failure.arithmetic.name();
-    writeln!(out, "  see it: contactbench detect {} --detector {} --arithmetic {arithmetic}", path.display(), failure.detector)?;
-    writeln!(out, "  truth:  contactbench detect {} --detector direct --arithmetic {arithmetic}", path.display())?;
+    writeln!(out, "  again:  contactbench check --scene {place} --detector {detector} --arithmetic {arithmetic}")?;
+    writeln!(out, "  see it: contactbench detect {place} --detector {detector} --arithmetic {arithmetic}")?;
+    writeln!(out, "  truth:  contactbench detect {place} --detector direct --arithmetic {arithmetic}")?;
     Ok(())
 }

@@ -1,0 +1,286 @@
+//! Fuzzing: any bytes make a scene, and often one that is hard; every detector must be right on it.
+//!
+//! Random doubles are never tangent, hardly ever near, and mostly refused by grids. So bytes are instructions: most elements stand in a
+//! lattice of small whole numbers, or exactly a diameter from an earlier one, or some units in the last place beside such a place; few are
+//! raw doubles, subnormal or huge. The first four bytes say what holds for all elements:
+//!
+//! | byte | says |
+//! |---|---|
+//! | 0 | bit 0: 3D; bit 1: a radius each; bit 2: detectors keep their buffers from call to call, and there are more calls |
+//! | 1 | the unit, a power of two: mostly 2^-8 to 2^7, else any |
+//! | 2 | the offset of lattices from the origin, up to 15·2^60 units |
+//! | 3 | the radius: 1/2 to 16 halves of a unit, one of some odd lengths, or 0 |
+//!
+//! Then each element takes a byte that says how its place is found, and what that needs. Where the bytes end, so does the scene.
+
+use super::as_csv;
+use super::numbers::Numbers;
+use super::subject::{Answer, answer, most};
+use crate::check::Wrong;
+use crate::contact::{Arithmetic, exact};
+use crate::detect::Options;
+use crate::detect::table::TABLE;
+use crate::oracle;
+use crate::read;
+use crate::scene::{AnyScene, Radii, Scene, SceneError};
+
+/// Elements at most.
+const MOST: usize = 64;
+
+/// A fuzzer is slow with large arrays: detectors refuse early.
+const OPTIONS: Options = Options { memory_limit: 1 << 22, threads: 1 };
+
+/// Legs and hypotenuse, all of whole numbers; those in the plane first.
+const PYTHAGOREAN: [([f64; 3], f64); 8] = [
+    ([3.0, 4.0, 0.0], 5.0),
+    ([5.0, 12.0, 0.0], 13.0),
+    ([8.0, 15.0, 0.0], 17.0),
+    ([20.0, 21.0, 0.0], 29.0),
+    ([1.0, 2.0, 2.0], 3.0),
+    ([2.0, 3.0, 6.0], 7.0),
+    ([1.0, 4.0, 8.0], 9.0),
+    ([2.0, 6.0, 9.0], 11.0),
+];
+
+/// The bytes not yet used.
+struct Bytes<'a>(&'a [u8]);
+
+impl Bytes<'_> {
+    fn next(&mut self) -> Option<u8> {
+        let (&first, rest) = self.0.split_first()?;
+        self.0 = rest;
+        Some(first)
+    }
+
+    fn double(&mut self) -> Option<f64> {
+        let (first, rest) = self.0.split_first_chunk()?;
+        self.0 = rest;
+        Some(f64::from_bits(u64::from_le_bytes(*first)))
+    }
+}
+
+/// A scene in the making.
+struct Maker<'a> {
+    bytes: Bytes<'a>,
+    mixed: bool,
+    unit: f64,
+    offset: f64,
+    radius: f64,
+    numbers: Numbers,
+}
+
+impl<'a> Maker<'a> {
+    fn new(data: &'a [u8]) -> Option<Maker<'a>> {
+        let mut bytes = Bytes(data);
+        let (form, unit, offset, radius) = (bytes.next()?, bytes.next()?, bytes.next()?, bytes.next()?);
+        let unit = if unit < 200 { i32::from(unit % 16) - 8 } else { (i32::from(unit) - 200) * 38 - 1060 };
+        let unit = libm::scalbn(1.0, unit);
+        let offset = unit * libm::scalbn(f64::from(offset & 15), i32::from(offset >> 4) * 4);
+        let radius = match radius {
+            255 => 0.0,
+            // Lengths with a full mantissa, so that sums are rounded.
+            192.. => unit * f64::from(radius) / 300.0,
+            _ => unit * f64::from(radius % 32 + 1) * 0.5,
+        };
+        let numbers = Numbers { dim: 2 + usize::from(form & 1), values: Vec::new() };
+        Some(Maker { bytes, mixed: form & 2 != 0, unit, offset, radius, numbers })
+    }
+
+    /// The radius of the next element.
+    fn radius(&mut self) -> Option<f64> {
+        if !self.mixed {
+            return Some(self.radius);
+        }
+        let code = self.bytes.next()?;
+        let last = self.numbers.values.last().copied().unwrap_or(self.radius);
+        Some(match code % 8 {
+            0..=2 => self.radius * [1.0, 0.5, 2.0][usize::from(code % 8)],
+            3 => self.unit * f64::from(code / 8) * 0.25,
+            4 => last,
+            5 => nudged(last, i32::from(code / 8 % 7) - 3).max(0.0),
+            6 => self.radius * libm::scalbn(1.0, i32::from(code / 8) - 16),
+            _ if code == 255 => self.bytes.double()?,
+            _ => 0.0,
+        })
+    }
+
+    /// Adds an element; none where the bytes end.
+    fn element(&mut self) -> Option<()> {
+        let how = self.bytes.next()?;
+        let radius = self.radius()?;
+        let (dim, stride, n) = (self.numbers.dim, self.numbers.stride(), self.numbers.len());
+        let mut place = [self.offset; 3];
+        // The element beside which this one is put, and the distance at which the two just touch.
+        let (mut beside, mut contact) = (place, 2.0 * radius);
+        if n > 0 && matches!(how % 8, 1 | 2 | 3 | 7) {
+            let other = &self.numbers.values[usize::from(self.bytes.next()?) % n * stride..];
+            beside[..dim].copy_from_slice(&other[..dim]);
+            contact = radius + other[dim];
+        }
+        match how % 8 {
+            1 => {
+                place = beside;
+                let code = self.bytes.next()?;
+                place[usize::from(code / 2) % dim] += if code & 1 == 0 { contact } else { -contact };
+            }
+            2 => {
+                let code = usize::from(self.bytes.next()?);
+                let (legs, hypotenuse) = PYTHAGOREAN[code % if dim == 2 { 4 } else { 8 }];
+                for axis in 0..dim {
+                    // In the plane 0 or 1 is swapped, in space the legs take turns.
+                    let step = legs[(axis + code / 64) % dim] * (contact / hypotenuse);
+                    place[axis] = beside[axis] + if code >> (3 + axis) & 1 == 0 { step } else { -step };
+                }
+            }
+            3 => {
+                place = beside;
+                for x in &mut place[..dim] {
+                    *x = nudged(*x, i32::from(self.bytes.next()? % 7) - 3);
+                }
+            }
+            4 => {
+                for x in &mut place[..dim] {
+                    *x = self.bytes.double()?;
+                }
+            }
+            5 => {
+                for x in &mut place[..dim] {
+                    let code = self.bytes.next()?;
+                    let size = f64::from_bits(u64::from(code / 2)) * libm::scalbn(1.0, i32::from(how >> 3) * 4);
+                    *x = if code & 1 == 0 { size } else { -size };
+                }
+            }
+            6 if how >= 128 => {
+                for x in &mut place[..dim] {
+                    let code = self.bytes.next()?;
+                    let size = if code >= 252 { f64::MAX } else { libm::scalbn(1.0 + f64::from(code % 4), i32::from(code / 4) * 18 - 110) };
+                    *x = if how & 8 == 0 { size } else { -size };
+                }
+            }
+            7 => {
+                // Where cells of the book end: whole diameters from another element.
+                for axis in 0..dim {
+                    place[axis] = beside[axis] + f64::from(self.bytes.next()? as i8) * (2.0 * self.radius);
+                }
+            }
+            _ => {
+                for x in &mut place[..dim] {
+                    *x += f64::from(self.bytes.next()? as i8) * self.unit;
+                }
+            }
+        }
+        if matches!(how % 8, 0 | 1 | 2 | 7) {
+            let axis = usize::from(how >> 6) % dim;
+            place[axis] = nudged(place[axis], [0, 0, 0, 1, -1, 2, -2, 3][usize::from(how >> 3) % 8]);
+        }
+        self.numbers.values.extend_from_slice(&place[..dim]);
+        self.numbers.values.push(radius);
+        Some(())
+    }
+
+    fn scene(&self) -> Result<AnyScene<'static>, SceneError> {
+        // Not as a file is read: a radius each, even where all are equal, is code of its own.
+        let radii = if self.mixed { Radii::Each(self.numbers.radii().collect::<Vec<_>>().into()) } else { Radii::Uniform(self.radius) };
+        Ok(if self.numbers.dim == 2 {
+            AnyScene::from(Scene::<f64, 2>::new(self.numbers.centres(), radii)?)
+        } else {
+            AnyScene::from(Scene::<f64, 3>::new(self.numbers.centres(), radii)?)
+        })
+    }
+}
+
+/// The number `steps` doubles further; for an infinity and NaN something of the kind.
+fn nudged(x: f64, steps: i32) -> f64 {
+    (0..steps.abs()).fold(x, |x, _| if steps > 0 { x.next_up() } else { x.next_down() })
+}
+
+/// The scene that the bytes describe; none if they are too few, or describe numbers that no scene may have, which `Scene::new` must
+/// have found: it panics if a valid scene is refused or an invalid one is not.
+pub fn scene_from_bytes(data: &[u8]) -> Option<AnyScene<'static>> {
+    let mut maker = Maker::new(data)?;
+    while maker.numbers.len() < MOST && maker.element().is_some() {}
+    let numbers = &maker.numbers;
+    let valid = |(k, x): (usize, &f64)| x.is_finite() && (k % numbers.stride() != numbers.dim || *x >= 0.0);
+    let valid = (maker.mixed || maker.radius.is_finite()) && numbers.values.iter().enumerate().all(valid);
+    let scene = maker.scene();
+    assert!(scene.is_ok() == valid, "valid: {valid}, but {:?} for {numbers:?}", scene.err());
+    scene.ok()
+}
+
+/// Holds every detector to the truth on the scene that the bytes describe, in every safe arithmetic; with textbook filters, a detector may
+/// lose pairs, and nothing else. Panics with the scene where one is wrong.
+pub fn fuzz_one(data: &[u8]) {
+    let Some(scene) = scene_from_bytes(data) else { return };
+    the_truth_is_exact(&scene);
+    let keep = data[0] & 4 != 0;
+    // With a history: some elements, all, others in another order, all once more.
+    let n = scene.len() as u32;
+    let mut scenes = vec![scene];
+    if keep {
+        let some = scenes[0].reordered(&(0..n / 2).collect::<Vec<_>>());
+        let others = scenes[0].reordered(&(n / 3..n).rev().collect::<Vec<_>>());
+        scenes = vec![some, scenes[0].clone(), others, scenes[0].clone()];
+    }
+    let mut detectors: Vec<_> = TABLE.iter().filter(|entry| entry.must_be_right()).map(|entry| (entry, entry.make(OPTIONS))).collect();
+    for scene in &scenes {
+        for arithmetic in Arithmetic::ALL {
+            let Ok(stored) = scene.stored(arithmetic) else { continue };
+            let truth = oracle::truth_as_stored(&stored, arithmetic.test());
+            for (entry, detector) in &mut detectors {
+                if !keep {
+                    *detector = entry.make(OPTIONS);
+                }
+                let kept = truth.as_ref().map_or(1000, most);
+                let answer = answer(&mut **detector, &stored, arithmetic.test(), kept);
+                let wrong = match (answer, &truth) {
+                    (answer, Ok(truth)) => answer.wrong(truth).filter(|wrong| arithmetic.is_safe() || !only_loses(wrong)),
+                    // Where there is no truth because a square overflows, no detector may say more.
+                    (Answer::Refused(_, 0), Err(_)) => None,
+                    (_, Err(error)) => {
+                        panic!("{} with {} arithmetic answers, but {error}:\n{}", entry.name, arithmetic.name(), as_csv(scene))
+                    }
+                };
+                if let Some(wrong) = wrong {
+                    panic!("{} with {} arithmetic: {wrong}\n{}", entry.name, arithmetic.name(), as_csv(scene));
+                }
+            }
+        }
+    }
+}
+
+/// What textbook filters may do.
+fn only_loses(wrong: &Wrong) -> bool {
+    matches!(wrong, Wrong::Pairs(pairs) if pairs.spurious.is_empty() && pairs.selves.is_empty() && pairs.duplicate.is_empty())
+}
+
+/// The contact test's filter decides as integers do.
+fn the_truth_is_exact(scene: &AnyScene<'_>) {
+    let Ok(truth) = oracle::truth(scene, Arithmetic::Exact) else { panic!("exact arithmetic refuses:\n{}", as_csv(scene)) };
+    let numbers = Numbers::of(scene);
+    let elements: Vec<([f64; 3], f64)> = numbers
+        .values
+        .chunks_exact(numbers.stride())
+        .map(|element| (std::array::from_fn(|k| if k < numbers.dim { element[k] } else { 0.0 }), element[numbers.dim]))
+        .collect();
+    let all = (0..elements.len()).flat_map(|i| (i + 1..elements.len()).map(move |j| (i, j)));
+    let touching = all.filter(|&(i, j)| exact::compare(&elements[i].0, &elements[j].0, elements[i].1, elements[j].1).is_le());
+    let pairs: Vec<[u32; 2]> = touching.map(|(i, j)| [i as u32, j as u32]).collect();
+    assert!(pairs == truth.pairs, "the filter of the exact test is wrong on\n{}", as_csv(scene));
+}
+
+/// Reads the bytes as a particle file; the first says of which kind. Whatever they are, there is a scene or an error, and a scene
+/// reads back from the CSV that is made of it.
+pub fn fuzz_reader(data: &[u8]) {
+    let Some((&kind, data)) = data.split_first() else { return };
+    let ending = ["csv", "xyz", "extxyz", "npy", "", "tsv", "txt", "csv"][usize::from(kind % 8)];
+    let options = read::Options {
+        radius: [None, None, Some(0.5), Some(f64::NAN)][usize::from(kind >> 3) % 4],
+        dim: [None, None, Some(2), Some(3), None, Some(2), Some(3), Some(4)][usize::from(kind >> 5)],
+    };
+    let Ok(scene) = read::from(data, "bytes", ending, options) else { return };
+    // An empty file has no place for the radius of all.
+    if !scene.is_empty() {
+        let again = read::from(as_csv(&scene).as_bytes(), "again", "csv", read::Options::default());
+        assert!(again.as_ref().is_ok_and(|again| *again == scene), "{scene:?} became {again:?}");
+    }
+}

@@ -1,0 +1,36 @@
+//! Regression files: a scene as CSV, with a comment that says on what it was found and how to see it again.
+
+use std::path::Path;
+
+use super::Failure;
+use super::numbers::Numbers;
+use crate::scene::AnyScene;
+
+/// A scene as CSV with a header, in numbers that read back to the same bits.
+pub fn as_csv(scene: &AnyScene<'_>) -> String {
+    let numbers = Numbers::of(scene);
+    let mut text = String::from(if numbers.dim == 2 { "x,y,r\n" } else { "x,y,z,r\n" });
+    for element in numbers.values.chunks_exact(numbers.stride()) {
+        let element: Vec<String> = element.iter().map(|x| format!("{x:?}")).collect();
+        text.push_str(&element.join(","));
+        text.push('\n');
+    }
+    text
+}
+
+/// The regression file of a failure; `path` is where it will stand.
+pub fn file(failure: &Failure, path: &Path) -> String {
+    let Failure { detector, arithmetic, found_on, smallest, .. } = failure;
+    let arithmetic = arithmetic.name();
+    let how = match &failure.wrong {
+        Some(wrong) => wrong.to_string(),
+        None => format!("wrong only after earlier scenes, something is left in its buffers: {}", failure.found),
+    };
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let comment = format!(
+        "{detector}, {arithmetic} arithmetic: {how}\nfound on {found_on}\n\
+         contactbench check --scene {name} --detector {detector} --arithmetic {arithmetic}"
+    );
+    let comment: String = comment.lines().map(|line| format!("# {line}\n")).collect();
+    comment + &as_csv(smallest)
+}

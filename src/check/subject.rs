@@ -1,0 +1,143 @@
+//! A detector under test, in a thread of its own: one that panics or hangs ends neither the check nor the program.
+//!
+//! The thread keeps the detector, and so its buffers, from call to call. After a panic the detector is made anew. A thread that does not
+//! answer in time is left behind (nothing can end it but the end of the process), and another takes its place.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::time::Duration;
+
+use anyhow::Context;
+
+use super::{Differences, Wrong};
+use crate::contact::Test;
+use crate::detect::any::AnyDetector;
+use crate::detect::table::Entry;
+use crate::detect::{Options, Refusal};
+use crate::oracle::Truth;
+use crate::scene::AnyScene;
+use crate::sink::{Digest, Sink};
+
+/// The name of the threads: panics in them are findings, not defects of the check.
+pub const THREAD: &str = "detector under test";
+
+/// What came of a detection.
+pub enum Answer {
+    /// Pairs as reported.
+    Pairs(Vec<[u32; 2]>),
+    /// It refused the scene, after so many reported pairs.
+    Refused(Refusal, u64),
+    /// It panicked, with this message.
+    Panicked(String),
+    /// It was not ready in time.
+    Hangs(Duration),
+}
+
+impl Answer {
+    /// In which way the answer is wrong, if it is.
+    pub fn wrong(self, truth: &Truth) -> Option<Wrong> {
+        match self {
+            Answer::Pairs(pairs) if Digest::of(&pairs) == truth.digest => None,
+            Answer::Pairs(pairs) => Some(Wrong::Pairs(Differences::new(pairs, &truth.pairs))),
+            Answer::Refused(_, 0) => None,
+            Answer::Refused(_, reported) => Some(Wrong::RefusesLate(reported)),
+            Answer::Panicked(message) => Some(Wrong::Panics(message)),
+            Answer::Hangs(deadline) => Some(Wrong::Hangs(deadline)),
+        }
+    }
+}
+
+/// The pairs reported, as many as are kept: a detector that reports without end must not fill the memory.
+struct Kept {
+    pairs: Vec<[u32; 2]>,
+    most: usize,
+    reported: u64,
+}
+
+impl Sink for Kept {
+    fn contact(&mut self, i: u32, j: u32) {
+        self.reported += 1;
+        if self.pairs.len() < self.most {
+            self.pairs.push([i, j]);
+        }
+    }
+}
+
+/// One detection in this thread. Of the pairs, `most` are kept.
+pub fn answer(detector: &mut dyn AnyDetector, scene: &AnyScene<'_>, test: Test, most: usize) -> Answer {
+    let mut kept = Kept { pairs: Vec::new(), most, reported: 0 };
+    match catch_unwind(AssertUnwindSafe(|| detector.visit(scene, test, &mut kept))) {
+        Ok(Ok(())) => Answer::Pairs(kept.pairs),
+        Ok(Err(refusal)) => Answer::Refused(refusal, kept.reported),
+        Err(cause) => Answer::Panicked(match (cause.downcast_ref::<&str>(), cause.downcast_ref::<String>()) {
+            (Some(text), _) => text.to_string(),
+            (_, Some(text)) => text.clone(),
+            _ => "no message".into(),
+        }),
+    }
+}
+
+/// More pairs than this need not be kept to see that an answer is wrong, and how.
+pub fn most(truth: &Truth) -> usize {
+    2 * truth.pairs.len() + 1000
+}
+
+struct Job {
+    scene: Arc<AnyScene<'static>>,
+    test: Test,
+    fresh: bool,
+    most: usize,
+}
+
+/// A detector in a thread of its own.
+pub struct Subject {
+    /// Its line in the table.
+    pub entry: &'static Entry,
+    options: Options,
+    deadline: Duration,
+    jobs: Sender<Job>,
+    answers: Receiver<Answer>,
+}
+
+impl Subject {
+    /// A detector with empty buffers; a detection may take until `deadline`.
+    pub fn new(entry: &'static Entry, options: Options, deadline: Duration) -> anyhow::Result<Subject> {
+        let (jobs, to_do) = channel();
+        let (done, answers) = channel();
+        let work = move || serve(entry, options, &to_do, &done);
+        std::thread::Builder::new().name(THREAD.into()).spawn(work).context("cannot start a thread for a detector")?;
+        Ok(Subject { entry, options, deadline, jobs, answers })
+    }
+
+    /// Asks for the pairs of a stored scene, of a detector without a history if `fresh`.
+    pub fn ask(&mut self, scene: &Arc<AnyScene<'static>>, test: Test, fresh: bool, truth: &Truth) -> anyhow::Result<Answer> {
+        let job = Job { scene: scene.clone(), test, fresh, most: most(truth) };
+        // If the thread is gone, there will be no answer either.
+        let _ = self.jobs.send(job);
+        let lost = match self.answers.recv_timeout(self.deadline) {
+            Ok(answer) => return Ok(answer),
+            Err(RecvTimeoutError::Timeout) => Answer::Hangs(self.deadline),
+            Err(RecvTimeoutError::Disconnected) => Answer::Panicked("its thread ended".into()),
+        };
+        *self = Subject::new(self.entry, self.options, self.deadline)?;
+        Ok(lost)
+    }
+}
+
+/// The thread: serves until nobody asks any more.
+fn serve(entry: &'static Entry, options: Options, jobs: &Receiver<Job>, answers: &Sender<Answer>) {
+    let mut detector = None;
+    for job in jobs {
+        if job.fresh {
+            detector = None;
+        }
+        let answer = answer(&mut **detector.get_or_insert_with(|| entry.make(options)), &job.scene, job.test, job.most);
+        if matches!(answer, Answer::Panicked(_)) {
+            detector = None;
+        }
+        if answers.send(answer).is_err() {
+            return;
+        }
+    }
+}
