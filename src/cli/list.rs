@@ -4,6 +4,7 @@ use std::io::Write;
 use std::process::ExitCode;
 
 use crate::analyse::text::wrap;
+use crate::contact::Arithmetic;
 use crate::detect::table::TABLE;
 use crate::harness::builtin;
 use crate::scene::hard::{self, Expect};
@@ -21,6 +22,8 @@ pub struct List {
 enum What {
     /// With cost, memory and limits
     Detectors,
+    /// How scenes are stored and contacts decided
+    Arithmetics,
     /// Generators with their parameters
     Scenes,
     /// With their questions
@@ -40,6 +43,13 @@ pub fn list(options: &List) -> anyhow::Result<ExitCode> {
             writeln!(out, "  {:<12} cost: {}; memory: {}", "", entry.cost, entry.memory)?;
             writeln!(out, "  {:<12} limits: {}\n", "", entry.limits)?;
         }
+    }
+    if wanted(What::Arithmetics) {
+        writeln!(out, "ARITHMETICS\n")?;
+        for arithmetic in Arithmetic::ALL {
+            writeln!(out, "  {:<12} {}", arithmetic.name(), arithmetic.summary())?;
+        }
+        writeln!(out)?;
     }
     if wanted(What::Scenes) {
         writeln!(out, "SCENES (parameters with their defaults in 2D, 3D; lengths in diameters)\n")?;

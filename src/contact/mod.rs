@@ -67,6 +67,17 @@ impl Arithmetic {
         }
     }
 
+    /// What it means, in a phrase.
+    pub fn summary(self) -> &'static str {
+        match self {
+            Arithmetic::F32 => "scene stored in f32, contacts decided in f32",
+            Arithmetic::F32Cell => "coordinates as cell number and f32 offset from the cell's origin, contacts decided in f32",
+            Arithmetic::Textbook => "f64, with the book's filters as printed: may lose contacts to rounding",
+            Arithmetic::F64 => "scene stored and contacts decided in f64",
+            Arithmetic::Exact => "scene stored in f64, contacts decided exactly (the default)",
+        }
+    }
+
     /// All names, for messages.
     pub fn names() -> String {
         Arithmetic::ALL.map(Arithmetic::name).join(", ")

@@ -16,6 +16,7 @@ pub const FILES: &[(&str, &str)] = &[
     ("arithmetic", include_str!("../../experiments/arithmetic.toml")),
     ("speed-error", include_str!("../../experiments/speed-error.toml")),
     ("hard-cases", include_str!("../../experiments/hard-cases.toml")),
+    ("price", include_str!("../../experiments/price.toml")),
     ("million", include_str!("../../experiments/million.toml")),
 ];
 
