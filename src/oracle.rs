@@ -79,6 +79,9 @@ pub fn truth(scene: &AnyScene<'_>, arithmetic: Arithmetic) -> Result<Truth, NoTr
 /// The truth about a scene as it is stored, in a contact test.
 pub fn truth_as_stored(scene: &AnyScene<'_>, test: Test) -> Result<Truth, NoTruth> {
     let test = test.safe();
+    if test == Test::Exact && !scene.is_f64() {
+        return truth_as_stored(&scene.stored(Arithmetic::F64)?, test);
+    }
     let pairs = if scene.len() <= BRUTE_FORCE { brute_force(scene, test)? } else { agreed(scene, test)? };
     let digest = Digest::of(&pairs);
     Ok(Truth { pairs, digest })

@@ -302,7 +302,7 @@ mod tests {
                 }
             }
         }
-        assert!(in_short > 500, "{in_short}");
+        assert!(in_short > 450, "{in_short}");
     }
 
     #[test]

@@ -185,30 +185,40 @@ pub trait WithBodies<T: Real, const D: usize> {
 }
 
 /// Resolves radii and contact test to a type, once per detection, and hands the result to `then`.
+///
+/// The exact test takes scenes in f64 only; others are refused: [`Scene::convert`] makes them f64 without error.
 pub fn with_bodies<T: Real, const D: usize, W, O>(scene: &Scene<'_, T, D>, test: Test, then: W) -> Result<O, Refusal>
 where
     W: WithBodies<T, D, Output = Result<O, Refusal>>,
 {
     let centres = scene.centres();
     let diameter = 2.0 * scene.largest_radius().wide();
-    let (margin, reach) = match test {
-        Test::Exact => (Margin::Safe, diameter),
-        Test::Rounded => (Margin::Safe, filter::rounded_reach::<T>(diameter)),
-        Test::Textbook => (Margin::Textbook, diameter),
-    };
     if test == Test::Exact {
-        return match scene.radii() {
-            Radii::Uniform(r) => then.call(Subject { centres, rule: ExactUniform::new(r.wide()), reach, margin }),
-            Radii::Each(radii) => then.call(Subject { centres, rule: ExactEach { radii }, reach, margin }),
-        };
+        return T::exactly(scene, then);
     }
     refuse_overflow(scene, diameter)?;
+    let (margin, reach) = match test {
+        Test::Textbook => (Margin::Textbook, diameter),
+        _ => (Margin::Safe, filter::rounded_reach::<T>(diameter)),
+    };
     match scene.radii() {
         Radii::Uniform(r) => {
             let sum = r.plus(*r);
             then.call(Subject { centres, rule: RoundedUniform { square: sum * sum }, reach, margin })
         }
         Radii::Each(radii) => then.call(Subject { centres, rule: RoundedEach { radii }, reach, margin }),
+    }
+}
+
+/// The exact test, for doubles: every storage becomes doubles without error, so that it need not be compiled for the others.
+fn exactly<const D: usize, W, O>(scene: &Scene<'_, f64, D>, then: W) -> Result<O, Refusal>
+where
+    W: WithBodies<f64, D, Output = Result<O, Refusal>>,
+{
+    let (centres, reach, margin) = (scene.centres(), 2.0 * scene.largest_radius(), Margin::Safe);
+    match scene.radii() {
+        Radii::Uniform(r) => then.call(Subject { centres, rule: ExactUniform::new(*r), reach, margin }),
+        Radii::Each(radii) => then.call(Subject { centres, rule: ExactEach { radii }, reach, margin }),
     }
 }
 

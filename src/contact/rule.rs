@@ -63,15 +63,8 @@ fn band(square: f64) -> (f64, f64) {
 }
 
 #[inline(always)]
-fn decide<T: Real, const D: usize, P: Probe>(
-    a: &[T; D],
-    b: &[T; D],
-    radii: impl Fn() -> (f64, f64),
-    band: (f64, f64),
-    probe: &mut P,
-) -> bool {
-    let (a, b) = (a.map(Real::wide), b.map(Real::wide));
-    let square = square_distance(&a, &b);
+fn decide<const D: usize, P: Probe>(a: &[f64; D], b: &[f64; D], radii: impl Fn() -> (f64, f64), band: (f64, f64), probe: &mut P) -> bool {
+    let square = square_distance(a, b);
     if square > band.1 {
         return false;
     }
@@ -80,7 +73,7 @@ fn decide<T: Real, const D: usize, P: Probe>(
     }
     probe.count(Op::ExactTest);
     let (ra, rb) = radii();
-    exact::compare(&a, &b, ra, rb) != Ordering::Greater
+    exact::compare(a, b, ra, rb) != Ordering::Greater
 }
 
 /// Exact arithmetic, one radius: the filter's band is computed once.
@@ -98,23 +91,23 @@ impl ExactUniform {
     }
 }
 
-impl<T: Real> Rule<T> for ExactUniform {
+impl Rule<f64> for ExactUniform {
     #[inline(always)]
-    fn touch<const D: usize, P: Probe>(&self, _: u32, _: u32, a: &[T; D], b: &[T; D], probe: &mut P) -> bool {
+    fn touch<const D: usize, P: Probe>(&self, _: u32, _: u32, a: &[f64; D], b: &[f64; D], probe: &mut P) -> bool {
         decide(a, b, || (self.radius, self.radius), self.band, probe)
     }
 }
 
 /// Exact arithmetic, one radius per element.
 #[derive(Clone, Copy)]
-pub struct ExactEach<'a, T> {
-    pub(super) radii: &'a [T],
+pub struct ExactEach<'a> {
+    pub(super) radii: &'a [f64],
 }
 
-impl<T: Real> Rule<T> for ExactEach<'_, T> {
+impl Rule<f64> for ExactEach<'_> {
     #[inline(always)]
-    fn touch<const D: usize, P: Probe>(&self, i: u32, j: u32, a: &[T; D], b: &[T; D], probe: &mut P) -> bool {
-        let (ra, rb) = (self.radii[i as usize].wide(), self.radii[j as usize].wide());
+    fn touch<const D: usize, P: Probe>(&self, i: u32, j: u32, a: &[f64; D], b: &[f64; D], probe: &mut P) -> bool {
+        let (ra, rb) = (self.radii[i as usize], self.radii[j as usize]);
         let sum = ra + rb;
         decide(a, b, || (ra, rb), band(sum * sum), probe)
     }

@@ -2,6 +2,10 @@
 
 use std::ops::{Add, Mul};
 
+use super::WithBodies;
+use crate::detect::Refusal;
+use crate::scene::Scene;
+
 /// A scalar in which scenes are stored.
 pub trait Real: nalgebra::Scalar + Copy + PartialOrd + Default + Send + Sync + sealed::Sealed {
     /// In what differences and sums of two such numbers, and their squares, are computed.
@@ -26,6 +30,13 @@ pub trait Real: nalgebra::Scalar + Copy + PartialOrd + Default + Send + Sync + s
     fn minus(self, other: Self) -> Self::Work;
     /// self + other.
     fn plus(self, other: Self) -> Self::Work;
+    /// Hands a scene with its exact contact test to `then`. Only f64 has one.
+    fn exactly<const D: usize, W, O>(_: &Scene<'_, Self, D>, _: W) -> Result<O, Refusal>
+    where
+        W: WithBodies<Self, D, Output = Result<O, Refusal>>,
+    {
+        Err(Refusal::NotWide { precision: Self::NAME })
+    }
 }
 
 /// A floating-point type that computes.
@@ -42,7 +53,7 @@ mod sealed {
 }
 
 macro_rules! floating_point {
-    ($float:ident, $underflow:expr) => {
+    ($float:ident, $underflow:expr $(, $exactly:item)?) => {
         impl Work for $float {
             fn finite(self) -> bool {
                 self.is_finite()
@@ -72,12 +83,22 @@ macro_rules! floating_point {
             fn plus(self, other: $float) -> $float {
                 self + other
             }
+            $($exactly)?
         }
     };
 }
 
 floating_point!(f32, f64::from_bits((1023 - 73) << 52)); // 4·√(2^-150) = 2^-73
-floating_point!(f64, f64::from_bits((1023 - 535) << 52)); // 4·√(2^-1075) < 2^-535
+floating_point!(
+    f64,
+    f64::from_bits((1023 - 535) << 52), // 4·√(2^-1075) < 2^-535
+    fn exactly<const D: usize, W, O>(scene: &Scene<'_, f64, D>, then: W) -> Result<O, Refusal>
+    where
+        W: WithBodies<f64, D, Output = Result<O, Refusal>>,
+    {
+        super::exactly(scene, then)
+    }
+);
 
 /// A coordinate as the number of a cell of edge 1 and an offset from the cell's origin in `f32`: what codes do that keep
 /// particles in single precision, but far from the origin, or in a large domain.

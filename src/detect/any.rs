@@ -1,19 +1,20 @@
 //! One object-safe face for all detectors: dynamic once per detection, static inside.
 
 use super::{Declare, Detector, Options, Refusal};
-use crate::contact::{Bodies, CellF32, Real, Test, WithBodies, with_bodies};
+use crate::contact::{Arithmetic, Bodies, CellF32, Real, Test, WithBodies, with_bodies};
 use crate::probe::{Probe, Silent, Tally};
 use crate::scene::{AnyScene, Scene};
 use crate::sink::Sink;
 
 /// A detector of any algorithm, for scenes of both dimensions and precisions.
 ///
-/// The precision is the scene's: [`AnyScene::stored`] gives the one that an [`crate::contact::Arithmetic`] asks for.
+/// The precision is the scene's: [`AnyScene::stored`] gives the one that an [`Arithmetic`] asks for. For the exact test a scene that is not in
+/// f64 is converted first, which is without error.
 pub trait AnyDetector: Send {
     /// The complete list of pairs, appended to `pairs`: what is timed.
     fn list(&mut self, scene: &AnyScene<'_>, test: Test, pairs: &mut Vec<[u32; 2]>) -> Result<(), Refusal>;
 
-    /// Hands every contact to `sink`; counts nothing.
+    /// Hands every contact to `sink`, on one thread.
     fn visit(&mut self, scene: &AnyScene<'_>, test: Test, sink: &mut dyn Sink) -> Result<(), Refusal>;
 
     /// Hands every contact to `sink` and counts every operation.
@@ -42,6 +43,13 @@ where
 
     fn run<P: Probe, S: Sink>(&mut self, scene: &AnyScene<'_>, test: Test, probe: &mut P, sink: &mut S) -> Result<(), Refusal> {
         self.last_was_space = scene.dim() == 3;
+        if test == Test::Exact && !scene.is_f64() {
+            return match scene.stored(Arithmetic::F64) {
+                Ok(wide) => self.run(&wide, test, probe, sink),
+                // Not reached: every storage is doubles without error.
+                Err(_) => Err(Refusal::NotWide { precision: "another format" }),
+            };
+        }
         match scene {
             AnyScene::PlaneF32(scene) => run(&mut self.plane, scene, test, probe, sink),
             AnyScene::PlaneF64(scene) => run(&mut self.plane, scene, test, probe, sink),
@@ -62,8 +70,9 @@ where
         self.run(scene, test, &mut Silent, pairs)
     }
 
-    fn visit(&mut self, scene: &AnyScene<'_>, test: Test, mut sink: &mut dyn Sink) -> Result<(), Refusal> {
-        self.run(scene, test, &mut Silent, &mut sink)
+    /// Counts all the same, so that a third form of every detector need not be compiled.
+    fn visit(&mut self, scene: &AnyScene<'_>, test: Test, sink: &mut dyn Sink) -> Result<(), Refusal> {
+        self.count(scene, test, &mut Tally::default(), sink)
     }
 
     fn count(&mut self, scene: &AnyScene<'_>, test: Test, tally: &mut Tally, mut sink: &mut dyn Sink) -> Result<(), Refusal> {

@@ -76,6 +76,9 @@ pub enum Refusal {
     /// More elements than the lists can number.
     #[error("{detector} numbers at most {limit} elements, the scene has {n}; use direct")]
     Elements { detector: &'static str, n: u64, limit: u64 },
+    /// The exact test is asked for a scene that is not in f64.
+    #[error("the exact test takes scenes in f64, this one is in {precision}; convert it, which is without error")]
+    NotWide { precision: &'static str },
     /// The square of a diameter overflows in the arithmetic asked for.
     #[error("the square of the largest diameter {diameter:e} overflows in {precision}; use --arithmetic exact, or smaller units")]
     Overflow { diameter: f64, precision: &'static str },

@@ -56,6 +56,11 @@ impl AnyScene<'_> {
         }
     }
 
+    /// Is it stored in f64?
+    pub fn is_f64(&self) -> bool {
+        matches!(self, AnyScene::PlaneF64(_) | AnyScene::SpaceF64(_))
+    }
+
     /// The number of elements.
     pub fn len(&self) -> usize {
         with_scene!(self, scene => scene.len())
