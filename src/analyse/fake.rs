@@ -1,7 +1,7 @@
 //! Made-up rows for the tests of everything right of the record, with a clock that says what it is told.
 
 use crate::harness::experiment::Experiment;
-use crate::harness::record::{Outcome, Pass, Row, Stats};
+use crate::harness::record::{Causes, Errors, Outcome, Pass, Row, Stats};
 
 /// Writes rows for one cell after another; the setters change the cell that the next rows belong to.
 pub struct Lab {
@@ -92,6 +92,10 @@ impl Lab {
     }
     pub fn fail(&mut self, pass: Pass, outcome: Outcome, reason: &str) -> &mut Lab {
         self.push(pass, |row| (row.outcome, row.reason, row.contacts) = (outcome, reason.into(), None))
+    }
+    /// Errors of the last row.
+    pub fn errors(&mut self, errors: Errors, causes: Causes) -> &mut Lab {
+        self.edit(|row| (row.errors, row.causes) = (Some(errors), Some(causes)))
     }
     pub fn edit(&mut self, change: impl FnOnce(&mut Row)) -> &mut Lab {
         self.rows.last_mut().map(change);

@@ -4,6 +4,8 @@
 //! figure of a report can be made again from its folder alone.
 
 pub mod claim;
+pub mod csv;
+pub mod errors;
 #[cfg(test)]
 pub(crate) mod fake;
 pub mod filter;

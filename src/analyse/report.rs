@@ -8,10 +8,16 @@ use serde_json::Value;
 
 use super::claim::{self, Verdict};
 use super::value::{Cell, cells};
-use super::{summary, text};
+use super::{csv, errors, summary, text};
 use crate::figure::{self, style::Styles};
 use crate::harness::experiment::Experiment;
 use crate::harness::record::Row;
+
+/// How to read the table of errors.
+const ERRORS: &str = "Pairs missed / pairs added, by cause: *storing* the scene (its coordinates rounded, then decided exactly), \
+    *deciding* (the arithmetic's contact test on all pairs of the stored scene), *looking* (what the detector made of that). *Together* is the \
+    answer against exact decisions on the scene as given; errors of two causes can cancel. The error rate is the number of wrong pairs over \
+    that of true contacts. Depths and gaps are in mean radii of the couple: a miss of 0 r is a pair exactly in touch.";
 
 /// What was written.
 pub struct Report {
@@ -54,7 +60,7 @@ pub fn write(folder: &Path, experiments: &[Experiment], rows: &[Row], warnings: 
     let page = head(experiments, &report, &cells, provenance.as_ref()) + &body + &foot(provenance.as_ref());
     std::fs::write(&report.path, page).with_context(|| format!("cannot write the report {}", report.path.display()))?;
     let table = folder.join("summary.csv");
-    std::fs::write(&table, summary::csv(&cells)).with_context(|| format!("cannot write {}", table.display()))?;
+    std::fs::write(&table, csv::csv(&cells)).with_context(|| format!("cannot write {}", table.display()))?;
     Ok(report)
 }
 
@@ -122,8 +128,8 @@ fn tables(out: &mut String, own: &[&Cell]) {
     if let Some(table) = summary::not_ok(own) {
         let _ = write!(out, "### What did not end well\n\n{table}\n");
     }
-    if let Some(table) = summary::errors(own) {
-        let _ = write!(out, "### Against the exact truth\n\n{table}\n");
+    if let Some(table) = errors::table(own) {
+        let _ = write!(out, "### Against the exact truth\n\n{ERRORS}\n\n{table}\n");
     }
     let noise = summary::noise(own);
     if !noise.is_empty() {

@@ -1,4 +1,4 @@
-//! Tables of a report: each detector at the largest N, what did not end well and why, the noise floor, and errors.
+//! Tables of a report: each detector at the largest N, what did not end well and why, and the noise floor.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -6,7 +6,7 @@ use super::interval::{Interval, ratio};
 use super::value::{Cell, Key};
 use super::{fit, place, text};
 use crate::detect::table::{self, Role};
-use crate::harness::record::{Errors, Outcome, Pass};
+use crate::harness::record::Pass;
 use crate::probe::Op;
 
 /// A heading and a Markdown table.
@@ -30,6 +30,16 @@ pub fn twin_of(name: &str) -> Option<&str> {
 /// True for controls: the detector that does nothing, and twins.
 pub fn is_control(name: &str) -> bool {
     twin_of(name).is_some() || table::find(name).is_some_and(|entry| entry.role == Role::Nothing)
+}
+
+/// Some of all detectors: `all`, `all but direct`, or the names.
+pub fn group(names: &[&str], all: &[&str]) -> String {
+    let others: Vec<&str> = all.iter().filter(|name| !names.contains(name)).copied().collect();
+    match others.len() {
+        0 => "all".into(),
+        1 if names.len() > 2 => format!("all but {}", others[0]),
+        _ => names.join(", "),
+    }
 }
 
 /// `packed, 2D, N = 1000, s = 20`: of the parameters those that are swept; other fields where they are not the usual ones.
@@ -231,86 +241,11 @@ pub fn noise(cells: &[&Cell]) -> Vec<String> {
     found.iter().filter_map(sentence).collect()
 }
 
-/// Missed, spurious and repeated pairs against the exact truth, per detector and arithmetic; none if nothing was compared.
-pub fn errors(cells: &[&Cell]) -> Option<String> {
-    let mut sums: BTreeMap<(&str, &str, String), (usize, u64, Errors)> = BTreeMap::new();
-    for cell in cells.iter().filter(|cell| cell.overall().0 != Outcome::Control) {
-        if let Some(errors) = cell.errors {
-            let scene = format!("{} {}D", cell.key.scene, cell.key.dim);
-            let (count, contacts, sum) = sums.entry((&cell.key.detector, &cell.key.arithmetic, scene)).or_default();
-            *count += 1;
-            *contacts = contacts.saturating_add(cell.contacts.unwrap_or(0));
-            sum.missed = sum.missed.saturating_add(errors.missed);
-            sum.spurious = sum.spurious.saturating_add(errors.spurious);
-            sum.duplicate = sum.duplicate.saturating_add(errors.duplicate);
-        }
-    }
-    let row = |((detector, arithmetic, scene), (count, contacts, sum)): (&(&str, &str, String), &(usize, u64, Errors))| {
-        let numbers = [*count as u64, *contacts, sum.missed, sum.spurious, sum.duplicate];
-        let names = [(*detector).to_string(), (*arithmetic).to_string(), scene.clone()];
-        names.into_iter().chain(numbers.iter().map(u64::to_string)).collect()
-    };
-    let rows: Vec<Vec<String>> = sums.iter().map(row).collect();
-    let heads = ["detector", "arithmetic", "scene", ">cells", ">pairs", ">missed", ">spurious", ">duplicate"];
-    (!rows.is_empty()).then(|| text::markdown_table(&heads, &rows))
-}
-
-/// One line per cell with all its values, as CSV.
-pub fn csv(cells: &[Cell]) -> String {
-    let params: BTreeSet<&str> = cells.iter().flat_map(|cell| cell.key.params.iter().map(|(name, _)| name.as_str())).collect();
-    let counts: BTreeSet<&str> = cells.iter().filter_map(|cell| cell.counts.as_ref()).flat_map(|c| c.keys().map(String::as_str)).collect();
-    let bytes = ["peak_bytes", "live_bytes", "allocations", "warm_allocations", "formula_bytes"];
-    let stats = ["packing_fraction", "coordination", "radius_ratio"];
-    let times = ["time_ns_median", "time_ns_low", "time_ns_high", "time_ns_min", "time_ns_mad", "blocks"];
-    let quote = |text: &str| match text.contains([',', '"', '\n', '\r']) {
-        true => format!("\"{}\"", text.replace('"', "\"\"")),
-        false => text.to_string(),
-    };
-    let fields = super::value::FIELDS;
-    let head: Vec<String> = fields
-        .iter()
-        .copied()
-        .chain(params.iter().copied())
-        .chain(["outcome", "reason"])
-        .chain(times)
-        .chain(["contacts"])
-        .chain(counts.iter().copied())
-        .chain(bytes)
-        .chain(["missed", "spurious", "duplicate"])
-        .chain(stats)
-        .map(quote)
-        .collect();
-    let mut out = head.join(",") + "\n";
-    for cell in cells {
-        let (outcome, reason) = cell.overall();
-        let mut line: Vec<String> =
-            fields.iter().chain(&params).map(|name| cell.key.field(name).map_or(String::new(), |v| v.to_string())).collect();
-        line.extend([outcome.name().to_string(), reason.to_string()]);
-        match cell.time() {
-            Some(time) => {
-                let all: Vec<f64> = cell.times.values().map(|&t| t as f64).collect();
-                let least = all.iter().copied().fold(f64::INFINITY, f64::min);
-                let mad = super::interval::mad(&all).unwrap_or(0.0);
-                line.extend([time.median, time.low, time.high, least, mad, time.count as f64].map(|v| v.to_string()));
-            }
-            None => line.extend(times.map(|_| String::new())),
-        }
-        let number = |name: &str| cell.variable(name, None).map_or(String::new(), |v| v.to_string());
-        let error = |of: fn(Errors) -> u64| cell.errors.map_or(String::new(), |e| of(e).to_string());
-        line.push(number("contacts"));
-        line.extend(counts.iter().copied().chain(bytes).map(number));
-        line.extend([error(|e| e.missed), error(|e| e.spurious), error(|e| e.duplicate)]);
-        line.extend(stats.map(number));
-        out += &line.iter().map(|text| quote(text)).collect::<Vec<_>>().join(",");
-        out.push('\n');
-    }
-    out
-}
-
 #[cfg(test)]
 mod tests {
-    use super::super::{fake::Lab, value};
+    use super::super::{csv, errors, fake::Lab, value};
     use super::*;
+    use crate::harness::record::{Errors, Outcome};
 
     #[test]
     fn tables_show_ratio_noise_errors_and_what_failed() {
@@ -332,8 +267,9 @@ mod tests {
         assert!(not_ok(&all).is_some_and(|table| table.contains("| direct (exact) | packed 2D | 1000 | timeout | 30 s, the limit |")));
         let noise = noise(&all);
         assert!(noise[0].contains("typically 1.0% apart") && noise[0].contains("1 of 1 intervals exclude 1"), "{noise:?}");
-        assert!(errors(&all).is_some_and(|table| table.contains("| sorting | exact | packed 2D | 1 | 250 | 3 | 0 | 0 |")));
-        let csv = csv(&cells);
+        let errors = errors::table(&all).unwrap();
+        assert!(errors.contains("| all | exact | packed 2D | 2500 | – | – | – | 3 / 0 | 0.1% | 0 r | – |  |"), "{errors}");
+        let csv = csv::csv(&cells);
         assert_eq!(csv.lines().count(), 6);
         assert!(csv.contains("\"30 s, the limit\""), "{csv}");
     }

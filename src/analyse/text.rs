@@ -97,6 +97,11 @@ pub fn plain_table(widths: &[usize], rows: &[Vec<String>]) -> String {
     out
 }
 
+/// A field of a CSV file, in quotes where it needs them.
+pub fn quote(text: &str) -> String {
+    if text.contains([',', '"', '\n', '\r']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_string() }
+}
+
 /// A cell of a Markdown table: no line breaks, no bars, nothing that Markdown would take for markup.
 pub fn escape(text: &str) -> String {
     let mut out = String::new();

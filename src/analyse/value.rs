@@ -10,8 +10,9 @@ use std::fmt;
 use anyhow::{anyhow, ensure};
 use exmex::{Express, FlatEx};
 
+use super::errors;
 use super::interval::{Interval, interval};
-use crate::harness::record::{Errors, Outcome, Pass, Row, Stats};
+use crate::harness::record::{Causes, Errors, Outcome, Pass, Row, Stats};
 use crate::probe::Op;
 
 /// A number that can be ordered, for keys.
@@ -148,7 +149,7 @@ impl Key {
 /// The fields of a key, besides parameters.
 pub const FIELDS: [&str; 9] = ["experiment", "scene", "dim", "order", "n", "seed", "arithmetic", "threads", "detector"];
 
-/// Variables measured, besides the operation names.
+/// Variables measured, besides operations and errors.
 const MEASURED: [&str; 11] = [
     "time_ns",
     "contacts",
@@ -160,7 +161,7 @@ const MEASURED: [&str; 11] = [
     "packing_fraction",
     "coordination",
     "radius_ratio",
-    "missed",
+    "true_contacts",
 ];
 
 /// All that was measured of one detector on one scene.
@@ -178,8 +179,10 @@ pub struct Cell {
     pub counts: Option<BTreeMap<String, u64>>,
     /// The numbers of the memory pass, by their names in the record.
     pub memory: BTreeMap<&'static str, u64>,
-    /// Against the exact truth.
+    /// Against exact decisions on the scene as given.
     pub errors: Option<Errors>,
+    /// The same by cause.
+    pub causes: Option<Causes>,
     /// The scene as realised.
     pub stats: Stats,
 }
@@ -199,7 +202,7 @@ pub fn cells(rows: &[Row]) -> Vec<Cell> {
 impl Cell {
     fn empty(key: Key, stats: &Stats) -> Cell {
         let (passes, times, memory) = Default::default();
-        Cell { key, passes, times, contacts: None, counts: None, memory, errors: None, stats: stats.clone() }
+        Cell { key, passes, times, contacts: None, counts: None, memory, errors: None, causes: None, stats: stats.clone() }
     }
 
     fn add(&mut self, row: &Row) {
@@ -215,6 +218,7 @@ impl Cell {
         }
         self.contacts = row.contacts.or(self.contacts);
         self.errors = row.errors.or(self.errors);
+        self.causes = row.causes.or(self.causes);
         for (name, value) in [
             ("peak_bytes", row.peak_bytes),
             ("live_bytes", row.live_bytes),
@@ -265,12 +269,12 @@ impl Cell {
             "packing_fraction" => Some(self.stats.packing_fraction),
             "coordination" => Some(self.stats.coordination),
             "radius_ratio" => self.stats.radius_ratio,
-            "missed" => self.errors.map(|e| e.missed as f64),
+            "true_contacts" => Some(errors::true_contacts(self)),
             _ if is_operation(name) => self.counts.as_ref().map(|counts| counts.get(name).copied().unwrap_or(0) as f64),
             _ => match (self.memory.get(name), self.key.field(name)) {
                 (Some(&bytes), _) => Some(bytes as f64),
                 (None, Some(Param::Number(Num(number)))) => Some(number),
-                _ => None,
+                _ => errors::variable(self, name),
             },
         }
     }
@@ -299,7 +303,7 @@ pub fn variables(cells: &[Cell]) -> BTreeSet<String> {
     let fixed = ["n", "dim", "seed", "threads"].into_iter().chain(MEASURED).chain(Op::ALL.iter().map(|op| op.name()));
     let params = cells.iter().flat_map(|cell| &cell.key.params);
     let numbers = params.filter(|(_, value)| matches!(value, Param::Number(_))).map(|(name, _)| name.clone());
-    fixed.map(String::from).chain(numbers).collect()
+    fixed.map(String::from).chain(errors::names()).chain(numbers).collect()
 }
 
 /// What an expression gives for a cell.
