@@ -4,7 +4,7 @@
 //! of two; then differences, sums and squares are integers and there is no rounding to argue about: no underflow, no
 //! overflow, no special case for subnormals. Three widths do the work:
 //!
-//! * *short*: the differences a[k] - b[k] and the sum ra + rb are integers below 2^62 in units of 2^-62 of the sum (nearly every
+//! * *short*: the differences `a[k] - b[k]` and the sum ra + rb are integers below 2^62 in units of 2^-62 of the sum (nearly every
 //!   pair near tangency), their squares fit 128 bits. The proof is below;
 //! * *narrow*: all significant bits of the inputs lie within 124 binary places: differences fit an `i128`, their squares and the
 //!   sum of up to four of them fit 256 bits;
