@@ -214,13 +214,12 @@ where
     format!("missed {missed:?}, added {added:?} of {} expected\nbefore:\n{before}after:\n{after}", expected.len())
 }
 
+/// The pairs compared on a scene; none where the detector refuses it.
+type Check<'a, const D: usize> = dyn Fn(&Bag<D>, Arithmetic, u64, &Entry) -> Result<Option<usize>, TestCaseError> + 'a;
+
 /// Runs a check on scenes, in all arithmetics, with all detectors, and prints how much was compared: in each arithmetic it must be
 /// something.
-fn each<const D: usize>(
-    name: &str,
-    arithmetics: &[Arithmetic],
-    check: &dyn Fn(&Bag<D>, Arithmetic, u64, &Entry) -> Result<Option<usize>, TestCaseError>,
-) {
+fn each<const D: usize>(name: &str, arithmetics: &[Arithmetic], check: &Check<D>) {
     let compared: RefCell<BTreeMap<Arithmetic, [usize; 2]>> = RefCell::default();
     let mut runner = TestRunner::new(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() });
     let ended = runner.run(&(scenes::bags::<D>(), any::<u64>().no_shrink()), |(bag, seed)| {
