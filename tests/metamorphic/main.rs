@@ -59,6 +59,9 @@ impl<const D: usize> Claim<D> {
     }
 }
 
+/// The number of pairs before; `None` if nothing was compared.
+type Compared = Result<Option<usize>, TestCaseError>;
+
 /// A relation; `None` where it is not exact.
 type Relation<const D: usize> = fn(&Bag<D>, Arithmetic, &mut ChaCha8Rng) -> Option<Claim<D>>;
 
@@ -122,7 +125,7 @@ fn a_copy_far_away_has_the_same_pairs() {
 /// On one detector: the scene twice, a part of it, another scene, the scene again.
 #[test]
 fn history_changes_nothing() {
-    fn history<const D: usize>(bag: &Bag<D>, arithmetic: Arithmetic, seed: u64, entry: &Entry) -> Result<Option<usize>, TestCaseError>
+    fn history<const D: usize>(bag: &Bag<D>, arithmetic: Arithmetic, seed: u64, entry: &Entry) -> Compared
     where
         AnyScene<'static>: From<Scene<'static, f64, D>>,
     {
@@ -155,14 +158,8 @@ fn hold(name: &str, arithmetics: &[Arithmetic], plane: Relation<2>, space: Relat
     each(name, arithmetics, &|bag, arithmetic, seed, entry| compare(space, bag, arithmetic, seed, entry));
 }
 
-/// The number of pairs before; `None` if nothing was compared.
-fn compare<const D: usize>(
-    relation: Relation<D>,
-    bag: &Bag<D>,
-    arithmetic: Arithmetic,
-    seed: u64,
-    entry: &Entry,
-) -> Result<Option<usize>, TestCaseError>
+/// Compares what a detector finds before and after.
+fn compare<const D: usize>(relation: Relation<D>, bag: &Bag<D>, arithmetic: Arithmetic, seed: u64, entry: &Entry) -> Compared
 where
     AnyScene<'static>: From<Scene<'static, f64, D>>,
 {
@@ -214,12 +211,9 @@ where
     format!("missed {missed:?}, added {added:?} of {} expected\nbefore:\n{before}after:\n{after}", expected.len())
 }
 
-/// The pairs compared on a scene; none where the detector refuses it.
-type Check<'a, const D: usize> = dyn Fn(&Bag<D>, Arithmetic, u64, &Entry) -> Result<Option<usize>, TestCaseError> + 'a;
-
 /// Runs a check on scenes, in all arithmetics, with all detectors, and prints how much was compared: in each arithmetic it must be
 /// something.
-fn each<const D: usize>(name: &str, arithmetics: &[Arithmetic], check: &Check<D>) {
+fn each<const D: usize>(name: &str, arithmetics: &[Arithmetic], check: &dyn Fn(&Bag<D>, Arithmetic, u64, &Entry) -> Compared) {
     let compared: RefCell<BTreeMap<Arithmetic, [usize; 2]>> = RefCell::default();
     let mut runner = TestRunner::new(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() });
     let ended = runner.run(&(scenes::bags::<D>(), any::<u64>().no_shrink()), |(bag, seed)| {
