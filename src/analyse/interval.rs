@@ -99,15 +99,26 @@ pub fn rank(n: usize) -> Option<(usize, f64)> {
     best
 }
 
+/// Times by block.
+pub type Blocks = BTreeMap<u32, u64>;
+
 /// The ratio a / b of two detectors' times, block by block: the median of the ratios with its interval. Blocks that only one of
 /// them has are left out.
-pub fn ratio(a: &BTreeMap<u32, u64>, b: &BTreeMap<u32, u64>) -> Option<Interval> {
-    let logs: Vec<f64> = a
-        .iter()
-        .filter_map(|(block, &a)| Some((a, *b.get(block)?)))
-        .filter(|&(a, b)| a > 0 && b > 0)
-        .map(|(a, b)| (a as f64).ln() - (b as f64).ln())
-        .collect();
+pub fn ratio(a: &Blocks, b: &Blocks) -> Option<Interval> {
+    typical_ratio(&[(a, b)])
+}
+
+/// The same of several couples (a, b): of each block the median over the couples, and over the blocks the median of those.
+pub fn typical_ratio(couples: &[(&Blocks, &Blocks)]) -> Option<Interval> {
+    let mut blocks: BTreeMap<u32, Vec<f64>> = BTreeMap::new();
+    for (a, b) in couples {
+        for (block, &a) in a.iter() {
+            if let Some(&b) = b.get(block).filter(|&&b| a > 0 && b > 0) {
+                blocks.entry(*block).or_default().push((a as f64).ln() - (b as f64).ln());
+            }
+        }
+    }
+    let logs: Vec<f64> = blocks.values().filter_map(|logs| median(logs)).collect();
     Some(interval(&logs)?.exp())
 }
 
@@ -159,5 +170,14 @@ mod tests {
         assert_eq!(found.count, 15);
         assert!((found.low - 1.25).abs() < 1e-12 && (found.high - 1.25).abs() < 1e-12);
         assert_eq!(ratio(&a, &BTreeMap::new()), None);
+    }
+
+    #[test]
+    fn the_typical_ratio_is_the_median_couple_of_each_block() {
+        let times = |factor: u64| -> Blocks { (1..=15).map(|block| (block, factor * (100 + u64::from(block)))).collect() };
+        let (one, double, six) = (times(1), times(2), times(6));
+        let found = typical_ratio(&[(&double, &one), (&one, &one), (&six, &one)]).unwrap();
+        assert!((found.low - 2.0).abs() < 1e-12 && (found.high - 2.0).abs() < 1e-12 && found.count == 15);
+        assert_eq!(typical_ratio(&[]), None);
     }
 }

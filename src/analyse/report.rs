@@ -8,9 +8,10 @@ use serde_json::Value;
 
 use super::claim::{self, Verdict};
 use super::value::{Cell, cells};
-use super::{csv, errors, summary, text};
+use super::verdicts::{self, Matrix};
+use super::{csv, errors, price, summary, text};
 use crate::figure::{self, style::Styles};
-use crate::harness::experiment::Experiment;
+use crate::harness::experiment::{Experiment, Table};
 use crate::harness::record::Row;
 
 /// How to read the table of errors.
@@ -19,10 +20,18 @@ const ERRORS: &str = "Pairs missed / pairs added, by cause: *storing* the scene 
     answer against exact decisions on the scene as given; errors of two causes can cancel. The error rate is the number of wrong pairs over \
     that of true contacts. Depths and gaps are in mean radii of the couple: a miss of 0 r is a pair exactly in touch.";
 
+/// How to read the table of verdicts.
+const VERDICTS: &str = "Right is an answer with exactly the pairs that touch in exact arithmetic in the scene as given. First the number of \
+    answers of each kind, then the cases in which someone is not right, and how: pairs missed and added (the arithmetic's own doing, or that of \
+    storing the scene in it), *lossy* (a textbook filter lost contacts), *refused* (the reason stands below), *DEFECT* (not the answer of the \
+    detector's own arithmetic). Detectors that are not named are right. Every answer is in [verdicts.csv](verdicts.csv).";
+
 /// What was written.
 pub struct Report {
     /// All claims, in the order of the experiments.
     pub verdicts: Vec<Verdict>,
+    /// Tables of verdicts, for a terminal.
+    pub tables: Vec<String>,
     /// The figures, SVG and PNG.
     pub figures: Vec<PathBuf>,
     /// The report.
@@ -38,12 +47,18 @@ pub fn write(folder: &Path, experiments: &[Experiment], rows: &[Row], warnings: 
     let styles = Styles::new(cells.iter().map(|cell| cell.key.detector.as_str()));
     let figure_folder = folder.join("figures");
     std::fs::create_dir_all(&figure_folder).with_context(|| format!("cannot make the folder {}", figure_folder.display()))?;
-    let mut report = Report { verdicts: Vec::new(), figures: Vec::new(), path: folder.join("report.md"), warnings: warnings.to_vec() };
+    let (path, warnings) = (folder.join("report.md"), warnings.to_vec());
+    let mut report = Report { verdicts: Vec::new(), tables: Vec::new(), figures: Vec::new(), path, warnings };
     let mut body = String::new();
     for experiment in experiments {
         let own: Vec<&Cell> = cells.iter().filter(|cell| cell.key.experiment == experiment.name).collect();
         let verdicts = claim::verdicts(experiment, &cells);
         section(&mut body, experiment, &own, &verdicts);
+        let matrix = Matrix::new(&own).filter(|_| experiment.table == Some(Table::Verdicts));
+        if let Some(matrix) = &matrix {
+            let _ = write!(body, "### Who is right\n\n{VERDICTS}\n\n{}\n", matrix.markdown());
+            report.tables.push(format!("{}: {}\n\n{}", experiment.name, experiment.title, matrix.plain()));
+        }
         for plan in &experiment.figures {
             match figure::draw(&figure_folder, experiment, plan, &cells, &styles) {
                 Ok(paths) => {
@@ -53,14 +68,24 @@ pub fn write(folder: &Path, experiments: &[Experiment], rows: &[Row], warnings: 
                 Err(error) => report.warnings.push(format!("the figure {} of {} was not drawn: {error:#}", plan.name, experiment.name)),
             }
         }
-        tables(&mut body, &own);
+        // The matrix says all that these would, of a hundred scenes.
+        if matrix.is_none() {
+            tables(&mut body, &own);
+        }
         report.verdicts.extend(verdicts);
     }
     let provenance = std::fs::read(folder.join("provenance.json")).ok().and_then(|bytes| serde_json::from_slice::<Value>(&bytes).ok());
     let page = head(experiments, &report, &cells, provenance.as_ref()) + &body + &foot(provenance.as_ref());
     std::fs::write(&report.path, page).with_context(|| format!("cannot write the report {}", report.path.display()))?;
-    let table = folder.join("summary.csv");
-    std::fs::write(&table, csv::csv(&cells)).with_context(|| format!("cannot write {}", table.display()))?;
+    let mut tables = vec![("summary.csv", csv::csv(&cells))];
+    if !report.tables.is_empty() {
+        let asked = |cell: &&Cell| experiments.iter().any(|e| e.table == Some(Table::Verdicts) && e.name == cell.key.experiment);
+        tables.push(("verdicts.csv", verdicts::csv(cells.iter().filter(asked))));
+    }
+    for (name, text) in tables {
+        let path = folder.join(name);
+        std::fs::write(&path, text).with_context(|| format!("cannot write {}", path.display()))?;
+    }
     Ok(report)
 }
 
@@ -87,6 +112,9 @@ fn head(experiments: &[Experiment], report: &Report, cells: &[Cell], provenance:
     for experiment in experiments {
         let own: Vec<&Cell> = cells.iter().filter(|cell| cell.key.experiment == experiment.name).collect();
         let _ = write!(out, "**{}**\n\n", text::escape(&experiment.question));
+        if let Some(price) = price::table(&own) {
+            let _ = writeln!(out, "{price}");
+        }
         if let Some(winners) = summary::winners(&own) {
             let _ = writeln!(out, "{winners}");
         }
@@ -164,7 +192,7 @@ fn shown(value: &Value) -> String {
 mod tests {
     use super::super::{fake, fake::Lab};
     use super::*;
-    use crate::harness::record::{Outcome, Pass};
+    use crate::harness::record::{Causes, Errors, Outcome, Pass};
 
     #[test]
     fn a_report_has_question_verdicts_figures_and_provenance() {
@@ -191,8 +219,23 @@ mod tests {
         assert_eq!((report.figures.len(), report.warnings.len(), report.verdicts.len()), (2, 2, 1));
         assert!(report.figures.iter().all(|path| std::fs::metadata(path).is_ok_and(|file| file.len() > 1000)));
         assert_eq!(std::fs::read_to_string(folder.path().join("summary.csv")).unwrap().lines().count(), 5);
+        assert!(report.tables.is_empty() && !folder.path().join("verdicts.csv").exists());
         // a report can be made again, and is the same
         assert!(write(folder.path(), &[experiment], &lab.rows(), &["line 9 is torn".into()]).is_ok());
         assert_eq!(page, std::fs::read_to_string(&report.path).unwrap());
+    }
+
+    #[test]
+    fn verdicts_are_in_the_report_on_the_terminal_and_in_a_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut lab = Lab::new("e", "packed");
+        lab.count(&[]).errors(Errors { spurious: 4, ..Errors::default() }, Causes::default());
+        let experiment = fake::experiment("table = 'verdicts'");
+        let report = write(folder.path(), &[experiment], &lab.rows(), &[]).unwrap();
+        let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
+        assert_eq!(report.tables.len(), 1);
+        assert!(report.tables[0].starts_with("e: A title\n\ncase") && report.tables[0].contains("all: 4"), "{:?}", report.tables);
+        assert!(read("report.md").contains("| packed, N = 100 | 2D | all: 4 spurious |"), "{}", read("report.md"));
+        assert!(read("verdicts.csv").contains("e,\"packed, N = 100\",2,100,1,nbs,exact,wrong,ok,"), "{}", read("verdicts.csv"));
     }
 }

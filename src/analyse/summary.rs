@@ -43,7 +43,7 @@ pub fn group(names: &[&str], all: &[&str]) -> String {
 }
 
 /// `packed, 2D, N = 1000, s = 20`: of the parameters those that are swept; other fields where they are not the usual ones.
-fn title(key: &Key, swept: &[String]) -> String {
+pub fn title(key: &Key, swept: &[String]) -> String {
     let params = key.params.iter().filter(|(name, _)| swept.contains(name));
     let params: String = params.map(|(name, value)| format!(", {name} = {value}")).collect();
     let order = if key.order == "shuffled" { String::new() } else { format!(", {}", key.order) };
@@ -143,7 +143,7 @@ fn at_largest(cells: &[&Cell]) -> Option<Table> {
 }
 
 /// `1.25 (1.20 to 1.31)`.
-fn with_interval(ratio: &Interval) -> String {
+pub fn with_interval(ratio: &Interval) -> String {
     let digits = if ratio.median < 10.0 { 2 } else { 1 };
     format!("{:.digits$} ({:.digits$} to {:.digits$})", ratio.median, ratio.low, ratio.high)
 }

@@ -139,6 +139,9 @@ fn finish(folder: &Path) -> anyhow::Result<ExitCode> {
     let experiments = names.iter().map(read).collect::<anyhow::Result<Vec<_>>>()?;
     let report = report::write(folder, &experiments, &record.rows, &record.warnings)?;
     let mut out = std::io::stdout().lock();
+    for table in &report.tables {
+        writeln!(out, "{table}")?;
+    }
     writeln!(out, "{}", claim::plain(&report.verdicts))?;
     for warning in &report.warnings {
         writeln!(out, "note:    {warning}")?;

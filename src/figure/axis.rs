@@ -88,7 +88,7 @@ impl Axis {
 }
 
 /// 1000 as `1000`, 2e6 as `2·10⁶`.
-fn plain(value: f64) -> String {
+pub(super) fn plain(value: f64) -> String {
     let size = value.abs();
     if size == 0.0 || (1e-3..1e6).contains(&size) {
         let text = format!("{value:.6}");

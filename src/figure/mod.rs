@@ -1,7 +1,8 @@
 //! Figures from the record: one image per figure of an experiment, as SVG (its text stays text) and PNG.
 //!
-//! `data` turns cells into lines and marks, `layout` places panels and legend, `panel` draws one of them, `axis` chooses ranges and
-//! ticks, `style` fixes colour and marker per detector, `canvas` is the thin layer over the plotters backends.
+//! `data` turns cells into lines and marks, `layout` places panels and legend, `panel` draws one of them; `tradeoff` and `tradeoff_sheet`
+//! do the same for speed against error. `axis` chooses ranges and ticks, `style` fixes colour and marker per detector, `canvas` is the
+//! thin layer over the plotters backends.
 
 pub mod axis;
 pub mod canvas;
@@ -9,13 +10,15 @@ pub mod data;
 pub mod layout;
 mod panel;
 pub mod style;
+pub mod tradeoff;
+mod tradeoff_sheet;
 
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 
 use crate::analyse::value::Cell;
-use crate::harness::experiment::{Experiment, Figure};
+use crate::harness::experiment::{Experiment, Figure, FigureKind};
 
 /// Draws a figure into `folder` as NAME.svg and NAME.png and gives their paths; none if no cell has anything to show.
 pub fn draw(
@@ -28,13 +31,25 @@ pub fn draw(
     canvas::register_fonts()?;
     let own: Vec<Cell> = cells.iter().filter(|cell| cell.key.experiment == experiment.name).cloned().collect();
     let scenes: Vec<&str> = experiment.scenes.iter().map(|scene| scene.name.as_str()).collect();
-    let Some(plot) = data::Plot::new(figure, &scenes, &own)? else { return Ok(Vec::new()) };
-    let sheet = layout::Sheet::new(experiment, figure, &plot, style);
-    let stem = file_stem(&experiment.name, &figure.name);
-    let (svg, png) = (folder.join(format!("{stem}.svg")), folder.join(format!("{stem}.png")));
-    let text = canvas::svg(sheet.size, |canvas| sheet.draw(canvas))?;
-    std::fs::write(&svg, text).with_context(|| format!("cannot write the figure {}", svg.display()))?;
-    canvas::png(&png, sheet.size, |canvas| sheet.draw(canvas)).with_context(|| format!("cannot write the figure {}", png.display()))?;
+    let stem = folder.join(file_stem(&experiment.name, &figure.name));
+    match figure.kind {
+        FigureKind::Lines => {
+            let Some(plot) = data::Plot::new(figure, &scenes, &own)? else { return Ok(Vec::new()) };
+            let sheet = layout::Sheet::new(experiment, figure, &plot, style);
+            write(&stem, sheet.size, |canvas| sheet.draw(canvas))
+        }
+        FigureKind::SpeedError => {
+            let Some(plot) = tradeoff::Plot::new(figure, &scenes, &own)? else { return Ok(Vec::new()) };
+            let sheet = tradeoff_sheet::Sheet::new(experiment, figure, &plot, style);
+            write(&stem, sheet.size, |canvas| sheet.draw(canvas))
+        }
+    }
+}
+
+fn write(stem: &Path, size: (u32, u32), draw: impl Fn(&mut dyn canvas::Canvas) -> anyhow::Result<()>) -> anyhow::Result<Vec<PathBuf>> {
+    let (svg, png) = (stem.with_extension("svg"), stem.with_extension("png"));
+    std::fs::write(&svg, canvas::svg(size, &draw)?).with_context(|| format!("cannot write the figure {}", svg.display()))?;
+    canvas::png(&png, size, draw).with_context(|| format!("cannot write the figure {}", png.display()))?;
     Ok(vec![svg, png])
 }
 

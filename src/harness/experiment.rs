@@ -58,6 +58,17 @@ pub struct Experiment {
     /// What is drawn.
     #[serde(rename = "figure", default)]
     pub figures: Vec<Figure>,
+    /// A table shown after the run and in the report, besides the usual ones.
+    #[serde(default)]
+    pub table: Option<Table>,
+}
+
+/// Kinds of tables.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Table {
+    /// Case by case and arithmetic by arithmetic: which detectors are right, and what the others are.
+    Verdicts,
 }
 
 fn exact_only() -> Vec<Arithmetic> {
@@ -195,7 +206,7 @@ pub enum ClaimKind {
     Faster,
 }
 
-/// A figure: y against x, one panel per scene and dimension, one line per detector.
+/// A figure.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub struct Figure {
@@ -203,26 +214,61 @@ pub struct Figure {
     pub name: String,
     /// The heading.
     pub title: String,
-    /// n or a parameter.
+    /// What is drawn.
+    #[serde(default)]
+    pub kind: FigureKind,
+    /// Lines: n or a parameter.
+    #[serde(default)]
     pub x: String,
-    /// The label of the x axis, with unit.
+    /// Lines: the label of the x axis, with unit.
+    #[serde(default)]
     pub x_label: String,
-    /// An expression as in claims; `time_ns` is the median over blocks, drawn with its interval.
+    /// Lines: an expression as in claims; `time_ns` is the median over blocks, drawn with its interval.
+    #[serde(default)]
     pub y: String,
-    /// The label of the y axis, with unit.
+    /// Lines: the label of the y axis, with unit.
+    #[serde(default)]
     pub y_label: String,
-    /// Logarithmic axes (both) or linear.
+    /// Lines: logarithmic axes (both) or linear.
     #[serde(default = "yes")]
     pub log: bool,
-    /// Draw reference slopes N, N log N, N².
+    /// Lines: draw reference slopes N, N log N, N².
     #[serde(default)]
     pub slopes: bool,
-    /// y is per element: an algorithm of cost N is flat, and so is the slope N.
+    /// Lines: y is per element: an algorithm of cost N is flat, and so is the slope N.
     #[serde(default)]
     pub per_element: bool,
+    /// Speed against error: which errors.
+    #[serde(default)]
+    pub against: Against,
+    /// Speed against error: the parameter that makes the columns; without, the one with the most values.
+    #[serde(default)]
+    pub columns: String,
     /// Which rows, as in claims.
     #[serde(rename = "where", default)]
     pub filter: BTreeMap<String, OneOrMany<toml::Value>>,
+}
+
+/// Kinds of figures.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum FigureKind {
+    /// y against x, one panel per scene and dimension, one line per detector.
+    #[default]
+    Lines,
+    /// Error rate against time per element, one panel per scene, one mark per detector and arithmetic.
+    SpeedError,
+}
+
+/// What answers are held to.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Against {
+    /// Exact decisions on the scene as given: all causes of error.
+    #[default]
+    Given,
+    /// Exact decisions on the scene as stored in the arithmetic: deciding and looking, not storing.
+    Stored,
 }
 
 fn yes() -> bool {
@@ -262,6 +308,12 @@ impl Experiment {
         let limit = experiment.memory_limit_mib;
         ensure!(limit <= 1 << 30, "memory-limit-mib = {limit}: at most 2^30 (1 PiB) can be limited");
         ensure!(experiment.threads >= 1, "threads = 0: at least one is needed");
+        for figure in experiment.figures.iter().filter(|figure| figure.kind == FigureKind::Lines) {
+            let axes = [("x", &figure.x), ("x-label", &figure.x_label), ("y", &figure.y), ("y-label", &figure.y_label)];
+            for (field, value) in axes {
+                ensure!(!value.is_empty(), "the figure {} has no {field}; give one, or say kind = \"speed-error\"", figure.name);
+            }
+        }
         ensure!(!experiment.arithmetics.is_empty(), "arithmetics is empty; leave it out for exact");
         for scene in &mut experiment.scenes {
             for value in [scene.params.get_mut("path"), scene.quick.get_mut("path")].into_iter().flatten() {
