@@ -61,7 +61,7 @@ fn a_row_has_the_fields_of_the_format() {
     let published = "experiment scene params dim n seed order detector arithmetic threads pass block time_ns outcome reason contacts digest \
         counts peak_bytes live_bytes allocations formula_bytes stats";
     // What the format has beyond the fields promised.
-    let more = "calls elapsed_ns warm_allocations errors";
+    let more = "calls elapsed_ns warm_allocations errors causes";
     let expected: BTreeSet<String> = published.split_whitespace().chain(more.split_whitespace()).map(String::from).collect();
     for line in text.lines() {
         let row: Value = serde_json::from_str(line).unwrap();
@@ -190,7 +190,7 @@ fn pairs_that_are_wrong_are_counted_and_never_taken_from_another_runner() {
     assert_eq!(code, Some(1), "{stderr}");
     for row in of(&rows, "open", 25).iter().filter(|row| row.pass == Pass::Time) {
         assert_eq!(row.outcome, Outcome::Wrong);
-        assert_eq!(row.reason, "against all pairs tested in f64: 0 missed, 1 spurious, 0 duplicate");
+        assert_eq!(row.reason, "against all pairs tested in f64: 0 missed, 1 spurious, 0 duplicate, widest gap 8.0e0 r");
         assert_eq!(row.errors.map(|errors| (errors.missed, errors.spurious, errors.duplicate)), Some((0, 1, 0)));
     }
     for row in of(&rows, "shut", 25).iter().filter(|row| row.pass == Pass::Time) {
