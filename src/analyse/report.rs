@@ -22,8 +22,8 @@ const ERRORS: &str = "Pairs missed / pairs added, by cause: *storing* the scene 
 
 /// How to read the table of verdicts.
 const VERDICTS: &str = "Right is an answer with exactly the pairs that touch in exact arithmetic in the scene as given. First the number of \
-    answers of each kind, then the cases in which someone is not right, and how: pairs missed and added (the arithmetic's own doing, or that of \
-    storing the scene in it), *lossy* (a textbook filter lost contacts), *refused* (the reason stands below), *DEFECT* (not the answer of the \
+answers of each kind, then the cases in which someone is not right, and how: -3 +1 is three pairs missed and one added (by the \
+    arithmetic, or by storing the scene in it), *lossy* (a textbook filter lost contacts), *refused* (the reason stands below, one example of its kind), *DEFECT* (not the answer of the \
     detector's own arithmetic). Detectors that are not named are right. Every answer is in [verdicts.csv](verdicts.csv).";
 
 /// What was written.
@@ -234,8 +234,8 @@ mod tests {
         let report = write(folder.path(), &[experiment], &lab.rows(), &[]).unwrap();
         let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
         assert_eq!(report.tables.len(), 1);
-        assert!(report.tables[0].starts_with("e: A title\n\ncase") && report.tables[0].contains("all: 4"), "{:?}", report.tables);
-        assert!(read("report.md").contains("| packed, N = 100 | 2D | all: 4 spurious |"), "{}", read("report.md"));
+        assert!(report.tables[0].starts_with("e: A title\n\ncase") && report.tables[0].contains("+4"), "{:?}", report.tables);
+        assert!(read("report.md").contains("| packed, N = 100 | 2D | +4 |"), "{}", read("report.md"));
         assert!(read("verdicts.csv").contains("e,\"packed, N = 100\",2,100,1,nbs,exact,wrong,ok,"), "{}", read("verdicts.csv"));
     }
 }

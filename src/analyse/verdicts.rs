@@ -4,7 +4,7 @@
 //! if it has exactly the pairs that touch in exact arithmetic in the scene as given, whatever its arithmetic. Every answer stands
 //! in `verdicts.csv`.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 
 use super::value::{Cell, Key, Param};
@@ -66,26 +66,29 @@ impl Answer {
 
 const WORDS: [&str; 5] = ["right", "wrong", "lossy", "refused", "no answer"];
 
-/// `3 missed, 1 spurious`.
+/// `-3 +1` for three missed and one spurious pair.
 fn said(errors: &Errors) -> String {
-    let all = [(errors.missed, "missed"), (errors.spurious, "spurious"), (errors.duplicate, "twice"), (errors.self_pairs, "self")];
-    let some: Vec<String> = all.iter().filter(|(count, _)| *count > 0).map(|(count, word)| format!("{count} {word}")).collect();
-    some.join(", ")
+    let all = [(errors.missed, "-", ""), (errors.spurious, "+", ""), (errors.duplicate, "", " twice"), (errors.self_pairs, "", " self")];
+    let some = all.iter().filter(|(count, ..)| *count > 0).map(|(count, before, behind)| format!("{before}{count}{behind}"));
+    some.collect::<Vec<_>>().join(" ")
 }
 
-/// Reasons, numbered. Those that differ only in numbers and in the detector's name are one.
+/// Reasons, numbered. Those that differ only in numbers, axes and the detector's name are one.
 #[derive(Default)]
 struct Reasons(Vec<(String, String)>);
 
 impl Reasons {
     fn number(&mut self, detector: &str, reason: &str) -> usize {
-        let mut form = String::new();
-        for c in reason.replace(detector, "\u{0}").chars() {
-            let c = if c.is_ascii_digit() { '0' } else { c };
-            if c != '0' || !form.ends_with('0') {
-                form.push(c);
+        let mut form: Vec<&str> = Vec::new();
+        for word in reason.split_whitespace() {
+            let bare = word.trim_matches(|c: char| !c.is_alphanumeric() && c != '-');
+            let word = if bare.parse::<f64>().is_ok() { "#" } else { word };
+            let same = word == "#" && form.last() == Some(&"#");
+            if !same && bare != detector && !["x", "y", "z"].contains(&bare) {
+                form.push(word);
             }
         }
+        let form = form.join(" ");
         self.0.iter().position(|(known, _)| *known == form).unwrap_or_else(|| {
             self.0.push((form, reason.into()));
             self.0.len() - 1
@@ -127,6 +130,7 @@ impl Matrix {
         }
         let mut arithmetics: Vec<&str> = totals.keys().copied().collect();
         arithmetics.sort_by_key(|name| Arithmetic::ALL.iter().position(|known| known.name() == *name));
+        let every: BTreeSet<u32> = cells.iter().map(|cell| cell.key.dim).collect();
         let (mut reasons, mut lines, mut right) = (Reasons::default(), Vec::<Vec<String>>::new(), Vec::new());
         for ((name, _), dims) in &cases {
             let mut found: Vec<(Vec<u32>, Vec<String>)> = Vec::new();
@@ -139,9 +143,10 @@ impl Matrix {
                 }
             }
             for (dims, line) in found {
+                let everywhere = dims.len() == every.len();
                 let dims: Vec<String> = dims.iter().map(|dim| format!("{dim}D")).collect();
                 if line.iter().all(|cell| cell == "right") {
-                    right.push(format!("{name} {}", dims.join(" ")));
+                    right.push(if everywhere { name.clone() } else { format!("{name} ({})", dims.join(", ")) });
                 } else {
                     lines.push([name.clone(), dims.join(" ")].into_iter().chain(line).collect());
                 }
@@ -158,15 +163,18 @@ impl Matrix {
     }
 
     fn right(&self) -> String {
-        format!("right in every arithmetic by every detector, {}: {}", text::plural(self.right.len(), "line"), self.right.join(", "))
+        format!("right by every detector in every arithmetic, {}: {}", text::plural(self.right.len(), "case"), self.right.join(", "))
     }
 
     /// For a terminal.
     pub fn plain(&self) -> String {
-        let mut widths = vec![30, 5];
-        widths.resize(self.heads.len(), 16);
+        let columns = self.heads.len().saturating_sub(2).max(1);
+        let mut widths = vec![28, 5];
+        // 110 columns, two blanks between
+        widths.resize(self.heads.len(), 77_usize.saturating_sub(2 * columns) / columns);
         let rows: Vec<Vec<String>> = [self.heads.clone()].into_iter().chain(self.lines.clone()).chain(self.totals.clone()).collect();
         let mut out = text::plain_table(&widths, &rows);
+        out += "\n-: pairs missed, +: pairs added; in brackets: the reason below, one example of its kind\n";
         if !self.right.is_empty() {
             out += "\n";
             for line in text::wrap(&self.right(), 110) {
@@ -215,20 +223,19 @@ fn case(key: &Key, swept: &[String]) -> Case {
     (format!("{}, N = {}{text}", key.scene, key.n), params)
 }
 
-/// `right`, or who is not and how: `nbs, sorting: 3 missed; all but direct: refused (1)`.
+/// `right`, or who is not and how: `nbs, sorting: -3 +1; all but direct: refused (1)`; without names it is all.
 fn cell_text(answers: &Answers, reasons: &mut Reasons) -> String {
     let all: Vec<&str> = answers.keys().copied().collect();
     let mut groups: Vec<(String, Vec<&str>)> = Vec::new();
     for (&detector, answer) in answers {
         let words = match answer {
             Answer::Right => continue,
-            Answer::Defect(Some(errors)) if errors.wrong() > 0 => format!("DEFECT: {}", said(errors)),
+            Answer::Defect(Some(errors)) if errors.wrong() > 0 => format!("DEFECT {}", said(errors)),
             // against the scene as given its error and the arithmetic's may cancel
             Answer::Defect(_) => "DEFECT".into(),
             Answer::Wrong(errors) => said(errors),
             // what the filter lost need not touch in exact arithmetic
-            Answer::Lossy(errors) if errors.wrong() == 0 => "lossy: none true".into(),
-            Answer::Lossy(errors) => format!("lossy: {}", said(errors)),
+            Answer::Lossy(errors) => format!("lossy {}", said(errors)).trim_end().into(),
             Answer::Refused(reason) => format!("refused ({})", reasons.number(detector, reason)),
             Answer::Without(outcome, reason) if outcome.is_good() || reason.is_empty() => "not compared".into(),
             Answer::Without(outcome, reason) => format!("{} ({})", outcome.name(), reasons.number(detector, reason)),
@@ -241,7 +248,10 @@ fn cell_text(answers: &Answers, reasons: &mut Reasons) -> String {
     if groups.is_empty() {
         return "right".into();
     }
-    let named = |(words, names): (String, Vec<&str>)| format!("{}: {words}", summary::group(&names, &all));
+    let named = |(words, names): (String, Vec<&str>)| match summary::group(&names, &all).as_str() {
+        "all" => words,
+        names => format!("{names}: {words}"),
+    };
     groups.into_iter().map(named).collect::<Vec<_>>().join("; ")
 }
 
@@ -321,14 +331,14 @@ mod tests {
                 vec!["tangent", "2D", "all: 3 missed", "nbs, sorting: lossy: 2 missed", "right"]
             ]
         );
-        assert_eq!(matrix.right, ["calm 2D 3D"]);
+        assert_eq!(matrix.right, ["calm"]);
         assert_eq!(matrix.reasons, ["nbs would need 5.2e11 cells; use direct"]);
         let totals =
             [["right", "", "8", "9", "11"], ["wrong", "", "3", "0", "0"], ["lossy", "", "0", "2", "0"], ["refused", "", "4", "4", "4"]];
         assert_eq!(matrix.totals, totals);
         let (plain, markdown) = (matrix.plain(), matrix.markdown());
         assert!(plain.lines().all(|line| line.chars().count() <= 110), "{plain}");
-        for part in ["right in every arithmetic", "calm 2D 3D", "(1)", "nbs would need"] {
+        for part in ["right by every detector", "1 case: calm", "(1)", "nbs would need"] {
             assert!(plain.contains(part) && markdown.contains(part), "{part}: {plain}\n{markdown}");
         }
     }
@@ -339,8 +349,23 @@ mod tests {
         lab.scene("hard", 2).param("case", "calm").arithmetic("exact").detector("nbs");
         lab.fail(Pass::Memory, Outcome::Wrong, "1 missed");
         let found = matrix(&lab);
+        assert_eq!(found.right, ["calm (3D)"]);
         assert_eq!(found.lines[0], ["calm", "2D", "right", "right", "nbs: DEFECT"]);
         assert!(!found.plain().contains("nothing"));
+    }
+
+    #[test]
+    fn reasons_of_one_kind_are_one() {
+        let mut reasons = Reasons::default();
+        for (detector, reason, number) in [
+            ("nbs", "nbs needs 80 bytes (82 elements, 2002 x 17 cells)", 1),
+            ("screening", "screening needs 9e14 bytes (7 elements, 20 x 20 x 1 cells)", 1),
+            ("nbs", "particle 3: y is NaN; mend it", 2),
+            ("nbs", "particle 0: x is -inf; mend it", 2),
+            ("nbs", "particle 0: the radius is -3; mend it", 3),
+        ] {
+            assert_eq!(reasons.number(detector, reason), number, "{reason}");
+        }
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use super::*;
 use crate::analyse::fake::{self, Lab};
 use crate::analyse::value;
-use crate::harness::record::{Outcome, Pass};
+use crate::harness::record::{Causes, Errors, Outcome, Pass};
 
 /// Seven detectors on three scenes in two dimensions, with cells that have no value.
 pub fn rows() -> Vec<crate::harness::record::Row> {
@@ -115,4 +115,69 @@ fn seeds_are_one_point_with_their_range_and_arithmetics_are_lines() {
     let point = |y, low, high| vec![data::Point { x: 100.0, y, low, high }];
     assert_eq!(lines, [("exact", point(20.0, 10.0, 40.0)), ("f32", point(5.0, 5.0, 5.0))]);
     assert!(plot.over_seeds);
+}
+
+/// Two detectors, three arithmetics, two offsets; only f32 is wrong, and only at the second offset.
+fn tradeoff_rows() -> Vec<crate::harness::record::Row> {
+    let mut lab = Lab::new("e", "packed");
+    for (offset, missed) in [(0, 0), (-1000, 25), (1_000_000, 250)] {
+        lab.param("offset", offset);
+        for (detector, scale) in [("nbs", 1), ("direct", 40), ("nbs-twin", 1)] {
+            lab.detector(detector);
+            for (arithmetic, time) in [("f32", 900), ("f64", 1000), ("exact", 1100)] {
+                let errors = Errors { missed: if arithmetic == "f32" { missed } else { 0 }, ..Errors::default() };
+                lab.arithmetic(arithmetic);
+                if detector == "direct" && offset == 0 {
+                    lab.fail(Pass::Time, Outcome::Timeout, "30 s, the limit");
+                } else {
+                    lab.time(&[time * scale; 15]).errors(errors, Causes { input: errors, ..Causes::default() });
+                }
+            }
+        }
+    }
+    lab.rows()
+}
+
+const TRADEOFF: &str = "[[figure]]\nname = 'given'\ntitle = 'Given'\nkind = 'speed-error'\ncolumns = 'offset'\n\
+    [[figure]]\nname = 'stored'\ntitle = 'Stored'\nkind = 'speed-error'\nagainst = 'stored'\n";
+
+#[test]
+fn speed_stands_against_the_errors_asked_for() {
+    let (experiment, cells) = (fake::experiment(TRADEOFF), value::cells(&tradeoff_rows()));
+    let plot = |k: usize| tradeoff::Plot::new(&experiment.figures[k], &[], &cells).unwrap().unwrap();
+    let given = plot(0);
+    assert_eq!(given.arithmetics, ["f32", "f64", "exact"]);
+    assert_eq!(given.detectors, ["direct", "nbs"]);
+    assert_eq!(given.rows.len(), 1);
+    let panels = &given.rows[0].panels;
+    let titles: Vec<&str> = panels.iter().map(|panel| panel.title.as_str()).collect();
+    assert_eq!(titles, ["offset = 0", "offset = -1000", "offset = 10⁶"]);
+    assert_eq!((panels[0].marks.len(), &*panels[0].missing), (3, [(); 3].map(|()| ("direct".to_string(), Outcome::Timeout)).as_slice()));
+    let shown = |panel: &tradeoff::Panel| -> Vec<(usize, f64, f64, bool)> {
+        panel.marks.iter().filter(|mark| mark.detector == "nbs").map(|mark| (mark.arithmetic, mark.time, mark.rate, mark.front)).collect()
+    };
+    // without errors the fastest alone is the front
+    assert_eq!(shown(&panels[0]), [(0, 9.0, 0.0, true), (1, 10.0, 0.0, false), (2, 11.0, 0.0, false)]);
+    assert_eq!(shown(&panels[2]), [(0, 9.0, 100.0, true), (1, 10.0, 0.0, true), (2, 11.0, 0.0, false)]);
+    assert!(plot(1).marks().all(|mark| mark.rate == 0.0), "storing is no error of the scene as stored");
+}
+
+#[test]
+fn a_figure_of_speed_against_error_has_a_place_for_none() {
+    let figures = drawn(&tradeoff_rows(), TRADEOFF);
+    for (png, svg) in &figures {
+        let found = texts(svg);
+        for text in ["0", "packed, 2D", "offset = 10⁶", "f32", "exact", "nbs", "direct", "time limit", "not one pair wrong"] {
+            assert!(found.contains(&text), "{text} is not in {found:?}");
+        }
+        assert!(!found.contains(&"nbs-twin") && &png[1..4] == b"PNG");
+    }
+    let percents = |k: usize| texts(&figures[k].1).iter().filter(|text| text.ends_with('%')).count();
+    assert!(percents(0) >= 2, "{:?}", texts(&figures[0].1));
+    let mut shuffled = tradeoff_rows();
+    shuffled.reverse();
+    assert!(drawn(&shuffled, TRADEOFF) == figures);
+    // nothing to show: no figure, no failure
+    let lines = fake::experiment(TRADEOFF);
+    assert_eq!(tradeoff::Plot::new(&lines.figures[0], &[], &value::cells(&rows())).unwrap(), None);
 }

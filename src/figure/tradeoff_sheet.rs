@@ -19,11 +19,13 @@ const GAP: f64 = 14.0;
 /// Between the logarithmic part and the field of zeros.
 const BREAK: f64 = 9.0;
 /// Height of the logarithmic part.
-const SCALE: f64 = 128.0;
+const SCALE: f64 = 132.0;
+/// Room at its ends for half a mark.
+const ROOM: f64 = 7.0;
 /// Height of one arithmetic's line in the field of zeros.
 const LANE: f64 = 13.0;
 /// Height of the headings of a row: its own, and those of its panels.
-const HEADING: f64 = 50.0;
+const HEADING: f64 = 58.0;
 /// Room beside the panels for the names of the lines.
 const NAMES: f64 = 66.0;
 const LEGEND: f64 = 206.0;
@@ -44,6 +46,8 @@ pub struct Sheet<'a> {
     zero: f64,
     x: Axis,
     y: Axis,
+    /// Marks that take longer than this, ns, stand at the right edge.
+    limit: f64,
 }
 
 impl<'a> Sheet<'a> {
@@ -64,9 +68,12 @@ impl<'a> Sheet<'a> {
         let zero = LANE * plot.arithmetics.len() as f64 + 4.0;
         let height = top + plot.rows.len() as f64 * (HEADING + SCALE + BREAK + zero) + 74.0;
         let legend = 26.0 * (plot.detectors.len() + plot.arithmetics.len() + plot.outcomes().len()) as f64 + 330.0;
-        let rates: Vec<f64> = plot.marks().map(|mark| mark.rate).filter(|rate| *rate > 0.0).collect();
-        // without any error there is still an axis to be without error on
-        let rates = if rates.is_empty() { vec![0.01, 100.0] } else { rates };
+        // with 100% as a landmark; without any error there is still an axis to be without error on
+        let rates: Vec<f64> = plot.marks().map(|mark| mark.rate).filter(|rate| *rate > 0.0).chain([100.0]).collect();
+        let least = if rates.len() > 1 { 100.0 } else { 1.0 };
+        // what is wrong and far slower than anything right must not squeeze all other marks together
+        let right = plot.marks().filter(|mark| mark.rate == 0.0).map(|mark| mark.time).fold(0.0, f64::max);
+        let limit = if right > 0.0 { 3.0 * right } else { f64::INFINITY };
         Sheet {
             size: (WIDTH as u32, height.max(top + legend).clamp(300.0, 8000.0) as u32),
             figure,
@@ -76,8 +83,10 @@ impl<'a> Sheet<'a> {
             top,
             across,
             zero,
-            x: Axis::new(plot.marks().flat_map(|mark| [mark.time, mark.low, mark.high]), true),
-            y: Axis::new(rates.into_iter(), true),
+            // bars may leave the panel, for the same reason
+            x: Axis::new(plot.marks().map(|mark| mark.time).filter(|time| *time <= limit), true),
+            y: Axis::new(rates.into_iter().chain([least]), true),
+            limit,
         }
     }
 
@@ -90,12 +99,12 @@ impl<'a> Sheet<'a> {
         let height = HEADING + SCALE + BREAK + self.zero;
         for (k, row) in self.plot.rows.iter().enumerate() {
             let top = self.top + height * k as f64;
-            canvas.text(&row.title, (MARGIN + LEFT, top + 17.0), Text::new(19.0, INK).bold())?;
+            canvas.text(&row.title, (MARGIN + LEFT, top + 25.0), Text::new(19.0, INK).bold())?;
             for (column, panel) in row.panels.iter().enumerate() {
                 let left = MARGIN + LEFT + column as f64 * (self.across + GAP);
                 let below = self.plot.rows.get(k + 1).is_some_and(|below| below.panels.len() > column);
                 let frame = Frame { sheet: self, left, top: top + HEADING };
-                canvas.text(&panel.title, (left + self.across / 2.0, top + 39.0), Text::new(16.0, INK).anchor(0))?;
+                canvas.text(&panel.title, (left + self.across / 2.0, top + 47.0), Text::new(16.0, INK).anchor(0))?;
                 frame.grid(canvas, column == 0, !below)?;
                 frame.panel(canvas, panel)?;
                 if column + 1 == row.panels.len() {
@@ -110,7 +119,11 @@ impl<'a> Sheet<'a> {
         let centre = MARGIN + LEFT + (columns * (self.across + GAP) - GAP) / 2.0;
         canvas.text("time per element (ns)", (centre, bottom + 48.0), Text::new(19.0, INK).anchor(0))?;
         let upright = Text { upright: true, ..Text::new(19.0, INK).anchor(0) };
-        canvas.text("wrong pairs, per true contact", (MARGIN + 8.0, (self.top + HEADING + bottom) / 2.0), upright)?;
+        let errors = match self.figure.against {
+            Against::Given => "wrong pairs, per true contact",
+            Against::Stored => "wrong pairs, per contact of the scene as stored",
+        };
+        canvas.text(errors, (MARGIN + 8.0, (self.top + HEADING + bottom) / 2.0), upright)?;
         self.legend(canvas)
     }
 
@@ -142,6 +155,11 @@ impl<'a> Sheet<'a> {
         y += 44.0;
         canvas.line(&[(left, y), (left + 34.0, y)], INK, 1.5, None)?;
         canvas.text("interval of the time", (left + 40.0, y), Text::new(16.0, INK))?;
+        if self.plot.marks().any(|mark| mark.time > self.limit) {
+            y += 28.0;
+            canvas.text("→", (left + 17.0, y), Text::new(18.0, INK).anchor(0))?;
+            canvas.text("slower than shown", (left + 40.0, y), Text::new(16.0, INK))?;
+        }
         for outcome in self.plot.outcomes() {
             y += 28.0;
             let (letter, words) = letter(outcome);
@@ -153,9 +171,10 @@ impl<'a> Sheet<'a> {
 }
 
 /// A ring around a mark of the front.
-fn ring(canvas: &mut dyn Canvas, at: Point) -> anyhow::Result<()> {
-    canvas.disc(at, 9.5, INK)?;
-    canvas.disc(at, 7.7, (255, 255, 255))
+fn ring(canvas: &mut dyn Canvas, (x, y): Point) -> anyhow::Result<()> {
+    let point = |k: u32| (f64::from(k) * std::f64::consts::TAU / 36.0).sin_cos();
+    let points: Vec<Point> = (0..=36).map(point).map(|(sine, cosine)| (x + 9.0 * cosine, y + 9.0 * sine)).collect();
+    canvas.line(&points, INK, 1.8, None)
 }
 
 /// The shape of an arithmetic. Those that decide alike (f32 and f32-cell, textbook and f64) are told apart where they lie on each other.
@@ -211,7 +230,11 @@ impl Frame<'_> {
         if mark.rate == 0.0 {
             return Some(self.lane(mark.arithmetic));
         }
-        Some(self.top + SCALE * (1.0 - self.sheet.y.place(mark.rate)?))
+        self.scale(mark.rate)
+    }
+
+    fn scale(&self, rate: f64) -> Option<f64> {
+        Some(self.top + ROOM + (SCALE - 2.0 * ROOM) * (1.0 - self.sheet.y.place(rate)?))
     }
 
     fn at(&self, mark: &Mark) -> Option<Point> {
@@ -230,7 +253,7 @@ impl Frame<'_> {
             }
         }
         for (value, label) in sheet.y.ticks(SCALE, 26.0) {
-            let y = self.top + SCALE * (1.0 - sheet.y.place(value).unwrap_or(0.0));
+            let Some(y) = self.scale(value) else { continue };
             canvas.line(&[(self.left, y), (right, y)], GRID, 1.0, None)?;
             if label.is_some() && y_labels {
                 canvas.text(&format!("{}%", super::axis::plain(value)), (self.left - 8.0, y), labels.anchor(1))?;
@@ -251,7 +274,8 @@ impl Frame<'_> {
     }
 
     fn panel(&self, canvas: &mut dyn Canvas, panel: &Panel) -> anyhow::Result<()> {
-        let front: Vec<Point> = panel.marks.iter().filter(|mark| mark.front).filter_map(|mark| self.at(mark)).collect();
+        let (shown, slow): (Vec<&Mark>, Vec<&Mark>) = panel.marks.iter().partition(|mark| mark.time <= self.sheet.limit);
+        let front: Vec<Point> = shown.iter().filter(|mark| mark.front).filter_map(|mark| self.at(mark)).collect();
         let mut stairs = Vec::new();
         for (k, &(x, y)) in front.iter().enumerate() {
             stairs.push((x, if k == 0 { self.top } else { front[k - 1].1 }));
@@ -259,19 +283,31 @@ impl Frame<'_> {
         }
         stairs.extend(front.last().map(|last| (self.right(), last.1)));
         canvas.line(&stairs, STAIRS, 1.5, None)?;
-        for mark in &panel.marks {
+        for mark in &shown {
             let (Some(at), Some(low), Some(high)) = (self.at(mark), self.x(mark.low), self.x(mark.high)) else { continue };
-            canvas.line(&[(low, at.1), (high, at.1)], self.colour(mark), 1.3, None)?;
+            let inside = |x: f64| x.clamp(self.left, self.right());
+            canvas.line(&[(inside(low), at.1), (inside(high), at.1)], self.colour(mark), 1.3, None)?;
         }
         // the front last, so that its rings are whole
         for front in [false, true] {
-            for mark in panel.marks.iter().filter(|mark| mark.front == front) {
+            for mark in shown.iter().filter(|mark| mark.front == front) {
                 let Some(at) = self.at(mark) else { continue };
                 if front {
                     ring(canvas, at)?;
                 }
                 shape(canvas, at, 4.6, &self.sheet.plot.arithmetics[mark.arithmetic], self.colour(mark))?;
             }
+        }
+        for (k, mark) in slow.iter().rev().enumerate() {
+            let Some(y) = self.y(mark) else { continue };
+            shape(
+                canvas,
+                (self.right() - 24.0 - 13.0 * k as f64, y),
+                4.6,
+                &self.sheet.plot.arithmetics[mark.arithmetic],
+                self.colour(mark),
+            )?;
+            canvas.text("→", (self.right() - 3.0, y), Text::new(16.0, INK).anchor(1))?;
         }
         for (k, (detector, outcome)) in panel.missing.iter().enumerate() {
             let x = self.right() - 10.0 - 17.0 * k as f64;
