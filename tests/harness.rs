@@ -222,6 +222,11 @@ fn an_experiment_that_cannot_be_meant_is_refused() {
         ("detectors = [\"nbs\"]\nthreads = 0", "threads = 0"),
         ("detectors = [\"nbs\"]\nblock-budget-s = nan", "budget"),
         ("detectors = [\"nbs\"]\nblokcs = 3", "blokcs"),
+        ("detectors = [\"nbs\"]\ntable = \"verdict\"", "verdicts"),
+        (
+            "detectors = [\"nbs\"]\n[[figure]]\nname = \"f\"\ntitle = \"F\"",
+            "the figure f has no x; give one, or say kind = \"speed-error\"",
+        ),
     ] {
         common::file(folder.path(), "t.toml", format!("{HEAD}{line}\n{scene}"));
         let ended = common::run(folder.path(), &["run", "t.toml", "--out", "result"]);
