@@ -324,7 +324,7 @@ impl Stage<'_> {
             racer.runner.ask(&Request::Pairs { path: path.clone() }).map_err(|failure| failure.reason)?;
             bake::read_pairs(&path).map_err(|e| e.to_string())
         };
-        let errors = truths.errors(racer.arithmetic, answer, fetch)?;
+        let errors = truths.errors(racer.arithmetic, &racer.contender.name, answer, fetch)?;
         if let Ok(Some((errors, causes))) = errors {
             (row.errors, row.causes) = (Some(errors), Some(causes));
         }

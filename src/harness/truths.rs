@@ -13,8 +13,8 @@ use crate::sink::Digest;
 pub(super) struct Truths<'a> {
     scene: &'a AnyScene<'a>,
     known: HashMap<Arithmetic, Option<Known>>,
-    /// The errors of answers seen before: timed samples repeat the same answer.
-    seen: HashMap<(Arithmetic, u64, u64), (Errors, Causes)>,
+    /// The errors of answers seen before, by who gave them: timed samples repeat the same answer.
+    seen: HashMap<(Arithmetic, String, u64, u64), (Errors, Causes)>,
 }
 
 /// What is true in one arithmetic. Arithmetics that store the scene alike share.
@@ -65,15 +65,16 @@ impl<'a> Truths<'a> {
         Ok(Known { stored, rounded, exact })
     }
 
-    /// The errors of an answer in `arithmetic`, all together and by cause. `pairs` fetches it; it is not called for an answer that is
+    /// The errors of a detector's answer in `arithmetic`, all together and by cause. `pairs` fetches it; it is not called for an answer that is
     /// right in its arithmetic, or has been seen before. `None` where there is no truth.
     pub fn errors<E>(
         &mut self,
         arithmetic: Arithmetic,
+        detector: &str,
         answer: Digest,
         pairs: impl FnOnce() -> Result<Vec<[u32; 2]>, E>,
     ) -> anyhow::Result<Result<Option<(Errors, Causes)>, E>> {
-        let key = (arithmetic, answer.contacts, answer.sum);
+        let key = (arithmetic, detector.to_string(), answer.contacts, answer.sum);
         if let Some(errors) = self.seen.get(&key) {
             return Ok(Ok(Some(*errors)));
         }
