@@ -32,9 +32,9 @@ fn depth_is_right(depth: f64, distance: &BigInt, reach: &BigInt) -> bool {
     if *reach == BigInt::ZERO || *distance == *reach {
         return depth == if distance == reach { 0.0 } else { f64::NEG_INFINITY };
     }
-    // s² + sd to 200 bits behind the point.
-    let below: BigInt = (reach << 200) + (reach * distance << 400u32).sqrt();
-    let above: BigInt = (reach - distance) << 1274 + 1;
+    // s² + sd to 200 bits behind the point; the depth is above / below in units of 2^-1074.
+    let below: BigInt = (reach << 200) + ((reach * distance) << 400u32).sqrt();
+    let above: BigInt = (reach - distance) << 1275;
     if depth.is_infinite() {
         return depth < 0.0 && -above >= &below * integer(f64::MAX);
     }

@@ -18,7 +18,7 @@ impl Draw {
 
     /// 0 to n - 1.
     pub fn below(&mut self, n: i64) -> i64 {
-        (u128::from(self.bits()) * n as u128 >> 64) as i64
+        ((u128::from(self.bits()) * n as u128) >> 64) as i64
     }
 
     /// -n to n.
@@ -84,9 +84,9 @@ impl<const D: usize> Sphere<D> {
 pub fn direction<const D: usize>(draw: &mut Draw, length: i64) -> [i64; D] {
     let mut vector = [0; D];
     let mut rest = length as f64;
-    for k in 0..D - 1 {
-        vector[k] = (rest * (2.0 * draw.unit() - 1.0)) as i64;
-        let x = vector[k] as f64;
+    for component in vector.iter_mut().take(D - 1) {
+        *component = (rest * (2.0 * draw.unit() - 1.0)) as i64;
+        let x = *component as f64;
         rest = ((rest - x) * (rest + x)).sqrt();
     }
     vector[D - 1] = rest.round() as i64 * if draw.once_in(2) { -1 } else { 1 };

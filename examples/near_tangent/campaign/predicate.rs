@@ -68,10 +68,10 @@ fn judge<const D: usize>(couple: &Couple<D>, k: usize, counts: &mut Counts) {
     };
     counts.add([What::Overlap, What::Tangent, What::Apart][(*truth as i8 + 1) as usize], 1);
     counts.add(What::Label, u64::from(exact::label(a, b, *ra, *rb) != label));
-    if k % DEPTHS == 0 {
+    if k.is_multiple_of(DEPTHS) {
         counts.add(What::Depth, u64::from(0.0f64.partial_cmp(&depth(a, b, *ra, *rb)) != Some(*truth)));
     }
-    if k % SAMPLE == 0 {
+    if k.is_multiple_of(SAMPLE) {
         counts.add(What::Sampled, 1);
         counts.add(What::Construction, u64::from(rational(a, b, *ra, *rb) != *truth));
     }
