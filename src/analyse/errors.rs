@@ -53,9 +53,9 @@ pub fn rate(cell: &Cell) -> Option<f64> {
 
 /// The same against the scene as stored: what deciding and looking did wrong, per contact of that scene.
 pub fn stored_rate(cell: &Cell) -> Option<f64> {
-    let Causes { input, arithmetic, algorithm } = cell.causes?;
+    let Causes { input, stored, .. } = cell.causes?;
     let contacts = true_contacts(cell) - input.missed as f64 + input.spurious as f64;
-    Some((arithmetic.wrong() + algorithm.wrong()) as f64 / contacts.max(1.0))
+    Some(stored.wrong() as f64 / contacts.max(1.0))
 }
 
 /// Errors of several cells.
@@ -234,10 +234,10 @@ mod tests {
             for detector in ["nbs", "sorting"] {
                 lab.detector(detector);
                 let input = if offset == 1000 { errors(20, 5) } else { Errors::default() };
-                let causes = Causes { input, arithmetic: errors(1, 0), algorithm: Errors::default() };
+                let causes = Causes { input, arithmetic: errors(1, 0), algorithm: Errors::default(), stored: errors(1, 0) };
                 lab.arithmetic("f32").count(&[]).errors(Errors { self_pairs: 2, ..errors(input.missed + 1, input.spurious) }, causes);
                 let algorithm = if detector == "nbs" { errors(1, 0) } else { Errors::default() };
-                lab.arithmetic("textbook").count(&[]).errors(algorithm, Causes { algorithm, ..Causes::default() });
+                lab.arithmetic("textbook").count(&[]).errors(algorithm, Causes { algorithm, stored: algorithm, ..Causes::default() });
                 if detector == "nbs" {
                     lab.edit(|row| row.outcome = Outcome::Lossy);
                 }

@@ -111,7 +111,7 @@ mod tests {
                 lab.arithmetic("f32").time(&[80 * scale; 15]).errors(wrong(25), input);
                 let lost = if detector == "nbs" { wrong(5) } else { wrong(0) };
                 lab.arithmetic("textbook").time(&[99 * scale; 15]);
-                lab.errors(lost, Causes { algorithm: lost, ..Causes::default() }).edit(|row| row.outcome = Outcome::Lossy);
+                lab.errors(lost, Causes { algorithm: lost, stored: lost, ..Causes::default() }).edit(|row| row.outcome = Outcome::Lossy);
                 lab.arithmetic("f64").time(&[100 * scale; 15]).errors(wrong(0), Causes::default());
                 lab.arithmetic("exact").time(&[price * scale; 15]).errors(wrong(0), Causes::default());
             }

@@ -18,8 +18,8 @@ use super::numbers::Numbers;
 use super::subject::{Answer, answer, most};
 use crate::check::Wrong;
 use crate::contact::{Arithmetic, exact};
-use crate::detect::Options;
 use crate::detect::table::TABLE;
+use crate::detect::{Options, Refusal};
 use crate::oracle;
 use crate::read;
 use crate::scene::{AnyScene, Radii, Scene, SceneError};
@@ -232,6 +232,10 @@ pub fn fuzz_one(data: &[u8]) {
                 }
                 let kept = truth.as_ref().map_or(1000, most);
                 let answer = answer(&mut **detector, &stored, arithmetic.test(), kept);
+                if let (Answer::Refused(refusal, _), Ok(_)) = (&answer, &truth) {
+                    let promised = matches!(refusal, Refusal::Domain { .. } | Refusal::Extent { .. } | Refusal::Memory { .. });
+                    assert!(promised && entry.name != "direct", "{} refuses: {refusal}\n{}", entry.name, as_csv(scene));
+                }
                 let wrong = match (answer, &truth) {
                     (answer, Ok(truth)) => answer.wrong(truth).filter(|wrong| arithmetic.is_safe() || !only_loses(wrong)),
                     // Where there is no truth because a square overflows, no detector may say more.

@@ -27,6 +27,7 @@ pub(super) const CASES: &[Case] = &[
     case("loose", &[2, 3], &[("fraction", 0.6), ("size-ratio", 20.0)]),
     case("clustered", &[2, 3], &[("per-cluster", 20.0)]),
     case("clustered", &[2, 3], &[("per-cluster", 50.0), ("width", 0.5), ("fraction", 0.0001)]),
+    case("couples", &[2, 3], &[("diameter", 0.1), ("offset", -1000.0)]),
     case("pack-a", &[2], &[]),
     case("pack-b", &[2], &[("s", 1.0)]),
     case("pack-c", &[2], &[("s", 1.0), ("diameter", 0.3)]),

@@ -12,6 +12,7 @@ pub mod subject;
 
 use std::collections::BTreeMap;
 use std::fmt;
+use std::mem::discriminant;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -214,10 +215,11 @@ impl<'a> Checker<'a> {
                 if self.report.failures.iter().any(|failure| failure.detector == entry.name) {
                     continue;
                 }
-                self.report.cases += 1;
                 let answer = subject.ask(&stored, arithmetic.test(), false, &truth)?;
                 if let Answer::Refused(refusal, 0) = &answer {
                     *self.report.refused.entry(format!("{}: {refusal}", entry.name)).or_default() += 1;
+                } else {
+                    self.report.cases += 1;
                 }
                 if let Some(found) = answer.wrong(&truth) {
                     let (smallest, wrong) = simplest(entry, arithmetic, scene, &found, self.limits)?;
@@ -258,9 +260,7 @@ fn simplest(
         Ok(subject.ask(&stored, arithmetic.test(), true, &truth)?.wrong(&truth))
     };
     let mut patient = Subject::new(entry, limits.options, limits.deadline)?;
-    if wrong(&mut patient, scene)?.is_none() {
-        return Ok((scene.clone(), None));
-    }
+    let Some(first) = wrong(&mut patient, scene)? else { return Ok((scene.clone(), None)) };
     let options = Options { memory_limit: limits.options.memory_limit.min(SHRINKING_BYTES), ..limits.options };
     let mut subject = Subject::new(entry, options, limits.deadline.min(SHRINKING_DEADLINE))?;
     let mut hangs = 0;
@@ -271,7 +271,8 @@ fn simplest(
                     hangs += 1;
                     false
                 }
-                Ok(wrong) => wrong.is_some(),
+                // In the same way, or another defect may take its place.
+                Ok(wrong) => wrong.is_some_and(|wrong| discriminant(&wrong) == discriminant(&first)),
             }
     });
     let wrong = wrong(&mut patient, &smallest)?;

@@ -28,10 +28,10 @@ pub struct Check {
     #[arg(long, default_value_t = Limits::default().seeds)]
     seeds: u64,
     /// No new scene is generated after this many seconds (the first seed is always completed)
-    #[arg(long, default_value_t = Limits::default().time.as_secs_f64())]
+    #[arg(long, default_value_t = Limits::default().time.as_secs_f64(), allow_negative_numbers = true)]
     seconds: f64,
     /// A detection that takes more seconds than this hangs
-    #[arg(long, default_value_t = Limits::default().deadline.as_secs_f64())]
+    #[arg(long, default_value_t = Limits::default().deadline.as_secs_f64(), allow_negative_numbers = true)]
     deadline: f64,
     /// Where failing scenes are written
     #[arg(long, default_value = ".")]

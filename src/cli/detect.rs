@@ -56,7 +56,7 @@ pub fn detect(options: &Detect) -> anyhow::Result<ExitCode> {
     }
     super::use_threads(threads);
     let scene = read::scene(&options.file, read::Options { radius: options.radius, dim: options.dim })?;
-    let scene = scene.stored(options.arithmetic).with_context(|| format!("{} in f32", options.file.display()))?;
+    let scene = scene.stored(options.arithmetic).with_context(|| format!("{} in {}", options.file.display(), options.arithmetic.name()))?;
     let mut detector = entry.make(Options { memory_limit: options.memory_limit, threads });
     let mut pairs = Vec::new();
     let started = Instant::now();

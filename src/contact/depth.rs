@@ -18,7 +18,7 @@ use super::exact;
 /// not be negative.
 pub fn depth<const D: usize>(a: &[f64; D], b: &[f64; D], ra: f64, rb: f64) -> f64 {
     if let Some((distance, reach)) = exact::short(a, b, ra, rb) {
-        // Below 2^128, the reach at least 2^122: far from both ends of the range.
+        // Below 2^128, the reach at least 2^121: far from both ends of the range.
         let (s, d) = ((reach as f64).sqrt(), (distance as f64).sqrt());
         let depth = 2.0 * reach.abs_diff(distance) as f64 / (s * (s + d));
         return if reach < distance { -depth } else { depth };

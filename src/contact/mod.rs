@@ -38,7 +38,7 @@ pub use scalar::{CellF32, Real, Work};
 pub enum Arithmetic {
     /// Scene rounded to f32, |xi - xj|² <= (ri + rj)² evaluated in f32.
     F32,
-    /// As f32, but coordinates are stored as a cell number and an offset from the cell's origin in f32: see [`CellF32`].
+    /// As f32, but coordinates are stored as a cell number and an offset from the cell's origin in f32.
     F32Cell,
     /// f64 with the filters as the book prints them, without a safety margin: may lose contacts.
     Textbook,

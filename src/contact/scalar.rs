@@ -103,7 +103,7 @@ floating_point!(
 /// A coordinate as the number of a cell of edge 1 and an offset from the cell's origin in `f32`: what codes do that keep
 /// particles in single precision, but far from the origin, or in a large domain.
 ///
-/// Offsets of coordinates are rounded to multiples of 2^-24, from 0 to 1; the cell's number is below 2^28 in magnitude. So a coordinate
+/// Offsets of coordinates are rounded to multiples of 2^-24, from 0 to below 1; the cell's number is below 2^28 in magnitude. So a coordinate
 /// has at most 52 bits, and is a double without error; a difference of two offsets is exact in `f32`. A length (radius) is an offset
 /// from cell 0, with all the bits of an `f32`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
@@ -119,11 +119,14 @@ impl CellF32 {
 
     /// The coordinate `offset` (from 0 to 1) beyond the origin of `cell`, a whole number; not finite where that is too large.
     pub fn at(cell: f64, offset: f64) -> CellF32 {
+        // At most 2^24 steps: an f32 holds every whole number up to there.
+        let steps = (offset * CellF32::STEPS).round();
+        // One form for each value: an offset that rounds to 1 is the origin of the next cell.
+        let (cell, steps) = if steps == CellF32::STEPS { (cell + 1.0, 0.0) } else { (cell, steps) };
         if cell.is_nan() || cell.abs() >= CellF32::MOST_CELLS {
             return CellF32 { cell: 0, offset: f32::INFINITY };
         }
-        // At most 2^24 steps: an f32 holds every whole number up to there.
-        CellF32 { cell: cell as i32, offset: ((offset * CellF32::STEPS).round() / CellF32::STEPS) as f32 }
+        CellF32 { cell: cell as i32, offset: (steps / CellF32::STEPS) as f32 }
     }
 }
 

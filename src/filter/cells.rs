@@ -60,20 +60,19 @@ impl<const D: usize> Cells<D> {
 
     /// The grid over a box for a given reach (see [`Bodies::reach`]).
     pub fn spanning(low: [f64; D], high: [f64; D], reach: f64, margin: Margin) -> Result<Cells<D>, Refusal> {
-        let reach = reach.max(f64::MIN_POSITIVE * 4.0);
+        // An infinite reach is that of bodies larger than half the largest double: no finite extent is larger than a cell.
+        let reach = reach.clamp(f64::MIN_POSITIVE * 4.0, f64::MAX);
         let scale = (1.0 - 1.0 / (1u64 << 18) as f64) / reach;
         let mut cells = Cells { origin: low, scale, textbook: (margin == Margin::Textbook).then_some(reach), count: [0; D] };
         for k in 0..D {
+            let axis = ["x", "y", "z"][k.min(2)];
+            if !(high[k] - low[k]).is_finite() {
+                return Err(Refusal::Extent { axis, low: low[k], high: high[k] });
+            }
             let quotient = cells.quotient(high[k], k);
-            // A box whose extent overflows has an infinite quotient, or NaN where the reach is infinite, too.
-            if quotient.is_nan() || quotient >= MOST_CELLS - 4.0 {
-                return Err(Refusal::Domain {
-                    axis: ["x", "y", "z"][k.min(2)],
-                    low: low[k],
-                    high: high[k],
-                    edge: cells.textbook.unwrap_or(1.0 / scale),
-                    cells: quotient,
-                });
+            if quotient >= MOST_CELLS - 4.0 {
+                let edge = cells.textbook.unwrap_or(1.0 / scale);
+                return Err(Refusal::Domain { axis, low: low[k], high: high[k], edge, cells: quotient });
             }
             cells.count[k] = quotient as u32 + 3;
         }

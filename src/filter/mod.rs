@@ -8,11 +8,11 @@
 //!
 //! **1. Reach.** The true distance of a pair that the test accepts is at most its *reach* R:
 //!
-//! * exact test: R = ri + rj <= 2·rmax, and doubling is exact;
+//! * exact test: R = ri + rj <= 2·rmax, and doubling is exact, or overflows to infinity, which is a bound, too;
 //! * rounded test in a precision with unit v = [`Real::UNIT`]: differences have relative error at most v (2v by cells: the difference
 //!   of cell numbers is rounded, too), squares and sums v each, products may underflow by η = half the smallest subnormal. Acceptance
-//!   means d²(1-v)^7 - 4η <= s²(1+v)^3 + η, hence d <= s(1 + 6v) + 3√η. [`rounded_reach`] takes 2·rmax(1 + 8v) + 4√η: the
-//!   difference covers its own rounding. Where (2·rmax)² overflows, the rounded test would accept everything: such scenes are
+//!   means d²(1-v)^7 - 4η <= s²(1+v)^3 + η, hence d <= s(1 + 5v + O(v²)) + 3√η, below s(1 + 5.5v) + 3√η. [`rounded_reach`] takes
+//!   2·rmax(1 + 8v) + 4√η: the difference covers its own rounding. Where (2·rmax)² overflows, the rounded test would accept everything: such scenes are
 //!   refused ([`crate::detect::Refusal::Overflow`]).
 //!
 //! If |xi - xj| > R along any one axis, the pair does not touch.

@@ -141,6 +141,8 @@ pub struct Causes {
     pub arithmetic: Errors,
     /// Looking: the detector's pairs, against the arithmetic's own contact test on all pairs.
     pub algorithm: Errors,
+    /// Deciding and looking together, which may cancel: the detector's pairs, against exact decisions on the scene as stored.
+    pub stored: Errors,
 }
 
 /// One measurement.

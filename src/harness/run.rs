@@ -309,8 +309,7 @@ impl Stage<'_> {
         let Some(expected) = truths.get(racer.arithmetic)?.map(|truth| truth.digest) else {
             // No time without an answer that is known to be right.
             row.outcome = Outcome::Refused;
-            row.reason =
-                "the answer cannot be checked: fewer than two detectors take this scene, and it is too large to test all pairs".into();
+            row.reason = format!("the answer cannot be checked: {}", truths.why_none(racer.arithmetic));
             row.time_ns = None;
             return Ok(());
         };
@@ -334,7 +333,7 @@ impl Stage<'_> {
         row.outcome = Outcome::Wrong;
         match errors {
             Ok(Some((_, Causes { algorithm, .. }))) => {
-                let only_missed = algorithm.wrong() == algorithm.missed;
+                let only_missed = algorithm.missed > 0 && algorithm.wrong() == algorithm.missed;
                 if only_missed && !racer.arithmetic.is_safe() {
                     row.outcome = Outcome::Lossy;
                 }

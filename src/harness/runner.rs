@@ -68,7 +68,9 @@ impl Runner {
                 self.scene = None;
                 self.calls = None;
                 let scene = bake::read(&path, dim, n, radius).map_err(error)?;
-                self.scene = Some(scene.stored(self.arithmetic).map_err(|e| Reply::Refused { reason: format!("as f32: {e}") })?);
+                self.scene = Some(
+                    scene.stored(self.arithmetic).map_err(|e| Reply::Refused { reason: format!("in {}: {e}", self.arithmetic.name()) })?,
+                );
                 Ok(Reply::Loaded)
             }
             Request::Sample { min_ns } => self.sample(min_ns),

@@ -12,7 +12,8 @@ use crate::sink::Digest;
 /// The truths about a scene, found when first asked for.
 pub(super) struct Truths<'a> {
     scene: &'a AnyScene<'a>,
-    known: HashMap<Arithmetic, Option<Known>>,
+    /// Or why nothing is.
+    known: HashMap<Arithmetic, Result<Known, String>>,
     /// The errors of answers seen before, by who gave them: timed samples repeat the same answer.
     seen: HashMap<(Arithmetic, String, u64, u64), (Errors, Causes)>,
 }
@@ -42,17 +43,27 @@ impl<'a> Truths<'a> {
     fn known(&mut self, arithmetic: Arithmetic) -> anyhow::Result<Option<&Known>> {
         if !self.known.contains_key(&arithmetic) {
             let known = match arithmetic {
-                Arithmetic::Textbook => self.known(Arithmetic::F64)?.cloned(),
-                Arithmetic::F64 => match self.known(Arithmetic::Exact)?.cloned() {
-                    Some(exact) => known(oracle::truth_as_stored(&exact.stored, Test::Rounded))?
+                Arithmetic::Textbook => self.alike(Arithmetic::F64)?,
+                Arithmetic::F64 => match self.alike(Arithmetic::Exact)? {
+                    Ok(exact) => known(oracle::truth_as_stored(&exact.stored, Test::Rounded))?
                         .map(|rounded| Known { rounded: Rc::new(rounded), ..exact }),
-                    None => None,
+                    reason => reason,
                 },
                 _ => known(self.find(arithmetic))?,
             };
             self.known.insert(arithmetic, known);
         }
-        Ok(self.known[&arithmetic].as_ref())
+        Ok(self.known[&arithmetic].as_ref().ok())
+    }
+
+    /// Why there is no truth in `arithmetic`; empty where there is one, or nobody has asked for it.
+    pub fn why_none(&self, arithmetic: Arithmetic) -> &str {
+        self.known.get(&arithmetic).and_then(|known| known.as_ref().err()).map_or("", |reason| reason)
+    }
+
+    fn alike(&mut self, arithmetic: Arithmetic) -> anyhow::Result<Result<Known, String>> {
+        self.known(arithmetic)?;
+        Ok(self.known[&arithmetic].clone())
     }
 
     fn find(&self, arithmetic: Arithmetic) -> Result<Known, NoTruth> {
@@ -67,13 +78,13 @@ impl<'a> Truths<'a> {
 
     /// The errors of a detector's answer in `arithmetic`, all together and by cause. `pairs` fetches it; it is not called for an answer that is
     /// right in its arithmetic, or has been seen before. `None` where there is no truth.
-    pub fn errors<E>(
+    pub fn errors(
         &mut self,
         arithmetic: Arithmetic,
         detector: &str,
         answer: Digest,
-        pairs: impl FnOnce() -> Result<Vec<[u32; 2]>, E>,
-    ) -> anyhow::Result<Result<Option<(Errors, Causes)>, E>> {
+        pairs: impl FnOnce() -> Result<Vec<[u32; 2]>, String>,
+    ) -> anyhow::Result<Result<Option<(Errors, Causes)>, String>> {
         let key = (arithmetic, detector.to_string(), answer.contacts, answer.sum);
         if let Some(errors) = self.seen.get(&key) {
             return Ok(Ok(Some(*errors)));
@@ -85,7 +96,8 @@ impl<'a> Truths<'a> {
             &known.rounded.pairs
         } else {
             fetched = match pairs() {
-                Ok(pairs) => pairs,
+                Ok(pairs) if Digest::of(&pairs) == answer => pairs,
+                Ok(_) => return Ok(Err("asked for them, it gave others".into())),
                 Err(error) => return Ok(Err(error)),
             };
             &fetched
@@ -95,17 +107,18 @@ impl<'a> Truths<'a> {
             input: compare(&known.exact.pairs, &given.exact, self.scene),
             arithmetic: compare(&known.rounded.pairs, &known.exact, &known.stored),
             algorithm: compare(answered, &known.rounded, &known.stored),
+            stored: compare(answered, &known.exact, &known.stored),
         };
         self.seen.insert(key, (errors, causes));
         Ok(Ok(Some((errors, causes))))
     }
 }
 
-/// `None` where nothing can be said; a defect is an error.
-fn known<T>(found: Result<T, NoTruth>) -> anyhow::Result<Option<T>> {
+/// What is known, or why nothing can be said; a defect is an error.
+fn known<T>(found: Result<T, NoTruth>) -> anyhow::Result<Result<T, String>> {
     match found {
-        Ok(known) => Ok(Some(known)),
-        Err(NoTruth::Refused(_) | NoTruth::Stored(_) | NoTruth::TooLarge { .. }) => Ok(None),
+        Ok(known) => Ok(Ok(known)),
+        Err(reason @ (NoTruth::Refused(_) | NoTruth::Stored(_) | NoTruth::TooLarge { .. })) => Ok(Err(reason.to_string())),
         Err(defect) => Err(defect.into()),
     }
 }

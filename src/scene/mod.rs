@@ -51,7 +51,7 @@ pub enum SceneError {
     Lengths { centres: usize, radii: usize },
     /// Cell numbers and offsets do not hold the coordinates.
     #[error(
-        "along {axis} the scene spans 2^28 cells of edge {edge:e} or more ({low:e} to {high:e}); coordinates by cells hold fewer: take f32 or f64"
+        "along {axis} the scene spans 2^28 cells of edge {edge:e} or more ({low:e} to {high:e}); coordinates by cells hold fewer: take f64 or exact"
     )]
     Cells { axis: &'static str, low: f64, high: f64, edge: f64 },
     /// More than can be numbered.
@@ -151,7 +151,7 @@ impl<'a, T: Real, const D: usize> Scene<'a, T, D> {
 }
 
 impl<const D: usize> Scene<'_, f64, D> {
-    /// The scene by cells, in units of the cell's edge: the power of two from the largest diameter upwards (for points: such that the
+    /// The scene by cells, in units of the cell's edge: the power of two from the largest diameter upwards, at least 2^-1022 (for points: such that the
     /// scene spans 2^20 cells). Cells are numbered from the one that holds the lowest coordinate. Fails beyond 2^28 cells along an axis.
     ///
     /// Cell numbers are exact. What rounding there is, half of 2^-24 of an edge, is that of the offsets.

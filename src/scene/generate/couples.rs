@@ -9,7 +9,9 @@
 //! On such couples rounding of (x - xmin) / D may put the members two cells apart, and a detector without a margin loses the contact. It does
 //! so where coordinates have more bits than x - xmin: near x = 0, when the lowest coordinate is negative. So one couple stands at the
 //! lowest coordinate, `offset`, and all others in columns 3D apart that begin at the border next to x = 0 (at `offset`, if that is
-//! positive). The right member is at the largest double that still touches in exact arithmetic: n / 2 pairs touch.
+//! positive). The right member is at the largest double that still touches in exact arithmetic: n / 2 pairs (rounded down) touch.
+
+use anyhow::ensure;
 
 use super::table::{Generator, Kind, Parameter, Preset, no_history};
 use super::{DIAMETER, Inputs, draw::Draw, room};
@@ -28,7 +30,7 @@ pub const GENERATOR: Generator = Generator {
             name: "offset",
             kind: Kind::Finite,
             default: [Preset::Number(0.0); 2],
-            meaning: "lowest x, in diameters; rounded to f64",
+            meaning: "lowest x, in diameters, from -10^12 to 10^12; rounded to f64",
         },
     ],
     make: |inputs| Ok(if inputs.dim == 2 { AnyScene::from(make::<2>(inputs)?) } else { AnyScene::from(make::<3>(inputs)?) }),
@@ -48,7 +50,9 @@ fn border(low: f64, d: f64, k: f64) -> f64 {
 fn make<const D: usize>(inputs: &Inputs<'_>) -> anyhow::Result<Scene<'static, f64, D>> {
     let mut draw = Draw::new(inputs.seed);
     let d = inputs.number("diameter")?;
-    let low = inputs.number("offset")? * d;
+    let offset = inputs.number("offset")?;
+    ensure!(offset.abs() <= 1e12, "couples: offset is {offset}; it must be from -10^12 to 10^12, or couples could not be told apart");
+    let low = offset * d;
     let start = if low < 0.0 { (-low / d).ceil() } else { 0.0 };
     let row = |k: u64| 3.0 * d * k as f64;
     let couples = inputs.n.div_ceil(2);

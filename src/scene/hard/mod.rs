@@ -78,7 +78,7 @@ pub enum Expect {
 /// A kind of [`crate::detect::Refusal`] that is no fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Allowed {
-    /// [`crate::detect::Refusal::Domain`].
+    /// [`crate::detect::Refusal::Domain`] or [`crate::detect::Refusal::Extent`].
     Domain,
     /// [`crate::detect::Refusal::Memory`].
     Memory,

@@ -101,7 +101,7 @@ fn every_detector_is_right_in_every_safe_arithmetic() {
                 };
                 if arithmetic == Arithmetic::Exact {
                     let allowed = match refusal {
-                        Refusal::Domain { .. } => case.allows.contains(&Allowed::Domain),
+                        Refusal::Domain { .. } | Refusal::Extent { .. } => case.allows.contains(&Allowed::Domain),
                         Refusal::Memory { .. } => case.allows.contains(&Allowed::Memory),
                         _ => false,
                     };
