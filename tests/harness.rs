@@ -177,13 +177,16 @@ fn pairs_that_are_wrong_are_counted_and_never_taken_from_another_runner() {
     let write = r#"f=${line#*path\":\"}; { printf '\223NUMPY\001\000\166\000'; printf "%-117s\n" "{'descr': '<u4', 'fortran_order': False, 'shape': (1, 2), }"; printf '\000\000\000\000\001\000\000\000'; } > "${f%%\"*}"; echo "{\"reply\":\"pairs\",\"contacts\":1}""#;
     let unsupported = say(r#"{"reply":"unsupported"}"#);
     let loaded = say(r#"{"reply":"loaded"}"#);
-    let with = |pairs: &str| {
-        fake(&[("load", &loaded), ("sample", &sample), ("pairs", pairs), ("", ""), ("count", &unsupported), ("memory", &unsupported)])
+    // A runner that hands over another list than the one it was judged by.
+    let other = sample.replace("0x910a2dec89025cc1", "0x0000000000000001");
+    let answering = |sample: &str, pairs: &str| {
+        fake(&[("load", &loaded), ("sample", sample), ("pairs", pairs), ("", ""), ("count", &unsupported), ("memory", &unsupported)])
     };
     let text = format!(
-        "{HEAD}detectors = [\"nbs\"]\n[[scene]]\nname = \"pack-c\"\nn = 25\ns = 5\n{}{}",
-        runner("open", "sh", &with(write)),
-        runner("shut", "sh", &with(&unsupported))
+        "{HEAD}detectors = [\"nbs\"]\n[[scene]]\nname = \"pack-c\"\nn = 25\ns = 5\n{}{}{}",
+        runner("open", "sh", &answering(&sample, write)),
+        runner("shut", "sh", &answering(&sample, &unsupported)),
+        runner("fickle", "sh", &answering(&other, write))
     );
     let folder = tempfile::tempdir().unwrap();
     let (rows, code, stderr) = rows(folder.path(), &text);
@@ -195,6 +198,9 @@ fn pairs_that_are_wrong_are_counted_and_never_taken_from_another_runner() {
     }
     for row in of(&rows, "shut", 25).iter().filter(|row| row.pass == Pass::Time) {
         assert!(row.outcome == Outcome::Wrong && row.errors.is_none() && row.reason.contains("could not be read"), "{row:?}");
+    }
+    for row in of(&rows, "fickle", 25).iter().filter(|row| row.pass == Pass::Time) {
+        assert!(row.outcome == Outcome::Wrong && row.errors.is_none() && row.reason.contains("it gave others"), "{row:?}");
     }
 }
 
