@@ -8,12 +8,24 @@
 pub trait Sink {
     /// Elements `i` and `j` touch.
     fn contact(&mut self, i: u32, j: u32);
+
+    /// Many at once, for detectors that find them so.
+    #[inline]
+    fn contacts(&mut self, pairs: &[[u32; 2]]) {
+        for &[i, j] in pairs {
+            self.contact(i, j);
+        }
+    }
 }
 
 impl<S: Sink + ?Sized> Sink for &mut S {
     #[inline(always)]
     fn contact(&mut self, i: u32, j: u32) {
         (**self).contact(i, j);
+    }
+    #[inline(always)]
+    fn contacts(&mut self, pairs: &[[u32; 2]]) {
+        (**self).contacts(pairs);
     }
 }
 
@@ -22,6 +34,10 @@ impl Sink for Vec<[u32; 2]> {
     #[inline(always)]
     fn contact(&mut self, i: u32, j: u32) {
         self.push([i, j]);
+    }
+    #[inline(always)]
+    fn contacts(&mut self, pairs: &[[u32; 2]]) {
+        self.extend_from_slice(pairs);
     }
 }
 

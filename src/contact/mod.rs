@@ -130,10 +130,31 @@ pub trait Bodies<T: Real, const D: usize>: Copy + Sync {
     fn touch<P: Probe>(&self, i: u32, j: u32, probe: &mut P) -> bool;
     /// An upper bound for the true distance between the centres of any two elements that `touch` accepts.
     fn reach(&self) -> f64;
+    /// The radius of element `i`, in f64 without error.
+    fn radius(&self, i: u32) -> f64;
+    /// The radius of all elements, if it is the same for all, in f64 without error.
+    fn uniform(&self) -> Option<f64>;
+    /// How much the test's rounding can move the distance at which two elements touch.
+    fn slack(&self) -> Slack;
     /// Whether filters may lose pairs to rounding.
     fn margin(&self) -> Margin {
         Margin::Safe
     }
+}
+
+/// Elements whose radii have the sum s are accepted if their true distance is at most s(1 - relative) - absolute, and refused if it is more than
+/// s(1 + relative) + absolute. Derived in [`crate::filter`], 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Slack {
+    /// Relative to the sum of the radii.
+    pub relative: f64,
+    /// In units of length.
+    pub absolute: f64,
+}
+
+impl Slack {
+    /// That of the exact test.
+    pub const NONE: Slack = Slack { relative: 0.0, absolute: 0.0 };
 }
 
 /// A scene with its contact test resolved to a type: what [`Bodies`] is implemented for.
@@ -141,7 +162,9 @@ pub trait Bodies<T: Real, const D: usize>: Copy + Sync {
 pub struct Subject<'a, T: Real, R, const D: usize> {
     centres: &'a [Point<T, D>],
     rule: R,
+    radii: &'a Radii<'a, T>,
     reach: f64,
+    slack: Slack,
     margin: Margin,
 }
 
@@ -163,6 +186,22 @@ impl<T: Real, R: Rule<T>, const D: usize> Bodies<T, D> for Subject<'_, T, R, D> 
 
     fn reach(&self) -> f64 {
         self.reach
+    }
+
+    #[inline(always)]
+    fn radius(&self, i: u32) -> f64 {
+        self.radii.of(i as usize).wide()
+    }
+
+    fn uniform(&self) -> Option<f64> {
+        match self.radii {
+            Radii::Uniform(r) => Some(r.wide()),
+            Radii::Each(_) => None,
+        }
+    }
+
+    fn slack(&self) -> Slack {
+        self.slack
     }
 
     fn margin(&self) -> Margin {
@@ -201,12 +240,13 @@ where
         Test::Textbook => (Margin::Textbook, diameter),
         _ => (Margin::Safe, filter::rounded_reach::<T>(diameter)),
     };
-    match scene.radii() {
+    let (radii, slack) = (scene.radii(), filter::rounded_slack::<T>());
+    match radii {
         Radii::Uniform(r) => {
             let sum = r.plus(*r);
-            then.call(Subject { centres, rule: RoundedUniform { square: sum * sum }, reach, margin })
+            then.call(Subject { centres, rule: RoundedUniform { square: sum * sum }, radii, reach, slack, margin })
         }
-        Radii::Each(radii) => then.call(Subject { centres, rule: RoundedEach { radii }, reach, margin }),
+        Radii::Each(each) => then.call(Subject { centres, rule: RoundedEach { radii: each }, radii, reach, slack, margin }),
     }
 }
 
@@ -215,10 +255,11 @@ fn exactly<const D: usize, W, O>(scene: &Scene<'_, f64, D>, then: W) -> Result<O
 where
     W: WithBodies<f64, D, Output = Result<O, Refusal>>,
 {
-    let (centres, reach, margin) = (scene.centres(), 2.0 * scene.largest_radius(), Margin::Safe);
-    match scene.radii() {
-        Radii::Uniform(r) => then.call(Subject { centres, rule: ExactUniform::new(*r), reach, margin }),
-        Radii::Each(radii) => then.call(Subject { centres, rule: ExactEach { radii }, reach, margin }),
+    let (centres, radii, reach) = (scene.centres(), scene.radii(), 2.0 * scene.largest_radius());
+    let (slack, margin) = (Slack::NONE, Margin::Safe);
+    match radii {
+        Radii::Uniform(r) => then.call(Subject { centres, rule: ExactUniform::new(*r), radii, reach, slack, margin }),
+        Radii::Each(each) => then.call(Subject { centres, rule: ExactEach { radii: each }, radii, reach, slack, margin }),
     }
 }
 

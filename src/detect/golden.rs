@@ -1,6 +1,6 @@
 //! The book's golden examples, which give integerised coordinates instead of centres (tests only).
 
-use crate::contact::Bodies;
+use crate::contact::{Bodies, Slack};
 use crate::filter::Cells;
 use crate::probe::{Op, Probe};
 
@@ -35,6 +35,16 @@ impl<const D: usize> Bodies<f64, D> for InCells<'_, D> {
     }
     fn reach(&self) -> f64 {
         1.0
+    }
+    fn radius(&self, _: u32) -> f64 {
+        0.5
+    }
+    fn uniform(&self) -> Option<f64> {
+        Some(0.5)
+    }
+    /// Nothing but `touch` decides.
+    fn slack(&self) -> Slack {
+        Slack { relative: 0.0, absolute: f64::INFINITY }
     }
 }
 

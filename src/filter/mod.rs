@@ -17,6 +17,9 @@
 //!
 //! If |xi - xj| > R along any one axis, the pair does not touch.
 //!
+//! The other way round, a rounded test accepts if d²(1+v)^7 + 4η <= s²(1-v)^3 - η, for which d <= s(1 - 8v) - 4√η is enough: with
+//! a = s(1 - 5.2v) >= d + 3√η it is d² <= (a - 3√η)² = a² - 6a√η + 9η <= a² - 9η. Both bounds together are the test's [`Slack`].
+//!
 //! **2. Comparisons need no widening.** Rounding is monotone: a <= b implies fl(a) <= fl(b), and fl(R) = R since R is a double.
 //! So for a pair with xj - xi <= R (true values):
 //!
@@ -36,12 +39,15 @@
 //! **5. Squared distances** that prune (a point against a box): the computed square of a distance in up to three dimensions is at most
 //! (1 + 6u) times the true one plus 2^-1073, so to prune where it exceeds R²(1 + 16u) + 2^-960 is safe, by the argument of the exact test's
 //! own filter ([`crate::contact`]).
+//!
+//! **6. Copies.** A detector that keeps copies of centres near to one another in memory may decide from them what is far from being decided
+//! either way, and leave to `touch` the rest: [`Near`], by 1 and 5. So its pairs are those that `touch` accepts, in every arithmetic.
 
 pub mod cells;
 
 pub use cells::Cells;
 
-use crate::contact::Real;
+use crate::contact::{Real, Slack};
 
 /// Whether the filters of a detection may lose pairs to rounding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -55,6 +61,43 @@ pub enum Margin {
 /// The largest true distance at which a test rounded in `T` may accept bodies of this largest diameter: 1.
 pub fn rounded_reach<T: Real>(diameter: f64) -> f64 {
     diameter * (1.0 + 8.0 * T::UNIT) + T::UNDERFLOW
+}
+
+/// How far a test rounded in `T` may be from the exact one: 1.
+pub fn rounded_slack<T: Real>() -> Slack {
+    Slack { relative: 8.0 * T::UNIT, absolute: T::UNDERFLOW }
+}
+
+/// What the computed square of a distance says of a contact: 6.
+#[derive(Clone, Copy, Debug)]
+pub struct Near {
+    /// Up to here the test accepts.
+    pub inner: f64,
+    /// Beyond, the test refuses.
+    pub outer: f64,
+}
+
+impl Near {
+    /// For elements whose radii have this sum (as computed in f64).
+    #[inline(always)]
+    pub fn of(sum: f64, slack: Slack) -> Near {
+        // The sum's own rounding is in the 16u: squares of sums and distances together have less than 6u + 4u.
+        const BAND: f64 = 16.0 / (1u64 << 53) as f64;
+        const FLOOR: f64 = f64::from_bits((1023 - 960) << 52);
+        let (low, high) = (sum * (1.0 - slack.relative) - slack.absolute, sum * (1.0 + slack.relative) + slack.absolute);
+        let square = low * low;
+        let inner = if low > 0.0 && square < f64::INFINITY { square * (1.0 - BAND) - FLOOR } else { -1.0 };
+        Near { inner, outer: high * high * (1.0 + BAND) + FLOOR }
+    }
+
+    /// `Some` if a computed square of a distance, Σ fl(fl(xi - xj)²), decides.
+    #[inline(always)]
+    pub fn verdict(&self, square: f64) -> Option<bool> {
+        if square > self.outer {
+            return Some(false);
+        }
+        (square <= self.inner).then_some(true)
+    }
 }
 
 /// True if coordinates `low` <= `high` are so far apart that no pair with this reach touches: 2.
@@ -72,7 +115,45 @@ pub fn interval(x: f64, half: f64) -> [f64; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::exact;
+    use crate::contact::{Arithmetic, Bodies, WithBodies, exact, with_bodies};
+    use crate::detect::Refusal;
+    use crate::probe::Silent;
+    use crate::scene::{Radii, Scene};
+
+    struct Agree(usize);
+    impl<T: Real, const D: usize> WithBodies<T, D> for &mut Agree {
+        type Output = Result<(), Refusal>;
+        fn call<B: Bodies<T, D>>(self, bodies: B) -> Self::Output {
+            for j in 1..bodies.len() as u32 {
+                let (a, b) = (bodies.position(0), bodies.position(j));
+                let square = (0..D).map(|k| (a[k] - b[k]) * (a[k] - b[k])).sum();
+                if let Some(verdict) = Near::of(bodies.radius(0) + bodies.radius(j), bodies.slack()).verdict(square) {
+                    assert_eq!(verdict, bodies.touch(0, j, &mut Silent), "{a:?} {b:?}");
+                    self.0 += 1;
+                }
+            }
+            Ok(())
+        }
+    }
+
+    /// Around tangency, at scales where squares vanish and overflow: what a copy decides, the test decides alike.
+    #[test]
+    fn what_near_decides_the_test_decides_alike() {
+        for arithmetic in Arithmetic::ALL {
+            let mut decided = Agree(0);
+            for scale in [1.0, 1e-3, 3e-19, 1e-22, 1e-38, 1e18] {
+                for (r, ulp) in [(0.37, 1e-16), (0.7, 1e-15), (0.2, 1e-8), (0.45, 4e-7)] {
+                    let x = |k: i32| [(0.6 * (r + 0.5) + ulp * f64::from(k)) * scale, 0.8 * (r + 0.5) * scale];
+                    let centres: Vec<_> = [[0.0, 0.0]].into_iter().chain((-40..40).map(x)).map(nalgebra::Point::from).collect();
+                    let radii = std::iter::once(r * scale).chain((0..80).map(|_| 0.5 * scale)).collect::<Vec<_>>();
+                    let scene = crate::scene::AnyScene::from(Scene::new(centres, Radii::Each(radii.into())).unwrap());
+                    let Ok(scene) = scene.stored(arithmetic) else { continue };
+                    crate::with_scene!(&scene, scene => with_bodies(scene, arithmetic.test(), &mut decided).ok());
+                }
+            }
+            assert!(decided.0 > 100, "{arithmetic:?}: {}", decided.0);
+        }
+    }
 
     /// Couples exactly at reach, and one unit in the last place around it, at offsets where every sum is rounded.
     #[test]

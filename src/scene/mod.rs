@@ -33,6 +33,17 @@ pub enum Radii<'a, T: Clone> {
     Each(Cow<'a, [T]>),
 }
 
+impl<T: Copy> Radii<'_, T> {
+    /// The radius of element `k`.
+    #[inline(always)]
+    pub fn of(&self, k: usize) -> T {
+        match self {
+            Radii::Uniform(r) => *r,
+            Radii::Each(radii) => radii[k],
+        }
+    }
+}
+
 /// What is wrong with a set of centres and radii. Elements are numbered from 0.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[allow(missing_docs)] // the fields are explained by the messages
@@ -101,10 +112,7 @@ impl<'a, T: Real, const D: usize> Scene<'a, T, D> {
 
     /// The radius of element `k`.
     pub fn radius(&self, k: usize) -> T {
-        match &self.radii {
-            Radii::Uniform(r) => *r,
-            Radii::Each(radii) => radii[k],
-        }
+        self.radii.of(k)
     }
 
     /// The number of elements.
