@@ -46,3 +46,4 @@ pub mod probe;
 pub mod read;
 pub mod scene;
 pub mod sink;
+pub mod wide;

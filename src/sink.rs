@@ -4,6 +4,8 @@
 //! the pairs nor on the order within a pair, so that two detectors agree exactly when count and digest agree (up to a
 //! collision of 64-bit sums).
 
+use rayon::prelude::*;
+
 /// Takes the contacts that a detector finds.
 pub trait Sink {
     /// Elements `i` and `j` touch.
@@ -14,6 +16,13 @@ pub trait Sink {
     fn contacts(&mut self, pairs: &[[u32; 2]]) {
         for &[i, j] in pairs {
             self.contact(i, j);
+        }
+    }
+
+    /// What several threads have found.
+    fn gather(&mut self, lists: &[&[[u32; 2]]]) {
+        for list in lists {
+            self.contacts(list);
         }
     }
 }
@@ -27,6 +36,9 @@ impl<S: Sink + ?Sized> Sink for &mut S {
     fn contacts(&mut self, pairs: &[[u32; 2]]) {
         (**self).contacts(pairs);
     }
+    fn gather(&mut self, lists: &[&[[u32; 2]]]) {
+        (**self).gather(lists);
+    }
 }
 
 /// The complete list of pairs, as found.
@@ -38,6 +50,22 @@ impl Sink for Vec<[u32; 2]> {
     #[inline(always)]
     fn contacts(&mut self, pairs: &[[u32; 2]]) {
         self.extend_from_slice(pairs);
+    }
+    /// Copied by all threads at once.
+    fn gather(&mut self, lists: &[&[[u32; 2]]]) {
+        let total = lists.iter().map(|list| list.len()).sum();
+        self.reserve(total);
+        let (mut room, mut pieces) = (self.spare_capacity_mut(), Vec::with_capacity(lists.len()));
+        for &list in lists {
+            let (piece, rest) = room.split_at_mut(list.len());
+            pieces.push((piece, list));
+            room = rest;
+        }
+        pieces.into_par_iter().for_each(|(piece, list)| {
+            piece.write_copy_of_slice(list);
+        });
+        // SAFETY: the pieces are the first `total` places of the room, one after the other, and all were written.
+        unsafe { self.set_len(self.len() + total) };
     }
 }
 

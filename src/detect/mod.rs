@@ -16,6 +16,7 @@ pub mod nbs2d;
 pub mod nbs3d;
 pub mod screening;
 pub mod sorting;
+pub mod streamed;
 pub mod table;
 
 use crate::contact::{Bodies, Real};

@@ -1,7 +1,7 @@
 //! The table of all detectors. An algorithm that has a line here is in the command line, every experiment and every test.
 
 use super::any::{AnyDetector, Both};
-use super::{Options, binary_tree, control, direct, nbs2d, nbs3d, screening, sorting};
+use super::{Options, binary_tree, control, direct, nbs2d, nbs3d, screening, sorting, streamed};
 
 /// What a detector is there for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -97,6 +97,16 @@ pub static TABLE: &[Entry] = &[
         limits: "memory: an element so far away that nx + ny + nz exceeds the limit",
         threads: false,
         constructor: Both::<nbs2d::Nbs2d, nbs3d::Nbs3d>::boxed,
+    },
+    Entry {
+        name: "streamed-nbs",
+        role: Role::Detector,
+        summary: "NBS for caches and vector registers: layers sorted by cell, two at a time, sixteen tests in one go",
+        cost: "N; N log N where elements crowd in a large domain",
+        memory: "about 16N in 2D, 20N in 3D, and two bundles of layers",
+        limits: "cells per axis < 2^31 where elements crowd; the memory limit",
+        threads: true,
+        constructor: Both::<streamed::Streamed<2>, streamed::Streamed<3>>::boxed,
     },
     Entry {
         name: "nothing",

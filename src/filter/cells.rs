@@ -19,7 +19,7 @@
 //! mask cells need no bounds checks. `count` includes these two: "nx" in every memory formula is the number of occupied-range
 //! cells plus 2.
 
-use super::Margin;
+use super::{Margin, bounds};
 use crate::contact::{Bodies, Real};
 use crate::detect::Refusal;
 use crate::probe::{Op, Probe};
@@ -41,17 +41,7 @@ pub struct Cells<const D: usize> {
 impl<const D: usize> Cells<D> {
     /// The grid whose cells are as small as `bodies` allow: the edge is the reach of the contact test, safely widened.
     pub fn new<T: Real, B: Bodies<T, D>>(bodies: &B) -> Result<Cells<D>, Refusal> {
-        let (mut low, mut high) = ([f64::INFINITY; D], [f64::NEG_INFINITY; D]);
-        for i in 0..bodies.len() as u32 {
-            let p = bodies.position(i);
-            for k in 0..D {
-                low[k] = low[k].min(p[k]);
-                high[k] = high[k].max(p[k]);
-            }
-        }
-        if bodies.is_empty() {
-            (low, high) = ([0.0; D], [0.0; D]);
-        }
+        let (low, high) = bounds(bodies);
         // Points without extent touch only where they coincide (or underflow), so any larger cell will do: about one point per cell.
         let points = extent(low, high) / libm::pow(bodies.len().max(1) as f64, 1.0 / D as f64);
         let reach = if bodies.reach() <= T::UNDERFLOW { bodies.reach().max(points) } else { bodies.reach() };

@@ -43,8 +43,10 @@
 //! **6. Copies.** A detector that keeps copies of centres near to one another in memory may decide from them what is far from being decided
 //! either way, and leave to `touch` the rest: [`Near`], by 1 and 5. So its pairs are those that `touch` accepts, in every arithmetic.
 
+pub mod bounds;
 pub mod cells;
 
+pub use bounds::bounds;
 pub use cells::Cells;
 
 use crate::contact::{Real, Slack};

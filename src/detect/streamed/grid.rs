@@ -1,0 +1,155 @@
+//! The grid of a scene, and coordinates as whole numbers of steps in it.
+//!
+//! Let h be the edge of a cell, s = 1/h and F the number of bits of a fraction. A coordinate x is stored as the whole number q nearest to
+//! Q = (x - xmin) s 2^F. With u = 2^-53 and fewer than 2^31 cells per axis, Q < 2^51 and its computed value is within 2u Q < 1/2 of it (scaling by
+//! 2^F is exact); rounding to a whole number adds 1/2. So |q - Q| < 1.01, and differences of two coordinates are within [`STEPS_OFF`] of the true ones.
+//!
+//! * **Cells.** Two elements that touch have |Qj - Qi| <= reach s 2^F. We take s <= (1 - 2^(2-F)) / reach, up to its own rounding of 2^-49. So
+//!   |qj - qi| < 2^F - 4 + 2.1, and their cells, q shifted by F, differ by at most one. This is the margin of [`crate::filter::cells`] once more, for
+//!   whole numbers.
+//! * **Distances.** What two rounded coordinates say of a distance is off by less than [`STEPS_OFF`] steps along each axis: see [`super::kernel`].
+//!
+//! **Which edge.** Cells of the reach are the smallest, but a loose scene has many of them that are empty. Where there are more than
+//! [`CELLS_PER_ELEMENT`], the edge grows until there are not: memory and time then depend on N only. Where elements crowd in a few such cells,
+//! which a sample of the elements tells, the grid is not used, but lists of occupied cells of the smallest edge ([`super::occupied`]).
+
+use crate::contact::{Bodies, Real};
+use crate::detect::Refusal;
+use crate::filter::cells::MOST_CELLS;
+use crate::filter::bounds;
+use crate::sink::splitmix64;
+
+/// Bits of the fraction of a coordinate, at most.
+pub(super) const FRACTION: u32 = 20;
+/// A grid with fewer bits is not used.
+const FEWEST: u32 = 12;
+/// Differences of coordinates are within this many steps of the true ones.
+pub(super) const STEPS_OFF: f64 = 2.1;
+/// Measured: more than this cost more than longer ranges of candidates do.
+const CELLS_PER_ELEMENT: f64 = 5.0;
+/// Elements looked at, to see whether they crowd.
+const SAMPLE: usize = 4096;
+/// Other elements in the cell of an element, in the mean, from which cells are not used: some hundred candidates.
+const CROWD: f64 = 24.0;
+/// So few elements that a crowd does not matter.
+const FEW: usize = 512;
+/// 2^52: added to a number below it, it leaves the nearest whole number in the lowest bits.
+const WHOLE: f64 = (1u64 << 52) as f64;
+
+/// Cells of a scene, with its axes in the order of their lengths: cells side by side along the first are side by side in memory, layers are cut
+/// across the last, the longest.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Grid<const D: usize> {
+    pub axes: [usize; D],
+    low: [f64; D],
+    /// 1 / edge.
+    scale: f64,
+    /// Bits of the fraction.
+    pub bits: u32,
+    /// Cells per axis.
+    pub count: [u64; D],
+}
+
+/// How the elements of a scene are to be found.
+pub(super) enum Form {
+    /// By all cells of a grid.
+    Cells,
+    /// By occupied cells.
+    Occupied,
+}
+
+impl<const D: usize> Grid<D> {
+    /// The grid for a scene and the form that suits it.
+    pub fn new<T: Real>(bodies: &impl Bodies<T, D>) -> Result<(Grid<D>, Form), Refusal> {
+        let n = bodies.len();
+        let (low, high) = bounds(bodies);
+        let mut axes: [usize; D] = std::array::from_fn(|k| k);
+        for axis in 0..D {
+            if !(high[axis] - low[axis]).is_finite() {
+                let name = ["x", "y", "z"][axis.min(2)];
+                return Err(Refusal::Extent { axis: name, low: low[axis], high: high[axis] });
+            }
+        }
+        axes.sort_by(|&a, &b| (high[a] - low[a]).total_cmp(&(high[b] - low[b])));
+        let lengths: [f64; D] = std::array::from_fn(|k| high[axes[k]] - low[axes[k]]);
+        let reach = bodies.reach().clamp(f64::MIN_POSITIVE * 4.0, f64::MAX);
+        let grid = |edge: f64, bits: u32| {
+            let scale = (1.0 - 4.0 / (1u64 << bits) as f64) / edge;
+            // Saturates: too many cells are too many.
+            let count = lengths.map(|length| (length * scale) as u64 + 2);
+            Grid { axes, low: std::array::from_fn(|k| low[axes[k]]), scale, bits, count }
+        };
+        let edge = edge_for(lengths, reach, n);
+        let wide = grid(edge, FRACTION);
+        // x and row of an element must be known from 32 bits of its coordinates; layers have lists.
+        let most = wide.count[..D - 1].iter().fold(1, |most, &count| most.max(count));
+        let bits = FRACTION.min(most.leading_zeros().saturating_sub(32));
+        if bits >= FEWEST && wide.count[D - 1] < 1 << 31 {
+            let wide = grid(edge, bits);
+            if edge == reach || n <= FEW || !wide.crowded(bodies) {
+                return Ok((wide, Form::Cells));
+            }
+        }
+        // Points without extent touch only where they coincide (or underflow): any larger cell will do.
+        let points = if reach <= T::UNDERFLOW { lengths[D - 1] / libm::pow(n.max(1) as f64, 1.0 / D as f64) } else { 0.0 };
+        let small = grid(reach.max(points), super::occupied::FRACTION);
+        for k in 0..D {
+            if lengths[k] * small.scale >= MOST_CELLS - 4.0 {
+                let axis = ["x", "y", "z"][axes[k].min(2)];
+                let (low, high) = (low[axes[k]], high[axes[k]]);
+                return Err(Refusal::Domain { axis, low, high, edge: 1.0 / small.scale, cells: lengths[k] * small.scale });
+            }
+        }
+        Ok((small, Form::Occupied))
+    }
+
+    /// The coordinates of an element in steps, in the order of the grid's axes.
+    #[inline(always)]
+    pub fn steps(&self, position: [f64; D]) -> [u64; D] {
+        let one = (1u64 << self.bits) as f64;
+        std::array::from_fn(|k| {
+            // Not negative: the box was made from all elements.
+            let cells = (position[self.axes[k]] - self.low[k]) * self.scale;
+            (cells * one + WHOLE).to_bits() & ((1 << 52) - 1)
+        })
+    }
+
+    /// A length in steps.
+    pub fn length(&self, length: f64) -> f64 {
+        length * self.scale * (1u64 << self.bits) as f64
+    }
+
+    /// Whether elements have many others in their cells, judged by a sample.
+    fn crowded<T: Real>(&self, bodies: &impl Bodies<T, D>) -> bool {
+        let n = bodies.len() as u64;
+        let m = (n as usize).min(SAMPLE);
+        let mut keys = [0u64; SAMPLE];
+        for (k, key) in keys[..m].iter_mut().enumerate() {
+            // All, or by chance: a sample at equal strides would miss clusters whose elements are stored side by side.
+            let i = if m as u64 == n { k as u64 } else { splitmix64(k as u64) % n };
+            let cell = self.steps(bodies.position(i as u32)).map(|q| q >> self.bits);
+            *key = cell.iter().fold(0, |key, &c| splitmix64(key ^ c));
+        }
+        keys[..m].sort_unstable();
+        let couples: usize = keys[..m].chunk_by(|a, b| a == b).map(|cell| cell.len() * (cell.len() - 1)).sum();
+        // Each of the m elements sees m - 1 of n - 1 others.
+        let others = couples as f64 / m.max(1) as f64 * (n as f64 / m.max(1) as f64);
+        others > CROWD
+    }
+}
+
+/// The smallest edge from `reach` on with which there are not too many cells.
+fn edge_for<const D: usize>(lengths: [f64; D], reach: f64, n: usize) -> f64 {
+    let most = CELLS_PER_ELEMENT * n.max(64) as f64;
+    let cells = |edge: f64| lengths.iter().map(|length| length / edge + 1.0).product::<f64>();
+    if cells(reach) <= most {
+        return reach;
+    }
+    // Between the reach and the longest axis; an axis shorter than the edge has one cell.
+    let (mut small, mut large) = (reach, lengths[D - 1].max(reach));
+    while large / small > 1.02 {
+        let middle = small.sqrt() * large.sqrt();
+        if cells(middle) <= most { large = middle } else { small = middle }
+    }
+    large
+}

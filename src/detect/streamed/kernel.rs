@@ -1,0 +1,295 @@
+//! The sweep: every element of a slab against the few ranges of elements that can touch it, sixteen at a time.
+//!
+//! Half of the cells around an element are enough, and they are few contiguous ranges, since the cells of a row are side by side:
+//!
+//! ```text
+//!   2D:  next row   1 1 1         3D:  next layer  2 2 2      this layer   . . .
+//!        this row   . 0 0                          3 3 3                   . 0 0
+//!                                                  4 4 4                   1 1 1
+//! ```
+//!
+//! Range 0 begins after the element itself. **Bounds.** Let D be the true distance of two elements in steps and d the one computed here. Coordinates
+//! differ from the true differences by at most [`STEPS_OFF`] along each axis; x is rounded to 24 bits twice, its difference once; the rest
+//! (fractions, one cell more or less) is exact. So |d - D| <= √3·2.1 + (steps along x)·2^-24 + 1, but for a relative error below 2^-21 of the sum of squares, which
+//! fused or not has at most four roundings. Radii have relative errors of 2^-23. With `grow` the sum of these bounds, relative ones taken of the largest sum of radii, 2^-19
+//! together, and of the test's slack: a pair with d > s + grow is refused by the contact test, and one with d <= s - grow is accepted. The others, some
+//! in a million, are asked of the test itself.
+
+use super::grid::{Grid, STEPS_OFF};
+use super::slab::{Plan, Slab};
+use crate::contact::{Bodies, Real};
+use crate::probe::Op;
+use crate::wide::{Kernel, LANES, Level, Wide};
+
+/// Takes what a kernel finds.
+pub(super) trait Take {
+    /// Pairs that touch.
+    fn sure(&mut self, pairs: &[[u32; 2]]);
+    /// A pair of which only the contact test knows.
+    fn unsure(&mut self, i: u32, j: u32);
+    /// Whether operations are to be counted.
+    fn counts(&self) -> bool;
+    /// `n` operations; those of a contact test before what is unsure is tested.
+    fn count(&mut self, op: Op, n: u64);
+}
+
+/// Distances that decide, in steps.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Bounds {
+    /// The sum of two radii, where all are the same.
+    sum: f32,
+    grow: f32,
+    /// One cell.
+    one: f32,
+}
+
+impl Bounds {
+    /// For a scene in its grid. `turn`: the steps after which x begins again, if it does.
+    pub fn new<T: Real, const D: usize>(bodies: &impl Bodies<T, D>, grid: &Grid<D>, turn: Option<f32>) -> Bounds {
+        let steps = turn.map_or((grid.count[0] << grid.bits) as f64, f64::from);
+        let (slack, reach) = (bodies.slack(), grid.length(bodies.reach().min(f64::MAX)));
+        let relative = slack.relative + 1.0 / f64::from(1 << 19);
+        let grow = 2.0 * STEPS_OFF + steps / f64::from(1 << 24) + 2.0 + grid.length(slack.absolute) + reach * relative;
+        // Twice the radius in steps: the diameter itself may overflow.
+        let sum = 2.0 * grid.length(bodies.uniform().unwrap_or(0.0));
+        Bounds { sum: sum as f32, grow: grow as f32, one: (1u64 << grid.bits) as f32 }
+    }
+}
+
+/// Where the elements are that are to be tested against an element: beginning and length of each range, the first one or two in the slab of the
+/// element, the others in the next.
+pub(super) type Ranges = [(u32, u32); 5];
+
+/// So many of them in so many dimensions.
+const fn ranges_used(dim: usize) -> usize {
+    if dim == 2 { 2 } else { 5 }
+}
+
+/// Finds the ranges of the element at a place.
+pub(super) trait Find: Copy {
+    /// Coordinates along x begin again after this many steps.
+    const TURN: Option<f32>;
+    /// The ranges.
+    fn ranges<const D: usize>(&self, at: usize) -> Ranges;
+}
+
+/// By the cells of a grid.
+#[derive(Clone, Copy)]
+pub(super) struct ByCells<'a> {
+    cells: &'a [u32],
+    begin: &'a [u32],
+    next: &'a [u32],
+    row: usize,
+    /// From the number of a cell to that of the one in the next layer.
+    to_next: isize,
+}
+
+impl<'a> ByCells<'a> {
+    /// For elements of `slab` whose next layer is in `next`, `to_next` cells away.
+    pub fn new<const D: usize>(plan: &Plan, slab: &'a Slab<D>, next: &'a Slab<D>, to_next: isize) -> ByCells<'a> {
+        ByCells { cells: &slab.cells, begin: &slab.begin, next: &next.begin, row: plan.row, to_next }
+    }
+}
+
+impl Find for ByCells<'_> {
+    const TURN: Option<f32> = None;
+
+    #[inline(always)]
+    fn ranges<const D: usize>(&self, at: usize) -> Ranges {
+        let cell = self.cells[at] as usize;
+        // Three cells side by side, around this one.
+        let three = |begin: &[u32], cell: usize| (begin[cell - 1], begin[cell + 2] - begin[cell - 1]);
+        let next = cell.wrapping_add_signed(self.to_next);
+        let own = (at as u32 + 1, self.begin[cell + 2] - (at as u32 + 1));
+        if D == 2 {
+            return [own, three(self.next, next), (0, 0), (0, 0), (0, 0)];
+        }
+        [
+            own,
+            three(self.begin, cell + self.row),
+            three(self.next, next - self.row),
+            three(self.next, next),
+            three(self.next, next + self.row),
+        ]
+    }
+}
+
+/// Elements `places` of `slab` against their ranges in `slab` and `next`.
+pub(super) struct Sweep<'a, F, const D: usize, const EACH: bool> {
+    pub slab: &'a Slab<D>,
+    pub next: &'a Slab<D>,
+    pub places: std::ops::Range<usize>,
+    pub find: F,
+    pub bounds: Bounds,
+    pub take: &'a mut dyn Take,
+}
+
+/// Elements whose neighbours are collected before they are paired.
+const BLOCK: usize = 64;
+/// Contacts of an element in one range that are kept; more are rare, and left to the careful form.
+const KEPT: usize = 8;
+/// Room for the neighbours of a block, and for five vectors beyond.
+const ROOM: usize = (BLOCK * 5 + 10) * KEPT;
+
+/// What an element is compared with in one range.
+struct Query<W: Wide, const D: usize> {
+    at: [W::Floats; D],
+    radius: W::Floats,
+}
+
+impl<F: Find, const D: usize, const EACH: bool> Kernel for Sweep<'_, F, D, EACH> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<W: Wide>(mut self, w: W) {
+        let used = ranges_used(D);
+        let (mut ids, mut ends) = ([0; ROOM], [0; BLOCK]);
+        let mut pairs = [[0; 2]; ROOM];
+        for first in self.places.clone().step_by(BLOCK) {
+            let many = BLOCK.min(self.places.end - first);
+            let mut kept = 0;
+            for (k, end) in ends[..many].iter_mut().enumerate() {
+                let place = first + k;
+                let ranges = self.find.ranges::<D>(place);
+                let mut odd = ranges.iter().fold(0, |all, &(_, len)| all | len) & !(LANES as u32 - 1);
+                if odd == 0 {
+                    let mut at = kept;
+                    for (r, &(begin, len)) in ranges[..used].iter().enumerate() {
+                        let slab = self.other(r);
+                        let (near, sure) = self.test(w, slab, begin as usize, len, &self.query(w, place, r));
+                        w.pack(chunk(&slab.ids, begin as usize), near, chunk_mut(&mut ids, at));
+                        let count = near.count_ones();
+                        at += count as usize;
+                        odd |= near ^ sure | (count + 7) & !15;
+                    }
+                    kept = if odd == 0 { at } else { kept };
+                }
+                if odd != 0 {
+                    self.careful(w, place, &ranges[..used]);
+                }
+                *end = kept as u32;
+            }
+            let mut begin = 0;
+            for (k, &end) in ends[..many].iter().enumerate() {
+                let id = self.slab.ids[first + k];
+                let mut at = begin;
+                loop {
+                    w.pair(id, chunk(&ids, at), chunk_mut(&mut pairs, at));
+                    at += KEPT;
+                    if at >= end as usize {
+                        break;
+                    }
+                }
+                begin = end as usize;
+            }
+            self.take.sure(&pairs[..kept]);
+        }
+    }
+}
+
+impl<'a, F: Find, const D: usize, const EACH: bool> Sweep<'a, F, D, EACH> {
+    /// Runs it.
+    pub fn on(self, level: Level) {
+        if self.take.counts() {
+            let used = ranges_used(D);
+            let tests = |at: usize| self.find.ranges::<D>(at)[..used].iter().map(|&(_, len)| u64::from(len)).sum::<u64>();
+            let tests = self.places.clone().map(tests).sum();
+            self.take.count(Op::CellProbe, (self.places.len() * used) as u64);
+            self.take.count(Op::ContactTest, tests);
+        }
+        level.run(self);
+    }
+
+    /// The slab in which range `r` is.
+    #[inline(always)]
+    fn other(&self, r: usize) -> &'a Slab<D> {
+        if r < D - 1 { self.slab } else { self.next }
+    }
+
+    /// The element at a place, as seen from the cells of range `r`.
+    #[inline(always)]
+    fn query<W: Wide>(&self, w: W, place: usize, r: usize) -> Query<W, D> {
+        let one = self.bounds.one;
+        let mut at: [f32; D] = std::array::from_fn(|k| self.slab.lanes[k][place]);
+        if D == 3 {
+            at[1] -= [0.0, one, -one, 0.0, one][r];
+            at[2] -= if r < 2 { 0.0 } else { one };
+        } else {
+            at[1] -= if r == 0 { 0.0 } else { one };
+        }
+        let radius = if EACH { self.slab.radii[place] } else { self.bounds.sum };
+        Query { at: at.map(|x| w.all(x)), radius: w.all(radius + self.bounds.grow) }
+    }
+
+    /// Masks of the elements from `begin` on, at most sixteen: those near enough to ask, and those that touch.
+    #[inline(always)]
+    fn test<W: Wide>(&self, w: W, slab: &Slab<D>, begin: usize, len: u32, query: &Query<W, D>) -> (u32, u32) {
+        let mut square = w.all(0.0);
+        for k in 0..D {
+            let mut d = w.sub(w.load(chunk(&slab.lanes[k], begin)), query.at[k]);
+            if let (0, Some(turn)) = (k, F::TURN) {
+                // The nearest whole number of turns: 1.5·2^23 leaves no fraction.
+                let whole = w.all(12_582_912.0);
+                let turns = w.sub(w.add(w.mul(d, w.all(1.0 / turn)), whole), whole);
+                d = w.sub(d, w.mul(turns, w.all(turn)));
+            }
+            square = if k == 0 { w.mul(d, d) } else { w.mul_add(d, d, square) };
+        }
+        let outer = if EACH { w.add(query.radius, w.load(chunk(&slab.radii, begin))) } else { query.radius };
+        let inner = w.max(w.sub(outer, w.all(2.0 * self.bounds.grow)), w.all(0.0));
+        let valid = !(!0u32 << len.min(LANES as u32));
+        let near = w.at_most(square, w.mul(outer, outer)) & valid;
+        // Half a step less, so that an inner bound of nothing holds nobody.
+        (near, w.at_most(square, w.mul_add(inner, inner, w.all(-0.5))) & near)
+    }
+
+    /// Any number of elements in a range, and pairs that only the contact test can decide.
+    #[inline(always)]
+    fn careful<W: Wide>(&mut self, w: W, place: usize, ranges: &[(u32, u32)]) {
+        let id = self.slab.ids[place];
+        let (mut pairs, mut found) = ([[0; 2]; 32 * KEPT], 0);
+        for (r, &(begin, len)) in ranges.iter().enumerate() {
+            let slab = self.other(r);
+            let query = self.query(w, place, r);
+            for k in (0..len).step_by(LANES) {
+                let at = (begin + k) as usize;
+                let (near, sure) = self.test(w, slab, at, len - k, &query);
+                let ids: &[u32; LANES] = chunk(&slab.ids, at);
+                for half in [0xff, 0xff00] {
+                    let mut packed = [0; KEPT];
+                    w.pack(ids, sure & half, &mut packed);
+                    w.pair(id, &packed, chunk_mut(&mut pairs, found));
+                    found += (sure & half).count_ones() as usize;
+                }
+                let mut unsure = near ^ sure;
+                while unsure != 0 {
+                    self.take.unsure(id, ids[unsure.trailing_zeros() as usize]);
+                    unsure &= unsure - 1;
+                }
+                if found > pairs.len() - 3 * KEPT {
+                    self.take.sure(&pairs[..found]);
+                    found = 0;
+                }
+            }
+        }
+        self.take.sure(&pairs[..found]);
+    }
+}
+
+/// `N` numbers from place `at` on.
+#[inline(always)]
+fn chunk<A, const N: usize>(array: &[A], at: usize) -> &[A; N] {
+    match array[at..].first_chunk() {
+        Some(chunk) => chunk,
+        None => unreachable!("arrays are {LANES} longer than what they hold"),
+    }
+}
+
+/// As [`chunk`], to be written.
+#[inline(always)]
+fn chunk_mut<A, const N: usize>(array: &mut [A], at: usize) -> &mut [A; N] {
+    match array[at..].first_chunk_mut() {
+        Some(chunk) => chunk,
+        None => unreachable!("there is room for all that is kept"),
+    }
+}

@@ -1,0 +1,95 @@
+//! AVX-512: one register of 16 floats, masks in registers of their own, ids packed by one instruction.
+
+use std::arch::x86_64::*;
+
+use super::{Kernel, LANES, Wide};
+
+/// A processor with AVX-512 F, BW, DQ and VL, and with FMA, BMI and POPCNT. Made by [`Avx512::detect`] only.
+#[derive(Clone, Copy, Debug)]
+pub struct Avx512(());
+
+impl Avx512 {
+    /// `Some` on a processor that has the instructions.
+    pub fn detect() -> Option<Avx512> {
+        (is_x86_feature_detected!("avx512f")
+            && is_x86_feature_detected!("avx512bw")
+            && is_x86_feature_detected!("avx512dq")
+            && is_x86_feature_detected!("avx512vl")
+            && is_x86_feature_detected!("fma")
+            && is_x86_feature_detected!("bmi1")
+            && is_x86_feature_detected!("bmi2")
+            && is_x86_feature_detected!("popcnt"))
+        .then_some(Avx512(()))
+    }
+}
+
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,fma,bmi1,bmi2,popcnt")]
+fn compiled<K: Kernel>(wide: Avx512, kernel: K) -> K::Output {
+    kernel.run(wide)
+}
+
+// SAFETY, for every block below: a value of this type exists only where `detect` has found the instructions. Loads and stores are unaligned, and
+// within the arrays they are given.
+impl Wide for Avx512 {
+    type Floats = __m512;
+
+    #[inline(always)]
+    fn all(self, x: f32) -> __m512 {
+        unsafe { _mm512_set1_ps(x) }
+    }
+
+    #[inline(always)]
+    fn load(self, from: &[f32; LANES]) -> __m512 {
+        unsafe { _mm512_loadu_ps(from.as_ptr()) }
+    }
+
+    #[inline(always)]
+    fn add(self, a: __m512, b: __m512) -> __m512 {
+        unsafe { _mm512_add_ps(a, b) }
+    }
+
+    #[inline(always)]
+    fn sub(self, a: __m512, b: __m512) -> __m512 {
+        unsafe { _mm512_sub_ps(a, b) }
+    }
+
+    #[inline(always)]
+    fn mul(self, a: __m512, b: __m512) -> __m512 {
+        unsafe { _mm512_mul_ps(a, b) }
+    }
+
+    #[inline(always)]
+    fn mul_add(self, a: __m512, b: __m512, c: __m512) -> __m512 {
+        unsafe { _mm512_fmadd_ps(a, b, c) }
+    }
+
+    #[inline(always)]
+    fn max(self, a: __m512, b: __m512) -> __m512 {
+        unsafe { _mm512_max_ps(a, b) }
+    }
+
+    #[inline(always)]
+    fn at_most(self, a: __m512, b: __m512) -> u32 {
+        u32::from(unsafe { _mm512_cmp_ps_mask::<_CMP_LE_OQ>(a, b) })
+    }
+
+    #[inline(always)]
+    fn pack(self, ids: &[u32; LANES], mask: u32, to: &mut [u32; 8]) {
+        unsafe {
+            let packed = _mm512_maskz_compress_epi32(mask as u16, _mm512_loadu_epi32(ids.as_ptr().cast()));
+            _mm256_storeu_epi32(to.as_mut_ptr().cast(), _mm512_castsi512_si256(packed));
+        }
+    }
+
+    #[inline(always)]
+    fn pair(self, i: u32, ids: &[u32; 8], to: &mut [[u32; 2]; 8]) {
+        unsafe {
+            let high = _mm512_slli_epi64::<32>(_mm512_cvtepu32_epi64(_mm256_loadu_epi32(ids.as_ptr().cast())));
+            _mm512_storeu_epi64(to.as_mut_ptr().cast(), _mm512_or_si512(high, _mm512_set1_epi64(i64::from(i))));
+        }
+    }
+
+    fn run<K: Kernel>(self, kernel: K) -> K::Output {
+        unsafe { compiled(self, kernel) }
+    }
+}

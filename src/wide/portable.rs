@@ -1,0 +1,78 @@
+//! The twin without vector instructions of its own: what the compiler makes of loops over arrays.
+
+use super::{Kernel, LANES, Wide};
+
+/// Any processor.
+#[derive(Clone, Copy, Debug)]
+pub struct Portable;
+
+#[inline(always)]
+fn lanes(f: impl FnMut(usize) -> f32) -> [f32; LANES] {
+    std::array::from_fn(f)
+}
+
+impl Wide for Portable {
+    type Floats = [f32; LANES];
+
+    #[inline(always)]
+    fn all(self, x: f32) -> [f32; LANES] {
+        [x; LANES]
+    }
+
+    #[inline(always)]
+    fn load(self, from: &[f32; LANES]) -> [f32; LANES] {
+        *from
+    }
+
+    #[inline(always)]
+    fn add(self, a: [f32; LANES], b: [f32; LANES]) -> [f32; LANES] {
+        lanes(|k| a[k] + b[k])
+    }
+
+    #[inline(always)]
+    fn sub(self, a: [f32; LANES], b: [f32; LANES]) -> [f32; LANES] {
+        lanes(|k| a[k] - b[k])
+    }
+
+    #[inline(always)]
+    fn mul(self, a: [f32; LANES], b: [f32; LANES]) -> [f32; LANES] {
+        lanes(|k| a[k] * b[k])
+    }
+
+    #[inline(always)]
+    fn mul_add(self, a: [f32; LANES], b: [f32; LANES], c: [f32; LANES]) -> [f32; LANES] {
+        lanes(|k| a[k] * b[k] + c[k])
+    }
+
+    #[inline(always)]
+    fn max(self, a: [f32; LANES], b: [f32; LANES]) -> [f32; LANES] {
+        lanes(|k| if a[k] > b[k] { a[k] } else { b[k] })
+    }
+
+    #[inline(always)]
+    fn at_most(self, a: [f32; LANES], b: [f32; LANES]) -> u32 {
+        (0..LANES).fold(0, |mask, k| mask | u32::from(a[k] <= b[k]) << k)
+    }
+
+    #[inline(always)]
+    fn pack(self, ids: &[u32; LANES], mut mask: u32, to: &mut [u32; 8]) {
+        for slot in to {
+            if mask == 0 {
+                break;
+            }
+            *slot = ids[mask.trailing_zeros() as usize % LANES];
+            mask &= mask - 1;
+        }
+    }
+
+    #[inline(always)]
+    fn pair(self, i: u32, ids: &[u32; 8], to: &mut [[u32; 2]; 8]) {
+        for (pair, &j) in to.iter_mut().zip(ids) {
+            *pair = [i, j];
+        }
+    }
+
+    fn run<K: Kernel>(self, kernel: K) -> K::Output {
+        kernel.run(self)
+    }
+}
