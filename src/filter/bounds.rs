@@ -29,6 +29,7 @@ pub fn bounds<T: Real, const D: usize>(bodies: &impl Bodies<T, D>) -> ([f64; D],
     for i in whole..n {
         take(i, 0);
     }
-    let of = |all: [[f64; D]; TURNS], better: fn(f64, f64) -> f64| all.into_iter().reduce(|a, b| std::array::from_fn(|k| better(a[k], b[k])));
+    let of =
+        |all: [[f64; D]; TURNS], better: fn(f64, f64) -> f64| all.into_iter().reduce(|a, b| std::array::from_fn(|k| better(a[k], b[k])));
     (of(low, f64::min).unwrap_or([0.0; D]), of(high, f64::max).unwrap_or([0.0; D]))
 }

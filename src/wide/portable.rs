@@ -51,7 +51,9 @@ impl Wide for Portable {
 
     #[inline(always)]
     fn at_most(self, a: [f32; LANES], b: [f32; LANES]) -> u32 {
-        (0..LANES).fold(0, |mask, k| mask | u32::from(a[k] <= b[k]) << k)
+        // An array first: this the compiler makes vectors of.
+        let bits: [u32; LANES] = std::array::from_fn(|k| if a[k] <= b[k] { 1 << k } else { 0 });
+        bits.iter().fold(0, |mask, bit| mask | bit)
     }
 
     #[inline(always)]

@@ -15,8 +15,8 @@
 
 use crate::contact::{Bodies, Real};
 use crate::detect::Refusal;
-use crate::filter::cells::MOST_CELLS;
 use crate::filter::bounds;
+use crate::filter::cells::MOST_CELLS;
 use crate::sink::splitmix64;
 
 /// Bits of the fraction of a coordinate, at most.
@@ -50,17 +50,18 @@ pub(super) struct Grid<const D: usize> {
     pub count: [u64; D],
 }
 
-/// How the elements of a scene are to be found.
-pub(super) enum Form {
+/// How the neighbours of an element are found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Form {
     /// By all cells of a grid.
     Cells,
-    /// By occupied cells.
+    /// By the occupied cells alone.
     Occupied,
 }
 
 impl<const D: usize> Grid<D> {
-    /// The grid for a scene and the form that suits it.
-    pub fn new<T: Real>(bodies: &impl Bodies<T, D>) -> Result<(Grid<D>, Form), Refusal> {
+    /// The grid for a scene, and the form that suits it or is asked for.
+    pub fn new<T: Real>(bodies: &impl Bodies<T, D>, asked: Option<Form>) -> Result<(Grid<D>, Form), Refusal> {
         let n = bodies.len();
         let (low, high) = bounds(bodies);
         let mut axes: [usize; D] = std::array::from_fn(|k| k);
@@ -84,9 +85,9 @@ impl<const D: usize> Grid<D> {
         // x and row of an element must be known from 32 bits of its coordinates; layers have lists.
         let most = wide.count[..D - 1].iter().fold(1, |most, &count| most.max(count));
         let bits = FRACTION.min(most.leading_zeros().saturating_sub(32));
-        if bits >= FEWEST && wide.count[D - 1] < 1 << 31 {
+        if bits >= FEWEST && wide.count[D - 1] < 1 << 31 && asked != Some(Form::Occupied) {
             let wide = grid(edge, bits);
-            if edge == reach || n <= FEW || !wide.crowded(bodies) {
+            if asked.is_some() || edge == reach || n <= FEW || !wide.crowded(bodies) {
                 return Ok((wide, Form::Cells));
             }
         }

@@ -96,11 +96,14 @@ impl Find for ByCells<'_> {
 
     #[inline(always)]
     fn ranges<const D: usize>(&self, at: usize) -> Ranges {
-        let cell = self.cells[at] as usize;
+        let cell = element(self.cells, at) as usize;
         // Three cells side by side, around this one.
-        let three = |begin: &[u32], cell: usize| (begin[cell - 1], begin[cell + 2] - begin[cell - 1]);
+        let three = |begin: &[u32], cell: usize| {
+            let first = element(begin, cell - 1);
+            (first, element(begin, cell + 2) - first)
+        };
         let next = cell.wrapping_add_signed(self.to_next);
-        let own = (at as u32 + 1, self.begin[cell + 2] - (at as u32 + 1));
+        let own = (at as u32 + 1, element(self.begin, cell + 2) - (at as u32 + 1));
         if D == 2 {
             return [own, three(self.next, next), (0, 0), (0, 0), (0, 0)];
         }
@@ -126,7 +129,7 @@ pub(super) struct Sweep<'a, F, const D: usize, const EACH: bool> {
 
 /// Elements whose neighbours are collected before they are paired.
 const BLOCK: usize = 64;
-/// Contacts of an element in one range that are kept; more are rare, and left to the careful form.
+/// Room for the contacts of an element in one range; as many or more are rare, and left to the careful form.
 const KEPT: usize = 8;
 /// Room for the neighbours of a block, and for five vectors beyond.
 const ROOM: usize = (BLOCK * 5 + 10) * KEPT;
@@ -153,15 +156,18 @@ impl<F: Find, const D: usize, const EACH: bool> Kernel for Sweep<'_, F, D, EACH>
                 let ranges = self.find.ranges::<D>(place);
                 let mut odd = ranges.iter().fold(0, |all, &(_, len)| all | len) & !(LANES as u32 - 1);
                 if odd == 0 {
-                    let mut at = kept;
+                    let (mut at, mut counts) = (kept, 0);
                     for (r, &(begin, len)) in ranges[..used].iter().enumerate() {
                         let slab = self.other(r);
-                        let (near, sure) = self.test(w, slab, begin as usize, len, &self.query(w, place, r));
+                        let (near, sure) = self.test(w, slab, begin as usize, !(!0 << len), &self.query(w, place, r));
                         w.pack(chunk(&slab.ids, begin as usize), near, chunk_mut(&mut ids, at));
                         let count = near.count_ones();
                         at += count as usize;
-                        odd |= near ^ sure | (count + 7) & !15;
+                        odd |= near ^ sure;
+                        counts |= count;
                     }
+                    // Eight or more in one range, perhaps: more than are kept.
+                    odd |= counts & 0x18;
                     kept = if odd == 0 { at } else { kept };
                 }
                 if odd != 0 {
@@ -171,7 +177,7 @@ impl<F: Find, const D: usize, const EACH: bool> Kernel for Sweep<'_, F, D, EACH>
             }
             let mut begin = 0;
             for (k, &end) in ends[..many].iter().enumerate() {
-                let id = self.slab.ids[first + k];
+                let id = element(&self.slab.ids, first + k);
                 let mut at = begin;
                 loop {
                     w.pair(id, chunk(&ids, at), chunk_mut(&mut pairs, at));
@@ -210,20 +216,20 @@ impl<'a, F: Find, const D: usize, const EACH: bool> Sweep<'a, F, D, EACH> {
     #[inline(always)]
     fn query<W: Wide>(&self, w: W, place: usize, r: usize) -> Query<W, D> {
         let one = self.bounds.one;
-        let mut at: [f32; D] = std::array::from_fn(|k| self.slab.lanes[k][place]);
+        let mut at: [f32; D] = std::array::from_fn(|k| element(&self.slab.lanes[k], place));
         if D == 3 {
             at[1] -= [0.0, one, -one, 0.0, one][r];
             at[2] -= if r < 2 { 0.0 } else { one };
         } else {
             at[1] -= if r == 0 { 0.0 } else { one };
         }
-        let radius = if EACH { self.slab.radii[place] } else { self.bounds.sum };
+        let radius = if EACH { element(&self.slab.radii, place) } else { self.bounds.sum };
         Query { at: at.map(|x| w.all(x)), radius: w.all(radius + self.bounds.grow) }
     }
 
-    /// Masks of the elements from `begin` on, at most sixteen: those near enough to ask, and those that touch.
+    /// Masks of those of sixteen elements from `begin` on that are `valid`: those near enough to ask, and those that touch.
     #[inline(always)]
-    fn test<W: Wide>(&self, w: W, slab: &Slab<D>, begin: usize, len: u32, query: &Query<W, D>) -> (u32, u32) {
+    fn test<W: Wide>(&self, w: W, slab: &Slab<D>, begin: usize, valid: u32, query: &Query<W, D>) -> (u32, u32) {
         let mut square = w.all(0.0);
         for k in 0..D {
             let mut d = w.sub(w.load(chunk(&slab.lanes[k], begin)), query.at[k]);
@@ -237,7 +243,6 @@ impl<'a, F: Find, const D: usize, const EACH: bool> Sweep<'a, F, D, EACH> {
         }
         let outer = if EACH { w.add(query.radius, w.load(chunk(&slab.radii, begin))) } else { query.radius };
         let inner = w.max(w.sub(outer, w.all(2.0 * self.bounds.grow)), w.all(0.0));
-        let valid = !(!0u32 << len.min(LANES as u32));
         let near = w.at_most(square, w.mul(outer, outer)) & valid;
         // Half a step less, so that an inner bound of nothing holds nobody.
         (near, w.at_most(square, w.mul_add(inner, inner, w.all(-0.5))) & near)
@@ -253,7 +258,7 @@ impl<'a, F: Find, const D: usize, const EACH: bool> Sweep<'a, F, D, EACH> {
             let query = self.query(w, place, r);
             for k in (0..len).step_by(LANES) {
                 let at = (begin + k) as usize;
-                let (near, sure) = self.test(w, slab, at, len - k, &query);
+                let (near, sure) = self.test(w, slab, at, !(!0 << (len - k).min(LANES as u32)), &query);
                 let ids: &[u32; LANES] = chunk(&slab.ids, at);
                 for half in [0xff, 0xff00] {
                     let mut packed = [0; KEPT];
@@ -279,17 +284,19 @@ impl<'a, F: Find, const D: usize, const EACH: bool> Sweep<'a, F, D, EACH> {
 /// `N` numbers from place `at` on.
 #[inline(always)]
 fn chunk<A, const N: usize>(array: &[A], at: usize) -> &[A; N] {
-    match array[at..].first_chunk() {
-        Some(chunk) => chunk,
-        None => unreachable!("arrays are {LANES} longer than what they hold"),
-    }
+    debug_assert!(at + N <= array.len());
+    unsafe { &*array.as_ptr().add(at).cast() }
 }
 
 /// As [`chunk`], to be written.
 #[inline(always)]
 fn chunk_mut<A, const N: usize>(array: &mut [A], at: usize) -> &mut [A; N] {
-    match array[at..].first_chunk_mut() {
-        Some(chunk) => chunk,
-        None => unreachable!("there is room for all that is kept"),
-    }
+    debug_assert!(at + N <= array.len());
+    unsafe { &mut *array.as_mut_ptr().add(at).cast() }
+}
+
+#[inline(always)]
+fn element<A: Copy>(array: &[A], at: usize) -> A {
+    debug_assert!(at < array.len());
+    unsafe { *array.get_unchecked(at) }
 }

@@ -25,6 +25,8 @@ mod kernel;
 mod lists;
 mod occupied;
 mod slab;
+#[cfg(test)]
+mod tests;
 
 use std::marker::PhantomData;
 use std::ops::Range;
@@ -37,7 +39,8 @@ use crate::contact::{Bodies, Real};
 use crate::probe::{Op, Probe, Silent};
 use crate::sink::Sink;
 use crate::wide::Level;
-use grid::{Form, Grid};
+pub use grid::Form;
+use grid::Grid;
 use kernel::{Bounds, ByCells, Sweep, Take};
 use lists::{Lists, Size};
 use occupied::Occupied;
@@ -51,6 +54,7 @@ const FEWEST_FOR_THREADS: usize = 20_000;
 pub struct Streamed<const D: usize> {
     options: Options,
     level: Level,
+    form: Option<Form>,
     workers: Vec<Worker<D>>,
     /// Buffers for scenes with one radius, and with one per element.
     uniform: Buffers<D, ()>,
@@ -79,7 +83,12 @@ impl<const D: usize, R> Default for Buffers<D, R> {
 impl<const D: usize> Streamed<D> {
     /// A detector that uses these instructions.
     pub fn on(level: Level, options: Options) -> Streamed<D> {
-        Streamed { options, level, workers: Vec::new(), uniform: Buffers::default(), each: Buffers::default(), formula: 0 }
+        Streamed { options, level, form: None, workers: Vec::new(), uniform: Buffers::default(), each: Buffers::default(), formula: 0 }
+    }
+
+    /// In this form, whatever the scene; not by cells where there are too many of them.
+    pub fn in_form(self, form: Form) -> Streamed<D> {
+        Streamed { form: Some(form), ..self }
     }
 }
 
@@ -96,8 +105,8 @@ impl<const D: usize> Declare for Streamed<D> {
 impl<T: Real, const D: usize> Detector<T, D> for Streamed<D> {
     fn detect<B: Bodies<T, D>, P: Probe, S: Sink>(&mut self, bodies: B, probe: &mut P, sink: &mut S) -> Result<(), Refusal> {
         numbered(NAME, bodies.len())?;
-        let (grid, form) = Grid::new(&bodies)?;
-        let Streamed { options, level, workers, uniform, each, formula } = self;
+        let (grid, form) = Grid::new(&bodies, self.form)?;
+        let Streamed { options, level, workers, uniform, each, formula, .. } = self;
         let mut run = Run { options, level: *level, workers, formula, bodies, grid };
         match (form, bodies.uniform().is_some()) {
             (Form::Cells, true) => run.by_cells::<_, P, S, (), false>(uniform, probe, sink),
