@@ -21,6 +21,7 @@ impl Avx2 {
 }
 
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt")]
+#[inline(never)]
 fn compiled<K: Kernel>(wide: Avx2, kernel: K) -> K::Output {
     kernel.run(wide)
 }

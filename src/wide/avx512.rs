@@ -24,6 +24,7 @@ impl Avx512 {
 }
 
 #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,fma,bmi1,bmi2,popcnt")]
+#[inline(never)]
 fn compiled<K: Kernel>(wide: Avx512, kernel: K) -> K::Output {
     kernel.run(wide)
 }

@@ -74,6 +74,7 @@ impl Wide for Portable {
         }
     }
 
+    #[inline(never)]
     fn run<K: Kernel>(self, kernel: K) -> K::Output {
         kernel.run(self)
     }

@@ -128,7 +128,7 @@ pub(super) struct Sweep<'a, F, const D: usize, const EACH: bool> {
 }
 
 /// Elements whose neighbours are collected before they are paired.
-const BLOCK: usize = 64;
+const BLOCK: usize = 16;
 /// Room for the contacts of an element in one range; as many or more are rare, and left to the careful form.
 const KEPT: usize = 8;
 /// Room for the neighbours of a block, and for five vectors beyond.
@@ -137,7 +137,25 @@ const ROOM: usize = (BLOCK * 5 + 10) * KEPT;
 /// What an element is compared with in one range.
 struct Query<W: Wide, const D: usize> {
     at: [W::Floats; D],
+    /// With [`Bounds::grow`], where each element has its own.
     radius: W::Floats,
+}
+
+/// Squares of distances up to which elements are near enough to ask, and touch for sure.
+#[derive(Clone, Copy)]
+struct Limits<W: Wide> {
+    near: W::Floats,
+    sure: W::Floats,
+}
+
+impl<W: Wide> Limits<W> {
+    /// For this sum of radii and [`Bounds::grow`].
+    #[inline(always)]
+    fn new(w: W, outer: W::Floats, grow: f32) -> Limits<W> {
+        let inner = w.max(w.sub(outer, w.all(2.0 * grow)), w.all(0.0));
+        // Half a step less, so that an inner bound of nothing holds nobody.
+        Limits { near: w.mul(outer, outer), sure: w.mul_add(inner, inner, w.all(-0.5)) }
+    }
 }
 
 impl<F: Find, const D: usize, const EACH: bool> Kernel for Sweep<'_, F, D, EACH> {
@@ -146,6 +164,7 @@ impl<F: Find, const D: usize, const EACH: bool> Kernel for Sweep<'_, F, D, EACH>
     #[inline(always)]
     fn run<W: Wide>(mut self, w: W) {
         let used = ranges_used(D);
+        let limits = self.limits(w);
         let (mut ids, mut ends) = ([0; ROOM], [0; BLOCK]);
         let mut pairs = [[0; 2]; ROOM];
         for first in self.places.clone().step_by(BLOCK) {
@@ -159,7 +178,7 @@ impl<F: Find, const D: usize, const EACH: bool> Kernel for Sweep<'_, F, D, EACH>
                     let (mut at, mut counts) = (kept, 0);
                     for (r, &(begin, len)) in ranges[..used].iter().enumerate() {
                         let slab = self.other(r);
-                        let (near, sure) = self.test(w, slab, begin as usize, !(!0 << len), &self.query(w, place, r));
+                        let (near, sure) = self.test(w, slab, begin as usize, !(!0 << len), &self.query(w, place, r), limits);
                         w.pack(chunk(&slab.ids, begin as usize), near, chunk_mut(&mut ids, at));
                         let count = near.count_ones();
                         at += count as usize;
@@ -171,7 +190,7 @@ impl<F: Find, const D: usize, const EACH: bool> Kernel for Sweep<'_, F, D, EACH>
                     kept = if odd == 0 { at } else { kept };
                 }
                 if odd != 0 {
-                    self.careful(w, place, &ranges[..used]);
+                    w.run(Careful(&mut self, place, &ranges[..used]));
                 }
                 *end = kept as u32;
             }
@@ -223,13 +242,13 @@ impl<'a, F: Find, const D: usize, const EACH: bool> Sweep<'a, F, D, EACH> {
         } else {
             at[1] -= if r == 0 { 0.0 } else { one };
         }
-        let radius = if EACH { element(&self.slab.radii, place) } else { self.bounds.sum };
+        let radius = if EACH { element(&self.slab.radii, place) } else { 0.0 };
         Query { at: at.map(|x| w.all(x)), radius: w.all(radius + self.bounds.grow) }
     }
 
     /// Masks of those of sixteen elements from `begin` on that are `valid`: those near enough to ask, and those that touch.
     #[inline(always)]
-    fn test<W: Wide>(&self, w: W, slab: &Slab<D>, begin: usize, valid: u32, query: &Query<W, D>) -> (u32, u32) {
+    fn test<W: Wide>(&self, w: W, slab: &Slab<D>, begin: usize, valid: u32, query: &Query<W, D>, limits: Limits<W>) -> (u32, u32) {
         let mut square = w.all(0.0);
         for k in 0..D {
             let mut d = w.sub(w.load(chunk(&slab.lanes[k], begin)), query.at[k]);
@@ -241,24 +260,37 @@ impl<'a, F: Find, const D: usize, const EACH: bool> Sweep<'a, F, D, EACH> {
             }
             square = if k == 0 { w.mul(d, d) } else { w.mul_add(d, d, square) };
         }
-        let outer = if EACH { w.add(query.radius, w.load(chunk(&slab.radii, begin))) } else { query.radius };
-        let inner = w.max(w.sub(outer, w.all(2.0 * self.bounds.grow)), w.all(0.0));
-        let near = w.at_most(square, w.mul(outer, outer)) & valid;
-        // Half a step less, so that an inner bound of nothing holds nobody.
-        (near, w.at_most(square, w.mul_add(inner, inner, w.all(-0.5))) & near)
+        let limits = if EACH { Limits::new(w, w.add(query.radius, w.load(chunk(&slab.radii, begin))), self.bounds.grow) } else { limits };
+        let near = w.at_most(square, limits.near) & valid;
+        (near, w.at_most(square, limits.sure) & near)
     }
 
-    /// Any number of elements in a range, and pairs that only the contact test can decide.
+    /// The limits for all elements, where radii are the same.
     #[inline(always)]
-    fn careful<W: Wide>(&mut self, w: W, place: usize, ranges: &[(u32, u32)]) {
-        let id = self.slab.ids[place];
+    fn limits<W: Wide>(&self, w: W) -> Limits<W> {
+        Limits::new(w, w.all(self.bounds.sum + self.bounds.grow), self.bounds.grow)
+    }
+}
+
+/// The element at a place, with any number of elements in a range and pairs that only the contact test can decide: a function of its own, so that
+/// its calls do not cost the sweep its registers.
+struct Careful<'s, 'a, F, const D: usize, const EACH: bool>(&'s mut Sweep<'a, F, D, EACH>, usize, &'s [(u32, u32)]);
+
+impl<F: Find, const D: usize, const EACH: bool> Kernel for Careful<'_, '_, F, D, EACH> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<W: Wide>(self, w: W) {
+        let Careful(sweep, place, ranges) = self;
+        let limits = sweep.limits(w);
+        let id = sweep.slab.ids[place];
         let (mut pairs, mut found) = ([[0; 2]; 32 * KEPT], 0);
         for (r, &(begin, len)) in ranges.iter().enumerate() {
-            let slab = self.other(r);
-            let query = self.query(w, place, r);
+            let slab = sweep.other(r);
+            let query = sweep.query(w, place, r);
             for k in (0..len).step_by(LANES) {
                 let at = (begin + k) as usize;
-                let (near, sure) = self.test(w, slab, at, !(!0 << (len - k).min(LANES as u32)), &query);
+                let (near, sure) = sweep.test(w, slab, at, !(!0 << (len - k).min(LANES as u32)), &query, limits);
                 let ids: &[u32; LANES] = chunk(&slab.ids, at);
                 for half in [0xff, 0xff00] {
                     let mut packed = [0; KEPT];
@@ -268,16 +300,16 @@ impl<'a, F: Find, const D: usize, const EACH: bool> Sweep<'a, F, D, EACH> {
                 }
                 let mut unsure = near ^ sure;
                 while unsure != 0 {
-                    self.take.unsure(id, ids[unsure.trailing_zeros() as usize]);
+                    sweep.take.unsure(id, ids[unsure.trailing_zeros() as usize]);
                     unsure &= unsure - 1;
                 }
                 if found > pairs.len() - 3 * KEPT {
-                    self.take.sure(&pairs[..found]);
+                    sweep.take.sure(&pairs[..found]);
                     found = 0;
                 }
             }
         }
-        self.take.sure(&pairs[..found]);
+        sweep.take.sure(&pairs[..found]);
     }
 }
 
