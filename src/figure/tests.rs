@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::analyse::fake::{self, Lab};
+use crate::analyse::machine::Machine;
 use crate::analyse::value;
 use crate::harness::record::{Causes, Errors, Outcome, Pass};
 
@@ -52,8 +53,9 @@ fn drawn(rows: &[crate::harness::record::Row], rest: &str) -> Vec<(Vec<u8>, Stri
     let folder = tempfile::tempdir().unwrap();
     let (experiment, cells) = (fake::experiment(rest), value::cells(rows));
     let styles = style::Styles::new(cells.iter().map(|cell| cell.key.detector.as_str()));
+    let machine = Machine { caches: vec![("L2".into(), 64 << 10), ("L3".into(), 32 << 20)], ..Machine::default() };
     let draw = |figure: &Figure| {
-        let paths = draw(folder.path(), &experiment, figure, &cells, &styles).unwrap();
+        let paths = draw(folder.path(), &experiment, figure, &cells, &styles, &machine).unwrap();
         let [svg, png] = paths.as_slice() else { panic!("no figure") };
         (std::fs::read(png).unwrap(), std::fs::read_to_string(svg).unwrap())
     };
