@@ -106,7 +106,8 @@ fn measured(machine: &Machine) -> String {
             giga(found.write),
             found.array_bytes >> 20,
             match machine.caches.last() {
-                Some((name, bytes)) if 3 * found.array_bytes < 2 * bytes => format!(", which is less than twice the {name} cache: part of it may come from there"),
+                Some((name, bytes)) if 3 * found.array_bytes < 2 * bytes =>
+                    format!(", which is less than twice the {name} cache: part of it may come from there"),
                 _ => String::new(),
             }
         );
@@ -122,7 +123,7 @@ fn csv_lines(cells: &[&Cell], machine: &Machine) -> String {
         let (Some(time), Some(bound), Some(bytes)) = (cell.time(), bound, bytes(cell)) else { continue };
         let _ = writeln!(
             out,
-            "{},{},{},{},{},{},{},{},{},{bytes},{bound},{},{},{},{}",
+            "{},{},{},{},{},{},{},{},{},{bytes},{bound:.1},{},{:.4},{:.4},{:.4}",
             text::quote(&key.experiment),
             text::quote(&key.scene),
             key.dim,

@@ -6,6 +6,7 @@
 pub mod bound;
 pub mod claim;
 pub mod cost;
+pub mod crossover;
 pub mod csv;
 pub mod errors;
 #[cfg(test)]

@@ -5,8 +5,8 @@ use std::fmt::Write as _;
 use super::grid::{self, Group, Line};
 use super::interval::Interval;
 use super::summary::{Table, is_control, with_interval};
-use super::value::Cell;
 use super::text;
+use super::value::Cell;
 use crate::contact::Arithmetic;
 use crate::harness::record::Outcome;
 
@@ -158,6 +158,7 @@ fn csv_lines(out: &mut String, group: &Group<'_>, reference: &str) {
             let (outcome, reason) = grid::outcome(cells);
             let ratio = against(group, line, *n, reference);
             let number = |value: Option<f64>| value.map_or(String::new(), |v| v.to_string());
+            let short = |value: Option<f64>| value.map_or(String::new(), |v| format!("{v:.4}"));
             let base = base(group, line, reference);
             let role = if is_control(&line.detector) { "control" } else { outcome.name() };
             let fields = [
@@ -169,9 +170,9 @@ fn csv_lines(out: &mut String, group: &Group<'_>, reference: &str) {
                 line.threads.to_string(),
                 if outcome.is_good() { role.into() } else { outcome.name().to_string() },
                 number(grid::time(cells)),
-                number(ratio.map(|ratio| ratio.median)),
-                number(ratio.map(|ratio| ratio.low)),
-                number(ratio.map(|ratio| ratio.high)),
+                short(ratio.map(|ratio| ratio.median)),
+                short(ratio.map(|ratio| ratio.low)),
+                short(ratio.map(|ratio| ratio.high)),
                 number(ratio.map(|ratio| ratio.count as f64)),
                 reference.to_string(),
                 base.map_or(String::new(), |base| base.arithmetic.clone()),
@@ -221,7 +222,7 @@ mod tests {
         assert!(found.headline.contains("in 0 of 2 scenes** (one thread; itself the fastest in 0), not in 2"), "{}", found.headline);
         let csv = csv(&found.lines);
         assert_eq!(csv.lines().count(), 1 + 2 * 7);
-        assert!(csv.contains("e,\"packed, 2D\",100,direct,exact,1,wrong,,0.5,0.5,0.5,15,nbs,exact,\n"), "{csv}");
+        assert!(csv.contains("e,\"packed, 2D\",100,direct,exact,1,wrong,,0.5000,0.5000,0.5000,15,nbs,exact,\n"), "{csv}");
     }
 
     #[test]

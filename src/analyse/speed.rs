@@ -5,7 +5,7 @@
 use super::machine::Machine;
 use super::summary::Table;
 use super::value::Cell;
-use super::{bound, cost, overhead, ratios, text, threads};
+use super::{bound, crossover, overhead, ratios, text, threads};
 use crate::harness::experiment::Experiment;
 
 const RATIOS: &str = "Times as multiples of that of the reference (with one thread, in the same arithmetic if it has one, else exact): \
@@ -47,7 +47,8 @@ pub fn headline(experiment: &Experiment, own: &[&Cell]) -> Option<String> {
 
 /// The sections of an experiment.
 pub fn sections(out: &mut String, experiment: &Experiment, own: &[&Cell], machine: &Machine, files: &mut Files) {
-    let paragraph = |out: &mut String, parts: &[&str]| parts.iter().filter(|part| !part.is_empty()).for_each(|part| *out += &format!("{part}\n\n"));
+    let paragraph =
+        |out: &mut String, parts: &[&str]| parts.iter().filter(|part| !part.is_empty()).for_each(|part| *out += &format!("{part}\n\n"));
     if let Some(reference) = &experiment.ratios_to {
         paragraph(out, &[&format!("### Who is how fast, against {}", text::escape(reference))]);
         match ratios::of(own, reference) {
@@ -79,7 +80,7 @@ pub fn sections(out: &mut String, experiment: &Experiment, own: &[&Cell], machin
         }
     }
     if experiment.cost_model {
-        paragraph(out, &["### What an operation costs", &cost::section(own)]);
+        paragraph(out, &["### What an operation costs", &crossover::section(own)]);
     }
     if experiment.ratios_to.is_some() || experiment.bound || experiment.cost_model {
         let said = overhead::sentences(own);

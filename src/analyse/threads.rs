@@ -89,7 +89,7 @@ pub fn of(cells: &[&Cell]) -> Option<Threads> {
                     gain.fraction.map_or("–".into(), |fraction| percents(&fraction)),
                 ]);
                 let three = |value: Option<Interval>| match value {
-                    Some(value) => format!("{},{},{}", value.median, value.low, value.high),
+                    Some(value) => format!("{:.4},{:.4},{:.4}", value.median, value.low, value.high),
                     None => ",,".into(),
                 };
                 let experiment = many.first().map_or("", |cell| cell.key.experiment.as_str());

@@ -206,7 +206,19 @@ pub fn cells(rows: &[Row]) -> Vec<Cell> {
 impl Cell {
     fn empty(key: Key, stats: &Stats) -> Cell {
         let (passes, times, beside, memory) = Default::default();
-        Cell { key, passes, times, beside, alone: None, contacts: None, counts: None, memory, errors: None, causes: None, stats: stats.clone() }
+        Cell {
+            key,
+            passes,
+            times,
+            beside,
+            alone: None,
+            contacts: None,
+            counts: None,
+            memory,
+            errors: None,
+            causes: None,
+            stats: stats.clone(),
+        }
     }
 
     fn add(&mut self, row: &Row) {

@@ -80,7 +80,12 @@ impl Plot {
             if threads && key.threads > 1 {
                 variant += &format!(" {} threads", key.threads);
             }
-            LineKey { rank: super::style::rank(&key.detector), detector: key.detector.clone(), variant: variant.trim().into(), parallel: threads && key.threads > 1 }
+            LineKey {
+                rank: super::style::rank(&key.detector),
+                detector: key.detector.clone(),
+                variant: variant.trim().into(),
+                parallel: threads && key.threads > 1,
+            }
         };
         // every parameter, besides x, that takes more than one value in a scene and dimension becomes part of the panel
         let mut values: BTreeMap<(&str, u32, &str), BTreeSet<_>> = BTreeMap::new();
