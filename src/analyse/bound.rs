@@ -99,7 +99,7 @@ fn measured(machine: &Machine) -> String {
         let giga = |rate: f64| text::number(rate / 1e9);
         let _ = write!(
             out,
-            "With {}: triad {} GB/s, read {} GB/s, write {} GB/s, three arrays of {} MiB in all{}. ",
+            "With {}: triad {} GB/s, read {} GB/s, write {} GB/s, three arrays of {} MiB each{}. ",
             text::plural(found.threads, "thread"),
             giga(found.triad),
             giga(found.read),
@@ -117,7 +117,7 @@ fn measured(machine: &Machine) -> String {
 
 fn csv_lines(cells: &[&Cell], machine: &Machine) -> String {
     let mut out = String::new();
-    for cell in cells {
+    for cell in cells.iter().filter(|cell| !grid::is_nothing(&cell.key.detector)) {
         let key = &cell.key;
         let bound = machine.bandwidth(key.threads).and_then(|bandwidth| nanoseconds(cell, bandwidth));
         let (Some(time), Some(bound), Some(bytes)) = (cell.time(), bound, bytes(cell)) else { continue };

@@ -146,7 +146,8 @@ pub fn section(cells: &[&Cell]) -> String {
     for fit in &fits {
         for (k, term) in fit.terms.iter().enumerate() {
             let words = if term.operations.is_empty() { "(per detection)".into() } else { term.operations.join(" + ") };
-            let cost = format!("{} ({} to {})", text::number(term.ns), text::number(term.low), text::number(term.high));
+            let range = format!(" ({} to {})", text::number(term.low), text::number(term.high));
+            let cost = text::number(term.ns) + if term.low < term.high { &range } else { "" };
             let order = if orders { format!(", {}", fit.order) } else { String::new() };
             let residual = format!("{} / {} at {}", text::percent(fit.typical), text::percent(fit.worst), fit.place);
             let head = if k == 0 { vec![name(&fit.line) + &order, residual, fit.cells.to_string()] } else { vec![String::new(); 3] };

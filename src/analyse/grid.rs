@@ -44,7 +44,8 @@ pub fn groups<'a>(cells: &[&'a Cell]) -> Vec<Group<'a>> {
     groups.into_values().collect()
 }
 
-fn is_nothing(name: &str) -> bool {
+/// The control that reports nothing.
+pub fn is_nothing(name: &str) -> bool {
     table::find(name).is_some_and(|entry| entry.role == Role::Nothing)
 }
 

@@ -11,7 +11,6 @@ use super::interval::typical_ratio;
 use super::summary::{twin_of, with_interval};
 use super::text;
 use super::value::{Cell, Key};
-use crate::detect::table::{self, Role};
 use crate::harness::record::Pass;
 
 /// Less than this share is not worth a thought.
@@ -24,9 +23,8 @@ pub fn sentences(cells: &[&Cell]) -> Vec<String> {
 
 /// The share of the harness: by N, of all scenes the largest.
 fn floor(cells: &[&Cell]) -> Option<String> {
-    let nothing = |cell: &&&Cell| table::find(&cell.key.detector).is_some_and(|entry| entry.role == Role::Nothing);
     let mut floors: BTreeMap<Key, f64> = BTreeMap::new();
-    for cell in cells.iter().filter(nothing) {
+    for cell in cells.iter().filter(|cell| grid::is_nothing(&cell.key.detector)) {
         // Below a nanosecond the record has no numbers.
         let time = cell.time()?.median.max(1.0);
         let floor = floors.entry(scene(&cell.key)).or_insert(time);

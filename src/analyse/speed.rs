@@ -47,8 +47,9 @@ pub fn headline(experiment: &Experiment, own: &[&Cell]) -> Option<String> {
 
 /// The sections of an experiment.
 pub fn sections(out: &mut String, experiment: &Experiment, own: &[&Cell], machine: &Machine, files: &mut Files) {
-    let paragraph =
-        |out: &mut String, parts: &[&str]| parts.iter().filter(|part| !part.is_empty()).for_each(|part| *out += &format!("{part}\n\n"));
+    let paragraph = |out: &mut String, parts: &[&str]| {
+        parts.iter().filter(|part| !part.is_empty()).for_each(|part| *out += &format!("{}\n\n", part.trim_end()))
+    };
     if let Some(reference) = &experiment.ratios_to {
         paragraph(out, &[&format!("### Who is how fast, against {}", text::escape(reference))]);
         match ratios::of(own, reference) {

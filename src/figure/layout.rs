@@ -3,7 +3,7 @@
 use super::axis::Axis;
 use super::canvas::{Canvas, Text, width};
 use super::data::Plot;
-use super::panel::{Frame, Shared, dash_of};
+use super::panel::{self, Frame, Shared, dash_of};
 use super::style::{CACHE, CACHE_NAME, FAINT, INK, Styles};
 use crate::analyse::machine::Machine;
 use crate::analyse::text::wrap;
@@ -147,7 +147,7 @@ impl<'a> Sheet<'a> {
             y += 24.0;
             for outcome in outcomes {
                 let (letter, words) = letter(outcome);
-                super::panel::badge(canvas, (left + 18.0, y), letter, INK)?;
+                panel::badge(canvas, (left + 18.0, y), letter, INK)?;
                 canvas.text(words, (left + 46.0, y), Text::new(17.0, INK))?;
                 y += 24.0;
             }
@@ -163,10 +163,13 @@ impl<'a> Sheet<'a> {
         }
         if !self.shared.caches.is_empty() {
             canvas.line(&[(left + 4.0, y - 8.0), (left + 4.0, y + 10.0)], CACHE, 2.0, Some((2.0, 3.0)))?;
-            canvas.text("input larger than", (left + 14.0, y), Text::new(16.0, FAINT))?;
+            canvas.text("coordinates larger than", (left + 14.0, y), Text::new(16.0, FAINT))?;
             y += 20.0;
             for (name, bytes) in &self.shared.caches {
-                canvas.text(&format!("{name} ({})", binary(*bytes)), (left + 14.0, y), Text::new(16.0, CACHE_NAME))?;
+                // The lines of panels in other dimensions lie elsewhere.
+                let within = |dim: u32| self.shared.x.place(panel::outgrown(*bytes, dim)).is_some_and(|place| place < 1.0);
+                let beyond = if self.plot.panels.iter().any(|panel| within(panel.dim)) { "" } else { ": no scene" };
+                canvas.text(&format!("{name} ({}){beyond}", binary(*bytes)), (left + 14.0, y), Text::new(16.0, CACHE_NAME))?;
                 y += 20.0;
             }
         }

@@ -48,6 +48,11 @@ pub fn dash_of(style: Style, key: &LineKey) -> (f64, Option<Point>) {
     }
 }
 
+/// The number of elements whose coordinates, of eight bytes each, fill so many bytes.
+pub fn outgrown(bytes: u64, dim: u32) -> f64 {
+    bytes as f64 / (8.0 * f64::from(dim.max(1)))
+}
+
 /// A letter in a disc: the mark of a cell without a value.
 pub fn badge(canvas: &mut dyn Canvas, at: Point, letter: &str, colour: Colour) -> anyhow::Result<()> {
     canvas.disc(at, 7.5, colour)?;
@@ -136,8 +141,9 @@ impl Frame {
     fn caches(&self, canvas: &mut dyn Canvas, dim: u32, shared: &Shared) -> anyhow::Result<()> {
         let (top, bottom) = self.scale(shared);
         for (name, bytes) in &shared.caches {
-            let n = *bytes as f64 / (8.0 * f64::from(dim.max(1)));
-            let Some(x) = self.x(shared, n).filter(|x| *x > self.low.0 + 2.0 && *x < self.high.0 - 2.0) else { continue };
+            let Some(x) = self.x(shared, outgrown(*bytes, dim)).filter(|x| *x > self.low.0 + 2.0 && *x < self.high.0 - 2.0) else {
+                continue;
+            };
             canvas.line(&[(x, top), (x, bottom)], CACHE, 2.0, Some((2.0, 3.0)))?;
             let words = format!("> {name}");
             // Where it would leave the panel, it stands left of the line.

@@ -95,6 +95,24 @@ fn figures_are_the_same_each_time() {
 }
 
 #[test]
+fn caches_are_marked_where_they_are_asked_for_and_threads_are_lines() {
+    let mut lab = Lab::new("e", "packed");
+    for n in [1000_u64, 100_000] {
+        for threads in [1, 2] {
+            lab.n(n).detector("direct").threads(threads).time(&[n * 100 / u64::from(threads); 15]);
+        }
+    }
+    let figure = FIGURES.split("[[figure]]\nname = 'tests'").next().unwrap();
+    let with = drawn(&lab.rows(), &format!("{figure}caches = true\n"));
+    let (with, without) = (texts(&with[0].1), drawn(&lab.rows(), figure));
+    // 64 KiB are 4096 discs; 32 MiB are two million.
+    for text in ["&gt; L2", "coordinates larger than", "L2 (64 KiB)", "L3 (32 MiB): no scene", "direct", "direct, 2 threads"] {
+        assert!(with.contains(&text), "{text} is not in {with:?}");
+    }
+    assert!(!with.contains(&"&gt; L3") && !without[0].1.contains("L2"));
+}
+
+#[test]
 fn odd_data_do_not_break_a_figure() {
     for (n, time) in [(0, 0), (1, 1), (u64::MAX, u64::MAX)] {
         let mut lab = Lab::new("e", "<a & b>");

@@ -35,8 +35,8 @@ pub struct Bandwidth {
     pub triad: f64,
 }
 
-/// Elements of each array of one thread: together as large as the last cache, from 64 to 256 MiB. Three of them are then more than it
-/// holds, up to a cache of 768 MiB.
+/// Elements of each array of one thread: over all threads as large as the last cache, from 64 to 256 MiB. The three of them are then more
+/// than it holds, up to a cache of 768 MiB; the report says so where they are less than twice as much.
 fn elements(last_cache: u64, threads: usize) -> usize {
     (last_cache.clamp(LEAST_BYTES, MOST_BYTES) / 8) as usize / threads.max(1)
 }
