@@ -215,6 +215,83 @@ fn a_sequential_detector_is_never_said_to_use_threads() {
     }
 }
 
+/// Threads 1 and 2; a detector that has a use for them, two that have none, a runner that is told, and one that is there with two only.
+fn threaded() -> String {
+    let told = format!("exec {PROGRAM} runner --detector direct --threads {{threads}}");
+    let particular = format!("[ {{threads}} = 2 ] || exit 7; {told}");
+    format!(
+        "{HEAD}threads = [1, 2]\nceiling = true\nbound = true\nratios-to = \"nbs\"\ncost-model = true\n\
+         detectors = [\"direct\", \"nbs\", \"nothing\"]\n[[scene]]\nname = \"packed\"\nn = [50, 60]\n{}{}{}",
+        runner("told", "sh", &told),
+        runner("particular", "sh", &particular),
+        runner("deaf", "sh", &format!("exec {PROGRAM} runner --detector sorting"))
+    )
+}
+
+#[test]
+fn threads_are_an_axis_and_copies_run_beside_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let (rows, code, stderr) = rows(folder.path(), &threaded());
+    assert_eq!(code, Some(0), "{stderr}");
+    let passes = |detector: &str, threads: u32| -> Vec<(Pass, u32, Outcome)> {
+        let mut found: Vec<_> =
+            of(&rows, detector, 60).iter().filter(|row| row.threads == threads).map(|r| (r.pass, r.block, r.outcome)).collect();
+        found.sort();
+        found
+    };
+    let alone = |outcome| vec![(Pass::Time, 1, outcome), (Pass::Time, 2, outcome), (Pass::Count, 0, outcome), (Pass::Memory, 0, outcome)];
+    let beside = [alone(Outcome::Ok), vec![(Pass::Ceiling, 1, Outcome::Ok), (Pass::Ceiling, 2, Outcome::Ok)]].concat();
+    for (detector, one, two) in [
+        ("direct", alone(Outcome::Ok), beside.clone()),
+        ("told", alone(Outcome::Ok), beside),
+        ("nbs", alone(Outcome::Ok), vec![]),
+        ("nothing", alone(Outcome::Control), vec![]),
+        ("deaf", alone(Outcome::Ok), vec![]),
+    ] {
+        assert_eq!((passes(detector, 1), passes(detector, 2)), (one, two), "{detector}");
+    }
+    // Without the copies its cell with two threads is whole.
+    let two = passes("particular", 2);
+    assert_eq!(two[..4], alone(Outcome::Ok));
+    assert_eq!(two[4..], [(Pass::Ceiling, 0, Outcome::Unavailable)]);
+    for row in rows.iter().filter(|row| row.pass == Pass::Ceiling && row.outcome == Outcome::Ok) {
+        assert!(row.time_ns > Some(0) && row.calls >= Some(2) && row.digest.is_some() && row.counts.is_empty(), "{row:?}");
+    }
+    let read = |name: &str| std::fs::read_to_string(folder.path().join("result").join(name)).unwrap();
+    // Two scenes with three contenders of two threads, but that one of them has no time with one.
+    assert_eq!(read("threads.csv").lines().count(), 1 + 2 * 2, "{}", read("threads.csv"));
+    assert_eq!(read("ratios.csv").lines().count(), 1 + 2 * (2 + 1 + 2 + 2 + 1), "{}", read("ratios.csv"));
+    assert_eq!(read("bound.csv").lines().count(), 1 + 2 * (2 + 1 + 2 + 1 + 1), "{}", read("bound.csv"));
+    let report = read("report.md");
+    for words in
+        ["### Who is how fast, against nbs", "### What threads gain", "### How near the memory's bound", "### What an operation costs"]
+    {
+        assert!(report.contains(words), "{words} is not in the report");
+    }
+    let provenance: Value = serde_json::from_str(&read("provenance.json")).unwrap();
+    let measured = provenance["bandwidth_bytes_per_s"].as_array().unwrap();
+    assert!(measured.len() == 2 && measured.iter().all(|one| one["triad"].as_f64() > Some(0.0)), "{measured:?}");
+}
+
+#[test]
+fn ceilings_that_a_killed_run_owes_are_measured_when_it_is_resumed() {
+    let folder = tempfile::tempdir().unwrap();
+    let (before, code, stderr) = rows(folder.path(), &threaded().replace("bound = true\n", ""));
+    assert_eq!(code, Some(0), "{stderr}");
+    let keys = |rows: &[Row]| rows.iter().map(Row::key).collect::<BTreeSet<_>>();
+    let path = folder.path().join("result/samples.jsonl");
+    let text = std::fs::read_to_string(&path).unwrap();
+    let cut: String = text.split_inclusive('\n').filter(|line| !line.contains("\"pass\":\"ceiling\"")).collect();
+    assert!(cut.len() < text.len());
+    std::fs::write(&path, cut).unwrap();
+    let resume = || common::run(folder.path(), &["run", "t.toml", "--out", "result", "--resume"]);
+    assert_eq!(resume().code, Some(0));
+    let after = record::read(&path).unwrap().rows;
+    assert_eq!((keys(&after), after.len()), (keys(&before), before.len()));
+    assert_eq!(resume().code, Some(0));
+    assert_eq!(record::read(&path).unwrap().rows.len(), before.len(), "a complete run has nothing to resume");
+}
+
 #[test]
 fn an_experiment_that_cannot_be_meant_is_refused() {
     let scene = "[[scene]]\nname = \"packed\"\nn = 10\n";
@@ -226,6 +303,16 @@ fn an_experiment_that_cannot_be_meant_is_refused() {
         ("detectors = [\"nbs\"]\ntime-limit-s = inf", "time-limit-s = inf"),
         ("detectors = [\"nbs\"]\nmemory-limit-mib = 17592186044416", "memory-limit-mib = 17592186044416"),
         ("detectors = [\"nbs\"]\nthreads = 0", "threads = 0"),
+        ("detectors = [\"nbs\"]\nthreads = [1, 0]", "threads = 0"),
+        ("detectors = [\"nbs\"]\nthreads = []", "threads is empty"),
+        ("detectors = [\"nbs\"]\nthreads = [2, 1, 2]", "threads names a number twice"),
+        ("detectors = [\"nbs\"]\nthreads = 1000000", "at most 1024"),
+        ("detectors = [\"direct\"]\nthreads = 2\nceiling = true", "say threads = [1, 2]"),
+        ("detectors = [\"nbs\"]\nratios-to = \"sorting\"", "ratios-to = \"sorting\": it must be one of"),
+        (
+            "detectors = [\"nbs\"]\n[[figure]]\nname = \"f\"\ntitle = \"F\"\nx = \"s\"\nx-label = \"s\"\ny = \"n\"\ny-label = \"n\"\ncaches = true",
+            "its x must be n",
+        ),
         ("detectors = [\"nbs\"]\nblock-budget-s = nan", "budget"),
         ("detectors = [\"nbs\"]\nblokcs = 3", "blokcs"),
         ("detectors = [\"nbs\"]\ntable = \"verdict\"", "verdicts"),

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use super::errors;
-use super::interval::mad;
+use super::interval::{mad, median};
 use super::text;
 use super::value::{Cell, FIELDS};
 
@@ -15,11 +15,14 @@ pub fn csv(cells: &[Cell]) -> String {
     let stats = ["packing_fraction", "coordination", "radius_ratio"];
     let times = ["time_ns_median", "time_ns_low", "time_ns_high", "time_ns_min", "time_ns_mad", "blocks"];
     let errors: Vec<String> = errors::names().collect();
+    // Only where copies were timed: other tables keep their columns.
+    let beside: &[&str] = if cells.iter().any(|cell| !cell.beside.is_empty()) { &["beside_ns_median"] } else { &[] };
     let head: Vec<String> = FIELDS
         .into_iter()
         .chain(params.iter().copied())
         .chain(["outcome", "reason"])
         .chain(times)
+        .chain(beside.iter().copied())
         .chain(["contacts"])
         .chain(counts.iter().copied())
         .chain(bytes)
@@ -43,6 +46,8 @@ pub fn csv(cells: &[Cell]) -> String {
             }
             None => line.extend(times.map(|_| String::new())),
         }
+        let copies: Vec<f64> = cell.beside.values().map(|&t| t as f64).collect();
+        line.extend(beside.iter().map(|_| median(&copies).map_or(String::new(), |v| v.to_string())));
         let number = |name: &str| cell.variable(name, None).map_or(String::new(), |v| v.to_string());
         line.push(number("contacts"));
         let errors = errors.iter().map(String::as_str);

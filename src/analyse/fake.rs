@@ -63,6 +63,10 @@ impl Lab {
         self.base.n = n;
         self
     }
+    pub fn threads(&mut self, threads: u32) -> &mut Lab {
+        self.base.threads = threads;
+        self
+    }
     pub fn seed(&mut self, seed: u64) -> &mut Lab {
         self.base.seed = seed;
         self
@@ -80,6 +84,13 @@ impl Lab {
     pub fn time(&mut self, blocks: &[u64]) -> &mut Lab {
         for (block, &time) in blocks.iter().enumerate() {
             self.push(Pass::Time, |row| (row.block, row.time_ns) = (block as u32, Some(time)));
+        }
+        self
+    }
+    /// Times of copies beside each other.
+    pub fn beside(&mut self, blocks: &[u64]) -> &mut Lab {
+        for (block, &time) in blocks.iter().enumerate() {
+            self.push(Pass::Ceiling, |row| (row.block, row.time_ns) = (block as u32, Some(time)));
         }
         self
     }

@@ -3,18 +3,28 @@
 //! Everything here works on rows that were read and on experiment files; nothing runs a detector, so that every number and
 //! figure of a report can be made again from its folder alone.
 
+pub mod bound;
 pub mod claim;
+pub mod cost;
+pub mod crossover;
 pub mod csv;
 pub mod errors;
 #[cfg(test)]
 pub(crate) mod fake;
 pub mod filter;
 pub mod fit;
+pub mod grid;
 pub mod interval;
+pub mod machine;
+pub mod nnls;
+pub mod overhead;
 pub mod place;
 pub mod price;
+pub mod ratios;
 pub mod report;
+pub mod speed;
 pub mod summary;
 pub mod text;
+pub mod threads;
 pub mod value;
 pub mod verdicts;

@@ -7,6 +7,8 @@ use anyhow::Context;
 use serde_json::Value;
 
 use super::claim::{self, Verdict};
+use super::machine::Machine;
+use super::speed::{self, Files};
 use super::value::{Cell, cells};
 use super::verdicts::{self, Matrix};
 use super::{csv, errors, price, summary, text};
@@ -49,7 +51,9 @@ pub fn write(folder: &Path, experiments: &[Experiment], rows: &[Row], warnings: 
     std::fs::create_dir_all(&figure_folder).with_context(|| format!("cannot make the folder {}", figure_folder.display()))?;
     let (path, warnings) = (folder.join("report.md"), warnings.to_vec());
     let mut report = Report { verdicts: Vec::new(), tables: Vec::new(), figures: Vec::new(), path, warnings };
-    let mut body = String::new();
+    let provenance = std::fs::read(folder.join("provenance.json")).ok().and_then(|bytes| serde_json::from_slice::<Value>(&bytes).ok());
+    let machine = Machine::of(provenance.as_ref());
+    let (mut body, mut files) = (String::new(), Files::default());
     for experiment in experiments {
         let own: Vec<&Cell> = cells.iter().filter(|cell| cell.key.experiment == experiment.name).collect();
         let verdicts = claim::verdicts(experiment, &cells);
@@ -60,7 +64,7 @@ pub fn write(folder: &Path, experiments: &[Experiment], rows: &[Row], warnings: 
             report.tables.push(format!("{}: {}\n\n{}", experiment.name, experiment.title, matrix.plain()));
         }
         for plan in &experiment.figures {
-            match figure::draw(&figure_folder, experiment, plan, &cells, &styles) {
+            match figure::draw(&figure_folder, experiment, plan, &cells, &styles, &machine) {
                 Ok(paths) => {
                     embed(&mut body, &plan.title, &paths);
                     report.figures.extend(paths);
@@ -68,13 +72,13 @@ pub fn write(folder: &Path, experiments: &[Experiment], rows: &[Row], warnings: 
                 Err(error) => report.warnings.push(format!("the figure {} of {} was not drawn: {error:#}", plan.name, experiment.name)),
             }
         }
+        speed::sections(&mut body, experiment, &own, &machine, &mut files);
         // The matrix says all that these would, of a hundred scenes.
         if matrix.is_none() {
             tables(&mut body, &own);
         }
         report.verdicts.extend(verdicts);
     }
-    let provenance = std::fs::read(folder.join("provenance.json")).ok().and_then(|bytes| serde_json::from_slice::<Value>(&bytes).ok());
     let page = head(experiments, &report, &cells, provenance.as_ref()) + &body + &foot(provenance.as_ref());
     std::fs::write(&report.path, page).with_context(|| format!("cannot write the report {}", report.path.display()))?;
     let mut tables = vec![("summary.csv", csv::csv(&cells))];
@@ -82,6 +86,7 @@ pub fn write(folder: &Path, experiments: &[Experiment], rows: &[Row], warnings: 
         let asked = |cell: &&Cell| experiments.iter().any(|e| e.table == Some(Table::Verdicts) && e.name == cell.key.experiment);
         tables.push(("verdicts.csv", verdicts::csv(cells.iter().filter(asked))));
     }
+    tables.extend(files.all());
     for (name, text) in tables {
         let path = folder.join(name);
         std::fs::write(&path, text).with_context(|| format!("cannot write {}", path.display()))?;
@@ -112,6 +117,9 @@ fn head(experiments: &[Experiment], report: &Report, cells: &[Cell], provenance:
     for experiment in experiments {
         let own: Vec<&Cell> = cells.iter().filter(|cell| cell.key.experiment == experiment.name).collect();
         let _ = write!(out, "**{}**\n\n", text::escape(&experiment.question));
+        if let Some(headline) = speed::headline(experiment, &own) {
+            let _ = writeln!(out, "{headline}\n");
+        }
         if let Some(price) = price::table(&own) {
             let _ = writeln!(out, "{price}");
         }

@@ -72,7 +72,6 @@ pub fn winners(cells: &[&Cell]) -> Option<String> {
         let Some((key, mut cells)) = last_scene(cells) else { continue };
         let median = |cell: &Cell| cell.time().map_or(f64::INFINITY, |time| time.median);
         cells.sort_by(|a, b| median(a).total_cmp(&median(b)));
-        let named = |cell: &Cell| format!("{} ({})", cell.key.detector, cell.key.arithmetic);
         let (first, second) = (cells[0], cells.get(1));
         let margin = second.and_then(|second| ratio(&second.times, &first.times).map(|ratio| (named(second), ratio)));
         let margin = margin.map_or("alone".into(), |(name, ratio)| {
@@ -82,6 +81,12 @@ pub fn winners(cells: &[&Cell]) -> Option<String> {
         rows.push(vec![title(&key, &swept), named(first), text::number(median(first) / key.n.max(1) as f64), margin]);
     }
     (!rows.is_empty()).then(|| text::markdown_table(&["scene", "fastest", ">ns / N", "next"], &rows))
+}
+
+/// `nbs (exact)`, and its threads where they are not one.
+fn named(cell: &Cell) -> String {
+    let threads = if cell.key.threads > 1 { format!(", {} threads", cell.key.threads) } else { String::new() };
+    format!("{} ({}{threads})", cell.key.detector, cell.key.arithmetic)
 }
 
 /// The cells of the largest N, and among those of the last parameters and the first seed.
@@ -151,7 +156,10 @@ pub fn with_interval(ratio: &Interval) -> String {
 /// How the operations of each detector grow with N: exponent and law, fitted to exact counts. `None` with fewer than two N.
 pub fn growth(cells: &[&Cell]) -> Option<String> {
     let mut series: BTreeMap<Key, Vec<(f64, f64)>> = BTreeMap::new();
-    for cell in cells.iter().filter(|cell| !is_control(&cell.key.detector) && cell.outcome(&[Pass::Count]).0.is_good()) {
+    // Operations are counted with one thread whatever the times are taken with.
+    let again = |cell: &Cell| cells.iter().any(|other| cell.key.threads > 1 && other.key == Key { threads: 1, ..cell.key.clone() });
+    let counted = |cell: &&&Cell| !is_control(&cell.key.detector) && cell.outcome(&[Pass::Count]).0.is_good() && !again(cell);
+    for cell in cells.iter().filter(counted) {
         let operations = Op::ALL.into_iter().map(|op| cell.variable(op.name(), None)).sum::<Option<f64>>();
         if let Some(operations) = operations.filter(|&operations| operations > 0.0) {
             series.entry(cell.key.clone().without("n").without("seed")).or_default().push((cell.key.n as f64, operations));
@@ -173,17 +181,17 @@ pub fn growth(cells: &[&Cell]) -> Option<String> {
 
 /// Every cell that did not end well: one line per detector, scene and outcome, with the N and the first reason.
 pub fn not_ok(cells: &[&Cell]) -> Option<String> {
-    // detector, arithmetic, scene, outcome: N and reason
-    type Group<'a> = (&'a str, &'a str, String, &'a str);
+    // detector, scene, outcome: N and reason
+    type Group<'a> = (String, String, &'a str);
     let mut groups: BTreeMap<Group, Vec<(u64, &str)>> = BTreeMap::new();
     for cell in cells {
         let (outcome, reason) = cell.overall();
         if !outcome.is_good() {
             let scene = format!("{} {}D", cell.key.scene, cell.key.dim);
-            groups.entry((&cell.key.detector, &cell.key.arithmetic, scene, outcome.name())).or_default().push((cell.key.n, reason));
+            groups.entry((named(cell), scene, outcome.name())).or_default().push((cell.key.n, reason));
         }
     }
-    let row = |((detector, arithmetic, scene, outcome), found): (&Group, &Vec<(u64, &str)>)| {
+    let row = |((detector, scene, outcome), found): (&Group, &Vec<(u64, &str)>)| {
         let sizes: BTreeSet<u64> = found.iter().map(|(n, _)| *n).collect();
         let reasons: BTreeSet<&str> = found.iter().map(|(_, reason)| *reason).collect();
         let mut reason = found.first().map_or("", |first| first.1).to_string();
@@ -191,7 +199,7 @@ pub fn not_ok(cells: &[&Cell]) -> Option<String> {
             reason += &format!(" (and {} like it)", text::plural(reasons.len() - 1, "reason"));
         }
         let sizes: Vec<String> = sizes.iter().map(u64::to_string).collect();
-        vec![format!("{detector} ({arithmetic})"), scene.clone(), sizes.join(", "), (*outcome).into(), reason]
+        vec![detector.clone(), scene.clone(), sizes.join(", "), (*outcome).into(), reason]
     };
     let rows: Vec<Vec<String>> = groups.iter().map(row).collect();
     (!rows.is_empty()).then(|| text::markdown_table(&["detector", "scene", ">N", "outcome", "reason"], &rows))

@@ -173,6 +173,10 @@ pub struct Cell {
     pub passes: BTreeMap<Pass, (Outcome, String)>,
     /// Nanoseconds per detection, by block.
     pub times: BTreeMap<u32, u64>,
+    /// The same of as many copies with one thread each, at work beside each other; empty where that was not measured.
+    pub beside: BTreeMap<u32, u64>,
+    /// Why there are no copies, or not in all blocks.
+    pub alone: Option<(Outcome, String)>,
     /// Pairs reported.
     pub contacts: Option<u64>,
     /// Operation counts, if they were taken.
@@ -201,11 +205,30 @@ pub fn cells(rows: &[Row]) -> Vec<Cell> {
 
 impl Cell {
     fn empty(key: Key, stats: &Stats) -> Cell {
-        let (passes, times, memory) = Default::default();
-        Cell { key, passes, times, contacts: None, counts: None, memory, errors: None, causes: None, stats: stats.clone() }
+        let (passes, times, beside, memory) = Default::default();
+        Cell {
+            key,
+            passes,
+            times,
+            beside,
+            alone: None,
+            contacts: None,
+            counts: None,
+            memory,
+            errors: None,
+            causes: None,
+            stats: stats.clone(),
+        }
     }
 
     fn add(&mut self, row: &Row) {
+        if row.pass == Pass::Ceiling && row.outcome != Outcome::Wrong {
+            match row.time_ns {
+                Some(time) => drop(self.beside.insert(row.block, time)),
+                None => self.alone = Some((row.outcome, row.reason.clone())),
+            }
+            return;
+        }
         let pass = self.passes.entry(row.pass).or_insert((row.outcome, row.reason.clone()));
         if severity(row.outcome) > severity(pass.0) {
             *pass = (row.outcome, row.reason.clone());

@@ -1,5 +1,6 @@
 //! `contactbench run`, `contactbench report`, and `contactbench` alone.
 
+use std::collections::BTreeSet;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -9,6 +10,7 @@ use anyhow::{Context, bail, ensure};
 use super::progress::Terminal;
 use crate::analyse::{claim, report};
 use crate::detect::table;
+use crate::harness::bandwidth::{self, Bandwidth};
 use crate::harness::experiment::Experiment;
 use crate::harness::record::{self, Record, Writer};
 use crate::harness::run::Job;
@@ -78,12 +80,23 @@ fn run_named(options: &Run, name: &str) -> anyhow::Result<ExitCode> {
         write(&folder.join("experiments").join(format!("{}.toml", experiment.name)), text.as_bytes())?;
     }
     let names: Vec<String> = experiments.iter().map(|experiment| experiment.name.clone()).collect();
+    let bandwidth = if options.resume { Vec::new() } else { bandwidths(&experiments) };
     let provenance_file = if options.resume { format!("provenance-resumed-{}.json", provenance::date()) } else { provenance::FILE.into() };
-    write(&folder.join(provenance_file), serde_json::to_string_pretty(&provenance::gather(&names, options.quick))?.as_bytes())?;
+    write(&folder.join(provenance_file), serde_json::to_string_pretty(&provenance::gather(&names, options.quick, &bandwidth))?.as_bytes())?;
     let program = std::env::current_exe().context("cannot find this program to start it as runner")?;
     let job = Job { experiments: &experiments, quick: options.quick, program, done: &done.rows };
     crate::harness::run::run(&job, &mut record, &mut Terminal::default())?;
     finish(&folder)
+}
+
+/// The memory bandwidth with every number of threads for which an experiment asks for a bound.
+fn bandwidths(experiments: &[Experiment]) -> Vec<Bandwidth> {
+    let asked = experiments.iter().filter(|experiment| experiment.bound).flat_map(|experiment| experiment.threads.values());
+    let asked: BTreeSet<usize> = asked.collect();
+    if !asked.is_empty() {
+        eprintln!("measuring the memory bandwidth");
+    }
+    asked.into_iter().filter_map(|threads| bandwidth::measure(threads, provenance::last_cache())).collect()
 }
 
 /// Where the results go: never over earlier ones.

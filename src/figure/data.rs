@@ -32,8 +32,10 @@ pub struct LineKey {
     pub rank: usize,
     /// The detector.
     pub detector: String,
-    /// Arithmetic and threads, where there are several; else empty.
+    /// Arithmetic, where there are several, and threads, where they are not one.
     pub variant: String,
+    /// More than one thread, where others have one.
+    pub parallel: bool,
 }
 
 /// A line: its points, and the x of cells without a value.
@@ -75,10 +77,15 @@ impl Plot {
         let (arithmetic, threads, order) = (several("arithmetic"), several("threads"), several("order"));
         let line_of = |key: &Key| {
             let mut variant = if arithmetic { key.arithmetic.clone() } else { String::new() };
-            if threads {
-                variant += &format!(" {} thr.", key.threads);
+            if threads && key.threads > 1 {
+                variant += &format!(" {} threads", key.threads);
             }
-            LineKey { rank: super::style::rank(&key.detector), detector: key.detector.clone(), variant: variant.trim().into() }
+            LineKey {
+                rank: super::style::rank(&key.detector),
+                detector: key.detector.clone(),
+                variant: variant.trim().into(),
+                parallel: threads && key.threads > 1,
+            }
         };
         // every parameter, besides x, that takes more than one value in a scene and dimension becomes part of the panel
         let mut values: BTreeMap<(&str, u32, &str), BTreeSet<_>> = BTreeMap::new();

@@ -3,8 +3,9 @@
 use super::axis::Axis;
 use super::canvas::{Canvas, Text, width};
 use super::data::Plot;
-use super::panel::{Frame, Shared, dash_of};
-use super::style::{FAINT, INK, Styles};
+use super::panel::{self, Frame, Shared, dash_of};
+use super::style::{CACHE, CACHE_NAME, FAINT, INK, Styles};
+use crate::analyse::machine::Machine;
 use crate::analyse::text::wrap;
 use crate::harness::experiment::{Experiment, Figure};
 use crate::harness::record::Outcome;
@@ -49,6 +50,11 @@ pub fn letter(outcome: Outcome) -> (&'static str, &'static str) {
     }
 }
 
+/// `48 KiB`, `2 MiB`.
+fn binary(bytes: u64) -> String {
+    if bytes >= 1 << 20 { format!("{} MiB", bytes >> 20) } else { format!("{} KiB", bytes >> 10) }
+}
+
 /// A line's name in the legend.
 fn label(key: &super::data::LineKey) -> String {
     if key.variant.is_empty() { key.detector.clone() } else { format!("{}, {}", key.detector, key.variant) }
@@ -56,7 +62,7 @@ fn label(key: &super::data::LineKey) -> String {
 
 impl<'a> Sheet<'a> {
     /// Measures everything.
-    pub fn new(experiment: &Experiment, figure: &'a Figure, plot: &'a Plot, styles: &'a Styles) -> Sheet<'a> {
+    pub fn new(experiment: &Experiment, figure: &'a Figure, plot: &'a Plot, styles: &'a Styles, machine: &Machine) -> Sheet<'a> {
         let dims: std::collections::BTreeSet<u32> = plot.panels.iter().map(|panel| panel.dim).collect();
         let mut scenes: Vec<&str> = plot.panels.iter().map(|panel| panel.scene.as_str()).collect();
         scenes.sort_unstable();
@@ -86,8 +92,9 @@ impl<'a> Sheet<'a> {
             zero: if zero { 22.0 } else { 0.0 },
             slopes,
             per_element: figure.per_element,
+            caches: if figure.caches { machine.caches.clone() } else { Vec::new() },
         };
-        let lines = plot.keys().len() + plot.outcomes().len();
+        let lines = plot.keys().len() + plot.outcomes().len() + shared.caches.len();
         let height = height.max(top + 26.0 * lines as f64 + 190.0);
         let size = (WIDTH as u32, height.clamp(300.0, 8000.0) as u32);
         Sheet { size, figure, plot, styles, subtitle, columns, rows, legend, top, gap, panel: (across, down), shared }
@@ -126,7 +133,7 @@ impl<'a> Sheet<'a> {
         let (left, mut y) = (WIDTH - MARGIN - self.legend + 22.0 + self.gap - GAP, self.top + HEADING + 12.0);
         for key in self.plot.keys() {
             let style = self.styles.of(&key.detector);
-            let (line_width, dash) = dash_of(style, &key.variant);
+            let (line_width, dash) = dash_of(style, key);
             canvas.line(&[(left, y), (left + 36.0, y)], style.colour, line_width, dash)?;
             canvas.marker((left + 18.0, y), if style.control { 3.0 } else { 5.0 }, style.marker, style.colour)?;
             let colour = if style.control { FAINT } else { INK };
@@ -140,7 +147,7 @@ impl<'a> Sheet<'a> {
             y += 24.0;
             for outcome in outcomes {
                 let (letter, words) = letter(outcome);
-                super::panel::badge(canvas, (left + 18.0, y), letter, INK)?;
+                panel::badge(canvas, (left + 18.0, y), letter, INK)?;
                 canvas.text(words, (left + 46.0, y), Text::new(17.0, INK))?;
                 y += 24.0;
             }
@@ -148,10 +155,23 @@ impl<'a> Sheet<'a> {
         let bars = if self.plot.over_seeds { Some("bars: range over seeds") } else { Some("bars: 95% interval") };
         let visible = self.plot.points().any(|point| point.high > point.low);
         let slopes = self.shared.slopes.then_some("dashed: cost N, N log N, N²");
+        let parallel = self.plot.keys().iter().any(|key| key.parallel).then_some("dashed: several threads");
         y += 14.0;
-        for words in [bars.filter(|_| visible), slopes].into_iter().flatten() {
+        for words in [bars.filter(|_| visible), slopes, parallel].into_iter().flatten() {
             canvas.text(words, (left, y), Text::new(16.0, FAINT))?;
             y += 22.0;
+        }
+        if !self.shared.caches.is_empty() {
+            canvas.line(&[(left + 4.0, y - 8.0), (left + 4.0, y + 10.0)], CACHE, 2.0, Some((2.0, 3.0)))?;
+            canvas.text("coordinates larger than", (left + 14.0, y), Text::new(16.0, FAINT))?;
+            y += 20.0;
+            for (name, bytes) in &self.shared.caches {
+                // The lines of panels in other dimensions lie elsewhere.
+                let within = |dim: u32| self.shared.x.place(panel::outgrown(*bytes, dim)).is_some_and(|place| place < 1.0);
+                let beyond = if self.plot.panels.iter().any(|panel| within(panel.dim)) { "" } else { ": no scene" };
+                canvas.text(&format!("{name} ({}){beyond}", binary(*bytes)), (left + 14.0, y), Text::new(16.0, CACHE_NAME))?;
+                y += 20.0;
+            }
         }
         Ok(())
     }

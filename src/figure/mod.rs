@@ -17,6 +17,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 
+use crate::analyse::machine::Machine;
 use crate::analyse::value::Cell;
 use crate::harness::experiment::{Experiment, Figure, FigureKind};
 
@@ -27,6 +28,7 @@ pub fn draw(
     figure: &Figure,
     cells: &[Cell],
     style: &style::Styles,
+    machine: &Machine,
 ) -> anyhow::Result<Vec<PathBuf>> {
     canvas::register_fonts()?;
     let own: Vec<Cell> = cells.iter().filter(|cell| cell.key.experiment == experiment.name).cloned().collect();
@@ -35,7 +37,7 @@ pub fn draw(
     match figure.kind {
         FigureKind::Lines => {
             let Some(plot) = data::Plot::new(figure, &scenes, &own)? else { return Ok(Vec::new()) };
-            let sheet = layout::Sheet::new(experiment, figure, &plot, style);
+            let sheet = layout::Sheet::new(experiment, figure, &plot, style, machine);
             write(&stem, sheet.size, |canvas| sheet.draw(canvas))
         }
         FigureKind::SpeedError => {

@@ -1,10 +1,10 @@
 //! One panel: grid, reference slopes, lines with bars, and a strip at the top edge for cells that have no value.
 
 use super::axis::Axis;
-use super::canvas::{Canvas, Point, Text};
-use super::data::{Line, Panel};
+use super::canvas::{Canvas, Point, Text, width};
+use super::data::{Line, LineKey, Panel};
 use super::layout::{ROW, letter};
-use super::style::{Colour, FAINT, GRID, INK, STRIP, Style, Styles};
+use super::style::{CACHE, CACHE_NAME, Colour, FAINT, GRID, INK, STRIP, Style, Styles};
 use crate::analyse::fit::Model;
 
 /// What all panels share.
@@ -21,6 +21,8 @@ pub struct Shared {
     pub slopes: bool,
     /// y is per element: the slopes, too.
     pub per_element: bool,
+    /// Name and bytes of the caches to be marked; x is the number of elements.
+    pub caches: Vec<(String, u64)>,
 }
 
 /// A panel's place.
@@ -35,14 +37,20 @@ pub struct Frame {
     pub x_labels: bool,
 }
 
-/// Width and dashes of a line: controls are thin; f32 and f64 are dashed where arithmetics are compared.
-pub fn dash_of(style: Style, variant: &str) -> (f64, Option<Point>) {
-    match variant {
+/// Width and dashes of a line: controls are thin; several threads are dashed, and so are f32 and f64 where arithmetics are compared.
+pub fn dash_of(style: Style, key: &LineKey) -> (f64, Option<Point>) {
+    match &*key.variant {
+        _ if key.parallel && !style.control => (2.0, Some((6.0, 5.0))),
         _ if style.control => (1.5, Some((5.0, 4.0))),
         v if v.starts_with("f32") => (2.0, Some((3.0, 4.0))),
         v if v.starts_with("f64") => (2.0, Some((10.0, 4.0))),
         _ => (2.0, None),
     }
+}
+
+/// The number of elements whose coordinates, of eight bytes each, fill so many bytes.
+pub fn outgrown(bytes: u64, dim: u32) -> f64 {
+    bytes as f64 / (8.0 * f64::from(dim.max(1)))
 }
 
 /// A letter in a disc: the mark of a cell without a value.
@@ -57,6 +65,7 @@ impl Frame {
     /// Draws the panel.
     pub fn draw(&self, canvas: &mut dyn Canvas, panel: &Panel, shared: &Shared, styles: &Styles) -> anyhow::Result<()> {
         self.grid(canvas, shared)?;
+        self.caches(canvas, panel.dim, shared)?;
         if shared.slopes {
             self.slopes(canvas, panel, shared, styles)?;
         }
@@ -65,7 +74,7 @@ impl Frame {
         lines.sort_by_key(|(key, _)| std::cmp::Reverse(styles.of(&key.detector).control));
         for (key, line) in &lines {
             let style = styles.of(&key.detector);
-            self.line(canvas, line, shared, style, &key.variant)?;
+            self.line(canvas, line, shared, style, key)?;
         }
         let corners = [self.low, (self.high.0, self.low.1), self.high, (self.low.0, self.high.1), self.low];
         canvas.line(&corners, (170, 170, 170), 1.0, None)?;
@@ -128,6 +137,22 @@ impl Frame {
         Ok(())
     }
 
+    /// Where the coordinates alone outgrow a cache: a light line, its name at the foot of the panel, right of it.
+    fn caches(&self, canvas: &mut dyn Canvas, dim: u32, shared: &Shared) -> anyhow::Result<()> {
+        let (top, bottom) = self.scale(shared);
+        for (name, bytes) in &shared.caches {
+            let Some(x) = self.x(shared, outgrown(*bytes, dim)).filter(|x| *x > self.low.0 + 2.0 && *x < self.high.0 - 2.0) else {
+                continue;
+            };
+            canvas.line(&[(x, top), (x, bottom)], CACHE, 2.0, Some((2.0, 3.0)))?;
+            let words = format!("> {name}");
+            // Where it would leave the panel, it stands left of the line.
+            let (at, anchor) = if x + 6.0 + width(&words, 15.0, true) < self.high.0 { (x + 5.0, -1) } else { (x - 5.0, 1) };
+            canvas.text(&words, (at, bottom - 11.0), Text::new(15.0, CACHE_NAME).bold().anchor(anchor))?;
+        }
+        Ok(())
+    }
+
     /// What algorithms of cost N, N log N and N² look like, all from the lowest first point of a detector: from a little below it, so that
     /// they do not hide the data, unless they are per element, where the slope N is the flat floor of the panel.
     fn slopes(&self, canvas: &mut dyn Canvas, panel: &Panel, shared: &Shared, styles: &Styles) -> anyhow::Result<()> {
@@ -165,8 +190,8 @@ impl Frame {
         Ok(())
     }
 
-    fn line(&self, canvas: &mut dyn Canvas, line: &Line, shared: &Shared, style: Style, variant: &str) -> anyhow::Result<()> {
-        let (width, dash) = dash_of(style, variant);
+    fn line(&self, canvas: &mut dyn Canvas, line: &Line, shared: &Shared, style: Style, key: &LineKey) -> anyhow::Result<()> {
+        let (width, dash) = dash_of(style, key);
         let at = |x: f64, y: f64| Some((self.x(shared, x)?, self.y(shared, y)?));
         // a mark between two points breaks the line: nothing was measured there
         let broken = |a: f64, b: f64| line.marks.iter().any(|mark| mark.0 > a && mark.0 < b);

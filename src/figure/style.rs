@@ -15,6 +15,10 @@ pub const INK: Colour = (40, 40, 40);
 pub const FAINT: Colour = (110, 110, 110);
 /// Grid lines.
 pub const GRID: Colour = (228, 228, 228);
+/// Lines where data outgrow a cache.
+pub const CACHE: Colour = (170, 160, 200);
+/// Their names.
+pub const CACHE_NAME: Colour = (115, 100, 160);
 /// Controls.
 pub const CONTROL: Colour = (150, 150, 150);
 /// The background of the strip for cells without a value.

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::analyse::fake::{self, Lab};
+use crate::analyse::machine::Machine;
 use crate::analyse::value;
 use crate::harness::record::{Causes, Errors, Outcome, Pass};
 
@@ -52,8 +53,9 @@ fn drawn(rows: &[crate::harness::record::Row], rest: &str) -> Vec<(Vec<u8>, Stri
     let folder = tempfile::tempdir().unwrap();
     let (experiment, cells) = (fake::experiment(rest), value::cells(rows));
     let styles = style::Styles::new(cells.iter().map(|cell| cell.key.detector.as_str()));
+    let machine = Machine { caches: vec![("L2".into(), 64 << 10), ("L3".into(), 32 << 20)], ..Machine::default() };
     let draw = |figure: &Figure| {
-        let paths = draw(folder.path(), &experiment, figure, &cells, &styles).unwrap();
+        let paths = draw(folder.path(), &experiment, figure, &cells, &styles, &machine).unwrap();
         let [svg, png] = paths.as_slice() else { panic!("no figure") };
         (std::fs::read(png).unwrap(), std::fs::read_to_string(svg).unwrap())
     };
@@ -90,6 +92,24 @@ fn figures_are_the_same_each_time() {
     let mut shuffled = rows();
     shuffled.reverse();
     assert!(drawn(&rows(), FIGURES) == drawn(&shuffled, FIGURES));
+}
+
+#[test]
+fn caches_are_marked_where_they_are_asked_for_and_threads_are_lines() {
+    let mut lab = Lab::new("e", "packed");
+    for n in [1000_u64, 100_000] {
+        for threads in [1, 2] {
+            lab.n(n).detector("direct").threads(threads).time(&[n * 100 / u64::from(threads); 15]);
+        }
+    }
+    let figure = FIGURES.split("[[figure]]\nname = 'tests'").next().unwrap();
+    let with = drawn(&lab.rows(), &format!("{figure}caches = true\n"));
+    let (with, without) = (texts(&with[0].1), drawn(&lab.rows(), figure));
+    // 64 KiB are 4096 discs; 32 MiB are two million.
+    for text in ["&gt; L2", "coordinates larger than", "L2 (64 KiB)", "L3 (32 MiB): no scene", "direct", "direct, 2 threads"] {
+        assert!(with.contains(&text), "{text} is not in {with:?}");
+    }
+    assert!(!with.contains(&"&gt; L3") && !without[0].1.contains("L2"));
 }
 
 #[test]

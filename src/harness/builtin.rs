@@ -17,6 +17,7 @@ pub const FILES: &[(&str, &str)] = &[
     ("speed-error", include_str!("../../experiments/speed-error.toml")),
     ("hard-cases", include_str!("../../experiments/hard-cases.toml")),
     ("price", include_str!("../../experiments/price.toml")),
+    ("scale", include_str!("../../experiments/scale.toml")),
     ("million", include_str!("../../experiments/million.toml")),
 ];
 

@@ -14,6 +14,10 @@ use crate::scene::spec::{Order, Spec};
 
 /// Address space for a runner beside a detector's arrays and the scene: the program, its stacks, its libraries.
 const PROGRAM_BYTES: u64 = 1 << 30;
+/// The same for each further thread: its stack, and the address space that the system's allocator sets apart for it.
+const THREAD_BYTES: u64 = 128 << 20;
+/// What stands for the number of threads in the command of a runner in another language.
+const THREADS: &str = "{threads}";
 
 /// A detector with an arithmetic, as a runner.
 #[derive(Clone)]
@@ -24,44 +28,61 @@ pub(super) struct Contender {
     pub role: Role,
     pub threads: usize,
     pub start: Start,
+    /// How a copy with one thread is started, where the ceiling of several threads is to be measured.
+    pub copy: Option<Start>,
 }
 
 /// The contenders of an experiment, by arithmetic.
 pub(super) fn contenders(experiment: &Experiment, program: &Path) -> Vec<Contender> {
     let limit = experiment.memory_limit_mib << 20;
-    let start = |command: Vec<String>, install: String| Start {
+    let start = |command: Vec<String>, install: &str, threads: usize| Start {
         command,
-        install,
+        install: install.to_string(),
         time_limit: Duration::from_secs_f64(experiment.time_limit_s),
-        memory_limit: limit + PROGRAM_BYTES,
+        memory_limit: limit + PROGRAM_BYTES + (threads as u64).saturating_sub(1) * THREAD_BYTES,
     };
+    let asked = experiment.threads.values();
     let mut contenders = Vec::new();
     for &arithmetic in &experiment.arithmetics {
         for name in &experiment.detectors {
             // The names were checked when the experiment was read.
             let Some(entry) = table::find(name) else { continue };
+            let with = |threads: usize| {
+                let mut command = vec![program.display().to_string(), "runner".into(), "--detector".into(), name.clone()];
+                command.extend(["--arithmetic".into(), arithmetic.name().into(), "--threads".into(), threads.to_string()]);
+                command.extend(["--memory-limit".into(), limit.to_string()]);
+                start(command, "", threads)
+            };
             // A sequential detector has one thread, whatever the others are given.
-            let threads = if entry.threads { experiment.threads } else { 1 };
-            let mut command = vec![program.display().to_string(), "runner".into(), "--detector".into(), name.clone()];
-            command.extend(["--arithmetic".into(), arithmetic.name().into(), "--threads".into(), threads.to_string()]);
-            command.extend(["--memory-limit".into(), limit.to_string()]);
-            contenders.push(Contender {
-                name: name.clone(),
-                arithmetic: Some(arithmetic),
-                role: entry.role,
-                threads,
-                start: start(command, String::new()),
-            });
+            for &threads in if entry.threads { &*asked } else { &[1] } {
+                contenders.push(Contender {
+                    name: name.clone(),
+                    arithmetic: Some(arithmetic),
+                    role: entry.role,
+                    threads,
+                    start: with(threads),
+                    copy: (experiment.ceiling && threads > 1).then(|| with(1)),
+                });
+            }
         }
     }
     for runner in &experiment.runners {
-        contenders.push(Contender {
-            name: runner.name.clone(),
-            arithmetic: None,
-            role: Role::Detector,
-            threads: experiment.threads,
-            start: start(runner.command.clone(), runner.install.clone()),
-        });
+        let with = |threads: usize| {
+            let command = runner.command.iter().map(|word| word.replace(THREADS, &threads.to_string()));
+            start(command.collect(), &runner.install, threads)
+        };
+        // A command that does not say how many threads is the same for all numbers of them.
+        let says = runner.command.iter().any(|word| word.contains(THREADS));
+        for &threads in if says { &*asked } else { &asked[..1] } {
+            contenders.push(Contender {
+                name: runner.name.clone(),
+                arithmetic: None,
+                role: Role::Detector,
+                threads,
+                start: with(threads),
+                copy: (experiment.ceiling && says && threads > 1).then(|| with(1)),
+            });
+        }
     }
     contenders
 }
@@ -70,7 +91,9 @@ impl Contender {
     /// With memory for a scene and its list of pairs beside the detector's own.
     pub fn allowing(mut self, scene: &AnyScene<'_>, contacts: u64) -> Contender {
         // The scene (twice while it is read); the list of pairs (up to twice its size, and twice while it grows), with some to spare.
-        self.start.memory_limit += scene.len() as u64 * (2 * 32 + 128) + contacts * 4 * 8;
+        for start in std::iter::once(&mut self.start).chain(&mut self.copy) {
+            start.memory_limit += scene.len() as u64 * (2 * 32 + 128) + contacts * 4 * 8;
+        }
         self
     }
 

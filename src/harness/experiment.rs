@@ -31,9 +31,21 @@ pub struct Experiment {
     /// Arithmetics to run each detector with.
     #[serde(default = "exact_only")]
     pub arithmetics: Vec<Arithmetic>,
-    /// Threads given to the detectors.
+    /// Threads given to the detectors; those that cannot use several run once, with one.
     #[serde(default = "one")]
-    pub threads: usize,
+    pub threads: OneOrMany<usize>,
+    /// Beside every detector with several threads: as many copies of it with one thread each, all at work at the same time.
+    #[serde(default)]
+    pub ceiling: bool,
+    /// Measures the machine's memory bandwidth before the run; the report then compares times with it.
+    #[serde(default)]
+    pub bound: bool,
+    /// The report fits costs per operation to times, and says where detectors overtake each other.
+    #[serde(default)]
+    pub cost_model: bool,
+    /// The detector that all others are compared with in a table of ratios.
+    #[serde(default)]
+    pub ratios_to: Option<String>,
     /// Paired blocks: each runs every detector once, in a fresh random order. 0: no times, only answers, counts and memory.
     #[serde(default = "fifteen")]
     pub blocks: u32,
@@ -74,8 +86,8 @@ pub enum Table {
 fn exact_only() -> Vec<Arithmetic> {
     vec![Arithmetic::Exact]
 }
-fn one() -> usize {
-    1
+fn one() -> OneOrMany<usize> {
+    OneOrMany::One(1)
 }
 fn fifteen() -> u32 {
     15
@@ -89,6 +101,9 @@ fn thirty() -> f64 {
 fn four_gib() -> u64 {
     4096
 }
+
+/// More threads than any machine has cores are a slip of the pen.
+const MOST_THREADS: usize = 1024;
 
 /// A value, or a list of values to sweep over.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -151,7 +166,7 @@ fn shuffled() -> OneOrMany<Order> {
 pub struct ExternalRunner {
     /// The detector's name in records.
     pub name: String,
-    /// Program and arguments.
+    /// Program and arguments; `{threads}` in an argument stands for the number of threads.
     pub command: Vec<String>,
     /// How to get it, for rows that say `unavailable`.
     #[serde(default)]
@@ -244,6 +259,9 @@ pub struct Figure {
     /// Speed against error: the parameter that makes the columns; without, the one with the most values.
     #[serde(default)]
     pub columns: String,
+    /// Lines over n: mark where the input outgrows the caches of the machine.
+    #[serde(default)]
+    pub caches: bool,
     /// Which rows, as in claims.
     #[serde(rename = "where", default)]
     pub filter: BTreeMap<String, OneOrMany<toml::Value>>,
@@ -307,12 +325,16 @@ impl Experiment {
         ensure!(!experiment.block_budget_s.is_nan(), "block-budget-s is nan: leave it out for no budget");
         let limit = experiment.memory_limit_mib;
         ensure!(limit <= 1 << 30, "memory-limit-mib = {limit}: at most 2^30 (1 PiB) can be limited");
-        ensure!(experiment.threads >= 1, "threads = 0: at least one is needed");
+        experiment.check_threads()?;
+        if let Some(name) = &experiment.ratios_to {
+            ensure!(names().any(|known| known == name), "ratios-to = \"{name}\": it must be one of the experiment's detectors or runners");
+        }
         for figure in experiment.figures.iter().filter(|figure| figure.kind == FigureKind::Lines) {
             let axes = [("x", &figure.x), ("x-label", &figure.x_label), ("y", &figure.y), ("y-label", &figure.y_label)];
             for (field, value) in axes {
                 ensure!(!value.is_empty(), "the figure {} has no {field}; give one, or say kind = \"speed-error\"", figure.name);
             }
+            ensure!(!figure.caches || figure.x == "n", "the figure {} has caches = true: its x must be n", figure.name);
         }
         ensure!(!experiment.arithmetics.is_empty(), "arithmetics is empty; leave it out for exact");
         for scene in &mut experiment.scenes {
@@ -324,6 +346,19 @@ impl Experiment {
         experiment.plan(false)?;
         experiment.plan(true)?;
         Ok(experiment)
+    }
+
+    fn check_threads(&self) -> anyhow::Result<()> {
+        let threads = self.threads.values();
+        ensure!(!threads.is_empty(), "threads is empty; leave it out for one");
+        ensure!(!threads.contains(&0), "threads = 0: at least one is needed");
+        ensure!(threads.iter().all(|&k| k <= MOST_THREADS), "threads: at most {MOST_THREADS} can be asked for");
+        ensure!((1..threads.len()).all(|k| !threads[..k].contains(&threads[k])), "threads names a number twice; leave one out");
+        ensure!(
+            !self.ceiling || threads.contains(&1) && threads.len() > 1,
+            "ceiling = true compares several threads with one; say threads = [1, 2], for example"
+        );
+        Ok(())
     }
 
     /// All scenes of the experiment, in the order run.

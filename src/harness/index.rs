@@ -20,9 +20,10 @@ impl Index {
         Index { keys: rows.iter().map(Row::key).collect(), ended }
     }
 
-    /// The key of the detector on its scene, whatever the pass.
+    /// The key of the detector on its scene, whatever the pass; but that its copies failed says nothing about the detector.
     pub fn cell(row: &Row) -> String {
-        Row { pass: Pass::Count, block: 0, ..row.clone() }.key()
+        let pass = if row.pass == Pass::Ceiling { Pass::Ceiling } else { Pass::Count };
+        Row { pass, block: 0, ..row.clone() }.key()
     }
 
     pub fn has(&self, row: &Row) -> bool {
@@ -45,6 +46,7 @@ pub(super) fn rest(pass: Pass) -> &'static [Pass] {
         Pass::Count => &[Pass::Count, Pass::Memory, Pass::Time],
         Pass::Memory => &[Pass::Memory, Pass::Time],
         Pass::Time => &[Pass::Time],
+        Pass::Ceiling => &[Pass::Ceiling],
     }
 }
 

@@ -2,7 +2,9 @@
 
 pub mod alloc;
 pub mod bake;
+pub mod bandwidth;
 pub mod builtin;
+mod ceiling;
 pub mod child;
 mod contender;
 pub mod experiment;

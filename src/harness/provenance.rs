@@ -6,17 +6,21 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use serde_json::{Value, json};
 
+use super::bandwidth::Bandwidth;
+
 /// The name of the provenance file in a result folder.
 pub const FILE: &str = "provenance.json";
 
-/// What there is to know about this run, as a JSON object.
-pub fn gather(experiments: &[String], quick: bool) -> Value {
+/// What there is to know about this run, as a JSON object; the bandwidths are those measured, if any were.
+pub fn gather(experiments: &[String], quick: bool, bandwidth: &[Bandwidth]) -> Value {
     let cpu = read("/proc/cpuinfo");
-    let model =
-        cpu.lines().find_map(|line| line.strip_prefix("model name")).map(|rest| rest.trim_start_matches([' ', '\t', ':']).to_string());
+    let of_cpu = |name: &str| cpu.lines().find_map(|line| line.strip_prefix(name)).map(|rest| rest.trim_start_matches([' ', '\t', ':']));
+    let model = of_cpu("model name").map(String::from);
+    let clock = of_cpu("cpu MHz").and_then(|clock| clock.parse::<f64>().ok());
+    let highest = read("/sys/devices/system/cpu/cpu0/cpufreq/cpuinfo_max_freq").trim().parse::<f64>().ok().map(|khz| khz / 1000.0);
     let memory =
         read("/proc/meminfo").lines().next().and_then(|line| line.split_whitespace().nth(1)?.parse::<u64>().ok()).map(|kib| kib * 1024);
-    json!({
+    let mut all = json!({
         "command": std::env::args().enumerate().map(|(k, a)| if k == 0 { "contactbench".into() } else { a }).collect::<Vec<_>>().join(" "),
         "experiments": experiments,
         "quick": quick,
@@ -31,11 +35,35 @@ pub fn gather(experiments: &[String], quick: bool) -> Value {
         "os": format!("{} {}", std::env::consts::OS, std::env::consts::ARCH),
         "kernel": read("/proc/sys/kernel/osrelease").trim(),
         "cpu": model,
+        "cpu_mhz": clock,
+        "cpu_mhz_highest": highest,
         "cores": std::thread::available_parallelism().map(|cores| cores.get()).ok(),
         "caches": caches(),
         "memory_bytes": memory,
         "load_average": read("/proc/loadavg").split(' ').take(3).collect::<Vec<_>>().join(" "),
-    })
+    });
+    if !bandwidth.is_empty() {
+        all["bandwidth_bytes_per_s"] = json!(bandwidth);
+    }
+    all
+}
+
+/// The bytes of the last cache of the first core; 0 where the system does not say.
+pub fn last_cache() -> u64 {
+    let caches = caches();
+    caches.as_object().into_iter().flatten().filter_map(|(_, size)| size_of(size.as_str()?)).max().unwrap_or(0)
+}
+
+/// The bytes of a size as the system writes it: `48K`, `2M`.
+pub fn size_of(text: &str) -> Option<u64> {
+    let text = text.trim();
+    let (digits, shift) = match text.chars().last()? {
+        'K' => (&text[..text.len() - 1], 10),
+        'M' => (&text[..text.len() - 1], 20),
+        'G' => (&text[..text.len() - 1], 30),
+        _ => (text, 0),
+    };
+    digits.parse::<u64>().ok()?.checked_mul(1 << shift)
 }
 
 /// Empty where there is no such file (not on Linux): the field is then empty, too.
@@ -102,7 +130,12 @@ fn civil(mut day: u64) -> (u64, u64, u64) {
 
 #[cfg(test)]
 mod tests {
-    use super::civil;
+    use super::{civil, size_of};
+
+    #[test]
+    fn sizes_are_read() {
+        assert_eq!(["48K", "2M\n", "512", "", "µ", "K"].map(size_of), [Some(48 << 10), Some(2 << 20), Some(512), None, None, None]);
+    }
 
     #[test]
     fn days_become_dates() {

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 /// The name of the record in a result folder.
 pub const FILE: &str = "samples.jsonl";
 
-/// Which quantity a row measured. The three are taken in separate passes.
+/// Which quantity a row measured. Each is taken in a pass of its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Pass {
@@ -21,10 +21,13 @@ pub enum Pass {
     Count,
     /// Heap bytes and allocations, without the output.
     Memory,
+    /// Wall time of one of as many copies as the row has threads, with one thread each, while the others do the same: what the machine
+    /// lets that many threads gain if they share nothing.
+    Ceiling,
 }
 
 impl Pass {
-    /// All passes.
+    /// The passes of every cell. (Ceilings are measured beside cells with several threads, where the experiment asks for them.)
     pub const ALL: [Pass; 3] = [Pass::Count, Pass::Memory, Pass::Time];
 }
 
@@ -170,9 +173,9 @@ pub struct Row {
     pub threads: u32,
     /// What was measured.
     pub pass: Pass,
-    /// Number of the paired block; 0 for counts and memory.
+    /// Number of the paired block; 0 for counts and memory, and for copies that did not start.
     pub block: u32,
-    /// Nanoseconds per detection, from raw coordinates to the complete list of pairs.
+    /// Nanoseconds per detection, from raw coordinates to the complete list of pairs; of several copies the harmonic mean.
     pub time_ns: Option<u64>,
     /// Detections in this sample.
     pub calls: Option<u64>,

@@ -1,7 +1,8 @@
 //! Runs experiments: scenes are made, the truth is found, runners are started, rows are written.
 //!
 //! For each scene: one runner per (detector, arithmetic) loads it; then each counts, and measures its memory; then blocks of timed
-//! samples, every detector once per block in a fresh random order. Rows go to the record one by one. What the record
+//! samples, every detector once per block in a fresh random order, and right after one with several threads its copies, if the
+//! experiment asks for them. Rows go to the record one by one. What the record
 //! holds already (of a killed run) is not measured again.
 
 use std::path::{Path, PathBuf};
@@ -82,8 +83,23 @@ fn describe(experiment: &Experiment, spec: &Spec) -> String {
     format!("{}: {} {}D{n}{}", experiment.name, spec.name, spec.dim, swept.collect::<String>())
 }
 
+/// Gives a runner the steps of a scene, one after the other.
+pub(super) fn load_all(runner: &mut Runner, loads: &[Request]) -> Result<(), Failure> {
+    for (k, load) in loads.iter().enumerate() {
+        let last = k + 1 == loads.len();
+        let answer = runner.ask(load).and_then(|reply| if reply == Reply::Loaded { Ok(()) } else { Err(astray(load, &reply)) });
+        // What a detector makes of the steps before the last is not judged; only, they are to leave their traces.
+        let answer = if last { answer } else { answer.and_then(|()| runner.ask(&Request::Sample { min_ns: 1 }).map(|_| ())) };
+        match answer {
+            Err(failure) if failure.outcome != Outcome::Refused || last => return Err(failure),
+            _ => {}
+        }
+    }
+    Ok(())
+}
+
 /// An answer that does not belong to the request.
-fn astray(request: &Request, reply: &Reply) -> Failure {
+pub(super) fn astray(request: &Request, reply: &Reply) -> Failure {
     // The variant's name alone: what else there is holds paths that differ from run to run.
     let word = |text: String| text.split(' ').next().unwrap_or_default().to_string();
     let reason = format!("the runner answered {} with {}", word(format!("{request:?}")), word(format!("{reply:?}")));
@@ -91,23 +107,25 @@ fn astray(request: &Request, reply: &Reply) -> Failure {
 }
 
 /// One scene of one experiment.
-struct Stage<'a> {
+pub(super) struct Stage<'a> {
     job: &'a Job<'a>,
     experiment: &'a Experiment,
     spec: &'a Spec,
-    index: &'a Index,
+    pub index: &'a Index,
     folder: &'a Path,
-    record: &'a mut Writer,
-    too_slow: &'a mut TooSlow,
+    pub record: &'a mut Writer,
+    pub too_slow: &'a mut TooSlow,
     progress: &'a mut dyn Progress,
 }
 
 /// A contender that is still in the race on this scene.
-struct Racer {
-    contender: Contender,
-    runner: Runner,
-    arithmetic: Arithmetic,
-    blank: Row,
+pub(super) struct Racer {
+    pub contender: Contender,
+    pub runner: Runner,
+    pub arithmetic: Arithmetic,
+    pub blank: Row,
+    /// With one thread each; none if the ceiling is not asked for.
+    pub copies: Vec<Racer>,
 }
 
 impl Stage<'_> {
@@ -154,6 +172,7 @@ impl Stage<'_> {
             for mut racer in racers {
                 let blank = Row { pass: Pass::Time, block, ..racer.blank.clone() };
                 if self.index.has(&blank) || self.sample(&mut racer, blank, &mut truths)? {
+                    self.ceiling(&mut racer, block, &mut truths)?;
                     still.push(racer);
                 }
             }
@@ -167,9 +186,10 @@ impl Stage<'_> {
         let has = |pass, block| self.index.has(&Row { pass, block, ..blank.clone() });
         // A budget may have ended the blocks early; an external runner says only when started which arithmetic it is held to.
         let enough = if self.experiment.block_budget_s.is_finite() { blocks.min(FEWEST_BLOCKS) } else { blocks };
+        let beside = |block| contender.copy.is_none() || self.no_ceiling(blank) || has(Pass::Ceiling, block);
         let over = self.index.ended(blank).is_some_and(|last| owed(last.pass).iter().all(|&pass| has(pass, 0)));
         contender.arithmetic.is_some()
-            && (over || has(Pass::Count, 0) && has(Pass::Memory, 0) && (1..=enough).all(|block| has(Pass::Time, block)))
+            && (over || has(Pass::Count, 0) && has(Pass::Memory, 0) && (1..=enough).all(|block| has(Pass::Time, block) && beside(block)))
     }
 
     /// The rows of a case of the catalogue whose scene is not valid, as it should be. Any other scene that cannot be made is an error.
@@ -233,21 +253,11 @@ impl Stage<'_> {
         if self.give_up(&blank)? || self.too_slow(&blank)? {
             return Ok(None);
         }
-        for (k, load) in loads.iter().enumerate() {
-            let last = k + 1 == loads.len();
-            let answer = runner.ask(load).and_then(|reply| if reply == Reply::Loaded { Ok(()) } else { Err(astray(load, &reply)) });
-            // What a detector makes of the steps before the last is not judged; only, they are to leave their traces.
-            let answer = if last { answer } else { answer.and_then(|()| runner.ask(&Request::Sample { min_ns: 1 }).map(|_| ())) };
-            match answer {
-                Ok(()) => {}
-                Err(failure) if failure.outcome == Outcome::Refused && !last => {}
-                Err(failure) => {
-                    self.fail(&blank, failure, &Pass::ALL)?;
-                    return Ok(None);
-                }
-            }
+        if let Err(failure) = load_all(&mut runner, loads) {
+            self.fail(&blank, failure, &Pass::ALL)?;
+            return Ok(None);
         }
-        let mut racer = Racer { contender, runner, arithmetic, blank };
+        let mut racer = Racer { contender, runner, arithmetic, blank, copies: Vec::new() };
         for (pass, request) in [(Pass::Count, Request::Count), (Pass::Memory, Request::Memory)] {
             let mut row = Row { pass, ..racer.blank.clone() };
             if self.index.has(&row) {
@@ -277,6 +287,7 @@ impl Stage<'_> {
             self.judge(&mut row, &mut racer, truths)?;
             self.record.write(&row)?;
         }
+        self.start_copies(&mut racer, loads)?;
         Ok(Some(racer))
     }
 
@@ -299,7 +310,7 @@ impl Stage<'_> {
     }
 
     /// Holds a row's answer to the truth before it is written.
-    fn judge(&mut self, row: &mut Row, racer: &mut Racer, truths: &mut Truths<'_>) -> anyhow::Result<()> {
+    pub fn judge(&mut self, row: &mut Row, racer: &mut Racer, truths: &mut Truths<'_>) -> anyhow::Result<()> {
         if racer.contender.role == Role::Nothing {
             row.outcome = Outcome::Control;
             row.reason = "control: reports nothing by design".into();
@@ -349,7 +360,7 @@ impl Stage<'_> {
         Ok(())
     }
 
-    fn fail(&mut self, blank: &Row, failure: Failure, passes: &[Pass]) -> anyhow::Result<()> {
+    pub fn fail(&mut self, blank: &Row, failure: Failure, passes: &[Pass]) -> anyhow::Result<()> {
         if failure.outcome == Outcome::Timeout {
             self.too_slow.note(blank);
         }
