@@ -18,6 +18,7 @@ pub const FILES: &[(&str, &str)] = &[
     ("hard-cases", include_str!("../../experiments/hard-cases.toml")),
     ("price", include_str!("../../experiments/price.toml")),
     ("million", include_str!("../../experiments/million.toml")),
+    ("peers", include_str!("../../experiments/peers.toml")),
 ];
 
 /// All of them.

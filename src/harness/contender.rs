@@ -8,6 +8,7 @@ use super::child::Start;
 use super::experiment::Experiment;
 use super::record::{Outcome, Pass, Row, Stats};
 use crate::contact::Arithmetic;
+use crate::detect::peers;
 use crate::detect::table::{self, Role};
 use crate::scene::AnyScene;
 use crate::scene::spec::{Order, Spec};
@@ -24,6 +25,8 @@ pub(super) struct Contender {
     pub role: Role,
     pub threads: usize,
     pub start: Start,
+    /// Why it cannot be started at all.
+    pub missing: Option<String>,
 }
 
 /// The contenders of an experiment, by arithmetic.
@@ -38,19 +41,20 @@ pub(super) fn contenders(experiment: &Experiment, program: &Path) -> Vec<Contend
     let mut contenders = Vec::new();
     for &arithmetic in &experiment.arithmetics {
         for name in &experiment.detectors {
-            // The names were checked when the experiment was read.
-            let Some(entry) = table::find(name) else { continue };
+            // The names were checked when the experiment was read: who is not in the table is a peer that was not compiled.
+            let (role, several) = table::find(name).map_or((Role::Peer, false), |entry| (entry.role, entry.threads));
             // A sequential detector has one thread, whatever the others are given.
-            let threads = if entry.threads { experiment.threads } else { 1 };
+            let threads = if several { experiment.threads } else { 1 };
             let mut command = vec![program.display().to_string(), "runner".into(), "--detector".into(), name.clone()];
             command.extend(["--arithmetic".into(), arithmetic.name().into(), "--threads".into(), threads.to_string()]);
             command.extend(["--memory-limit".into(), limit.to_string()]);
             contenders.push(Contender {
                 name: name.clone(),
                 arithmetic: Some(arithmetic),
-                role: entry.role,
+                role,
                 threads,
                 start: start(command, String::new()),
+                missing: peers::missing(name),
             });
         }
     }
@@ -61,6 +65,7 @@ pub(super) fn contenders(experiment: &Experiment, program: &Path) -> Vec<Contend
             role: Role::Detector,
             threads: experiment.threads,
             start: start(runner.command.clone(), runner.install.clone()),
+            missing: None,
         });
     }
     contenders

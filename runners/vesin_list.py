@@ -1,0 +1,29 @@
+"""vesin.NeighborList: cell lists in C++ for atoms, in f64. It knows only space: in 2D z is 0."""
+
+from importlib.metadata import version
+
+from runner import Refusal, np, serve, unavailable
+
+try:
+    from vesin import NeighborList
+except ImportError as error:
+    unavailable("vesin", "pip install vesin", error)
+
+
+def prepare(scene):
+    points, box = scene.in_space(), np.zeros((3, 3))
+    if scene.reach == 0.0:
+        raise Refusal("vesin needs a cutoff above 0")
+    # Kept for its buffers; with `copy=False` the arrays are the calculator's own, good until its next call.
+    calculator = NeighborList(cutoff=scene.reach, full_list=False)
+
+    def detect():
+        if scene.n < 2:
+            return np.zeros((0, 2), "u4")
+        i, j = calculator.compute(points=points, box=box, periodic=False, quantities="ij", copy=False)
+        return (i, j) if scene.radii is None else scene.touching(i, j)
+
+    return detect
+
+
+serve("vesin", version("vesin"), prepare)
