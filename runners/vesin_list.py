@@ -1,4 +1,8 @@
-"""vesin.NeighborList: cell lists in C++ for atoms, in f64. It knows only space: in 2D z is 0."""
+"""vesin.NeighborList: cell lists in C++ for atoms, in f64.
+
+It knows only space: in 2D z is 0. The box that it makes around a scene in open space then has no depth, and it divides by zero (version 0.6.2); so in 2D it
+is given a periodic box, larger than the scene by three times the distance, so that no image is near.
+"""
 
 from importlib.metadata import version
 
@@ -11,7 +15,9 @@ except ImportError as error:
 
 
 def prepare(scene):
-    points, box = scene.in_space(), np.zeros((3, 3))
+    points, flat = scene.in_space(), scene.dim == 2
+    extent = np.ptp(points, axis=0) if scene.n else np.zeros(3)
+    box = np.diag(extent + 3.0 * scene.reach) if flat else np.zeros((3, 3))
     if scene.reach == 0.0:
         raise Refusal("vesin needs a cutoff above 0")
     # Kept for its buffers; with `copy=False` the arrays are the calculator's own, good until its next call.
@@ -20,7 +26,7 @@ def prepare(scene):
     def detect():
         if scene.n < 2:
             return np.zeros((0, 2), "u4")
-        i, j = calculator.compute(points=points, box=box, periodic=False, quantities="ij", copy=False)
+        i, j = calculator.compute(points=points, box=box, periodic=flat, quantities="ij", copy=False)
         return (i, j) if scene.radii is None else scene.touching(i, j)
 
     return detect
