@@ -8,6 +8,17 @@
 
 namespace {
 
+// Names differ from version to version.
+#if NANOFLANN_VERSION >= 0x150
+using Parameters = nanoflann::SearchParameters;
+const Parameters parameters(0.0f, false);
+template <class Tree> const auto& in_order(const Tree& tree) { return tree.vAcc_; }
+#else
+using Parameters = nanoflann::SearchParams;
+const Parameters parameters(32, 0.0f, false);
+template <class Tree> const auto& in_order(const Tree& tree) { return tree.vAcc; }
+#endif
+
 template <int D> struct Cloud {
     const std::vector<std::array<double, D>>& centres;
     std::size_t kdtree_get_point_count() const { return centres.size(); }
@@ -28,19 +39,17 @@ template <int D> struct Visitor {
         return true;
     }
     double worstDist() const { return square; }
+    void sort() {}
 };
 
 template <int D> void detect(const runner::Scene<D>& scene, runner::Pairs& pairs) {
     using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Cloud<D>>, Cloud<D>, D, std::uint32_t>;
     if (scene.centres.empty()) return;
     const Cloud<D> cloud{scene.centres};
-    Tree tree(D, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(10));
-    // Older versions build in the constructor or here; a second build would be charged to the library.
-    if (tree.m_size == 0) tree.buildIndex();
+    const Tree tree(D, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(10));
     const double reach = scene.reach();
     Visitor<D> visitor{scene, pairs, reach * reach * (1.0 + 0x1p-40) + 0x1p-960};
-    const nanoflann::SearchParams parameters(32, 0.0f, false);
-    for (const auto i : tree.vAcc) {
+    for (const auto i : in_order(tree)) {
         visitor.i = i;
         tree.findNeighbors(visitor, scene.centres[i].data(), parameters);
     }

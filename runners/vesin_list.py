@@ -1,7 +1,8 @@
 """vesin.NeighborList: cell lists in C++ for atoms, in f64.
 
-It knows only space: in 2D z is 0. The box that it makes around a scene in open space then has no depth, and it divides by zero (version 0.6.2); so in 2D it
-is given a periodic box, larger than the scene by three times the distance, so that no image is near.
+It knows only space: in 2D z is 0. The box that it makes around a scene in open space then has no depth; and where there would be more than some 10^5 cells it
+has fewer along every axis, down to none, and divides by zero (version 0.6.2). So in 2D it is given a periodic box, larger than the scene by three
+times the distance, so that no image is near, and so deep that there are cells along z.
 """
 
 from importlib.metadata import version
@@ -17,7 +18,10 @@ except ImportError as error:
 def prepare(scene):
     points, flat = scene.in_space(), scene.dim == 2
     extent = np.ptp(points, axis=0) if scene.n else np.zeros(3)
-    box = np.diag(extent + 3.0 * scene.reach) if flat else np.zeros((3, 3))
+    edges = extent + 3.0 * scene.reach
+    if flat:
+        edges[2] = max(edges[2], 4.0 * np.sqrt(edges[0] * edges[1] / 1e5))
+    box = np.diag(edges) if flat else np.zeros((3, 3))
     if scene.reach == 0.0:
         raise Refusal("vesin needs a cutoff above 0")
     # Kept for its buffers; with `copy=False` the arrays are the calculator's own, good until its next call.

@@ -1,7 +1,7 @@
 //! Peers: libraries that people use to find neighbours, as detectors, measured in the same run as ours (cargo feature `peers`).
 //!
 //! A peer is used as its documentation recommends, in f64 and on one thread, as a *filter*: it is asked for all pairs within
-//! [`Bodies::reach`], and [`Bodies::touch`] decides, so that its answers are held to the same truth. The clock is ours, too: from raw
+//! [`reach`](crate::contact::Bodies::reach), and [`touch`](crate::contact::Bodies::touch) decides, so that its answers are held to the same truth. The clock is ours, too: from raw
 //! coordinates to the complete list of pairs, building the library's structure included. What a library cannot be trusted with is refused, with
 //! the reason.
 //!
