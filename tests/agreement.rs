@@ -93,7 +93,7 @@ fn small_and_degenerate() {
         for entry in detectors() {
             let taken =
                 entry.make(Options::default()).visit(&points.stored(arithmetic).unwrap(), arithmetic.test(), &mut Digest::default());
-            assert!(taken.is_ok(), "{}: {taken:?}", entry.name);
+            assert!(taken.is_ok() || !entry.is_ours(), "{}: {taken:?}", entry.name);
         }
     }
     assert_eq!(contacts("a clique", &plane(&[[0.25, 0.5]; 60], 1.0)), 60 * 59 / 2);
@@ -153,8 +153,9 @@ fn a_refusal_leaves_no_trace() {
         let mut detector = entry.make(Options { memory_limit: 20_000, threads: 1 });
         let mut reported = 0;
         let refused = detector.visit(&sparse, Test::Exact, &mut Visit(|_, _| reported += 1)).is_err();
-        assert!(refused || entry.name == "direct", "{} took a scene over its limit", entry.name);
-        assert_eq!(reported, 0);
+        // A library knows of no limit.
+        assert!(refused || entry.name == "direct" || !entry.is_ours(), "{} took a scene over its limit", entry.name);
+        assert!(reported == 0 || !refused);
         let mut digest = Digest::default();
         detector.visit(&small, Test::Exact, &mut digest).unwrap();
         assert_eq!(digest, truth, "{}", entry.name);

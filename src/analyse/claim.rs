@@ -11,7 +11,7 @@ use super::place::{over, place, varying};
 use super::summary::is_control;
 use super::value::{Cell, Expression, Key, Reading};
 use super::{filter, text};
-use crate::detect::table;
+use crate::detect::table::{self, Entry};
 use crate::harness::experiment::{Claim, ClaimKind, Experiment};
 use crate::harness::record::{Outcome, Pass};
 
@@ -107,7 +107,9 @@ fn check(claim: &Claim, own: &[Cell]) -> anyhow::Result<Finding> {
         let place = place(&first.key, &varying(&cells));
         return Ok((Status::Fails, format!("wrong answers in {}, first at {place}", text::plural(wrong.len(), "cell"))));
     }
-    if let Some(first) = cells.iter().find(|cell| cell.overall().0 == Outcome::Crashed && table::find(&cell.key.detector).is_some()) {
+    if let Some(first) =
+        cells.iter().find(|cell| cell.overall().0 == Outcome::Crashed && table::find(&cell.key.detector).is_some_and(Entry::is_ours))
+    {
         return Ok((Status::Fails, format!("a detector of this program crashed, first at {}", place(&first.key, &varying(&cells)))));
     }
     let (status, mut evidence, used) = if claim.kind == ClaimKind::Faster {

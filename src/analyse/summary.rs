@@ -121,9 +121,14 @@ fn at_largest(cells: &[&Cell]) -> Option<Table> {
         };
         let sum = |names: [&str; 3]| names.iter().map(|name| cell.variable(name, None)).sum::<Option<f64>>();
         let (outcome, _) = cell.overall();
+        // In brackets: of a wrong answer.
+        let time = match cell.wrong_time() {
+            Some(time) => format!("({})", per(Some(time))),
+            None => per(cell.time().map(|time| time.median)),
+        };
         vec![
             name,
-            per(cell.time().map(|time| time.median)),
+            time,
             cell.times.len().to_string(),
             versus,
             per(cell.variable("contact_test", None)),

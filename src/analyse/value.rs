@@ -284,6 +284,12 @@ impl Cell {
         interval(&self.times.values().map(|&t| t as f64).collect::<Vec<_>>())
     }
 
+    /// The median time of a wrong answer: never compared with anything, but shown, marked.
+    pub fn wrong_time(&self) -> Option<f64> {
+        let wrong = self.overall().0 == Outcome::Wrong;
+        interval(&self.times.values().map(|&t| t as f64).collect::<Vec<_>>()).filter(|_| wrong).map(|time| time.median)
+    }
+
     /// A variable, with this time in place of the median where one is given.
     pub fn variable(&self, name: &str, time_ns: Option<f64>) -> Option<f64> {
         match name {

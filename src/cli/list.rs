@@ -5,6 +5,7 @@ use std::process::ExitCode;
 
 use crate::analyse::text::wrap;
 use crate::contact::Arithmetic;
+use crate::detect::peers::PEERS;
 use crate::detect::table::TABLE;
 use crate::harness::builtin;
 use crate::scene::hard::{self, Expect};
@@ -42,6 +43,10 @@ pub fn list(options: &List) -> anyhow::Result<ExitCode> {
             writeln!(out, "  {:<12} {}", entry.name, entry.summary)?;
             writeln!(out, "  {:<12} cost: {}; memory: {}", "", entry.cost, entry.memory)?;
             writeln!(out, "  {:<12} limits: {}\n", "", entry.limits)?;
+        }
+        if !cfg!(feature = "peers") {
+            let names = PEERS.map(|peer| peer.name).join(", ");
+            writeln!(out, "  with the cargo feature peers also libraries: {names}\n")?;
         }
     }
     if wanted(What::Arithmetics) {

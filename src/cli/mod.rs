@@ -10,6 +10,7 @@ pub mod runner;
 use anyhow::anyhow;
 use clap::{Parser, Subcommand};
 
+use crate::detect::peers;
 use crate::detect::table::{self, Entry};
 
 /// Which contact detection algorithm, for which scene: how fast, how much memory, how many operations, and how wrong?
@@ -55,7 +56,10 @@ pub enum Verb {
 
 /// The detector of a name given by the user.
 fn detector(name: &str) -> anyhow::Result<&'static Entry> {
-    table::find(name).ok_or_else(|| anyhow!("there is no detector '{name}'; the detectors are: {}", table::names()))
+    table::find(name).ok_or_else(|| match peers::missing(name) {
+        Some(reason) => anyhow!(reason),
+        None => anyhow!("there is no detector '{name}'; the detectors are: {}", table::names()),
+    })
 }
 
 /// Bytes as people read them.

@@ -9,7 +9,7 @@ use anyhow::{Context, bail, ensure};
 
 use super::progress::Terminal;
 use crate::analyse::{claim, report};
-use crate::detect::table;
+use crate::detect::table::{self, Entry};
 use crate::harness::bandwidth::{self, Bandwidth};
 use crate::harness::experiment::Experiment;
 use crate::harness::record::{self, Record, Writer};
@@ -165,7 +165,7 @@ fn finish(folder: &Path) -> anyhow::Result<ExitCode> {
     if wrong > 0 {
         writeln!(out, "WRONG answers in {wrong} rows: see the report")?;
     }
-    let ours = |row: &&record::Row| row.outcome == record::Outcome::Crashed && table::find(&row.detector).is_some();
+    let ours = |row: &&record::Row| row.outcome == record::Outcome::Crashed && table::find(&row.detector).is_some_and(Entry::is_ours);
     let crashed = record.rows.iter().filter(ours).count();
     if crashed > 0 {
         writeln!(out, "CRASHED detectors in {crashed} rows: see the report")?;

@@ -14,6 +14,7 @@ pub mod list;
 pub mod mask;
 pub mod nbs2d;
 pub mod nbs3d;
+pub mod peers;
 pub mod screening;
 pub mod sorting;
 pub mod streamed;
@@ -86,6 +87,9 @@ pub enum Refusal {
     /// The square of a diameter overflows in the arithmetic asked for.
     #[error("the square of the largest diameter {diameter:e} overflows in {precision}; use --arithmetic exact, or smaller units")]
     Overflow { diameter: f64, precision: &'static str },
+    /// The library behind a peer cannot be trusted with the scene.
+    #[error("{detector}: {reason}")]
+    Library { detector: &'static str, reason: String },
 }
 
 /// Refuses if `needed` bytes are over the limit; called before anything is allocated.

@@ -2,6 +2,8 @@
 
 use super::any::{AnyDetector, Both};
 use super::{Options, binary_tree, control, direct, nbs2d, nbs3d, screening, sorting, streamed};
+#[cfg(feature = "peers")]
+use super::{peers, peers::Peer};
 
 /// What a detector is there for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -12,6 +14,8 @@ pub enum Role {
     Nothing,
     /// The same code as another detector: what two measurements of the same thing differ by.
     Twin(&'static str),
+    /// A library that people use: finds all contacts, but is not held to our rules about memory and refusals.
+    Peer,
 }
 
 /// One line of the table.
@@ -44,6 +48,17 @@ impl Entry {
     pub fn must_be_right(&self) -> bool {
         self.role != Role::Nothing
     }
+
+    /// True for the code of this project, which allocates and refuses as its documentation says; false for peers.
+    pub fn is_ours(&self) -> bool {
+        self.role != Role::Peer
+    }
+}
+
+#[cfg(feature = "peers")]
+const fn peer(peer: &Peer, constructor: fn(Options) -> Box<dyn AnyDetector>) -> Entry {
+    let Peer { name, summary, cost, limits } = *peer;
+    Entry { name, role: Role::Peer, summary, cost, memory: "the library's own", limits, threads: false, constructor }
 }
 
 /// All detectors and controls.
@@ -128,6 +143,16 @@ pub static TABLE: &[Entry] = &[
         threads: false,
         constructor: Both::<nbs2d::Nbs2d, nbs3d::Nbs3d>::boxed,
     },
+    #[cfg(feature = "peers")]
+    peer(&peers::KIDDO, Both::<peers::kiddo::Kiddo<2>, peers::kiddo::Kiddo<3>>::boxed),
+    #[cfg(feature = "peers")]
+    peer(&peers::KD_TREE, Both::<peers::kd_tree::KdTree<2>, peers::kd_tree::KdTree<3>>::boxed),
+    #[cfg(feature = "peers")]
+    peer(&peers::RSTAR, Both::<peers::rstar::Rstar<2>, peers::rstar::Rstar<3>>::boxed),
+    #[cfg(feature = "peers")]
+    peer(&peers::PARRY, Both::<peers::parry::Parry<2>, peers::parry::Parry<3>>::boxed),
+    #[cfg(feature = "peers")]
+    peer(&peers::ZELLL, Both::<peers::zelll::Zelll<2>, peers::zelll::Zelll<3>>::boxed),
 ];
 
 /// The line of a detector.

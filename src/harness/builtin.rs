@@ -19,6 +19,7 @@ pub const FILES: &[(&str, &str)] = &[
     ("price", include_str!("../../experiments/price.toml")),
     ("scale", include_str!("../../experiments/scale.toml")),
     ("million", include_str!("../../experiments/million.toml")),
+    ("peers", include_str!("../../experiments/peers.toml")),
 ];
 
 /// All of them.

@@ -8,6 +8,7 @@ use super::child::Start;
 use super::experiment::Experiment;
 use super::record::{Outcome, Pass, Row, Stats};
 use crate::contact::Arithmetic;
+use crate::detect::peers;
 use crate::detect::table::{self, Role};
 use crate::scene::AnyScene;
 use crate::scene::spec::{Order, Spec};
@@ -30,6 +31,8 @@ pub(super) struct Contender {
     pub start: Start,
     /// How a copy with one thread is started, where the ceiling of several threads is to be measured.
     pub copy: Option<Start>,
+    /// Why it cannot be started at all.
+    pub missing: Option<String>,
 }
 
 /// The contenders of an experiment, by arithmetic.
@@ -45,8 +48,8 @@ pub(super) fn contenders(experiment: &Experiment, program: &Path) -> Vec<Contend
     let mut contenders = Vec::new();
     for &arithmetic in &experiment.arithmetics {
         for name in &experiment.detectors {
-            // The names were checked when the experiment was read.
-            let Some(entry) = table::find(name) else { continue };
+            // The names were checked when the experiment was read: who is not in the table is a peer that was not compiled.
+            let (role, several) = table::find(name).map_or((Role::Peer, false), |entry| (entry.role, entry.threads));
             let with = |threads: usize| {
                 let mut command = vec![program.display().to_string(), "runner".into(), "--detector".into(), name.clone()];
                 command.extend(["--arithmetic".into(), arithmetic.name().into(), "--threads".into(), threads.to_string()]);
@@ -54,14 +57,15 @@ pub(super) fn contenders(experiment: &Experiment, program: &Path) -> Vec<Contend
                 start(command, "", threads)
             };
             // A sequential detector has one thread, whatever the others are given.
-            for &threads in if entry.threads { &*asked } else { &[1] } {
+            for &threads in if several { &*asked } else { &[1] } {
                 contenders.push(Contender {
                     name: name.clone(),
                     arithmetic: Some(arithmetic),
-                    role: entry.role,
+                    role,
                     threads,
                     start: with(threads),
                     copy: (experiment.ceiling && threads > 1).then(|| with(1)),
+                    missing: peers::missing(name),
                 });
             }
         }
@@ -81,6 +85,7 @@ pub(super) fn contenders(experiment: &Experiment, program: &Path) -> Vec<Contend
                 threads,
                 start: with(threads),
                 copy: (experiment.ceiling && says && threads > 1).then(|| with(1)),
+                missing: None,
             });
         }
     }

@@ -230,7 +230,8 @@ impl Stage<'_> {
         if self.too_slow(&blank)? {
             return Ok(None);
         }
-        let mut runner = match Runner::start(&contender.start) {
+        let missing = contender.missing.clone().map(|reason| Failure { outcome: Outcome::Unavailable, reason });
+        let mut runner = match missing.map_or_else(|| Runner::start(&contender.start), Err) {
             Ok(runner) => runner,
             Err(failure) => {
                 self.fail(&blank, failure, &Pass::ALL)?;

@@ -147,7 +147,8 @@ impl Runner {
             (detector.visit(scene, test, &mut digest), detector)
         });
         result.map_err(refused)?;
-        let formula_bytes = Some(detector.formula_bytes());
+        // A library declares no formula.
+        let formula_bytes = self.entry.is_ours().then(|| detector.formula_bytes());
         let (again, warm) = alloc::measure(|| detector.visit(scene, test, &mut Digest::default()));
         again.map_err(refused)?;
         let (Some(cold), Some(warm)) = (cold, warm) else { return Ok(Reply::Unsupported) };

@@ -1,0 +1,173 @@
+// The runner protocol (docs/PROTOCOL.md) for libraries in C++: a detection is a function from a scene to a list of pairs in a reused buffer.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <iostream>
+#include <iterator>
+#include <optional>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace runner {
+
+using Pairs = std::vector<std::array<std::uint32_t, 2>>;
+
+template <int D> struct Scene {
+    std::vector<std::array<double, D>> centres;
+    // One, or one for each element.
+    std::vector<double> radii;
+
+    double radius(std::size_t i) const { return radii.size() == 1 ? radii[0] : radii[i]; }
+    // The largest distance at which two elements touch.
+    double reach() const { return radii.empty() ? 0.0 : 2.0 * *std::max_element(radii.begin(), radii.end()); }
+    // Decided in f64; the order of the sum is that of the axes.
+    bool touch(std::size_t i, std::size_t j) const {
+        double square = 0.0;
+        for (int k = 0; k < D; k++) square += (centres[i][k] - centres[j][k]) * (centres[i][k] - centres[j][k]);
+        const double sum = radius(i) + radius(j);
+        return square <= sum * sum;
+    }
+};
+
+// The value of a field of a message on one line, as text: what follows its name, without quotes; empty if it is not there. Backslashes in paths are undone.
+inline std::string field(const std::string& line, const std::string& name) {
+    auto at = line.find("\"" + name + "\":");
+    if (at == std::string::npos) return "";
+    at += name.size() + 3;
+    while (at < line.size() && line[at] == ' ') at++;
+    if (at >= line.size() || line[at] != '"') return line.substr(at, line.find_first_of(",}", at) - at);
+    std::string value;
+    for (at++; at < line.size() && line[at] != '"'; at++) {
+        if (line[at] == '\\' && at + 1 < line.size()) at++;
+        value += line[at];
+    }
+    return value;
+}
+
+inline std::string escaped(const std::string& text) {
+    std::string out;
+    for (char c : text) out += c == '"' || c == '\\' ? std::string{'\\', c} : std::string{c < ' ' ? ' ' : c};
+    return out;
+}
+
+inline void say(const std::string& reply) { std::cout << reply << std::endl; }
+
+inline std::vector<double> numbers(const std::string& path, std::size_t count) {
+    std::ifstream file(path, std::ios::binary);
+    char head[10];
+    if (!file.read(head, 10) || std::memcmp(head, "\x93NUMPY\x01", 7) != 0) throw std::runtime_error(path + " is not an npy file, version 1");
+    file.seekg(10 + static_cast<unsigned char>(head[8]) + 256 * static_cast<unsigned char>(head[9]));
+    std::vector<double> data(count);
+    if (!file.read(reinterpret_cast<char*>(data.data()), static_cast<std::streamsize>(count * sizeof(double)))) throw std::runtime_error(path + " is cut off");
+    return data;
+}
+
+template <int D> Scene<D> load(const std::string& line) {
+    Scene<D> scene;
+    const std::size_t n = std::stoull(field(line, "n"));
+    const std::string radius = field(line, "radius");
+    const bool each = radius == "null";
+    const auto data = numbers(field(line, "path"), n * (D + each));
+    scene.centres.resize(n);
+    // Not stod, to which numbers below the normal ones are an error.
+    if (!each) scene.radii = {std::strtod(radius.c_str(), nullptr)};
+    for (std::size_t i = 0; i < n; i++) {
+        const double* row = &data[i * (D + each)];
+        std::copy(row, row + D, scene.centres[i].begin());
+        if (each) scene.radii.push_back(row[D]);
+    }
+    return scene;
+}
+
+inline std::string digest(const Pairs& pairs) {
+    std::uint64_t sum = 0;
+    for (auto [i, j] : pairs) {
+        std::uint64_t z = (static_cast<std::uint64_t>(std::min(i, j)) << 32 | std::max(i, j)) + 0x9e3779b97f4a7c15u;
+        z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+        z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+        sum += z ^ (z >> 31);
+    }
+    char text[80];
+    std::snprintf(text, sizeof text, "\"contacts\":%zu,\"digest\":\"0x%016llx\"", pairs.size(), static_cast<unsigned long long>(sum));
+    return text;
+}
+
+inline void write(const std::string& path, const Pairs& pairs) {
+    std::string head = "{'descr': '<u4', 'fortran_order': False, 'shape': (" + std::to_string(pairs.size()) + ", 2), }";
+    while ((10 + head.size() + 1) % 64 != 0) head += ' ';
+    head += '\n';
+    std::ofstream file(path, std::ios::binary);
+    file.write("\x93NUMPY\x01\x00", 8);
+    file.put(static_cast<char>(head.size() % 256)).put(static_cast<char>(head.size() / 256)) << head;
+    file.write(reinterpret_cast<const char*>(pairs.data()), static_cast<std::streamsize>(pairs.size() * 8));
+    if (!file) throw std::runtime_error("cannot write " + path);
+}
+
+template <int D, class Detect> std::uint64_t timed(Detect& detect, const Scene<D>& scene, std::uint64_t calls, Pairs& pairs) {
+    const auto start = std::chrono::steady_clock::now();
+    for (std::uint64_t k = 0; k < calls; k++) {
+        pairs.clear();
+        detect(scene, pairs);
+    }
+    return static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now() - start).count());
+}
+
+// Answers requests until `quit`. `Plane` and `Space` are called with a scene and a cleared list of pairs: one detection, from raw coordinates on.
+template <class Plane, class Space> void serve(const std::string& name, const std::string& version, Plane plane, Space space) {
+    std::ios::sync_with_stdio(false);
+    say("{\"reply\":\"hello\",\"protocol\":1,\"detector\":\"" + name + "\",\"arithmetic\":\"exact\",\"version\":\"" + version + "\"}");
+    std::optional<Scene<2>> flat;
+    std::optional<Scene<3>> solid;
+    std::uint64_t calls = 0;
+    Pairs pairs;
+    const auto detect = [&](std::uint64_t times) { return flat ? timed(plane, *flat, times, pairs) : timed(space, *solid, times, pairs); };
+    for (std::string line; std::getline(std::cin, line);) {
+        const std::string asked = field(line, "request");
+        try {
+            if (asked == "quit") return;
+            if (asked == "load") {
+                flat.reset(), solid.reset(), calls = 0;
+                if (field(line, "dim") == "2") flat = load<2>(line);
+                else solid = load<3>(line);
+                say("{\"reply\":\"loaded\"}");
+            } else if (asked == "count" || asked == "memory") {
+                say("{\"reply\":\"unsupported\"}");
+            } else if (!flat && !solid) {
+                say("{\"reply\":\"error\",\"reason\":\"no scene is loaded; send load first\"}");
+            } else if (asked == "sample") {
+                detect(1);
+                if (calls == 0) {
+                    const std::uint64_t least = std::stoull(field(line, "min_ns"));
+                    calls = 1;
+                    for (std::uint64_t took; (took = detect(calls)) < least;)
+                        calls = std::max(calls + 1, std::min(10 * calls, least * calls / std::max<std::uint64_t>(took, 1) * 9 / 8));
+                }
+                const std::uint64_t took = detect(calls);
+                std::ostringstream reply;
+                reply << "{\"reply\":\"sample\",\"time_ns\":" << (took + calls / 2) / calls << ",\"calls\":" << calls << ",\"elapsed_ns\":" << took << "," << digest(pairs) << "}";
+                say(reply.str());
+            } else if (asked == "pairs") {
+                detect(1);
+                write(field(line, "path"), pairs);
+                say("{\"reply\":\"pairs\",\"contacts\":" + std::to_string(pairs.size()) + "}");
+            } else {
+                say("{\"reply\":\"error\",\"reason\":\"there is no request '" + escaped(asked) + "'\"}");
+            }
+        } catch (const std::bad_alloc&) {
+            throw;
+        } catch (const std::exception& error) {
+            say("{\"reply\":\"error\",\"reason\":\"" + escaped(error.what()) + "\"}");
+        }
+    }
+}
+
+}  // namespace runner
