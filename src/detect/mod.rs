@@ -6,17 +6,24 @@
 
 pub mod any;
 pub mod binary_tree;
+pub mod bvh;
+pub mod cell_grid;
 pub mod control;
+pub mod copies;
 pub mod direct;
 #[cfg(test)]
 mod golden;
+pub mod hash_grid;
+pub mod kd_tree;
 pub mod list;
 pub mod mask;
 pub mod nbs2d;
 pub mod nbs3d;
 pub mod screening;
 pub mod sorting;
+pub mod sweep;
 pub mod table;
+pub mod tree;
 
 use crate::contact::{Bodies, Real};
 use crate::probe::Probe;

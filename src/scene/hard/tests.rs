@@ -195,10 +195,12 @@ fn textbook_filters_fail_where_the_catalogue_says_so() {
             }
         }
     }
-    for entry in detectors().filter(|entry| entry.name != "direct") {
+    // Comparisons have no textbook form: they lose nothing.
+    let comparing = ["direct", "sweep", "bvh", "kd-tree"];
+    for entry in detectors().filter(|entry| !comparing.contains(&entry.name)) {
         for name in ["three-across-a-border", "couples-from-minus-one", "couples-below-zero", "couples-far-from-xmin"] {
             assert!(
-                wrong.contains(&(name, entry.name)) || name == "couples-far-from-xmin" && entry.name == "screening",
+                wrong.contains(&(name, entry.name)) || name == "couples-far-from-xmin" && ["screening", "cell-grid"].contains(&entry.name),
                 "{name}: {}",
                 entry.name
             );
