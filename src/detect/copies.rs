@@ -137,6 +137,9 @@ pub struct Found {
     count: usize,
 }
 
+/// Tested at a time, with one look whether there is room, and one whether all pairs are decided.
+pub const STRIDE: usize = 64;
+
 impl Found {
     const ROOM: usize = 256;
 
@@ -145,15 +148,37 @@ impl Found {
         Found { pairs: [[0; 2]; Found::ROOM], count: 0 }
     }
 
+    /// How many there are.
+    #[inline(always)]
+    pub fn count(&self) -> usize {
+        self.count
+    }
+
+    /// Is there room for [`STRIDE`] more?
+    #[inline(always)]
+    pub fn has_room(&self) -> bool {
+        self.count <= Found::ROOM - STRIDE
+    }
+
+    /// Replaces the marks from number `start` on by what `pair` makes of them, in place.
+    #[inline(always)]
+    pub fn settle(&mut self, start: usize, mut pair: impl FnMut([u32; 2]) -> Option<[u32; 2]>) {
+        let marks = start..self.count;
+        self.count = start;
+        for k in marks {
+            if let Some(pair) = pair(self.pairs[k % Found::ROOM]) {
+                self.pairs[self.count % Found::ROOM] = pair;
+                self.count += 1;
+            }
+        }
+    }
+
     /// Hands all on.
     pub fn flush(&mut self, sink: &mut impl Sink) {
         sink.contacts(&self.pairs[..self.count]);
         self.count = 0;
     }
 }
-
-/// Tested at a time, with one check for room and one for pairs that are not decided.
-const STRIDE: usize = 64;
 
 impl<'a, B, N: Nearness> Judge<'a, B, N> {
     /// For these bodies.
@@ -174,64 +199,39 @@ impl<'a, B, N: Nearness> Judge<'a, B, N> {
         B: Bodies<T, D>,
     {
         for others in others.chunks(STRIDE) {
-            self.stride::<T, D, false, _>(a, others, |_, _| true, found, probe, sink);
+            if !found.has_room() {
+                found.flush(sink);
+            }
+            self.stride(a, others, |_, b| [a.id, b.id], |_, _| true, found, probe);
         }
     }
 
-    /// Tests `a` against each of `others` that `counts`, which is asked only of those that are near.
+    /// Tests `a` against at most [`STRIDE`] others, for which there is room, and keeps a mark for each contact instead of the pair. One that is
+    /// nearly tangent and not `wanted` need not be marked.
     #[inline(always)]
-    pub fn against_some<T: Real, const D: usize, P: Probe>(
+    pub fn stride<T: Real, const D: usize, P: Probe>(
         &self,
         a: &Record<D>,
         others: &[Record<D>],
-        counts: impl Fn(&Record<D>, &mut P) -> bool,
+        mark: impl Fn(usize, &Record<D>) -> [u32; 2],
+        wanted: impl Fn(&Record<D>, &mut P) -> bool,
         found: &mut Found,
         probe: &mut P,
-        sink: &mut impl Sink,
     ) where
         B: Bodies<T, D>,
     {
-        for others in others.chunks(STRIDE) {
-            self.stride::<T, D, true, P>(a, others, &counts, found, probe, sink);
-        }
-    }
-
-    #[inline(always)]
-    fn stride<T: Real, const D: usize, const ASK: bool, P: Probe>(
-        &self,
-        a: &Record<D>,
-        others: &[Record<D>],
-        counts: impl Fn(&Record<D>, &mut P) -> bool,
-        found: &mut Found,
-        probe: &mut P,
-        sink: &mut impl Sink,
-    ) where
-        B: Bodies<T, D>,
-    {
-        if found.count > Found::ROOM - STRIDE {
-            found.flush(sink);
-        }
-        let (start, mut end, mut unsure) = (found.count, found.count, false);
+        let (mut end, mut unsure) = (found.count, false);
         for (place, b) in others.iter().enumerate() {
             let (near, square) = (self.nearness.near(a.radius, b.radius), a.square(b));
             // Written where the next near one will be; kept by counting it.
-            found.pairs[end % Found::ROOM] = [a.id, if ASK { place as u32 } else { b.id }];
+            found.pairs[end % Found::ROOM] = mark(place, b);
             end += usize::from(square <= near.outer);
             unsure |= (square > near.inner) & (square <= near.outer);
         }
         if unsure {
-            return self.carefully(a, others, counts, found, probe);
+            return self.carefully(a, others, mark, wanted, found, probe);
         }
         probe.add(Op::ContactTest, others.len() as u64);
-        if ASK {
-            let near = start..end;
-            end = start;
-            for k in near {
-                let b = &others[found.pairs[k % Found::ROOM][1] as usize % others.len()];
-                found.pairs[end % Found::ROOM] = [a.id, b.id];
-                end += usize::from(counts(b, probe));
-            }
-        }
         found.count = end;
     }
 
@@ -241,17 +241,23 @@ impl<'a, B, N: Nearness> Judge<'a, B, N> {
         &self,
         a: &Record<D>,
         others: &[Record<D>],
-        counts: impl Fn(&Record<D>, &mut P) -> bool,
+        mark: impl Fn(usize, &Record<D>) -> [u32; 2],
+        wanted: impl Fn(&Record<D>, &mut P) -> bool,
         found: &mut Found,
         probe: &mut P,
     ) where
         B: Bodies<T, D>,
     {
-        for b in others {
-            let verdict = self.nearness.near(a.radius, b.radius).verdict(a.square(b));
-            let known = verdict.inspect(|_| probe.count(Op::ContactTest));
-            if known != Some(false) && counts(b, probe) && known.unwrap_or_else(|| self.bodies.touch(a.id, b.id, probe)) {
-                found.pairs[found.count % Found::ROOM] = [a.id, b.id];
+        for (place, b) in others.iter().enumerate() {
+            let contact = match self.nearness.near(a.radius, b.radius).verdict(a.square(b)) {
+                Some(contact) => {
+                    probe.count(Op::ContactTest);
+                    contact
+                }
+                None => wanted(b, probe) && self.bodies.touch(a.id, b.id, probe),
+            };
+            if contact {
+                found.pairs[found.count % Found::ROOM] = mark(place, b);
                 found.count += 1;
             }
         }
@@ -299,5 +305,66 @@ impl<const D: usize> Bounds<D> {
         let mut axes: [usize; D] = std::array::from_fn(|k| k);
         axes.sort_unstable_by(|&a, &b| edge(b).total_cmp(&edge(a)));
         [axes[0], axes[1]]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::{Arithmetic, WithBodies, with_bodies};
+    use crate::detect::Refusal;
+    use crate::filter;
+    use crate::probe::Tally;
+    use crate::scene::{AnyScene, Radii, Scene};
+
+    /// All pairs of a scene by records, against the contact test; and the boxes of those that touch.
+    struct Pairs(u64);
+    impl<T: Real, const D: usize> WithBodies<T, D> for &mut Pairs {
+        type Output = Result<(), Refusal>;
+        fn call<B: Bodies<T, D>>(self, bodies: B) -> Self::Output {
+            let nearness = Each::of(bodies.slack());
+            let judge = Judge::new(&bodies, nearness);
+            let records: Vec<Record<D>> = (0..bodies.len() as u32).map(|id| Record::of(&bodies, id)).collect();
+            for (i, a) in records.iter().enumerate() {
+                let (mut found, mut probe, mut pairs, mut expected) = (Found::none(), Tally::default(), Vec::new(), Vec::new());
+                judge.against(a, &records[i + 1..], &mut found, &mut probe, &mut pairs);
+                found.flush(&mut pairs);
+                for b in &records[i + 1..] {
+                    if bodies.touch(a.id, b.id, &mut probe) {
+                        expected.push([a.id, b.id]);
+                        let interval = |record: &Record<D>, k: usize| filter::interval(record.position[k], nearness.half(record.radius));
+                        let meet = |k| interval(a, k)[0] <= interval(b, k)[1] && interval(b, k)[0] <= interval(a, k)[1];
+                        assert!((0..D).all(meet), "{a:?} {b:?}");
+                    }
+                }
+                assert_eq!(pairs, expected);
+                // Each pair is one contact test from copies, and was one above.
+                assert_eq!(probe.get(Op::ContactTest), 2 * (records.len() - i - 1) as u64);
+                self.0 += pairs.len() as u64;
+            }
+            Ok(())
+        }
+    }
+
+    /// Bodies on a line, each within some last bits of touching the one before, of radii that an f32 does not hold, at scales where it overflows and underflows.
+    #[test]
+    fn records_decide_as_the_test_does() {
+        for arithmetic in Arithmetic::ALL {
+            let mut pairs = Pairs(0);
+            for scale in [1.0, 1e-3, 1e-30, 1e-44, 1e-60, 1e30, 1e50] {
+                let radii: Vec<f64> = (0..200).map(|k| scale * (0.1 + f64::from(k % 13) / 7.0)).collect();
+                let mut x = 0.0;
+                let mut centres = vec![nalgebra::Point::from([0.0, 0.0])];
+                for k in 1..radii.len() {
+                    let distance = (radii[k - 1] + radii[k]) * (1.0 + [0.0, 1e-16, -1e-16, 1e-8, -1e-8, 1e-7, -1e-7][k % 7]);
+                    x += distance * if k % 3 == 0 { 0.75 } else { 1.0 };
+                    centres.push(nalgebra::Point::from([x, 0.0]));
+                }
+                let scene = AnyScene::from(Scene::new(centres, Radii::Each(radii.into())).unwrap());
+                let Ok(scene) = scene.stored(arithmetic) else { continue };
+                crate::with_scene!(&scene, scene => with_bodies(scene, arithmetic.test(), &mut pairs).ok());
+            }
+            assert!(pairs.0 > 200, "{arithmetic:?}: {}", pairs.0);
+        }
     }
 }

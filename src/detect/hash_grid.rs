@@ -13,7 +13,7 @@
 //! * Deviations from the sources: cells are wider by 4 parts in a million ([`crate::filter::cells`]); strips and not cells are hashed, so that bodies
 //!   near in space are mostly near in memory, which the others get from a sort along a space-filling curve; no pair is found twice, so none is looked for.
 
-use super::copies::{Each, Found, Judge, Nearness, One, Record, room};
+use super::copies::{Each, Found, Judge, Nearness, One, Record, STRIDE, room};
 use super::{Declare, Detector, Options, Refusal, within};
 use crate::contact::{Bodies, Real};
 use crate::filter::Cells;
@@ -98,6 +98,13 @@ struct Range<const D: usize> {
     last: u32,
 }
 
+impl<const D: usize> Range<D> {
+    #[inline(always)]
+    fn holds(&self, cell: [u32; D]) -> bool {
+        cell[1..] == self.first[1..] && (self.first[0]..=self.last).contains(&cell[0])
+    }
+}
+
 /// The rows after a row, as steps along y and z: of each two neighbouring rows one is after the other. In 2D the first.
 const ROWS: [[i32; 2]; 4] = [[1, 0], [-1, 1], [0, 1], [1, 1]];
 
@@ -145,17 +152,31 @@ impl<const D: usize> HashGrid<D> {
                 central = here;
                 self.around(central, buckets, &mut ranges, probe);
             }
-            for (k, range) in ranges.ranges[..ranges.count].iter().enumerate() {
+            let wanted = |k: u32, b: &Record<D>, probe: &mut P| {
+                probe.count(Op::KeyCompare);
+                ranges.ranges[k as usize].holds(cell(b.position, cells, probe))
+            };
+            let settle = |found: &mut Found, start: usize, probe: &mut P| {
+                found.settle(start, |[k, place]| {
+                    let b = &self.records[place as usize];
+                    wanted(k, b, probe).then_some([a.id, b.id])
+                });
+            };
+            let mut start = found.count();
+            for (k, range) in (0..).zip(&ranges.ranges[..ranges.count]) {
                 // In the first range those after `a` are left.
-                let start = if k == 0 { i as u32 + 1 } else { range.records[0] };
-                let others = &self.records[start as usize..range.records[1] as usize];
-                let counts = |b: &Record<D>, probe: &mut P| {
-                    probe.count(Op::KeyCompare);
-                    let there = cell(b.position, cells, probe);
-                    there[1..] == range.first[1..] && (range.first[0]..=range.last).contains(&there[0])
-                };
-                judge.against_some(a, others, counts, &mut found, probe, sink);
+                let mut place = if k == 0 { i as u32 + 1 } else { range.records[0] };
+                for others in self.records[place as usize..range.records[1] as usize].chunks(STRIDE) {
+                    if !found.has_room() {
+                        settle(&mut found, start, probe);
+                        found.flush(sink);
+                        start = 0;
+                    }
+                    judge.stride(a, others, |at, _| [k, place + at as u32], |b, probe| wanted(k, b, probe), &mut found, probe);
+                    place = place.wrapping_add(STRIDE as u32);
+                }
             }
+            settle(&mut found, start, probe);
         }
         found.flush(sink);
     }

@@ -97,14 +97,18 @@ impl<const D: usize> Sweep<D> {
             let (low, high) = (self.lows[i], self.highs[i]);
             let (lows, highs) = (&self.lows[i + 1..][..within], &self.highs[i + 1..][..within]);
             probe.add(Op::BoundTest, within as u64);
-            for (k, (lows, highs)) in lows.chunks(STRIDE).zip(highs.chunks(STRIDE)).enumerate() {
-                let overlaps = |(l, h): (&f32, &f32)| (*l <= high) & (*h >= low);
-                if lows.iter().zip(highs).fold(false, |any, ends| any | overlaps(ends)) {
-                    for (b, ends) in after[k * STRIDE..].iter().zip(lows.iter().zip(highs)) {
-                        if overlaps(ends) {
-                            judge.against(a, std::slice::from_ref(b), &mut found, probe, sink);
-                        }
-                    }
+            let overlaps = |l: f32, h: f32| (l <= high) & (h >= low);
+            let mut test = |place: usize| judge.against(a, std::slice::from_ref(&after[place]), &mut found, probe, sink);
+            let ((lows, last_lows), (highs, last_highs)) = (lows.as_chunks::<STRIDE>(), highs.as_chunks::<STRIDE>());
+            for (k, (lows, highs)) in lows.iter().zip(highs).enumerate() {
+                // Most have none, which takes a few instructions.
+                if (0..STRIDE).fold(false, |any, j| any | overlaps(lows[j], highs[j])) {
+                    (0..STRIDE).filter(|&j| overlaps(lows[j], highs[j])).for_each(|j| test(k * STRIDE + j));
+                }
+            }
+            for (j, (l, h)) in last_lows.iter().zip(last_highs).enumerate() {
+                if overlaps(*l, *h) {
+                    test(lows.len() * STRIDE + j);
                 }
             }
         }

@@ -129,16 +129,6 @@ pub static TABLE: &[Entry] = &[
         constructor: Both::<sweep::Sweep<2>, sweep::Sweep<3>>::boxed,
     },
     Entry {
-        name: "bvh",
-        role: Role::Detector,
-        summary: "sorts along a Morton curve, boxes around neighbours on it",
-        cost: "N log N",
-        memory: "40N + 64L in 2D, 48N + 96L in 3D; L the power of two from N/8 upwards",
-        limits: "the memory limit; clumps far from the rest are slow",
-        threads: false,
-        constructor: Both::<bvh::Bvh<2>, bvh::Bvh<3>>::boxed,
-    },
-    Entry {
         name: "kd-tree",
         role: Role::Detector,
         summary: "halves the elements in turn at medians, boxes around halves",
@@ -147,6 +137,16 @@ pub static TABLE: &[Entry] = &[
         limits: "the memory limit",
         threads: false,
         constructor: Both::<kd_tree::KdTree<2>, kd_tree::KdTree<3>>::boxed,
+    },
+    Entry {
+        name: "bvh",
+        role: Role::Detector,
+        summary: "sorts along a Morton curve, boxes around neighbours on it",
+        cost: "N log N",
+        memory: "40N + 64L in 2D, 48N + 96L in 3D; L the power of two from N/8 upwards",
+        limits: "the memory limit; clumps far from the rest are slow",
+        threads: false,
+        constructor: Both::<bvh::Bvh<2>, bvh::Bvh<3>>::boxed,
     },
     Entry {
         name: "nothing",

@@ -151,8 +151,7 @@ impl<'a, B, N: Nearness, P: Probe, S: Sink, const D: usize> Walk<'a, B, N, P, S,
             }
             return;
         }
-        let (of_a, of_b) = (self.records(a), self.records(b));
-        let bounds = self.tree.boxes[b];
+        let (of_a, of_b, bounds) = (self.records(a), self.records(b), self.tree.boxes[b]);
         for a in of_a {
             self.probe.count(Op::BoundTest);
             if around(a, self.judge.nearness).meets(&bounds) {
