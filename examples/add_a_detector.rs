@@ -16,11 +16,11 @@ use contactbench::{filter, oracle};
 
 // README: detector
 /// Sorts the elements by x and tests each against those that follow within reach.
-pub struct Sweep(Options, Vec<u32>);
+pub struct SweepX(Options, Vec<u32>);
 
-impl Declare for Sweep {
-    fn with(options: Options) -> Sweep {
-        Sweep(options, Vec::new())
+impl Declare for SweepX {
+    fn with(options: Options) -> SweepX {
+        SweepX(options, Vec::new())
     }
 
     fn formula_bytes(&self) -> u64 {
@@ -28,10 +28,10 @@ impl Declare for Sweep {
     }
 }
 
-impl<T: Real, const D: usize> Detector<T, D> for Sweep {
+impl<T: Real, const D: usize> Detector<T, D> for SweepX {
     fn detect<B: Bodies<T, D>, P: Probe, S: Sink>(&mut self, bodies: B, probe: &mut P, sink: &mut S) -> Result<(), Refusal> {
         let (n, x, order) = (bodies.len() as u32, |i: u32| bodies.position(i)[0], &mut self.1);
-        within(&self.0, "sweep", 4 * u64::from(n), || format!("{n} elements"))?;
+        within(&self.0, "sweep-x", 4 * u64::from(n), || format!("{n} elements"))?;
         order.clear();
         order.reserve_exact(n as usize);
         order.extend(0..n);
@@ -58,14 +58,14 @@ impl<T: Real, const D: usize> Detector<T, D> for Sweep {
 static TABLE: &[Entry] = &[
     // README: table
     Entry {
-        name: "sweep",
+        name: "sweep-x",
         role: Role::Detector,
         summary: "sorts along x, tests what follows within reach",
         cost: "N log N key comparisons; contact tests grow as N^(2 - 1/D) in a box",
         memory: "4N",
         limits: "many elements at the same x are N^2",
         threads: false,
-        constructor: Both::<Sweep, Sweep>::boxed,
+        constructor: Both::<SweepX, SweepX>::boxed,
     },
     // README: end
 ];
@@ -74,14 +74,14 @@ fn main() -> anyhow::Result<()> {
     // One scene, by hand: what a library user writes.
     let AnyScene::SpaceF64(scene) = Spec::parse("packed:dim=3,n=5000")?.make()? else { unreachable!("dim=3 is made in space, in f64") };
     let (mut tally, mut found) = (Tally::default(), Digest::default());
-    any::run(&mut Sweep::with(Options::default()), &scene, Test::Exact, &mut tally, &mut found)?;
+    any::run(&mut SweepX::with(Options::default()), &scene, Test::Exact, &mut tally, &mut found)?;
     let truth = oracle::truth(&AnyScene::from(scene), Arithmetic::Exact)?;
-    ensure!(found == truth.digest, "sweep finds {} contacts, there are {}", found.contacts, truth.digest.contacts);
-    println!("sweep: {} contacts, as the oracle finds; {} contact tests", found.contacts, tally.get(Op::ContactTest));
+    ensure!(found == truth.digest, "sweep-x finds {} contacts, there are {}", found.contacts, truth.digest.contacts);
+    println!("sweep-x: {} contacts, as the oracle finds; {} contact tests", found.contacts, tally.get(Op::ContactTest));
 
     // All generators, dimensions and arithmetics: what `contactbench check` does with every line of the table.
     let report = check::check(&[&TABLE[0]], &Arithmetic::SAFE, &Limits { seeds: 1, ..Limits::default() })?;
-    ensure!(report.failures.is_empty() && report.refused.is_empty(), "sweep disagrees with the truth, or refuses");
-    println!("sweep: {} detections agree with all pairs tested", report.cases);
+    ensure!(report.failures.is_empty() && report.refused.is_empty(), "sweep-x disagrees with the truth, or refuses");
+    println!("sweep-x: {} detections agree with all pairs tested", report.cases);
     Ok(())
 }

@@ -10,7 +10,7 @@ use common::{Ended, PROGRAM, ended, file, npy, pairs, run};
 use contactbench::detect::table::TABLE;
 use contactbench::harness::builtin;
 
-const DETECTORS: [&str; 5] = ["direct", "binary-tree", "screening", "sorting", "nbs"];
+const DETECTORS: [&str; 10] = ["direct", "binary-tree", "screening", "sorting", "nbs", "cell-grid", "hash-grid", "sweep", "kd-tree", "bvh"];
 
 /// `detect` with exit code 2, nothing on standard output, and one line on standard error with all these words.
 fn refused(folder: &Path, arguments: &[&str], words: &[&str]) {
@@ -99,14 +99,16 @@ fn scenes_that_no_grid_can_hold_are_refused_with_numbers() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     file(folder, "far.csv", "x,y,r\n0,0,1\n1e12,0,1\n");
-    for detector in ["binary-tree", "screening", "sorting", "nbs"] {
+    for detector in ["binary-tree", "screening", "sorting", "nbs", "cell-grid", "hash-grid"] {
         refused(
             folder,
             &["far.csv", "--detector", detector],
-            &["5.000e11 cells", "along x (0e0 to 1e12)", "2^31", "remove far-away elements, or use direct"],
+            &["5.000e11 cells", "along x (0e0 to 1e12)", "2^31", "remove far-away elements, or use kd-tree"],
         );
     }
-    assert_eq!(detected(folder, &["far.csv", "--detector", "direct"]).stdout, "i,j\n");
+    for detector in ["direct", "sweep", "kd-tree", "bvh"] {
+        assert_eq!(detected(folder, &["far.csv", "--detector", detector]).stdout, "i,j\n");
+    }
     // 999,999 cells per axis (of a little more than a diameter, and two at the borders), and two elements, 4 bytes each.
     file(folder, "loose.csv", "x,y,r\n0,0,0.5\n1e6,1e6,0.5\n");
     let words =
@@ -156,8 +158,10 @@ fn every_form_of_output_holds_the_same_pairs() {
         detected(folder, &["layer.csv", "--detector", detector, "--output", "pairs.npy"]);
         assert_eq!(pairs(&folder.join("pairs.npy")), truth);
     }
-    let one = detected(folder, &["layer.csv", "--detector", "direct", "--threads", "1"]).stdout;
-    assert_eq!(detected(folder, &["layer.csv", "--detector", "direct", "--threads", "2"]).stdout, one);
+    for detector in ["direct", "cell-grid"] {
+        let by = |threads| detected(folder, &["layer.csv", "--detector", detector, "--threads", threads]).stdout;
+        assert_eq!(by("1"), by("2"), "{detector}");
+    }
     // The same particles as npy: three columns are x, y, radius where two dimensions are asked for.
     file(folder, "layer.npy", npy(&particles.iter().map(|particle| particle.to_vec()).collect::<Vec<_>>()));
     assert_eq!(detected(folder, &["layer.npy", "--dim", "2"]).stdout, text);

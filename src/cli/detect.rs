@@ -48,7 +48,7 @@ pub fn detect(options: &Detect) -> anyhow::Result<ExitCode> {
     ensure!(threads >= 1, "--threads 0: at least one is needed");
     ensure!(
         threads == 1 || entry.threads,
-        "{} is sequential and cannot use {threads} threads; leave out --threads, or use direct",
+        "{} is sequential and cannot use {threads} threads; leave out --threads, or use direct or cell-grid",
         entry.name
     );
     if let Some(path) = &options.output {

@@ -6,10 +6,15 @@
 
 pub mod any;
 pub mod binary_tree;
+pub mod bvh;
+pub mod cell_grid;
 pub mod control;
+pub mod copies;
 pub mod direct;
 #[cfg(test)]
 mod golden;
+pub mod hash_grid;
+pub mod kd_tree;
 pub mod list;
 pub mod mask;
 pub mod nbs2d;
@@ -18,7 +23,9 @@ pub mod peers;
 pub mod screening;
 pub mod sorting;
 pub mod streamed;
+pub mod sweep;
 pub mod table;
+pub mod tree;
 
 use crate::contact::{Bodies, Real};
 use crate::probe::Probe;
@@ -72,11 +79,11 @@ pub enum Refusal {
     Memory { detector: &'static str, needed: u64, limit: u64, shape: String },
     /// Cells cannot be told apart or addressed.
     #[error(
-        "the scene spans {cells:.3e} cells of edge {edge:e} along {axis} ({low:e} to {high:e}), a grid can address 2^31; remove far-away elements, or use direct"
+        "the scene spans {cells:.3e} cells of edge {edge:e} along {axis} ({low:e} to {high:e}), a grid can address 2^31; remove far-away elements, or use kd-tree"
     )]
     Domain { axis: &'static str, low: f64, high: f64, edge: f64, cells: f64 },
     /// Distances along an axis are no doubles.
-    #[error("along {axis} the scene reaches from {low:e} to {high:e}, and the difference overflows; scale the scene down, or use direct")]
+    #[error("along {axis} the scene reaches from {low:e} to {high:e}, and the difference overflows; scale the scene down, or use kd-tree")]
     Extent { axis: &'static str, low: f64, high: f64 },
     /// More elements than the lists can number.
     #[error("{detector} numbers at most {limit} elements, the scene has {n}; use direct")]

@@ -70,14 +70,14 @@ impl Screening {
         let offsets = mask.map(|cell| (0..D).rev().fold(0, |place, axis| place * cells.count[axis] as isize + cell[axis] as isize));
         self.push(bodies, cells, probe);
         for k in 0..n {
-            let cell = place(bodies, cells, k, probe);
+            let cell = cells.place(bodies.position(k), probe);
             if let Some(central) = self.c.take_new(cell, probe) {
                 let heads = offsets.map(|offset| self.c.first(cell.wrapping_add_signed(offset), probe));
                 self.e.check(0, bodies, central, heads, probe, sink);
             }
         }
         for k in 0..n {
-            self.c.reset(place(bodies, cells, k, probe), probe);
+            self.c.reset(cells.place(bodies.position(k), probe), probe);
             self.e.reset(k, 0, probe);
         }
         Ok(())
@@ -97,20 +97,9 @@ impl Screening {
 
     fn push<T: Real, const D: usize>(&mut self, bodies: &impl Bodies<T, D>, cells: &Cells<D>, probe: &mut impl Probe) {
         for k in 0..bodies.len() as u32 {
-            self.c.push(place(bodies, cells, k, probe), k, &mut self.e, 0, probe);
+            self.c.push(cells.place(bodies.position(k), probe), k, &mut self.e, 0, probe);
         }
     }
-}
-
-/// The place of element `k`'s cell in the screening array: x runs fastest.
-#[inline(always)]
-fn place<T: Real, const D: usize>(bodies: &impl Bodies<T, D>, cells: &Cells<D>, k: u32, probe: &mut impl Probe) -> usize {
-    let position = bodies.position(k);
-    let mut place = 0;
-    for axis in (0..D).rev() {
-        place = place * cells.count[axis] as usize + cells.index(position[axis], axis, probe) as usize;
-    }
-    place
 }
 
 #[cfg(test)]

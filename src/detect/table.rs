@@ -1,7 +1,7 @@
 //! The table of all detectors. An algorithm that has a line here is in the command line, every experiment and every test.
 
 use super::any::{AnyDetector, Both};
-use super::{Options, binary_tree, control, direct, nbs2d, nbs3d, screening, sorting, streamed};
+use super::{Options, binary_tree, bvh, cell_grid, control, direct, hash_grid, kd_tree, nbs2d, nbs3d, screening, sorting, streamed, sweep};
 #[cfg(feature = "peers")]
 use super::{peers, peers::Peer};
 
@@ -122,6 +122,56 @@ pub static TABLE: &[Entry] = &[
         limits: "cells per axis < 2^31 where elements crowd; the memory limit",
         threads: true,
         constructor: Both::<streamed::Streamed<2>, streamed::Streamed<3>>::boxed,
+    },
+    Entry {
+        name: "cell-grid",
+        role: Role::Detector,
+        summary: "copies sorted by cell, rows of cells side by side",
+        cost: "N + cells",
+        memory: "4(nx ny [nz] + 1) + 24N in 2D, 32N in 3D",
+        limits: "memory: loose packs and far-away elements are refused",
+        threads: true,
+        constructor: Both::<cell_grid::CellGrid<2>, cell_grid::CellGrid<3>>::boxed,
+    },
+    Entry {
+        name: "hash-grid",
+        role: Role::Detector,
+        summary: "copies sorted by a hash of their cell, strips of cells side by side",
+        cost: "N",
+        memory: "4(B + 17) + 24N in 2D, 32N in 3D; B the power of two from N upwards",
+        limits: "cells per axis < 2^31; the memory limit",
+        threads: false,
+        constructor: Both::<hash_grid::HashGrid<2>, hash_grid::HashGrid<3>>::boxed,
+    },
+    Entry {
+        name: "sweep",
+        role: Role::Detector,
+        summary: "sorts along the longest axis, compares what overlaps along a second",
+        cost: "N log N key comparisons, N^(2 - 1/D) of bounds in a box",
+        memory: "32N in 2D, 40N in 3D",
+        limits: "time: many elements in 3D; the memory limit",
+        threads: false,
+        constructor: Both::<sweep::Sweep<2>, sweep::Sweep<3>>::boxed,
+    },
+    Entry {
+        name: "kd-tree",
+        role: Role::Detector,
+        summary: "halves the elements in turn at medians, boxes around halves",
+        cost: "N log N",
+        memory: "24N + 64L in 2D, 32N + 96L in 3D; L the power of two from N/8 upwards",
+        limits: "the memory limit",
+        threads: false,
+        constructor: Both::<kd_tree::KdTree<2>, kd_tree::KdTree<3>>::boxed,
+    },
+    Entry {
+        name: "bvh",
+        role: Role::Detector,
+        summary: "sorts along a Morton curve, boxes around neighbours on it",
+        cost: "N log N",
+        memory: "40N + 64L in 2D, 48N + 96L in 3D; L the power of two from N/8 upwards",
+        limits: "the memory limit; clumps far from the rest are slow",
+        threads: false,
+        constructor: Both::<bvh::Bvh<2>, bvh::Bvh<3>>::boxed,
     },
     Entry {
         name: "nothing",

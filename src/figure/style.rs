@@ -1,7 +1,8 @@
 //! One colour and one marker per detector, the same in every figure.
 //!
-//! The colours are those of Okabe and Ito, which people with any of the common colour blindnesses tell apart; the marker says the
-//! same again, so that a figure survives a grey printer. Controls are grey, thin and dashed.
+//! The colours of the book's detectors are those of Okabe and Ito, which people with any of the common colour blindnesses tell apart; the others were
+//! chosen beside them, from Okabe and Ito and from Tol, to differ in lightness where hues can be mistaken. The marker says the same again, so that a figure
+//! survives a grey printer. Controls are grey, thin and dashed.
 
 use std::collections::BTreeMap;
 
@@ -54,14 +55,21 @@ pub struct Style {
     pub control: bool,
 }
 
-const KNOWN: [(&str, Colour, Marker); 5] = [
+/// The book's detectors, then the others.
+const KNOWN: [(&str, Colour, Marker); 11] = [
     ("direct", (0, 0, 0), Marker::Square),
     ("binary-tree", (230, 159, 0), Marker::Up),
     ("screening", (86, 180, 233), Marker::Diamond),
     ("sorting", (0, 158, 115), Marker::Down),
     ("nbs", (213, 94, 0), Marker::Circle),
+    ("streamed-nbs", (0, 80, 200), Marker::Circle),
+    ("cell-grid", (204, 121, 167), Marker::Square),
+    ("hash-grid", (136, 34, 85), Marker::Cross),
+    ("sweep", (178, 161, 0), Marker::Plus),
+    ("kd-tree", (51, 34, 136), Marker::Up),
+    ("bvh", (140, 110, 70), Marker::Diamond),
 ];
-const REST: [Colour; 3] = [(0, 114, 178), (204, 121, 167), (178, 161, 0)];
+const REST: [Colour; 3] = [(0, 114, 178), (204, 102, 119), (90, 140, 90)];
 const MARKERS: [Marker; 5] = [Marker::Cross, Marker::Plus, Marker::Diamond, Marker::Square, Marker::Up];
 
 /// The styles of all detectors of a record.
@@ -99,4 +107,22 @@ impl Styles {
 /// The place of a detector in legends: the book's order, then others, then controls.
 pub fn rank(name: &str) -> usize {
     KNOWN.iter().position(|known| known.0 == name).unwrap_or(if is_control(name) { 99 } else { 50 })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::detect::table::{Role, TABLE};
+
+    #[test]
+    fn every_detector_has_a_style_of_its_own() {
+        for entry in TABLE.iter().filter(|entry| entry.role == Role::Detector) {
+            assert!(KNOWN.iter().any(|known| known.0 == entry.name), "{}", entry.name);
+        }
+        let apart = |a: Colour, b: Colour| [a.0.abs_diff(b.0), a.1.abs_diff(b.1), a.2.abs_diff(b.2)].into_iter().max();
+        for (k, a) in KNOWN.iter().enumerate() {
+            assert!(KNOWN[..k].iter().all(|b| apart(a.1, b.1) >= Some(45)), "{}", a.0);
+            assert!(REST.iter().all(|&b| apart(a.1, b) >= Some(30)), "{}", a.0);
+        }
+    }
 }

@@ -77,6 +77,12 @@ impl<const D: usize> Cells<D> {
         self.quotient(x, k) as i64 as u32 + 1
     }
 
+    /// The place of the cell that holds a point in an array of all cells, x running fastest.
+    #[inline(always)]
+    pub fn place<P: Probe>(&self, position: [f64; D], probe: &mut P) -> usize {
+        (0..D).rev().fold(0, |place, axis| place * self.count[axis] as usize + self.index(position[axis], axis, probe) as usize)
+    }
+
     #[inline(always)]
     fn quotient(&self, x: f64, k: usize) -> f64 {
         match self.textbook {

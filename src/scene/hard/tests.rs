@@ -196,10 +196,12 @@ fn textbook_filters_fail_where_the_catalogue_says_so() {
             }
         }
     }
-    for entry in detectors().filter(|entry| entry.name != "direct" && entry.is_ours()) {
+    // Comparisons and whole numbers of steps have no textbook form: they lose nothing.
+    let safe = ["direct", "sweep", "bvh", "kd-tree", "streamed-nbs"];
+    for entry in detectors().filter(|entry| !safe.contains(&entry.name) && entry.is_ours()) {
         for name in ["three-across-a-border", "couples-from-minus-one", "couples-below-zero", "couples-far-from-xmin"] {
             assert!(
-                wrong.contains(&(name, entry.name)) || name == "couples-far-from-xmin" && entry.name == "screening",
+                wrong.contains(&(name, entry.name)) || name == "couples-far-from-xmin" && ["screening", "cell-grid"].contains(&entry.name),
                 "{name}: {}",
                 entry.name
             );
