@@ -10,7 +10,8 @@ use common::{Ended, PROGRAM, ended, file, npy, pairs, run};
 use contactbench::detect::table::TABLE;
 use contactbench::harness::builtin;
 
-const DETECTORS: [&str; 10] = ["direct", "binary-tree", "screening", "sorting", "nbs", "cell-grid", "hash-grid", "sweep", "kd-tree", "bvh"];
+const DETECTORS: [&str; 11] =
+    ["direct", "binary-tree", "screening", "sorting", "nbs", "cell-grid", "hash-grid", "sweep", "kd-tree", "bvh", "streamed-nbs"];
 
 /// `detect` with exit code 2, nothing on standard output, and one line on standard error with all these words.
 fn refused(folder: &Path, arguments: &[&str], words: &[&str]) {

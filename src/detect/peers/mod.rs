@@ -46,7 +46,7 @@ pub const KIDDO: Peer = Peer {
 
 /// See [`kd-tree`](https://docs.rs/kd-tree).
 pub const KD_TREE: Peer = Peer {
-    name: "kd-tree",
+    name: "kd-tree-crate",
     summary: "peer: k-d tree of the crate kd-tree, one radius query per element",
     cost: "N log N",
     limits: "a new list for every query; refuses scenes where squares of distances overflow",

@@ -27,12 +27,12 @@ const FEWEST: u32 = 12;
 pub(super) const STEPS_OFF: f64 = 2.1;
 /// Measured: more than this cost more than longer ranges of candidates do.
 const CELLS_PER_ELEMENT: f64 = 5.0;
-/// Elements looked at, to see whether they crowd.
+/// Elements looked at, to see whether they crowd: one in 32, but at most so many.
 const SAMPLE: usize = 4096;
 /// Other elements in the cell of an element, in the mean, from which cells are not used: some hundred candidates.
 const CROWD: f64 = 24.0;
 /// So few elements that a crowd does not matter.
-const FEW: usize = 512;
+const FEW: usize = 4096;
 /// 2^52: added to a number below it, it leaves the nearest whole number in the lowest bits.
 const WHOLE: f64 = (1u64 << 52) as f64;
 
@@ -123,7 +123,7 @@ impl<const D: usize> Grid<D> {
     /// Whether elements have many others in their cells, judged by a sample.
     fn crowded<T: Real>(&self, bodies: &impl Bodies<T, D>) -> bool {
         let n = bodies.len() as u64;
-        let m = (n as usize).min(SAMPLE);
+        let m = (n as usize / 32).clamp(SAMPLE / 16, SAMPLE).min(n as usize);
         let mut keys = [0u64; SAMPLE];
         for (k, key) in keys[..m].iter_mut().enumerate() {
             // All, or by chance: a sample at equal strides would miss clusters whose elements are stored side by side.

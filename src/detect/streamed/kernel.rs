@@ -9,8 +9,8 @@
 //! ```
 //!
 //! Range 0 begins after the element itself. **Bounds.** Let D be the true distance of two elements in steps and d the one computed here. Coordinates
-//! differ from the true differences by at most [`STEPS_OFF`] along each axis; x is rounded to 24 bits twice, its difference once; the rest
-//! (fractions, one cell more or less) is exact. So |d - D| <= √3·2.1 + (steps along x)·2^-24 + 1, but for a relative error below 2^-21 of the sum of squares, which
+//! differ from the true differences by at most [`STEPS_OFF`] along each axis; x is rounded to 24 bits for either, the difference once; the rest
+//! (fractions, one cell more or less) is exact. So |d - D| <= √3·2.1 + 2·(steps along x)·2^-24 + 1, but for a relative error below 2^-21 of the sum of squares, which
 //! fused or not has at most four roundings. Radii have relative errors of 2^-23. With `grow` the sum of these bounds, relative ones taken of the largest sum of radii, 2^-19
 //! together, and of the test's slack: a pair with d > s + grow is refused by the contact test, and one with d <= s - grow is accepted. The others, some
 //! in a million, are asked of the test itself.
@@ -49,7 +49,7 @@ impl Bounds {
         let steps = turn.map_or((grid.count[0] << grid.bits) as f64, f64::from);
         let (slack, reach) = (bodies.slack(), grid.length(bodies.reach().min(f64::MAX)));
         let relative = slack.relative + 1.0 / f64::from(1 << 19);
-        let grow = 2.0 * STEPS_OFF + steps / f64::from(1 << 24) + 2.0 + grid.length(slack.absolute) + reach * relative;
+        let grow = 2.0 * STEPS_OFF + steps / f64::from(1 << 23) + 2.0 + grid.length(slack.absolute) + reach * relative;
         // Twice the radius in steps: the diameter itself may overflow.
         let sum = 2.0 * grid.length(bodies.uniform().unwrap_or(0.0));
         Bounds { sum: sum as f32, grow: grow as f32, one: (1u64 << grid.bits) as f32 }

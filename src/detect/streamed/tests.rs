@@ -225,3 +225,26 @@ fn counts_are_the_same_on_all_levels() {
         }
     }
 }
+
+/// Couples within some steps of a diameter, far along x in a wide grid, where a float has few bits left for them. With half the bound on the rounding of x
+/// some of these are lost or added.
+#[test]
+fn couples_where_floats_are_coarse() {
+    let mut state = 1;
+    let mut unit = || {
+        state = crate::sink::splitmix64(state);
+        (state >> 11) as f64 / (1u64 << 53) as f64
+    };
+    let couple = |k: u32| {
+        let (x, y) = (3000.0 * unit().sqrt(), 3200.0 * unit());
+        let gap = 1.0 + 4e-5 * (f64::from(k) / 5000.0 - 1.0);
+        [[x, y], [x + gap, y]]
+    };
+    let centres: Vec<_> = (0..10_000).flat_map(couple).map(nalgebra::Point::from).collect();
+    let scene = Scene::new(centres, Radii::Uniform(0.5)).unwrap();
+    let truth = answer(&mut crate::detect::nbs2d::Nbs2d::with(Options::default()), &scene, Test::Exact);
+    for level in Level::all() {
+        let mut detector = Streamed::<2>::on(level, Options::default()).in_form(Form::Cells);
+        assert_eq!(answer(&mut detector, &scene, Test::Exact), truth, "{}", level.name());
+    }
+}
