@@ -20,8 +20,8 @@ def prepare(scene):
     low, high = points.min(axis=0, initial=np.inf), points.max(axis=0, initial=-np.inf)
     points = (points - (low + high) / 2).astype("f4") if scene.n else points.astype("f4")
     edges = (np.maximum(high - low, 0.0) if scene.n else np.zeros(3)) + 3.0 * scene.reach
-    if scene.reach == 0.0 or not np.isfinite(edges).all():
-        raise Refusal("freud needs a finite box and a distance above 0")
+    if scene.n == 0 or scene.reach == 0.0 or not np.isfinite(edges).all():
+        raise Refusal("freud needs points, a finite box and a distance above 0")
     box = freud.box.Box(edges[0], edges[1], edges[2] if scene.dim == 3 else 0.0, is2D=scene.dim == 2)
 
     def detect():

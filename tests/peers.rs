@@ -71,7 +71,7 @@ fn an_experiment_may_name_peers_that_were_not_compiled() {
 
 #[test]
 fn runners_are_right_or_unavailable() {
-    let scenes = "[[scene]]\nname = \"packed\"\ndim = [2, 3]\nn = [0, 1, 300]\nsize-ratio = [1, 3]\n";
+    let scenes = "[[scene]]\nname = \"packed\"\nn = 300\nsize-ratio = 3\n[[scene]]\nname = \"packed\"\ndim = 3\nn = [0, 300]\n";
     let text = format!("{HEAD}memory-limit-mib = 16384\ndetectors = [\"nbs\"]\n{scenes}{}", runners());
     let rows = rows(Path::new(env!("CARGO_MANIFEST_DIR")), &text);
     for row in rows.iter().filter(|row| row.detector != "nbs") {
