@@ -235,16 +235,19 @@ fn couples_where_floats_are_coarse() {
         state = crate::sink::splitmix64(state);
         (state >> 11) as f64 / (1u64 << 53) as f64
     };
-    let couple = |k: u32| {
-        let (x, y) = (3000.0 * unit().sqrt(), 3200.0 * unit());
-        let gap = 1.0 + 4e-5 * (f64::from(k) / 5000.0 - 1.0);
-        [[x, y], [x + gap, y]]
-    };
-    let centres: Vec<_> = (0..10_000).flat_map(couple).map(nalgebra::Point::from).collect();
-    let scene = Scene::new(centres, Radii::Uniform(0.5)).unwrap();
-    let truth = answer(&mut crate::detect::nbs2d::Nbs2d::with(Options::default()), &scene, Test::Exact);
-    for level in Level::all() {
-        let mut detector = Streamed::<2>::on(level, Options::default()).in_form(Form::Cells);
-        assert_eq!(answer(&mut detector, &scene, Test::Exact), truth, "{}", level.name());
+    let mut places = Vec::new();
+    places.resize_with(7800, || [3000.0 * (0.95 + 0.05 * unit()), 3200.0 * unit()]);
+    // So there are some 270 cells along x, and all couples are just beyond a power of two of steps.
+    places[0] = [0.0, 0.0];
+    // The rounding of a difference depends on it modulo a step of the floats: diameters go through all of them.
+    for diameter in (0..32).map(|k| 1.0 + 2e-5 * f64::from(k)) {
+        let couple = |(k, [x, y]): (usize, [f64; 2])| [[x, y], [x + diameter + 1e-5 * (k as f64 / 3900.0 - 1.0), y]];
+        let centres: Vec<_> = places.iter().copied().enumerate().flat_map(couple).map(nalgebra::Point::from).collect();
+        let scene = Scene::new(centres, Radii::Uniform(0.5 * diameter)).unwrap();
+        let truth = answer(&mut crate::detect::nbs2d::Nbs2d::with(Options::default()), &scene, Test::Exact);
+        for level in Level::all() {
+            let mut detector = Streamed::<2>::on(level, Options::default()).in_form(Form::Cells);
+            assert_eq!(answer(&mut detector, &scene, Test::Exact), truth, "{} with diameter {diameter}", level.name());
+        }
     }
 }
