@@ -139,11 +139,11 @@ fn sweeps_compare_more_per_element_the_more_there_are() {
 fn trees_sort_in_n_log_n_and_search_in_n() {
     for detector in ["kd-tree", "bvh"] {
         for dim in [2, 3] {
-            // Leaves are equally full for these N.
+            // Leaves are equally full for these N. What grows is the part of the leaves that are not at the surface.
             let per = |n: u64, op| count(detector, &scene(&format!("loose:dim={dim},n={n}"))).get(op) as f64 / n as f64;
             let visits = per(32_000, Op::NodeVisit) / per(4000, Op::NodeVisit);
             let tests = per(32_000, Op::ContactTest) / per(4000, Op::ContactTest);
-            assert!((0.8..1.4).contains(&visits) && (0.8..1.4).contains(&tests), "{detector} {dim}D: {visits} {tests}");
+            assert!((0.8..1.8).contains(&visits) && (0.8..1.4).contains(&tests), "{detector} {dim}D: {visits} {tests}");
             let keys = per(32_000, Op::KeyCompare) / 32_000f64.log2();
             assert!((0.8..4.0).contains(&keys), "{detector} {dim}D: {keys}");
         }
@@ -184,18 +184,19 @@ fn counts_are_the_same_on_every_machine() {
             .collect::<Vec<_>>()
             .join(" ")
     };
-    let found = ["nbs", "screening", "sorting", "binary-tree", "cell-grid", "hash-grid", "sweep", "kd-tree", "bvh"].map(of);
+    let found = ["nbs", "screening", "sorting", "binary-tree", "cell-grid", "hash-grid", "sweep", "kd-tree", "bvh", "streamed-nbs"].map(of);
     assert_eq!(found, GOLDEN);
 }
 
-const GOLDEN: [&str; 9] = [
+const GOLDEN: [&str; 10] = [
     "integerise=34296 list_push=14148 list_step=36534 list_reset=14148 cell_probe=17520 contact_test=6238",
     "integerise=18000 list_push=2000 list_step=8238 list_reset=4000 cell_probe=24776 contact_test=6238",
     "integerise=6000 key_compare=314266 move=10186 contact_test=6238",
     "integerise=11256 list_push=2000 list_step=8238 node_visit=407218 contact_test=6238",
-    "",
-    "",
-    "",
-    "",
-    "",
+    "integerise=12000 cell_probe=144861 move=2000 contact_test=6238",
+    "integerise=21369 cell_probe=10409 key_compare=1123 move=2000 contact_test=32339",
+    "bound_test=102300 contact_test=10394",
+    "node_visit=1068 bound_test=8630 contact_test=36546",
+    "integerise=6000 node_visit=1884 move=2000 bound_test=17140 contact_test=85423",
+    "integerise=6000 list_push=2000 cell_probe=10000 move=2000 contact_test=54015",
 ];

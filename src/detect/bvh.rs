@@ -5,8 +5,8 @@
 //!    copied in their order, which is that of a quadtree's or octree's leaves.
 //! 2. [`super::tree`] makes boxes and finds the pairs.
 //!
-//! * Cost: N log N key comparisons for N elements; the search visits some nodes for every leaf of at most 8, in a dense pack about as many for any N.
-//! * Memory: `40N + 64L` bytes in 2D, `48N + 96L` in 3D, L being the number of leaves: the power of two from N/8 upwards.
+//! * Cost: N log N key comparisons for N elements; the search visits some nodes for every leaf of at most 16, in a dense pack about as many for any N.
+//! * Memory: `40N + 64L` bytes in 2D, `48N + 96L` in 3D, L being the number of leaves: the power of two from N/16 upwards.
 //! * Boxes are around bodies of any size: a giant among dust costs its own pairs, and some boxes. Keys decide on speed only: where all bodies are in
 //!   one step, in a clump far from the rest, boxes overlap and the search is slow. Refuses scenes over the memory limit.
 //! * Deviations from the sources: the tree is balanced and implied by N, and does not follow the bits of the keys; no tree is kept and refitted.

@@ -7,8 +7,8 @@
 //! 3. Every body is tested against the rest of its cell, the cell to the right, and three cells in each of half of the neighbouring
 //!    rows: a range for each strip that these are in. Of a body that is near, the cell itself is looked at, since other cells may share the buckets.
 //!
-//! * Cost: proportional to N elements, whatever the domain. Elements of other cells in the same buckets are tested in vain: less than one for every
-//!   range of three cells, on average. Memory: `4(B + 17) + 24N` bytes in 2D, `+ 32N` in 3D, B being the power of two from N upwards.
+//! * Cost: proportional to N elements, whatever the domain. Elements of other cells in the same buckets are tested in vain: at most one for every
+//!   cell looked at, on average. Memory: `4(B + 17) + 24N` bytes in 2D, `+ 32N` in 3D, B being the power of two from N upwards.
 //! * Refuses domains of 2^31 cells and more along an axis, and scenes over the memory limit.
 //! * Deviations from the sources: cells are wider by 4 parts in a million ([`crate::filter::cells`]); strips and not cells are hashed, so that bodies
 //!   near in space are mostly near in memory, which the others get from a sort along a space-filling curve; no pair is found twice, so none is looked for.

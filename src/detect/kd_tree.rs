@@ -1,11 +1,11 @@
 //! `kd-tree`: a balanced tree by medians (Bentley 1975, "Multidimensional Binary Search Trees Used for Associative Searching"; with buckets and
 //! boxes as in Friedman, Bentley and Finkel 1977, and walked two nodes at a time as in Gray and Moore 2000).
 //!
-//! 1. Copies are parted at the median along the longest axis, and each half likewise, down to buckets of at most 8.
+//! 1. Copies are parted at the median along the longest axis, and each half likewise, down to buckets of at most 16.
 //! 2. [`super::tree`] makes boxes and finds the pairs.
 //!
 //! * Cost: N log N key comparisons for N elements; the search visits some nodes for every bucket, in a dense pack about as many for any N.
-//! * Memory: `24N + 64L` bytes in 2D, `32N + 96L` in 3D, L being the number of buckets: the power of two from N/8 upwards.
+//! * Memory: `24N + 64L` bytes in 2D, `32N + 96L` in 3D, L being the number of buckets: the power of two from N/16 upwards.
 //! * No cells: far-away elements, elements at one place and elements of very different sizes are no worse than others. Refuses scenes over the
 //!   memory limit.
 //! * Deviations from the sources: the axis is the longest of the space between the cuts, not of the bodies' own box, so that no pass is needed for it; the median is

@@ -14,7 +14,7 @@ use crate::probe::{Op, Probe};
 use crate::sink::Sink;
 
 /// Most records of a leaf.
-pub const LEAF: usize = 8;
+pub const LEAF: usize = 16;
 
 /// Records in order, and boxes around them.
 pub struct Tree<const D: usize> {

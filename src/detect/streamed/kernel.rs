@@ -124,7 +124,21 @@ pub(super) struct Sweep<'a, F, const D: usize, const EACH: bool> {
     pub places: std::ops::Range<usize>,
     pub find: F,
     pub bounds: Bounds,
+    pub scratch: &'a mut Scratch,
     pub take: &'a mut dyn Take,
+}
+
+/// Neighbours of a block of elements, and what they make: filled again for every block.
+pub(super) struct Scratch {
+    ids: [u32; ROOM],
+    ends: [u32; BLOCK],
+    pairs: [[u32; 2]; ROOM],
+}
+
+impl Default for Scratch {
+    fn default() -> Scratch {
+        Scratch { ids: [0; ROOM], ends: [0; BLOCK], pairs: [[0; 2]; ROOM] }
+    }
 }
 
 /// Elements whose neighbours are collected before they are paired.
@@ -165,12 +179,10 @@ impl<F: Find, const D: usize, const EACH: bool> Kernel for Sweep<'_, F, D, EACH>
     fn run<W: Wide>(mut self, w: W) {
         let used = ranges_used(D);
         let limits = self.limits(w);
-        let (mut ids, mut ends) = ([0; ROOM], [0; BLOCK]);
-        let mut pairs = [[0; 2]; ROOM];
         for first in self.places.clone().step_by(BLOCK) {
             let many = BLOCK.min(self.places.end - first);
             let mut kept = 0;
-            for (k, end) in ends[..many].iter_mut().enumerate() {
+            for k in 0..many {
                 let place = first + k;
                 let ranges = self.find.ranges::<D>(place);
                 let mut odd = ranges.iter().fold(0, |all, &(_, len)| all | len) & !(LANES as u32 - 1);
@@ -179,7 +191,7 @@ impl<F: Find, const D: usize, const EACH: bool> Kernel for Sweep<'_, F, D, EACH>
                     for (r, &(begin, len)) in ranges[..used].iter().enumerate() {
                         let slab = self.other(r);
                         let (near, sure) = self.test(w, slab, begin as usize, !(!0 << len), &self.query(w, place, r), limits);
-                        w.pack(chunk(&slab.ids, begin as usize), near, chunk_mut(&mut ids, at));
+                        w.pack(chunk(&slab.ids, begin as usize), near, chunk_mut(&mut self.scratch.ids, at));
                         let count = near.count_ones();
                         at += count as usize;
                         odd |= near ^ sure;
@@ -192,22 +204,23 @@ impl<F: Find, const D: usize, const EACH: bool> Kernel for Sweep<'_, F, D, EACH>
                 if odd != 0 {
                     w.run(Careful(&mut self, place, &ranges[..used]));
                 }
-                *end = kept as u32;
+                self.scratch.ends[k] = kept as u32;
             }
             let mut begin = 0;
-            for (k, &end) in ends[..many].iter().enumerate() {
+            for k in 0..many {
+                let end = self.scratch.ends[k] as usize;
                 let id = element(&self.slab.ids, first + k);
                 let mut at = begin;
                 loop {
-                    w.pair(id, chunk(&ids, at), chunk_mut(&mut pairs, at));
+                    w.pair(id, chunk(&self.scratch.ids, at), chunk_mut(&mut self.scratch.pairs, at));
                     at += KEPT;
-                    if at >= end as usize {
+                    if at >= end {
                         break;
                     }
                 }
-                begin = end as usize;
+                begin = end;
             }
-            self.take.sure(&pairs[..kept]);
+            self.take.sure(&self.scratch.pairs[..kept]);
         }
     }
 }

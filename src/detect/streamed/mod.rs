@@ -41,7 +41,7 @@ use crate::sink::Sink;
 use crate::wide::Level;
 pub use grid::Form;
 use grid::Grid;
-use kernel::{Bounds, ByCells, Sweep, Take};
+use kernel::{Bounds, ByCells, Scratch, Sweep, Take};
 use lists::{Lists, Size};
 use occupied::Occupied;
 use slab::{Plan, Slab};
@@ -66,6 +66,7 @@ pub struct Streamed<const D: usize> {
 #[derive(Default)]
 struct Worker<const D: usize> {
     slabs: [Slab<D>; 2],
+    scratch: Scratch,
     pairs: Vec<[u32; 2]>,
 }
 
@@ -168,7 +169,7 @@ impl<B: Copy + Sync, const D: usize> Run<'_, B, D> {
         let bundles = Bundles { lists, plan, bounds: Bounds::new(&bodies, &grid, None), level: self.level };
         if threads == 1 {
             let mut deliver = Deliver::new(bodies, probe, sink);
-            bundles.sweep::<EACH>(&mut workers[0].slabs, 0..plan.slabs, &mut deliver);
+            bundles.sweep::<EACH>(&mut workers[0], 0..plan.slabs, &mut deliver);
             deliver.finish();
             return Ok(());
         }
@@ -183,8 +184,10 @@ impl<B: Copy + Sync, const D: usize> Run<'_, B, D> {
         }
         workers.par_iter_mut().zip(shares).for_each(|(worker, share)| {
             worker.pairs.clear();
-            let (mut probe, pairs) = (Silent, &mut worker.pairs);
-            bundles.sweep::<EACH>(&mut worker.slabs, share, &mut Deliver::new(bodies, &mut probe, pairs));
+            // Out of the worker while it works, so that both can be changed.
+            let mut pairs = std::mem::take(&mut worker.pairs);
+            bundles.sweep::<EACH>(worker, share, &mut Deliver::new(bodies, &mut Silent, &mut pairs));
+            worker.pairs = pairs;
         });
         sink.gather(&workers.iter().map(|worker| &worker.pairs[..]).collect::<Vec<_>>());
         Ok(())
@@ -225,8 +228,8 @@ struct Bundles<'a, R, const D: usize> {
 
 impl<R: Size, const D: usize> Bundles<'_, R, D> {
     /// Sweeps a range of bundles, each against itself and the first layer of the next.
-    fn sweep<const EACH: bool>(&self, slabs: &mut [Slab<D>; 2], range: Range<usize>, take: &mut dyn Take) {
-        let [slab, next] = slabs;
+    fn sweep<const EACH: bool>(&self, worker: &mut Worker<D>, range: Range<usize>, take: &mut dyn Take) {
+        let Worker { slabs: [slab, next], scratch, .. } = worker;
         let (plan, bounds) = (&self.plan, self.bounds);
         slab.fill(self.lists, Some(range.start), plan, take);
         for number in range {
@@ -236,7 +239,7 @@ impl<R: Size, const D: usize> Bundles<'_, R, D> {
             let border = slab.begin[last] as usize;
             let mut sweep = |places: Range<usize>, next: &Slab<D>, to_next: isize| {
                 let find = ByCells::new(plan, slab, next, to_next);
-                Sweep::<_, D, EACH> { slab, next, places, find, bounds, take: &mut *take }.on(self.level);
+                Sweep::<_, D, EACH> { slab, next, places, find, bounds, scratch: &mut *scratch, take: &mut *take }.on(self.level);
             };
             sweep(0..border, slab, plan.layer as isize);
             sweep(border..slab.len, next, -(last as isize));

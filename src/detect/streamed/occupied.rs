@@ -5,7 +5,7 @@
 //! cursors together pass over a layer a few times. Cost: N log N for the sort, N for the rest, whatever the number of cells.
 
 use super::grid::Grid;
-use super::kernel::{Bounds, Find, Ranges, Sweep, Take};
+use super::kernel::{Bounds, Find, Ranges, Scratch, Sweep, Take};
 use super::lists::{Size, room};
 use super::slab::Slab;
 use crate::contact::{Bodies, Real};
@@ -43,12 +43,13 @@ pub(super) struct Occupied<const D: usize, R> {
     places: Vec<Place<R>>,
     layers: [Layer<D>; 2],
     ranges: Vec<Ranges>,
+    scratch: Scratch,
 }
 
 impl<const D: usize, R> Default for Occupied<D, R> {
     fn default() -> Self {
         let layer = || Layer { slab: Slab::default(), keys: Vec::new() };
-        Occupied { places: Vec::new(), layers: [layer(), layer()], ranges: Vec::new() }
+        Occupied { places: Vec::new(), layers: [layer(), layer()], ranges: Vec::new(), scratch: Scratch::default() }
     }
 }
 
@@ -132,7 +133,8 @@ impl<const D: usize, R: Size> Occupied<D, R> {
             find(this, next, &mut self.ranges, take);
             let (slab, next_slab) = (&this.slab, &next.slab);
             let find = Listed { cells: &slab.cells, ranges: &self.ranges };
-            Sweep::<_, D, EACH> { slab, next: next_slab, places: 0..slab.len, find, bounds, take: &mut *take }.on(level);
+            Sweep::<_, D, EACH> { slab, next: next_slab, places: 0..slab.len, find, bounds, scratch: &mut self.scratch, take: &mut *take }
+                .on(level);
             std::mem::swap(this, next);
         }
     }
