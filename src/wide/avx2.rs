@@ -45,7 +45,7 @@ static PACKED: [[u32; 8]; 256] = {
 };
 
 // SAFETY, for every block below: a value of this type exists only where `detect` has found the instructions. Loads and stores are unaligned, and
-// within the arrays they are given.
+// within the arrays they are given; a mask of 8 lanes is an index of the table.
 impl Avx2 {
     #[inline(always)]
     fn each(self, a: [__m256; 2], b: [__m256; 2], f: impl Fn(__m256, __m256) -> __m256) -> [__m256; 2] {
@@ -110,7 +110,7 @@ impl Wide for Avx2 {
     fn pack(self, ids: &[u32; LANES], mask: u32, to: &mut [u32; 8]) {
         let (low, high) = ids.split_at(8);
         // Both halves have eight lanes, by the split.
-        let (Ok(low), Ok(high)) = (low.try_into(), high.try_into()) else { return };
+        let (Ok(low), Ok(high)) = (low.try_into(), high.try_into()) else { unreachable!() };
         let first = (mask & 0xff).count_ones() as usize;
         let mut both = [0; LANES];
         unsafe {

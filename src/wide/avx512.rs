@@ -30,7 +30,7 @@ fn compiled<K: Kernel>(wide: Avx512, kernel: K) -> K::Output {
 }
 
 // SAFETY, for every block below: a value of this type exists only where `detect` has found the instructions. Loads and stores are unaligned, and
-// within the arrays they are given.
+// within the arrays they are given: of 16 packed lanes, 8 are stored.
 impl Wide for Avx512 {
     type Floats = __m512;
 

@@ -44,7 +44,7 @@ pub trait Wide: Copy + Send + Sync {
     fn mul(self, a: Self::Floats, b: Self::Floats) -> Self::Floats;
     /// a · b + c, rounded once or twice.
     fn mul_add(self, a: Self::Floats, b: Self::Floats, c: Self::Floats) -> Self::Floats;
-    /// The larger of a and b.
+    /// The larger of a and b; b where a is no number.
     fn max(self, a: Self::Floats, b: Self::Floats) -> Self::Floats;
     /// The lanes in which a <= b.
     fn at_most(self, a: Self::Floats, b: Self::Floats) -> u32;

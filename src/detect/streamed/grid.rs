@@ -1,7 +1,7 @@
 //! The grid of a scene, and coordinates as whole numbers of steps in it.
 //!
 //! Let h be the edge of a cell, s = 1/h and F the number of bits of a fraction. A coordinate x is stored as the whole number q nearest to
-//! Q = (x - xmin) s 2^F. With u = 2^-53 and fewer than 2^31 cells per axis, Q < 2^51 and its computed value is within 2u Q < 1/2 of it (scaling by
+//! Q = (x - xmin) s 2^F. With u = 2^-53 and fewer than 2^31 cells per axis, Q < 2^51 and its computed value is within (2u + u²)Q < 1/2 of it (scaling by
 //! 2^F is exact); rounding to a whole number adds 1/2. So |q - Q| < 1.01, and differences of two coordinates are within [`STEPS_OFF`] of the true ones.
 //!
 //! * **Cells.** Two elements that touch have |Qj - Qi| <= reach s 2^F. We take s <= (1 - 2^(2-F)) / reach, up to its own rounding of 2^-49. So
@@ -15,8 +15,8 @@
 
 use crate::contact::{Bodies, Real};
 use crate::detect::Refusal;
-use crate::filter::bounds;
 use crate::filter::cells::MOST_CELLS;
+use crate::filter::{Margin, bounds, rounded_reach};
 use crate::sink::splitmix64;
 
 /// Bits of the fraction of a coordinate, at most.
@@ -73,16 +73,16 @@ impl<const D: usize> Grid<D> {
         }
         axes.sort_by(|&a, &b| (high[a] - low[a]).total_cmp(&(high[b] - low[b])));
         let lengths: [f64; D] = std::array::from_fn(|k| high[axes[k]] - low[axes[k]]);
-        let reach = bodies.reach().clamp(f64::MIN_POSITIVE * 4.0, f64::MAX);
+        let reach = reach_of(bodies).clamp(f64::MIN_POSITIVE * 4.0, f64::MAX);
         let grid = |edge: f64, bits: u32| {
             let scale = (1.0 - 4.0 / (1u64 << bits) as f64) / edge;
-            // Saturates: too many cells are too many.
-            let count = lengths.map(|length| (length * scale) as u64 + 2);
+            // The cast saturates: too many cells are too many.
+            let count = lengths.map(|length| ((length * scale) as u64).saturating_add(2));
             Grid { axes, low: std::array::from_fn(|k| low[axes[k]]), scale, bits, count }
         };
         let edge = edge_for(lengths, reach, n);
         let wide = grid(edge, FRACTION);
-        // x and row of an element must be known from 32 bits of its coordinates; layers have lists.
+        // x and row of an element must be known from 32 bits of its coordinates. Layers have lists, and bundles few enough of them.
         let most = wide.count[..D - 1].iter().fold(1, |most, &count| most.max(count));
         let bits = FRACTION.min(most.leading_zeros().saturating_sub(32));
         if bits >= FEWEST && wide.count[D - 1] < 1 << 31 && asked != Some(Form::Occupied) {
@@ -133,16 +133,25 @@ impl<const D: usize> Grid<D> {
         }
         keys[..m].sort_unstable();
         let couples: usize = keys[..m].chunk_by(|a, b| a == b).map(|cell| cell.len() * (cell.len() - 1)).sum();
-        // Each of the m elements sees m - 1 of n - 1 others.
+        // Each of the m elements sees m of n others, but for one drawn twice.
         let others = couples as f64 / m.max(1) as f64 * (n as f64 / m.max(1) as f64);
         others > CROWD
+    }
+}
+
+/// The reach of the contact test; of the test without the book's filters, where those are asked for: whole numbers of steps have no such form.
+pub(super) fn reach_of<T: Real, const D: usize>(bodies: &impl Bodies<T, D>) -> f64 {
+    match bodies.margin() {
+        Margin::Safe => bodies.reach(),
+        Margin::Textbook => rounded_reach::<T>(bodies.reach()),
     }
 }
 
 /// The smallest edge from `reach` on with which there are not too many cells.
 fn edge_for<const D: usize>(lengths: [f64; D], reach: f64, n: usize) -> f64 {
     let most = CELLS_PER_ELEMENT * n.max(64) as f64;
-    let cells = |edge: f64| lengths.iter().map(|length| length / edge + 1.0).product::<f64>();
+    // With the borders.
+    let cells = |edge: f64| lengths.iter().map(|length| length / edge + 2.0).product::<f64>();
     if cells(reach) <= most {
         return reach;
     }

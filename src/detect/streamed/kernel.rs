@@ -10,12 +10,17 @@
 //!
 //! Range 0 begins after the element itself. **Bounds.** Let D be the true distance of two elements in steps and d the one computed here. Coordinates
 //! differ from the true differences by at most [`STEPS_OFF`] along each axis; x is rounded to 24 bits for either, the difference once; the rest
-//! (fractions, one cell more or less) is exact. So |d - D| <= √3·2.1 + 2·(steps along x)·2^-24 + 1, but for a relative error below 2^-21 of the sum of squares, which
+//! (whole numbers below 2^22: fractions, one cell more or less) is exact. So |d - D| <= √3·2.1 + 2·(steps along x)·2^-24 + 1, but for a relative error below 2^-21 of the sum of squares, which
 //! fused or not has at most four roundings. Radii have relative errors of 2^-23. With `grow` the sum of these bounds, relative ones taken of the largest sum of radii, 2^-19
 //! together, and of the test's slack: a pair with d > s + grow is refused by the contact test, and one with d <= s - grow is accepted. The others, some
-//! in a million, are asked of the test itself.
+//! in ten thousand contacts, are asked of the test itself.
+//!
+//! **Unchecked access**, the reason of every `unsafe` here. Bounds checks cost 7% on 10^6 packed spheres, so only builds with debug assertions have them,
+//! as tests are. What holds instead: places are below the slab's `len`, and arrays over elements are a vector longer ([`Slab::prepare`]); a range ends at
+//! `len` or before, so a vector may begin at any place in it; cells of elements are no borders, so cells beside them and in the rows beside them have
+//! numbers ([`Plan`]); in [`Scratch`] an element keeps fewer than [`KEPT`] of a range, and there is room for five vectors beyond a block.
 
-use super::grid::{Grid, STEPS_OFF};
+use super::grid::{Grid, STEPS_OFF, reach_of};
 use super::slab::{Plan, Slab};
 use crate::contact::{Bodies, Real};
 use crate::probe::Op;
@@ -47,7 +52,7 @@ impl Bounds {
     /// For a scene in its grid. `turn`: the steps after which x begins again, if it does.
     pub fn new<T: Real, const D: usize>(bodies: &impl Bodies<T, D>, grid: &Grid<D>, turn: Option<f32>) -> Bounds {
         let steps = turn.map_or((grid.count[0] << grid.bits) as f64, f64::from);
-        let (slack, reach) = (bodies.slack(), grid.length(bodies.reach().min(f64::MAX)));
+        let (slack, reach) = (bodies.slack(), grid.length(reach_of(bodies).min(f64::MAX)));
         let relative = slack.relative + 1.0 / f64::from(1 << 19);
         let grow = 2.0 * STEPS_OFF + steps / f64::from(1 << 23) + 2.0 + grid.length(slack.absolute) + reach * relative;
         // Twice the radius in steps: the diameter itself may overflow.
@@ -96,14 +101,14 @@ impl Find for ByCells<'_> {
 
     #[inline(always)]
     fn ranges<const D: usize>(&self, at: usize) -> Ranges {
-        let cell = element(self.cells, at) as usize;
+        let cell = unsafe { element(self.cells, at) } as usize;
         // Three cells side by side, around this one.
         let three = |begin: &[u32], cell: usize| {
-            let first = element(begin, cell - 1);
-            (first, element(begin, cell + 2) - first)
+            let first = unsafe { element(begin, cell - 1) };
+            (first, unsafe { element(begin, cell + 2) } - first)
         };
         let next = cell.wrapping_add_signed(self.to_next);
-        let own = (at as u32 + 1, element(self.begin, cell + 2) - (at as u32 + 1));
+        let own = (at as u32 + 1, unsafe { element(self.begin, cell + 2) } - (at as u32 + 1));
         if D == 2 {
             return [own, three(self.next, next), (0, 0), (0, 0), (0, 0)];
         }
@@ -191,7 +196,7 @@ impl<F: Find, const D: usize, const EACH: bool> Kernel for Sweep<'_, F, D, EACH>
                     for (r, &(begin, len)) in ranges[..used].iter().enumerate() {
                         let slab = self.other(r);
                         let (near, sure) = self.test(w, slab, begin as usize, !(!0 << len), &self.query(w, place, r), limits);
-                        w.pack(chunk(&slab.ids, begin as usize), near, chunk_mut(&mut self.scratch.ids, at));
+                        w.pack(unsafe { chunk(&slab.ids, begin as usize) }, near, unsafe { chunk_mut(&mut self.scratch.ids, at) });
                         let count = near.count_ones();
                         at += count as usize;
                         odd |= near ^ sure;
@@ -209,10 +214,10 @@ impl<F: Find, const D: usize, const EACH: bool> Kernel for Sweep<'_, F, D, EACH>
             let mut begin = 0;
             for k in 0..many {
                 let end = self.scratch.ends[k] as usize;
-                let id = element(&self.slab.ids, first + k);
+                let id = unsafe { element(&self.slab.ids, first + k) };
                 let mut at = begin;
                 loop {
-                    w.pair(id, chunk(&self.scratch.ids, at), chunk_mut(&mut self.scratch.pairs, at));
+                    w.pair(id, unsafe { chunk(&self.scratch.ids, at) }, unsafe { chunk_mut(&mut self.scratch.pairs, at) });
                     at += KEPT;
                     if at >= end {
                         break;
@@ -248,14 +253,14 @@ impl<'a, F: Find, const D: usize, const EACH: bool> Sweep<'a, F, D, EACH> {
     #[inline(always)]
     fn query<W: Wide>(&self, w: W, place: usize, r: usize) -> Query<W, D> {
         let one = self.bounds.one;
-        let mut at: [f32; D] = std::array::from_fn(|k| element(&self.slab.lanes[k], place));
+        let mut at: [f32; D] = std::array::from_fn(|k| unsafe { element(&self.slab.lanes[k], place) });
         if D == 3 {
             at[1] -= [0.0, one, -one, 0.0, one][r];
             at[2] -= if r < 2 { 0.0 } else { one };
         } else {
             at[1] -= if r == 0 { 0.0 } else { one };
         }
-        let radius = if EACH { element(&self.slab.radii, place) } else { 0.0 };
+        let radius = if EACH { unsafe { element(&self.slab.radii, place) } } else { 0.0 };
         Query { at: at.map(|x| w.all(x)), radius: w.all(radius + self.bounds.grow) }
     }
 
@@ -264,7 +269,7 @@ impl<'a, F: Find, const D: usize, const EACH: bool> Sweep<'a, F, D, EACH> {
     fn test<W: Wide>(&self, w: W, slab: &Slab<D>, begin: usize, valid: u32, query: &Query<W, D>, limits: Limits<W>) -> (u32, u32) {
         let mut square = w.all(0.0);
         for k in 0..D {
-            let mut d = w.sub(w.load(chunk(&slab.lanes[k], begin)), query.at[k]);
+            let mut d = w.sub(w.load(unsafe { chunk(&slab.lanes[k], begin) }), query.at[k]);
             if let (0, Some(turn)) = (k, F::TURN) {
                 // The nearest whole number of turns: 1.5·2^23 leaves no fraction.
                 let whole = w.all(12_582_912.0);
@@ -273,7 +278,8 @@ impl<'a, F: Find, const D: usize, const EACH: bool> Sweep<'a, F, D, EACH> {
             }
             square = if k == 0 { w.mul(d, d) } else { w.mul_add(d, d, square) };
         }
-        let limits = if EACH { Limits::new(w, w.add(query.radius, w.load(chunk(&slab.radii, begin))), self.bounds.grow) } else { limits };
+        let limits =
+            if EACH { Limits::new(w, w.add(query.radius, w.load(unsafe { chunk(&slab.radii, begin) })), self.bounds.grow) } else { limits };
         let near = w.at_most(square, limits.near) & valid;
         (near, w.at_most(square, limits.sure) & near)
     }
@@ -304,11 +310,11 @@ impl<F: Find, const D: usize, const EACH: bool> Kernel for Careful<'_, '_, F, D,
             for k in (0..len).step_by(LANES) {
                 let at = (begin + k) as usize;
                 let (near, sure) = sweep.test(w, slab, at, !(!0 << (len - k).min(LANES as u32)), &query, limits);
-                let ids: &[u32; LANES] = chunk(&slab.ids, at);
+                let ids: &[u32; LANES] = unsafe { chunk(&slab.ids, at) };
                 for half in [0xff, 0xff00] {
                     let mut packed = [0; KEPT];
                     w.pack(ids, sure & half, &mut packed);
-                    w.pair(id, &packed, chunk_mut(&mut pairs, found));
+                    w.pair(id, &packed, unsafe { chunk_mut(&mut pairs, found) });
                     found += (sure & half).count_ones() as usize;
                 }
                 let mut unsure = near ^ sure;
@@ -327,21 +333,31 @@ impl<F: Find, const D: usize, const EACH: bool> Kernel for Careful<'_, '_, F, D,
 }
 
 /// `N` numbers from place `at` on.
+///
+/// # Safety
+/// They must be in the array.
 #[inline(always)]
-fn chunk<A, const N: usize>(array: &[A], at: usize) -> &[A; N] {
+unsafe fn chunk<A, const N: usize>(array: &[A], at: usize) -> &[A; N] {
     debug_assert!(at + N <= array.len());
     unsafe { &*array.as_ptr().add(at).cast() }
 }
 
 /// As [`chunk`], to be written.
+///
+/// # Safety
+/// They must be in the array.
 #[inline(always)]
-fn chunk_mut<A, const N: usize>(array: &mut [A], at: usize) -> &mut [A; N] {
+unsafe fn chunk_mut<A, const N: usize>(array: &mut [A], at: usize) -> &mut [A; N] {
     debug_assert!(at + N <= array.len());
     unsafe { &mut *array.as_mut_ptr().add(at).cast() }
 }
 
+/// One of them.
+///
+/// # Safety
+/// It must be in the array.
 #[inline(always)]
-fn element<A: Copy>(array: &[A], at: usize) -> A {
+unsafe fn element<A: Copy>(array: &[A], at: usize) -> A {
     debug_assert!(at < array.len());
     unsafe { *array.get_unchecked(at) }
 }

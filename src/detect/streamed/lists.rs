@@ -91,18 +91,20 @@ impl<const D: usize, R: Size> Lists<D, R> {
     ) {
         let (block, count) = blocks(elements.len(), lists);
         self.block = block;
-        room(&mut self.records, count << block, Record { at: [0; D], radius: R::default(), id: 0 });
-        room(&mut self.before, count, NONE);
-        room(&mut self.next, lists, 0);
+        at_least(&mut self.records, count << block, Record { at: [0; D], radius: R::default(), id: 0 });
+        at_least(&mut self.before, count, NONE);
+        at_least(&mut self.next, lists, 0);
         for (list, next) in self.next[..lists].iter_mut().enumerate() {
             *next = (list as u32) << block;
             self.before[list] = NONE;
         }
         let (full, mut free) = ((1 << block) - 1, lists as u32);
         let shift = grid.bits + layers;
+        let mut most = [0; D];
         for id in elements {
             let steps = grid.steps(bodies.position(id));
             let radius = if R::EACH { R::new(grid.length(bodies.radius(id)) as f32) } else { R::default() };
+            most = std::array::from_fn(|k| most[k].max(steps[k]));
             let next = &mut self.next[(steps[D - 1] >> shift) as usize];
             self.records[*next as usize] = Record { at: steps.map(|q| q as u32), radius, id };
             if *next & full == full {
@@ -115,6 +117,8 @@ impl<const D: usize, R: Size> Lists<D, R> {
             probe.add(Op::Integerise, D as u64);
             probe.count(Op::ListPush);
         }
+        // The kernel relies on it without a check, and `Bodies` may be anybody's: one whose positions changed since the grid was made stops here.
+        assert!((0..D).all(|k| most[k] >> grid.bits < grid.count[k]), "positions changed during a detection");
     }
 
     /// The blocks of a list, the last first.
@@ -141,7 +145,7 @@ impl<const D: usize, R: Size> Lists<D, R> {
 }
 
 /// Makes an array at least `count` long. What it held is lost if it must grow, and not held twice.
-pub(super) fn room<A: Copy>(array: &mut Vec<A>, count: usize, value: A) {
+pub(super) fn at_least<A: Copy>(array: &mut Vec<A>, count: usize, value: A) {
     if count > array.len() {
         if count > array.capacity() {
             *array = Vec::new();

@@ -9,15 +9,16 @@
 //! 2. Bundle after bundle is sorted by cell, by counting, into one array per coordinate.
 //! 3. Each element is tested against the rest of its cell and the cell beside it, the three cells in front in the next row, and the nine in the next layer: five
 //!    contiguous ranges (two in 2D), sixteen elements in one go, in f32.
-//! 4. What f32 cannot decide, some pairs in a million, is left to the contact test; see [`kernel`] for the bounds.
+//! 4. What f32 cannot decide, some pairs in ten thousand contacts, is left to the contact test; see [`kernel`] for the bounds.
 //!
 //! Loose scenes get larger cells, about five cells per element, scenes whose elements crowd in few of those cells the form by occupied cells ([`occupied`]).
 //!
 //! * Cost: proportional to N, independent of the packing density; N log N by occupied cells.
 //! * Memory, for lists (blocks of b records, L lists): `(16 + 4/b)(N + bL) + 4L` bytes in 3D, 12 instead of 16 in 2D, 4 more with a radius per element; two bundles of n
-//!   elements and c cells: `2(4(D + 2)(n + 16) + 4(c + 2))`. A bundle has about 4,096 elements, or one layer if that is more. By occupied cells: 24N, 32N with radii, and two layers.
-//!   With several threads: two bundles each, and the contacts.
+//!   elements and c cells: `2(4(D + 2)(n + 16) + 4(c + 2))`. A bundle has 2,000 to 4,000 elements, or one layer if that is more. By occupied cells: 24N, 32N with radii, and two layers.
+//!   With several threads: two bundles each, and the contacts, which the memory limit does not know.
 //! * Refuses scenes of 2^31 cells and more along an axis in the form by occupied cells, extents that overflow, and more than 2^31 - 1 elements.
+//! * Threads: by cells, from 20,000 elements on.
 //! * In `textbook` arithmetic its filters are as safe as in f64: the book prints none for it.
 
 mod grid;
@@ -138,6 +139,7 @@ impl<B: Copy + Sync, const D: usize> Run<'_, B, D> {
     where
         B: Bodies<T, D>,
     {
+        const { assert!(R::EACH == EACH) };
         let (bodies, grid) = (self.bodies, self.grid);
         let n = bodies.len();
         let plan = Plan::new(&grid, n);
@@ -177,13 +179,15 @@ impl<B: Copy + Sync, const D: usize> Run<'_, B, D> {
         let (mut shares, mut before, mut from) = (Vec::new(), 0, 0);
         for slab in 0..plan.slabs {
             before += length(slab);
-            if before * threads >= n * (shares.len() + 1) || slab + 1 == plan.slabs {
+            if before * threads >= n * (shares.len() + 1) && shares.len() + 1 < threads {
                 shares.push(from..slab + 1);
                 from = slab + 1;
             }
         }
+        shares.push(from..plan.slabs);
+        // There may be fewer shares than workers, who then have found nothing.
+        workers.iter_mut().for_each(|worker| worker.pairs.clear());
         workers.par_iter_mut().zip(shares).for_each(|(worker, share)| {
-            worker.pairs.clear();
             // Out of the worker while it works, so that both can be changed.
             let mut pairs = std::mem::take(&mut worker.pairs);
             bundles.sweep::<EACH>(worker, share, &mut Deliver::new(bodies, &mut Silent, &mut pairs));
@@ -202,6 +206,7 @@ impl<B: Copy + Sync, const D: usize> Run<'_, B, D> {
     where
         B: Bodies<T, D>,
     {
+        const { assert!(R::EACH == EACH) };
         let (bodies, grid) = (self.bodies, self.grid);
         let n = bodies.len();
         let shape = || format!("{n} elements, by occupied cells");

@@ -2,11 +2,11 @@
 //!
 //! Elements are sorted once. Then each layer is swept against itself and the next one as in the form by cells, but the ranges of an occupied cell are
 //! found by cursors that go through the sorted layers side by side with it: ranges begin no earlier for a later cell, so all
-//! cursors together pass over a layer a few times. Cost: N log N for the sort, N for the rest, whatever the number of cells.
+//! cursors together pass over a layer a few times. One thread does all. Cost: N log N for the sort, N for the rest, whatever the number of cells.
 
 use super::grid::Grid;
 use super::kernel::{Bounds, Find, Ranges, Scratch, Sweep, Take};
-use super::lists::{Size, room};
+use super::lists::{Size, at_least};
 use super::slab::Slab;
 use crate::contact::{Bodies, Real};
 use crate::probe::{Op, Probe};
@@ -114,7 +114,7 @@ impl<const D: usize, R: Size> Occupied<D, R> {
         let [this, next] = &mut self.layers;
         for layer in [&mut *this, &mut *next] {
             layer.slab.prepare(most, 0, EACH);
-            room(&mut layer.keys, most, 0);
+            at_least(&mut layer.keys, most, 0);
         }
         if most > self.ranges.capacity() {
             self.ranges = Vec::new();

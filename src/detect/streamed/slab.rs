@@ -2,7 +2,7 @@
 
 use super::grid::Grid;
 use super::kernel::Take;
-use super::lists::{Lists, Record, Size, room};
+use super::lists::{Lists, Record, Size, at_least};
 use crate::probe::Op;
 use crate::wide::LANES;
 
@@ -28,7 +28,7 @@ pub(super) struct Plan {
     pub slabs: usize,
 }
 
-/// Elements of a slab, in the mean, for which the arrays fit the caches.
+/// Elements of a slab, in the mean and at the most, for which the arrays fit the caches.
 const ELEMENTS: usize = 4096;
 
 impl Plan {
@@ -44,6 +44,8 @@ impl Plan {
         let layer = if D == 2 { row } else { row * (count[1] + 2) };
         let all = count[D - 1];
         let layers = (all * ELEMENTS / n.max(1)).clamp(1, all.next_power_of_two()).ilog2();
+        // The layer in its bundle must be known from the 32 bits of a coordinate.
+        let layers = layers.min(32 - grid.bits);
         Plan { bits: grid.bits, row, layer, layers, slabs: all.div_ceil(1 << layers) }
     }
 
@@ -85,13 +87,13 @@ impl<const D: usize> Slab<D> {
 
     /// Room for so many elements and cells. A vector may be loaded from any place up to the last element.
     pub fn prepare(&mut self, elements: usize, cells: usize, each: bool) {
-        self.lanes.iter_mut().for_each(|lane| room(lane, elements + LANES, 0.0));
-        room(&mut self.ids, elements + LANES, 0);
-        room(&mut self.cells, elements + LANES, 0);
+        self.lanes.iter_mut().for_each(|lane| at_least(lane, elements + LANES, 0.0));
+        at_least(&mut self.ids, elements + LANES, 0);
+        at_least(&mut self.cells, elements + LANES, 0);
         if each {
-            room(&mut self.radii, elements + LANES, 0.0);
+            at_least(&mut self.radii, elements + LANES, 0.0);
         }
-        room(&mut self.begin, cells + 2, 0);
+        at_least(&mut self.begin, cells + 2, 0);
     }
 
     /// Makes the slab hold a list, sorted by cell: counts, then places.

@@ -91,6 +91,51 @@ fn heaps_of_any_height() {
     }
 }
 
+/// A lattice of small bodies and a large one far away from all: few cells, and most elements in one bundle.
+fn one_bundle(dim: usize) -> AnyScene<'static> {
+    let n = 160 * 160;
+    let radii = (0..=n).map(|k| if k == n { 100.0 } else { 0.001 }).collect::<Vec<f64>>();
+    let place = |k: i32| if k == n { [-300.0; 2] } else { [f64::from(k % 160), f64::from(k / 160)] };
+    if dim == 2 {
+        let centres: Vec<_> = (0..=n).map(|k| nalgebra::Point::from(place(k))).collect();
+        Scene::new(centres, Radii::Each(radii.into())).unwrap().into()
+    } else {
+        let centres: Vec<_> = (0..=n).map(|k| nalgebra::Point::from([place(k)[0], place(k)[1], 0.0])).collect();
+        Scene::new(centres, Radii::Each(radii.into())).unwrap().into()
+    }
+}
+
+/// Many layers with less than an element each: a bundle may not have more of them than 32 bits tell apart.
+#[test]
+fn lines_strips_and_columns() {
+    for n in [1000, 2000, 4999] {
+        for pitch in [0.9, 1.0, 2.4, 4.9] {
+            let line: Vec<_> = (0..n).map(|k| nalgebra::Point::from([0.0, pitch * f64::from(k)])).collect();
+            compare(&format!("a line of {n}, {pitch} apart"), &Scene::new(line, Radii::Uniform(0.5)).unwrap(), Test::Exact);
+            let column: Vec<_> =
+                (0..n).map(|k| nalgebra::Point::from([f64::from(k % 2), 0.7 * f64::from(k % 3), pitch * f64::from(k)])).collect();
+            compare(&format!("a column of {n}, {pitch} apart"), &Scene::new(column, Radii::Uniform(0.5)).unwrap(), Test::Exact);
+        }
+    }
+}
+
+/// Extents far beyond what cells can number are refused where elements crowd, not a panic.
+#[test]
+fn crowds_far_apart_are_refused() {
+    let heap = |at: f64| (0..2500).map(move |k| nalgebra::Point::from([at + 1e-3 * f64::from(k), at]));
+    let scene = Scene::new(heap(0.0).chain(heap(1e20)).collect::<Vec<_>>(), Radii::Uniform(0.5)).unwrap();
+    let answer = run(&mut Streamed::<2>::with(Options::default()), &scene, Test::Exact, &mut Silent, &mut Digest::default());
+    assert!(matches!(answer, Err(Refusal::Domain { .. })), "{answer:?}");
+}
+
+/// The book's filters are not used in textbook arithmetic, which accepts points whose squared distance vanishes.
+#[test]
+fn textbook_loses_nothing() {
+    let scene = Scene::new([[0.0, 0.0], [1e-163, 0.0]].map(nalgebra::Point::from).to_vec(), Radii::Uniform(0.0)).unwrap();
+    let digest = answer(&mut Streamed::<2>::with(Options::default()), &scene, Test::Textbook);
+    assert_eq!(digest, Digest::of(&[[0, 1]]));
+}
+
 #[test]
 fn threads_find_the_same() {
     for text in ["packed:dim=3,n=40000", "loose:n=30000", "clustered:dim=3,n=25000,size-ratio=2"] {
@@ -101,6 +146,13 @@ fn threads_find_the_same() {
             let mut pairs = vec![[9, 9]];
             detector.list(&scene, Test::Exact, &mut pairs).unwrap();
             assert_eq!(pairs[0], [9, 9], "what was in the list stays");
+            // Once more after a scene with more contacts and fewer bundles than threads.
+            let flat = one_bundle(scene.dim());
+            let mut few = Vec::new();
+            detector.list(&flat, Test::Exact, &mut few).unwrap();
+            assert_eq!(Digest::of(&few), Digest::of(&[]), "{threads} threads, after {text}");
+            pairs.truncate(1);
+            detector.list(&scene, Test::Exact, &mut pairs).unwrap();
             Digest::of(&pairs[1..])
         });
         assert!(digests.iter().all(|&digest| digest == digests[0]), "{text}: {digests:?}");
