@@ -4,7 +4,7 @@
 //! sets a to b + s c. Bytes are those that the program asks for: 8 per element read or written, so 24 for a triad; that a cache
 //! may read a line before it is written over is not counted. The best of several rounds stands, because whatever disturbs makes it slower.
 //!
-//! The arrays together should not fit the last cache, but must not fill the memory either: see [`elements`]. With several threads each has
+//! The arrays together should not fit the last cache, but must not fill the memory either: see `elements`. With several threads each has
 //! arrays of its own, all begin a loop together, and the slowest ends it.
 
 use std::hint::black_box;
