@@ -150,7 +150,7 @@ fn a_refusal_leaves_no_trace() {
     let sparse = Spec::parse("pack-c:n=2500,s=100").unwrap().make().unwrap();
     let truth = oracle::truth(&small, Arithmetic::Exact).unwrap().digest;
     for entry in detectors() {
-        let mut detector = entry.make(Options { memory_limit: 20_000, threads: 1 });
+        let mut detector = entry.make(Options { memory_limit: 29_000, threads: 1 });
         let mut reported = 0;
         let refused = detector.visit(&sparse, Test::Exact, &mut Visit(|_, _| reported += 1)).is_err();
         // A library knows of no limit.

@@ -11,7 +11,7 @@ use contactbench::detect::table::TABLE;
 use contactbench::harness::builtin;
 
 const DETECTORS: [&str; 11] =
-    ["direct", "binary-tree", "screening", "sorting", "nbs", "cell-grid", "hash-grid", "sweep", "kd-tree", "bvh", "streamed-nbs"];
+    ["direct", "binary-tree", "screening", "sorting", "nbs", "streamed-nbs", "cell-grid", "hash-grid", "sweep", "kd-tree", "bvh"];
 
 /// `detect` with exit code 2, nothing on standard output, and one line on standard error with all these words.
 fn refused(folder: &Path, arguments: &[&str], words: &[&str]) {

@@ -236,6 +236,9 @@ impl<R: Size, const D: usize> Bundles<'_, R, D> {
     fn sweep<const EACH: bool>(&self, worker: &mut Worker<D>, range: Range<usize>, take: &mut dyn Take) {
         let Worker { slabs: [slab, next], scratch, .. } = worker;
         let (plan, bounds) = (&self.plan, self.bounds);
+        if range.is_empty() {
+            return;
+        }
         slab.fill(self.lists, Some(range.start), plan, take);
         for number in range {
             next.fill(self.lists, Some(number + 1).filter(|&next| next < plan.slabs), plan, take);
