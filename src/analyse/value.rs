@@ -206,19 +206,8 @@ pub fn cells(rows: &[Row]) -> Vec<Cell> {
 impl Cell {
     fn empty(key: Key, stats: &Stats) -> Cell {
         let (passes, times, beside, memory) = Default::default();
-        Cell {
-            key,
-            passes,
-            times,
-            beside,
-            alone: None,
-            contacts: None,
-            counts: None,
-            memory,
-            errors: None,
-            causes: None,
-            stats: stats.clone(),
-        }
+        let (alone, contacts, counts, errors, causes) = Default::default();
+        Cell { key, passes, times, beside, alone, contacts, counts, memory, errors, causes, stats: stats.clone() }
     }
 
     fn add(&mut self, row: &Row) {
@@ -278,16 +267,16 @@ impl Cell {
 
     /// The median time with its interval over the blocks; none unless all blocks ended well.
     pub fn time(&self) -> Option<Interval> {
-        if !self.outcome(&[Pass::Time]).0.is_good() {
-            return None;
-        }
-        interval(&self.times.values().map(|&t| t as f64).collect::<Vec<_>>())
+        self.blocks().filter(|_| self.outcome(&[Pass::Time]).0.is_good())
     }
 
     /// The median time of a wrong answer: never compared with anything, but shown, marked.
     pub fn wrong_time(&self) -> Option<f64> {
-        let wrong = self.overall().0 == Outcome::Wrong;
-        interval(&self.times.values().map(|&t| t as f64).collect::<Vec<_>>()).filter(|_| wrong).map(|time| time.median)
+        self.blocks().filter(|_| self.overall().0 == Outcome::Wrong).map(|time| time.median)
+    }
+
+    fn blocks(&self) -> Option<Interval> {
+        interval(&self.times.values().map(|&t| t as f64).collect::<Vec<_>>())
     }
 
     /// A variable, with this time in place of the median where one is given.

@@ -20,7 +20,7 @@ use crate::filter::{Margin, bounds, rounded_reach};
 use crate::sink::splitmix64;
 
 /// Bits of the fraction of a coordinate, at most.
-pub(super) const FRACTION: u32 = 20;
+const FRACTION: u32 = 20;
 /// A grid with fewer bits is not used.
 const FEWEST: u32 = 12;
 /// Differences of coordinates are within this many steps of the true ones.
@@ -40,7 +40,7 @@ const WHOLE: f64 = (1u64 << 52) as f64;
 /// across the last, the longest.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Grid<const D: usize> {
-    pub axes: [usize; D],
+    axes: [usize; D],
     low: [f64; D],
     /// 1 / edge.
     scale: f64,
@@ -123,19 +123,18 @@ impl<const D: usize> Grid<D> {
     /// Whether elements have many others in their cells, judged by a sample.
     fn crowded<T: Real>(&self, bodies: &impl Bodies<T, D>) -> bool {
         let n = bodies.len() as u64;
-        let m = (n as usize / 32).clamp(SAMPLE / 16, SAMPLE).min(n as usize);
+        let m = (n as usize / 32).clamp(1, SAMPLE);
         let mut keys = [0u64; SAMPLE];
         for (k, key) in keys[..m].iter_mut().enumerate() {
-            // All, or by chance: a sample at equal strides would miss clusters whose elements are stored side by side.
-            let i = if m as u64 == n { k as u64 } else { splitmix64(k as u64) % n };
+            // By chance: a sample at equal strides would miss clusters whose elements are stored side by side.
+            let i = splitmix64(k as u64) % n;
             let cell = self.steps(bodies.position(i as u32)).map(|q| q >> self.bits);
             *key = cell.iter().fold(0, |key, &c| splitmix64(key ^ c));
         }
         keys[..m].sort_unstable();
         let couples: usize = keys[..m].chunk_by(|a, b| a == b).map(|cell| cell.len() * (cell.len() - 1)).sum();
         // Each of the m elements sees m of n others, but for one drawn twice.
-        let others = couples as f64 / m.max(1) as f64 * (n as f64 / m.max(1) as f64);
-        others > CROWD
+        couples as f64 / m as f64 * (n as f64 / m as f64) > CROWD
     }
 }
 

@@ -133,7 +133,7 @@ pub(super) struct Sweep<'a, F, const D: usize, const EACH: bool> {
     pub take: &'a mut dyn Take,
 }
 
-/// Neighbours of a block of elements, and what they make: filled again for every block.
+/// Neighbours of a block of elements, and what they make: filled again for every block. The careful form uses the room for pairs before the block does.
 pub(super) struct Scratch {
     ids: [u32; ROOM],
     ends: [u32; BLOCK],
@@ -303,7 +303,7 @@ impl<F: Find, const D: usize, const EACH: bool> Kernel for Careful<'_, '_, F, D,
         let Careful(sweep, place, ranges) = self;
         let limits = sweep.limits(w);
         let id = sweep.slab.ids[place];
-        let (mut pairs, mut found) = ([[0; 2]; 32 * KEPT], 0);
+        let mut found = 0;
         for (r, &(begin, len)) in ranges.iter().enumerate() {
             let slab = sweep.other(r);
             let query = sweep.query(w, place, r);
@@ -314,7 +314,7 @@ impl<F: Find, const D: usize, const EACH: bool> Kernel for Careful<'_, '_, F, D,
                 for half in [0xff, 0xff00] {
                     let mut packed = [0; KEPT];
                     w.pack(ids, sure & half, &mut packed);
-                    w.pair(id, &packed, unsafe { chunk_mut(&mut pairs, found) });
+                    w.pair(id, &packed, unsafe { chunk_mut(&mut sweep.scratch.pairs, found) });
                     found += (sure & half).count_ones() as usize;
                 }
                 let mut unsure = near ^ sure;
@@ -322,13 +322,13 @@ impl<F: Find, const D: usize, const EACH: bool> Kernel for Careful<'_, '_, F, D,
                     sweep.take.unsure(id, ids[unsure.trailing_zeros() as usize]);
                     unsure &= unsure - 1;
                 }
-                if found > pairs.len() - 3 * KEPT {
-                    sweep.take.sure(&pairs[..found]);
+                if found > ROOM - 3 * KEPT {
+                    sweep.take.sure(&sweep.scratch.pairs[..found]);
                     found = 0;
                 }
             }
         }
-        sweep.take.sure(&pairs[..found]);
+        sweep.take.sure(&sweep.scratch.pairs[..found]);
     }
 }
 

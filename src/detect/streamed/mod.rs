@@ -16,7 +16,8 @@
 //! * Cost: proportional to N, independent of the packing density; N log N by occupied cells.
 //! * Memory, for lists (blocks of b records, L lists): `(16 + 4/b)(N + bL) + 4L` bytes in 3D, 12 instead of 16 in 2D, 4 more with a radius per element; two bundles of n
 //!   elements and c cells: `2(4(D + 2)(n + 16) + 4(c + 2))`. A bundle has 2,000 to 4,000 elements, or one layer if that is more. By occupied cells: 24N, 32N with radii, and two layers.
-//!   With several threads: two bundles each, and the contacts, which the memory limit does not know.
+//!   Some 9 KiB of working space per thread. With several threads: two bundles each, and the contacts, which the memory limit does not know; then a warm call
+//!   allocates the list of shares.
 //! * Refuses scenes of 2^31 cells and more along an axis in the form by occupied cells, extents that overflow, and more than 2^31 - 1 elements.
 //! * Threads: by cells, from 20,000 elements on.
 //! * In `textbook` arithmetic its filters are as safe as in f64: the book prints none for it.
