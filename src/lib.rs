@@ -33,17 +33,13 @@
 //! ```
 #![warn(missing_docs)]
 
+pub use contactbench_core::{contact, detect, filter, probe, sink, wide, with_scene};
+
 pub mod analyse;
 pub mod check;
 pub mod cli;
-pub mod contact;
-pub mod detect;
 pub mod figure;
-pub mod filter;
 pub mod harness;
 pub mod oracle;
-pub mod probe;
 pub mod read;
 pub mod scene;
-pub mod sink;
-pub mod wide;

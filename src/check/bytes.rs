@@ -15,7 +15,7 @@
 
 use super::as_csv;
 use super::numbers::Numbers;
-use super::subject::{Answer, answer, most};
+use super::subject::{Answer, Expected, answer};
 use crate::check::Wrong;
 use crate::contact::{Arithmetic, exact};
 use crate::detect::table::TABLE;
@@ -230,8 +230,8 @@ pub fn fuzz_one(data: &[u8]) {
                 if !keep {
                     *detector = entry.make(OPTIONS);
                 }
-                let kept = truth.as_ref().map_or(1000, most);
-                let answer = answer(&mut **detector, &stored, arithmetic.test(), kept);
+                let expected = truth.as_ref().map_or(Expected::default(), Expected::from);
+                let answer = answer(&mut **detector, &stored, arithmetic.test(), expected);
                 if let (Answer::Refused(refusal, _), Ok(_)) = (&answer, &truth) {
                     let promised =
                         matches!(refusal, Refusal::Domain { .. } | Refusal::Extent { .. } | Refusal::Memory { .. }) || !entry.is_ours();

@@ -14,7 +14,7 @@ pub const CASES: &[Case] = &[
     Case {
         name: "three-across-a-border",
         reason: "with cells of edge d and rounded arithmetic, the second and the third body touch and are two cells apart",
-        source: "src/filter/cells.rs",
+        source: "core/src/filter/cells.rs",
         expect: Expect::Contacts([2, 3]), // in exact arithmetic the second and the third are 2^-53 apart
         make: |dim| uniform(dim, &lines(dim, &[0.0, 1.0f64.next_down(), 2.0], 8.0), 0.5),
         ..BORDERS
@@ -22,7 +22,7 @@ pub const CASES: &[Case] = &[
     Case {
         name: "row-from-minus-one",
         reason: "every centre is on a border, and x - xmin is a sum: borders move by its rounding",
-        source: "src/filter/cells.rs",
+        source: "core/src/filter/cells.rs",
         expect: Expect::Contacts([2 * 299, 3 * 59]),
         make: |dim| {
             let row: Vec<f64> = (0..by_dim(dim, [300, 60])).map(|k| f64::from(k) - 1.0).collect();
@@ -33,7 +33,7 @@ pub const CASES: &[Case] = &[
     Case {
         name: "couples-from-minus-one",
         reason: "xmin = -1 costs x - xmin its last bit at every power of two: with cells of edge d, couples astride it are two cells apart",
-        source: "src/filter/cells.rs",
+        source: "core/src/filter/cells.rs",
         expect: Expect::Contacts([2 * 5, 3 * 5]),
         make: |dim| uniform(dim, &lines(dim, &astride(-1.0, 1.0, [4.0, 8.0, 16.0, 32.0, 64.0]), 70.0), 0.5),
         ..BORDERS
@@ -41,7 +41,7 @@ pub const CASES: &[Case] = &[
     Case {
         name: "couples-below-zero",
         reason: "as couples-from-minus-one with decimal xmin and d: the quotient is rounded twice, and a third of the couples near 0 is lost",
-        source: "src/filter/cells.rs",
+        source: "core/src/filter/cells.rs",
         expect: Expect::Contacts([2 * 50, 3 * 50]),
         make: |dim| uniform(dim, &lines(dim, &astride(-7.3, 0.1, (1..=50).map(|k| f64::from(3 * k))), 9.7), 0.05),
         ..BORDERS
@@ -49,7 +49,7 @@ pub const CASES: &[Case] = &[
     Case {
         name: "couples-far-from-xmin",
         reason: "as couples-below-zero with xmin = -10^6: near 0 coordinates have 33 bits more than x - xmin, and four couples in five are lost",
-        source: "src/filter/cells.rs",
+        source: "core/src/filter/cells.rs",
         expect: Expect::Contacts([40, 40]),
         allows: &[Allowed::Memory],
         make: |dim| {

@@ -73,8 +73,11 @@ fn last_answer(entry: &Entry, arithmetic: Arithmetic, steps: &[AnyScene<'static>
     let mut detector = entry.make(Options::default());
     let mut last = None;
     for scene in steps {
-        let mut digest = Digest::default();
-        let answer = detector.visit(&scene.stored(arithmetic).ok()?, arithmetic.test(), &mut digest);
+        let (mut digest, mut listed) = (Digest::default(), Vec::new());
+        let (scene, test) = (scene.stored(arithmetic).ok()?, arithmetic.test());
+        let answer = detector.visit(&scene, test, &mut digest);
+        assert_eq!(detector.list(&scene, test, &mut listed), answer, "{}: listed and counted", entry.name);
+        assert_eq!(Digest::of(&listed), digest, "{}: listed and counted", entry.name);
         assert!(answer.is_ok() || digest == Digest::default(), "{} refused after it had reported", entry.name);
         assert!(answer.is_err() || detector.formula_bytes() < 200 << 20, "{}: {} bytes", entry.name, detector.formula_bytes());
         last = Some((answer, digest));

@@ -26,7 +26,15 @@ fn square_distance<T: Real, const D: usize>(a: &[T; D], b: &[T; D]) -> T::Work {
 #[derive(Clone, Copy)]
 pub struct RoundedUniform<T: Real> {
     /// (2r)².
-    pub(super) square: T::Work,
+    square: T::Work,
+}
+
+impl<T: Real> RoundedUniform<T> {
+    /// The test for bodies of this radius.
+    pub(super) fn new(radius: T) -> RoundedUniform<T> {
+        let sum = radius.plus(radius);
+        RoundedUniform { square: sum * sum }
+    }
 }
 
 impl<T: Real> Rule<T> for RoundedUniform<T> {
@@ -107,8 +115,39 @@ pub struct ExactEach<'a> {
 impl Rule<f64> for ExactEach<'_> {
     #[inline(always)]
     fn touch<const D: usize, P: Probe>(&self, i: u32, j: u32, a: &[f64; D], b: &[f64; D], probe: &mut P) -> bool {
-        let (ra, rb) = (self.radii[i as usize], self.radii[j as usize]);
-        let sum = ra + rb;
-        decide(a, b, || (ra, rb), band(sum * sum), probe)
+        decide_each(a, b, self.radii[i as usize], self.radii[j as usize], probe)
+    }
+}
+
+#[inline(always)]
+fn decide_each<const D: usize, P: Probe>(a: &[f64; D], b: &[f64; D], ra: f64, rb: f64, probe: &mut P) -> bool {
+    let sum = ra + rb;
+    decide(a, b, || (ra, rb), band(sum * sum), probe)
+}
+
+/// Any of them, chosen anew for every test: the same answers, slower, and detectors are compiled once instead of once for each. For the exact test of other
+/// storages, coordinates and radii become doubles, which is without error.
+#[derive(Clone, Copy)]
+pub enum AnyRule<'a, T: Real> {
+    /// Rounded, one radius.
+    RoundedUniform(RoundedUniform<T>),
+    /// Rounded, one radius per element.
+    RoundedEach(RoundedEach<'a, T>),
+    /// Exact, one radius.
+    ExactUniform(ExactUniform),
+    /// Exact, one radius per element.
+    ExactEach(&'a [T]),
+}
+
+impl<T: Real> Rule<T> for AnyRule<'_, T> {
+    #[inline(always)]
+    fn touch<const D: usize, P: Probe>(&self, i: u32, j: u32, a: &[T; D], b: &[T; D], probe: &mut P) -> bool {
+        let wide = |p: &[T; D]| p.map(Real::wide);
+        match self {
+            AnyRule::RoundedUniform(rule) => rule.touch(i, j, a, b, probe),
+            AnyRule::RoundedEach(rule) => rule.touch(i, j, a, b, probe),
+            AnyRule::ExactUniform(rule) => rule.touch(i, j, &wide(a), &wide(b), probe),
+            AnyRule::ExactEach(radii) => decide_each(&wide(a), &wide(b), radii[i as usize].wide(), radii[j as usize].wide(), probe),
+        }
     }
 }

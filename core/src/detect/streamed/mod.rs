@@ -27,8 +27,6 @@ mod kernel;
 mod lists;
 mod occupied;
 mod slab;
-#[cfg(test)]
-mod tests;
 
 use std::marker::PhantomData;
 use std::ops::Range;

@@ -1,7 +1,9 @@
 //! One object-safe face for all detectors: dynamic once per detection, static inside.
 
+use std::borrow::Cow;
+
 use super::{Declare, Detector, Options, Refusal};
-use crate::contact::{Arithmetic, Bodies, CellF32, Real, Test, WithBodies, with_bodies};
+use crate::contact::{Arithmetic, Bodies, CellF32, Real, Test, WithBodies, any_bodies, with_bodies};
 use crate::probe::{Probe, Silent, Tally};
 use crate::scene::{AnyScene, Scene};
 use crate::sink::Sink;
@@ -17,7 +19,7 @@ pub trait AnyDetector: Send {
     /// Hands every contact to `sink`, on one thread.
     fn visit(&mut self, scene: &AnyScene<'_>, test: Test, sink: &mut dyn Sink) -> Result<(), Refusal>;
 
-    /// Hands every contact to `sink` and counts every operation.
+    /// Hands every contact to `sink` and counts every operation. The code is that of [`AnyDetector::list`], compiled once for all kinds of radii and tests.
     fn count(&mut self, scene: &AnyScene<'_>, test: Test, tally: &mut Tally, sink: &mut dyn Sink) -> Result<(), Refusal>;
 
     /// See [`Declare::formula_bytes`]; for the dimension of the last call.
@@ -41,23 +43,14 @@ where
         Box::new(Both { plane: A::with(options), space: B::with(options), last_was_space: false })
     }
 
-    fn run<P: Probe, S: Sink>(&mut self, scene: &AnyScene<'_>, test: Test, probe: &mut P, sink: &mut S) -> Result<(), Refusal> {
+    /// Doubles for the exact test, so that it need not be compiled for the others.
+    fn widened<'s, 'a>(&mut self, scene: &'s AnyScene<'a>, test: Test) -> Result<Cow<'s, AnyScene<'a>>, Refusal> {
         self.last_was_space = scene.dim() == 3;
-        if test == Test::Exact && !scene.is_f64() {
-            return match scene.stored(Arithmetic::F64) {
-                Ok(wide) => self.run(&wide, test, probe, sink),
-                // Not reached: every storage is doubles without error.
-                Err(_) => Err(Refusal::NotWide { precision: "another format" }),
-            };
+        if test != Test::Exact || scene.is_f64() {
+            return Ok(Cow::Borrowed(scene));
         }
-        match scene {
-            AnyScene::PlaneF32(scene) => run(&mut self.plane, scene, test, probe, sink),
-            AnyScene::PlaneF64(scene) => run(&mut self.plane, scene, test, probe, sink),
-            AnyScene::PlaneCell(scene) => run(&mut self.plane, scene, test, probe, sink),
-            AnyScene::SpaceF32(scene) => run(&mut self.space, scene, test, probe, sink),
-            AnyScene::SpaceF64(scene) => run(&mut self.space, scene, test, probe, sink),
-            AnyScene::SpaceCell(scene) => run(&mut self.space, scene, test, probe, sink),
-        }
+        // No error can be: every storage is doubles without error.
+        scene.stored(Arithmetic::F64).map(Cow::Owned).map_err(|_| Refusal::NotWide { precision: "another format" })
     }
 }
 
@@ -67,7 +60,14 @@ where
     B: Detector<f32, 3> + Detector<f64, 3> + Detector<CellF32, 3> + Declare + 'static,
 {
     fn list(&mut self, scene: &AnyScene<'_>, test: Test, pairs: &mut Vec<[u32; 2]>) -> Result<(), Refusal> {
-        self.run(scene, test, &mut Silent, pairs)
+        match &*self.widened(scene, test)? {
+            AnyScene::PlaneF32(scene) => run(&mut self.plane, scene, test, &mut Silent, pairs),
+            AnyScene::PlaneF64(scene) => run(&mut self.plane, scene, test, &mut Silent, pairs),
+            AnyScene::PlaneCell(scene) => run(&mut self.plane, scene, test, &mut Silent, pairs),
+            AnyScene::SpaceF32(scene) => run(&mut self.space, scene, test, &mut Silent, pairs),
+            AnyScene::SpaceF64(scene) => run(&mut self.space, scene, test, &mut Silent, pairs),
+            AnyScene::SpaceCell(scene) => run(&mut self.space, scene, test, &mut Silent, pairs),
+        }
     }
 
     /// Counts all the same, so that a third form of every detector need not be compiled.
@@ -76,7 +76,15 @@ where
     }
 
     fn count(&mut self, scene: &AnyScene<'_>, test: Test, tally: &mut Tally, mut sink: &mut dyn Sink) -> Result<(), Refusal> {
-        self.run(scene, test, tally, &mut sink)
+        let sink = &mut sink;
+        match &*self.widened(scene, test)? {
+            AnyScene::PlaneF32(scene) => self.plane.detect(any_bodies(scene, test)?, tally, sink),
+            AnyScene::PlaneF64(scene) => self.plane.detect(any_bodies(scene, test)?, tally, sink),
+            AnyScene::PlaneCell(scene) => self.plane.detect(any_bodies(scene, test)?, tally, sink),
+            AnyScene::SpaceF32(scene) => self.space.detect(any_bodies(scene, test)?, tally, sink),
+            AnyScene::SpaceF64(scene) => self.space.detect(any_bodies(scene, test)?, tally, sink),
+            AnyScene::SpaceCell(scene) => self.space.detect(any_bodies(scene, test)?, tally, sink),
+        }
     }
 
     fn formula_bytes(&self) -> u64 {

@@ -29,7 +29,7 @@ use crate::detect::Refusal;
 use crate::filter::{self, Margin};
 use crate::probe::{Op, Probe};
 use crate::scene::{Radii, Scene};
-pub use rule::{ExactEach, ExactUniform, RoundedEach, RoundedUniform, Rule};
+pub use rule::{AnyRule, ExactEach, ExactUniform, RoundedEach, RoundedUniform, Rule};
 pub use scalar::{CellF32, Real, Work};
 
 /// How contacts are decided, and in which precision the scene is stored: the axis of accuracy.
@@ -230,24 +230,28 @@ pub fn with_bodies<T: Real, const D: usize, W, O>(scene: &Scene<'_, T, D>, test:
 where
     W: WithBodies<T, D, Output = Result<O, Refusal>>,
 {
-    let centres = scene.centres();
-    let diameter = 2.0 * scene.largest_radius().wide();
     if test == Test::Exact {
         return T::exactly(scene, then);
     }
-    refuse_overflow(scene, diameter)?;
-    let (margin, reach) = match test {
-        Test::Textbook => (Margin::Textbook, diameter),
-        _ => (Margin::Safe, filter::rounded_reach::<T>(diameter)),
-    };
-    let (radii, slack) = (scene.radii(), filter::rounded_slack::<T>());
-    match radii {
-        Radii::Uniform(r) => {
-            let sum = r.plus(*r);
-            then.call(Subject { centres, rule: RoundedUniform { square: sum * sum }, radii, reach, slack, margin })
-        }
-        Radii::Each(each) => then.call(Subject { centres, rule: RoundedEach { radii: each }, radii, reach, slack, margin }),
+    let frame = Frame::rounded(scene, test)?;
+    match scene.radii() {
+        Radii::Uniform(r) => then.call(frame.with(scene, RoundedUniform::new(*r))),
+        Radii::Each(radii) => then.call(frame.with(scene, RoundedEach { radii })),
     }
+}
+
+/// As [`with_bodies`], with a contact test that is looked up for each pair: for what is not timed. Exact tests take every storage.
+pub fn any_bodies<'a, T: Real, const D: usize>(
+    scene: &'a Scene<'_, T, D>,
+    test: Test,
+) -> Result<Subject<'a, T, AnyRule<'a, T>, D>, Refusal> {
+    let (frame, rule) = match (test, scene.radii()) {
+        (Test::Exact, Radii::Uniform(r)) => (Frame::exact(scene), AnyRule::ExactUniform(ExactUniform::new(r.wide()))),
+        (Test::Exact, Radii::Each(radii)) => (Frame::exact(scene), AnyRule::ExactEach(radii)),
+        (_, Radii::Uniform(r)) => (Frame::rounded(scene, test)?, AnyRule::RoundedUniform(RoundedUniform::new(*r))),
+        (_, Radii::Each(radii)) => (Frame::rounded(scene, test)?, AnyRule::RoundedEach(RoundedEach { radii })),
+    };
+    Ok(frame.with(scene, rule))
 }
 
 /// The exact test, for doubles: every storage becomes doubles without error, so that it need not be compiled for the others.
@@ -255,11 +259,37 @@ fn exactly<const D: usize, W, O>(scene: &Scene<'_, f64, D>, then: W) -> Result<O
 where
     W: WithBodies<f64, D, Output = Result<O, Refusal>>,
 {
-    let (centres, radii, reach) = (scene.centres(), scene.radii(), 2.0 * scene.largest_radius());
-    let (slack, margin) = (Slack::NONE, Margin::Safe);
-    match radii {
-        Radii::Uniform(r) => then.call(Subject { centres, rule: ExactUniform::new(*r), radii, reach, slack, margin }),
-        Radii::Each(each) => then.call(Subject { centres, rule: ExactEach { radii: each }, radii, reach, slack, margin }),
+    let frame = Frame::exact(scene);
+    match scene.radii() {
+        Radii::Uniform(r) => then.call(frame.with(scene, ExactUniform::new(*r))),
+        Radii::Each(radii) => then.call(frame.with(scene, ExactEach { radii })),
+    }
+}
+
+/// What a test means for filters.
+struct Frame {
+    reach: f64,
+    slack: Slack,
+    margin: Margin,
+}
+
+impl Frame {
+    fn rounded<T: Real, const D: usize>(scene: &Scene<'_, T, D>, test: Test) -> Result<Frame, Refusal> {
+        let diameter = 2.0 * scene.largest_radius().wide();
+        refuse_overflow(scene, diameter)?;
+        let (margin, reach) = match test {
+            Test::Textbook => (Margin::Textbook, diameter),
+            _ => (Margin::Safe, filter::rounded_reach::<T>(diameter)),
+        };
+        Ok(Frame { reach, slack: filter::rounded_slack::<T>(), margin })
+    }
+
+    fn exact<T: Real, const D: usize>(scene: &Scene<'_, T, D>) -> Frame {
+        Frame { reach: 2.0 * scene.largest_radius().wide(), slack: Slack::NONE, margin: Margin::Safe }
+    }
+
+    fn with<'a, T: Real, R, const D: usize>(self, scene: &'a Scene<'_, T, D>, rule: R) -> Subject<'a, T, R, D> {
+        Subject { centres: scene.centres(), radii: scene.radii(), rule, reach: self.reach, slack: self.slack, margin: self.margin }
     }
 }
 
@@ -300,6 +330,9 @@ mod tests {
             let mut probe = Touch(Tally::default());
             let this = (with_bodies(&scene, test, &mut probe).unwrap(), probe.0.get(Op::ExactTest));
             assert_eq!(*answer.get_or_insert(this), this);
+            let mut tally = Tally::default();
+            let any = any_bodies(&scene, test).unwrap().touch(0, 1, &mut tally);
+            assert_eq!((any, tally.get(Op::ExactTest)), this);
         }
         answer.unwrap()
     }

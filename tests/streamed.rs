@@ -1,13 +1,18 @@
 //! Every form on every instruction set and with several threads gives the pairs of all pairs tested.
 
-use super::*;
-use crate::contact::{Arithmetic, Test};
-use crate::detect::any::run;
-use crate::detect::direct::Direct;
-use crate::probe::Tally;
-use crate::scene::spec::Spec;
-use crate::scene::{AnyScene, Radii, Scene};
-use crate::sink::Digest;
+use contactbench::contact::{Arithmetic, Bodies, Real, Test};
+use contactbench::detect::any::run;
+use contactbench::detect::direct::Direct;
+use contactbench::detect::streamed::{Form, Streamed};
+use contactbench::detect::{Declare, Detector, Options, Refusal};
+use contactbench::probe::{Op, Probe, Silent, Tally};
+use contactbench::scene::spec::Spec;
+use contactbench::scene::{AnyScene, Radii, Scene};
+use contactbench::sink::Digest;
+use contactbench::wide::Level;
+use contactbench::with_scene;
+
+const NAME: &str = "streamed-nbs";
 
 const SCENES: [&str; 12] = [
     "packed:n=3000",
@@ -59,7 +64,8 @@ fn all_forms_on_all_levels_in_all_arithmetics() {
         for arithmetic in Arithmetic::SAFE {
             let scene = scene.stored(arithmetic).unwrap();
             let what = format!("{text} in {}", arithmetic.name());
-            compared += crate::with_scene!(&scene, scene => if arithmetic != Arithmetic::Exact { compare(&what, scene, arithmetic.test()) } else { 0 });
+            compared +=
+                with_scene!(&scene, scene => if arithmetic != Arithmetic::Exact { compare(&what, scene, arithmetic.test()) } else { 0 });
             compared += match (&scene, arithmetic) {
                 (AnyScene::PlaneF64(scene), Arithmetic::Exact) => compare(&what, scene, Test::Exact),
                 (AnyScene::SpaceF64(scene), Arithmetic::Exact) => compare(&what, scene, Test::Exact),
@@ -140,7 +146,7 @@ fn textbook_loses_nothing() {
 fn threads_find_the_same() {
     for text in ["packed:dim=3,n=40000", "loose:n=30000", "clustered:dim=3,n=25000,size-ratio=2"] {
         let scene = Spec::parse(text).and_then(|spec| spec.make()).unwrap();
-        let table = crate::detect::table::find(NAME).unwrap();
+        let table = contactbench::detect::table::find(NAME).unwrap();
         let digests = [1, 2, 3, 7].map(|threads| {
             let mut detector = table.make(Options { threads, ..Options::default() });
             let mut pairs = vec![[9, 9]];
@@ -167,7 +173,7 @@ fn few_pairs_are_left_to_the_contact_test() {
         let asked = Asked::new(&scene);
         let mut digest = Digest::default();
         let mut detector = Streamed::<3>::on(Level::best(), Options::default());
-        crate::contact::with_bodies(&scene, Test::Exact, With(&mut detector, &asked, &mut digest)).unwrap();
+        contactbench::contact::with_bodies(&scene, Test::Exact, With(&mut detector, &asked, &mut digest)).unwrap();
         (asked.0.load(std::sync::atomic::Ordering::Relaxed), digest.contacts)
     };
     let (asked, contacts) = unsure("packed:dim=3,n=20000");
@@ -208,14 +214,14 @@ impl<B: Bodies<f64, 3>> Bodies<f64, 3> for Counted<'_, B> {
     fn uniform(&self) -> Option<f64> {
         self.0.uniform()
     }
-    fn slack(&self) -> crate::contact::Slack {
+    fn slack(&self) -> contactbench::contact::Slack {
         self.0.slack()
     }
 }
 
 struct With<'a>(&'a mut Streamed<3>, &'a Asked, &'a mut Digest);
 
-impl crate::contact::WithBodies<f64, 3> for With<'_> {
+impl contactbench::contact::WithBodies<f64, 3> for With<'_> {
     type Output = Result<(), Refusal>;
     fn call<B: Bodies<f64, 3>>(self, bodies: B) -> Self::Output {
         self.0.detect(Counted(bodies, self.1), &mut Silent, self.2)
@@ -226,7 +232,7 @@ impl crate::contact::WithBodies<f64, 3> for With<'_> {
 #[test]
 fn memory_is_of_elements_not_of_cells() {
     let per_element = |scene: &AnyScene<'_>| {
-        let mut detector = crate::detect::table::find(NAME).unwrap().make(Options::default());
+        let mut detector = contactbench::detect::table::find(NAME).unwrap().make(Options::default());
         detector.visit(scene, Test::Exact, &mut Digest::default()).unwrap();
         detector.formula_bytes() as f64 / scene.len() as f64
     };
@@ -284,7 +290,7 @@ fn counts_are_the_same_on_all_levels() {
 fn couples_where_floats_are_coarse() {
     let mut state = 1;
     let mut unit = || {
-        state = crate::sink::splitmix64(state);
+        state = contactbench::sink::splitmix64(state);
         (state >> 11) as f64 / (1u64 << 53) as f64
     };
     let mut places = Vec::new();
@@ -296,7 +302,7 @@ fn couples_where_floats_are_coarse() {
         let couple = |(k, [x, y]): (usize, [f64; 2])| [[x, y], [x + diameter + 1e-5 * (k as f64 / 3900.0 - 1.0), y]];
         let centres: Vec<_> = places.iter().copied().enumerate().flat_map(couple).map(nalgebra::Point::from).collect();
         let scene = Scene::new(centres, Radii::Uniform(0.5 * diameter)).unwrap();
-        let truth = answer(&mut crate::detect::nbs2d::Nbs2d::with(Options::default()), &scene, Test::Exact);
+        let truth = answer(&mut contactbench::detect::nbs2d::Nbs2d::with(Options::default()), &scene, Test::Exact);
         for level in Level::all() {
             let mut detector = Streamed::<2>::on(level, Options::default()).in_form(Form::Cells);
             assert_eq!(answer(&mut detector, &scene, Test::Exact), truth, "{} with diameter {diameter}", level.name());

@@ -1,0 +1,224 @@
+//! Scenes: sets of discs (2D) and spheres (3D).
+//!
+//! A scene is centres and radii, and says what it is: its dimension, its precision, and whether it has one radius or one per element.
+//! Code for the simple case never pays for the rich one. A [`Scene`] is always valid: finite coordinates, finite radii that are not
+//! negative, at most 2^32 - 1 elements.
+
+pub mod any;
+
+use std::borrow::Cow;
+
+use nalgebra::Point;
+
+use crate::contact::{CellF32, Real, array};
+pub use any::AnyScene;
+
+/// Discs (`D` = 2) or spheres (`D` = 3), borrowed or owned.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scene<'a, T: Real, const D: usize> {
+    centres: Cow<'a, [Point<T, D>]>,
+    radii: Radii<'a, T>,
+}
+
+/// One radius for all elements, or one for each.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Radii<'a, T: Clone> {
+    /// All elements have this radius.
+    Uniform(T),
+    /// Element k has the k-th radius.
+    Each(Cow<'a, [T]>),
+}
+
+impl<T: Copy> Radii<'_, T> {
+    /// The radius of element `k`.
+    #[inline(always)]
+    pub fn of(&self, k: usize) -> T {
+        match self {
+            Radii::Uniform(r) => *r,
+            Radii::Each(radii) => radii[k],
+        }
+    }
+}
+
+/// What is wrong with a set of centres and radii. Elements are numbered from 0.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[allow(missing_docs)] // the fields are explained by the messages
+pub enum SceneError {
+    /// NaN or infinite.
+    #[error("particle {index}: {axis} is {value}; coordinates must be finite numbers: remove or mend the particle")]
+    Coordinate { index: usize, axis: &'static str, value: f64 },
+    /// NaN, infinite or negative.
+    #[error("particle {index}: the radius is {value}; radii must be finite and not negative: remove or mend the particle")]
+    Radius { index: usize, value: f64 },
+    /// NaN, infinite or negative.
+    #[error("the radius of all particles is {value}; it must be finite and not negative")]
+    UniformRadius { value: f64 },
+    /// Numbers of centres and radii differ.
+    #[error("{centres} centres but {radii} radii; give one radius per particle, or one for all")]
+    Lengths { centres: usize, radii: usize },
+    /// Cell numbers and offsets do not hold the coordinates.
+    #[error(
+        "along {axis} the scene spans 2^28 cells of edge {edge:e} or more ({low:e} to {high:e}); coordinates by cells hold fewer: take f64 or exact"
+    )]
+    Cells { axis: &'static str, low: f64, high: f64, edge: f64 },
+    /// More than can be numbered.
+    #[error("{n} particles; at most 2^32 - 1 = 4294967295 can be numbered: split the scene")]
+    TooMany { n: usize },
+}
+
+impl<'a, T: Real, const D: usize> Scene<'a, T, D> {
+    /// A scene from centres and radii, which are checked.
+    pub fn new(centres: impl Into<Cow<'a, [Point<T, D>]>>, radii: Radii<'a, T>) -> Result<Scene<'a, T, D>, SceneError> {
+        let centres = centres.into();
+        if centres.len() as u64 > u64::from(u32::MAX) {
+            return Err(SceneError::TooMany { n: centres.len() });
+        }
+        for (index, centre) in centres.iter().enumerate() {
+            for (k, x) in array(centre).iter().enumerate() {
+                if !x.finite() {
+                    return Err(SceneError::Coordinate { index, axis: ["x", "y", "z"][k.min(2)], value: x.wide() });
+                }
+            }
+        }
+        let bad = |r: &T| !(r.finite() && *r >= T::default());
+        match &radii {
+            Radii::Uniform(r) if bad(r) => return Err(SceneError::UniformRadius { value: r.wide() }),
+            Radii::Each(radii) if radii.len() != centres.len() => {
+                return Err(SceneError::Lengths { centres: centres.len(), radii: radii.len() });
+            }
+            Radii::Each(radii) => {
+                if let Some(index) = radii.iter().position(bad) {
+                    return Err(SceneError::Radius { index, value: radii[index].wide() });
+                }
+            }
+            Radii::Uniform(_) => {}
+        }
+        Ok(Scene { centres, radii })
+    }
+
+    /// The centres, in file or generation order.
+    pub fn centres(&self) -> &[Point<T, D>] {
+        &self.centres
+    }
+
+    /// One radius, or one per element.
+    pub fn radii(&self) -> &Radii<'a, T> {
+        &self.radii
+    }
+
+    /// The radius of element `k`.
+    pub fn radius(&self, k: usize) -> T {
+        self.radii.of(k)
+    }
+
+    /// The number of elements.
+    pub fn len(&self) -> usize {
+        self.centres.len()
+    }
+
+    /// True if there are no elements.
+    pub fn is_empty(&self) -> bool {
+        self.centres.is_empty()
+    }
+
+    /// The largest radius; 0 for an empty scene with a radius per element.
+    pub fn largest_radius(&self) -> T {
+        match &self.radii {
+            Radii::Uniform(r) => *r,
+            Radii::Each(radii) => radii.iter().fold(T::default(), |most, &r| if r > most { r } else { most }),
+        }
+    }
+
+    /// The scene with its elements in another order: element k of the result is element `order[k]`.
+    pub fn reordered(&self, order: &[u32]) -> Scene<'static, T, D> {
+        let radii = match &self.radii {
+            Radii::Uniform(r) => Radii::Uniform(*r),
+            Radii::Each(radii) => Radii::Each(order.iter().map(|&k| radii[k as usize]).collect()),
+        };
+        Scene { centres: order.iter().map(|&k| self.centres[k as usize]).collect(), radii }
+    }
+
+    /// The scene rounded to another precision. Fails where a number overflows.
+    pub fn convert<U: Real>(&self) -> Result<Scene<'static, U, D>, SceneError> {
+        self.map(|x, _| U::place(x), U::nearest)
+    }
+
+    /// The scene with every coordinate (and its axis) and every radius mapped.
+    fn map<U: Real>(&self, coordinate: impl Fn(f64, usize) -> U, length: impl Fn(f64) -> U) -> Result<Scene<'static, U, D>, SceneError> {
+        let place = |p: &Point<T, D>| Point::from(std::array::from_fn(|k| coordinate(array(p)[k].wide(), k)));
+        let radii = match &self.radii {
+            Radii::Uniform(r) => Radii::Uniform(length(r.wide())),
+            Radii::Each(radii) => Radii::Each(radii.iter().map(|r| length(r.wide())).collect()),
+        };
+        Scene::new(self.centres.iter().map(place).collect::<Vec<_>>(), radii)
+    }
+}
+
+impl<const D: usize> Scene<'_, f64, D> {
+    /// The scene by cells, in units of the cell's edge: the power of two from the largest diameter upwards, at least 2^-1022 (for points: such that the
+    /// scene spans 2^20 cells). Cells are numbered from the one that holds the lowest coordinate. Fails beyond 2^28 cells along an axis.
+    ///
+    /// Cell numbers are exact. What rounding there is, half of 2^-24 of an edge, is that of the offsets.
+    pub fn by_cells(&self) -> Result<Scene<'static, CellF32, D>, SceneError> {
+        let (mut low, mut high) = ([f64::INFINITY; D], [f64::NEG_INFINITY; D]);
+        for centre in self.centres.iter() {
+            for (k, &x) in array(centre).iter().enumerate() {
+                (low[k], high[k]) = (low[k].min(x), high[k].max(x));
+            }
+        }
+        let diameter = 2.0 * self.largest_radius();
+        // Halved, so that the extent does not overflow.
+        let extent = (0..D).map(|k| 0.5 * high[k] - 0.5 * low[k]).fold(0.0, f64::max) * (1.0 / (1u64 << 19) as f64);
+        let edge = [diameter, extent, 1.0].into_iter().find(|&size| size > 0.0).map_or(1.0, power_of_two);
+        let first = low.map(|x| (x / edge).floor());
+        for k in 0..D {
+            let cells = (high[k] / edge).floor() - first[k];
+            // Also where the quotients overflow, and nothing can be said.
+            if !(cells < CellF32::MOST_CELLS || self.is_empty()) {
+                return Err(SceneError::Cells { axis: ["x", "y", "z"][k.min(2)], low: low[k], high: high[k], edge });
+            }
+        }
+        self.map(
+            |x, k| {
+                let x = x / edge;
+                CellF32::at(x.floor() - first[k], x - x.floor())
+            },
+            |r| CellF32::nearest(r / edge),
+        )
+    }
+}
+
+/// The smallest power of two of at least `x`; in the range of normal numbers.
+fn power_of_two(x: f64) -> f64 {
+    let below = f64::from_bits(x.clamp(f64::MIN_POSITIVE, f64::MAX).to_bits() & (0x7ff << 52));
+    if below < x && below < f64::MAX / 2.0 { 2.0 * below } else { below }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_cells_cannot_hold_is_refused_and_the_rest_is_not() {
+        let stored = |points: &[[f64; 2]], r: f64| {
+            Scene::new(points.iter().copied().map(Point::from).collect::<Vec<_>>(), Radii::Uniform(r)).unwrap().by_cells()
+        };
+        assert!(matches!(stored(&[[0.0, 0.0], [0.0, 3e8]], 0.5), Err(SceneError::Cells { axis: "y", .. })));
+        assert!(stored(&[[0.0, 0.0], [0.0, 2e8]], 0.5).is_ok());
+        assert!(matches!(stored(&[[f64::MAX, 0.0], [-f64::MAX, 3e8]], 1e-300), Err(SceneError::Cells { axis: "x", .. })));
+        for points in [&[][..], &[[1e300, -1e300]], &[[5.0, 5.0], [5.0, 5.0]], &[[0.0, 0.0], [1e-310, 7.0]], &[[-0.0, 0.0], [-5e-324, 0.0]]]
+        {
+            assert!(stored(points, 0.0).is_ok(), "{points:?}");
+        }
+        assert!(stored(&[[0.0, 0.0], [f64::MAX, 0.0]], f64::MAX).is_ok());
+    }
+
+    #[test]
+    fn powers_of_two_are_not_below_the_size() {
+        for (size, power) in
+            [(1.0, 1.0), (1.5, 2.0), (0.1, 0.125), (f64::MIN_POSITIVE / 2.0, f64::MIN_POSITIVE), (f64::INFINITY, 2f64.powi(1023))]
+        {
+            assert_eq!(power_of_two(size), power, "{size}");
+        }
+    }
+}
