@@ -1,4 +1,4 @@
-//! README is true: its Rust code is the code of the example, which is compiled and right, and its commands work as written.
+//! README and the pages in docs are true: the Rust code is the code of the example, which is compiled and right, and the commands work as written.
 
 use std::path::Path;
 use std::process::Command;
@@ -7,9 +7,9 @@ const README: &str = include_str!("../README.md");
 const EXAMPLE: &str = include_str!("../examples/add_a_detector.rs");
 
 /// The text of all fenced blocks of a language, in order.
-fn blocks(language: &str) -> Vec<String> {
+fn blocks(page: &str, language: &str) -> Vec<String> {
     let (mut found, mut inside) = (Vec::new(), None);
-    for line in README.lines() {
+    for line in page.lines() {
         match (line.strip_prefix("```"), &mut inside) {
             (Some(name), None) => inside = Some((name.to_string(), String::new())),
             (Some(_), Some(_)) => found.extend(inside.take()),
@@ -17,7 +17,7 @@ fn blocks(language: &str) -> Vec<String> {
             (None, None) => {}
         }
     }
-    assert!(inside.is_none(), "a fenced block of README is not closed");
+    assert!(inside.is_none(), "a fenced block is not closed");
     found.into_iter().filter(|(name, _)| name == language).map(|(_, text)| text).collect()
 }
 
@@ -32,29 +32,49 @@ fn marked(name: &str) -> String {
 #[test]
 fn the_code_is_that_of_the_example() {
     let (detector, table) = (marked("detector"), marked("table"));
-    assert_eq!(blocks("rust"), [detector.clone(), table]);
+    assert_eq!(blocks(README, "rust"), [detector.clone(), table]);
     assert!((10..40).contains(&detector.lines().count()), "{} lines", detector.lines().count());
 }
 
-/// In order and in one folder, so that a block can use the files of those before it. Blocks that call cargo build and run for minutes.
-#[test]
-fn the_commands_work_as_written() {
-    let folder = tempfile::tempdir().unwrap();
+/// Runs the commands of a page in order and in one folder, so that a block can use the files of those before it; their number. Blocks that begin with cargo
+/// build and run for minutes, and are left out.
+fn run_commands_of(page: &str, folder: &Path) -> usize {
     let program = Path::new(env!("CARGO_BIN_EXE_contactbench"));
     let path = std::env::join_paths(
         std::iter::once(program.parent().unwrap().to_path_buf()).chain(std::env::split_paths(&std::env::var_os("PATH").unwrap())),
     );
     let path = path.unwrap();
     let mut run = 0;
-    for block in blocks("sh").iter().filter(|block| !block.starts_with("cargo ")) {
-        let result = Command::new("sh").args(["-euc", block]).current_dir(folder.path()).env("PATH", &path).output().unwrap();
+    for block in blocks(page, "sh").iter().filter(|block| !block.starts_with("cargo ")) {
+        let result = Command::new("sh").args(["-euc", block]).current_dir(folder).env("PATH", &path).output().unwrap();
         let errors = String::from_utf8_lossy(&result.stderr);
         assert!(result.status.success(), "{}:\n{block}\n{}{errors}", result.status, String::from_utf8_lossy(&result.stdout));
         run += block.lines().filter(|line| line.starts_with("contactbench ")).count();
     }
-    assert_eq!(run, 7, "commands of README");
+    run
+}
+
+#[test]
+fn the_commands_work_as_written() {
+    let folder = tempfile::tempdir().unwrap();
+    assert_eq!(run_commands_of(README, folder.path()), 7, "commands of README");
     assert_eq!(std::fs::read_to_string(folder.path().join("pairs.csv")).unwrap(), "i,j\n0,1\n2,3\n");
     assert!(folder.path().join("mine/report.md").exists());
+}
+
+#[test]
+fn the_commands_of_the_pages_work_as_written() {
+    let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs");
+    let mut pages = 0;
+    for entry in std::fs::read_dir(docs).unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_some_and(|ending| ending == "md") {
+            let folder = tempfile::tempdir().unwrap();
+            eprintln!("{}: {} commands", path.display(), run_commands_of(&std::fs::read_to_string(&path).unwrap(), folder.path()));
+            pages += 1;
+        }
+    }
+    assert!(pages > 0);
 }
 
 /// Files named in links are there; those of the reference run only once there is one.
