@@ -38,6 +38,7 @@ pub use contactbench_core::{contact, detect, filter, probe, sink, wide, with_sce
 pub mod analyse;
 pub mod check;
 pub mod cli;
+pub mod draw;
 pub mod figure;
 pub mod harness;
 pub mod oracle;

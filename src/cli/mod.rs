@@ -2,10 +2,12 @@
 
 pub mod check;
 pub mod detect;
+pub mod draw;
 pub mod list;
 pub mod progress;
 pub mod run;
 pub mod runner;
+pub mod scene;
 
 use anyhow::anyhow;
 use clap::{Parser, Subcommand};
@@ -49,6 +51,11 @@ pub enum Verb {
         after_help = "Example: contactbench detect packing.csv --detector nbs -o pairs.csv\nExample: contactbench detect centres.npy --radius 0.5 --arithmetic f64 > pairs.csv"
     )]
     Detect(detect::Detect),
+    /// Draws a scene with its contacts, or a slice through spheres, as SVG or PNG
+    #[command(
+        after_help = "Example: contactbench draw packing.csv\nExample: contactbench draw packed:dim=3,n=2000 --slice z=4 -o slice.png\nExample: contactbench draw packing.csv --pairs theirs.csv"
+    )]
+    Draw(draw::Draw),
     /// Serves one detector on standard input and output: see docs/PROTOCOL.md
     #[command(after_help = "Example: echo '{\"request\":\"quit\"}' | contactbench runner --detector nbs")]
     Runner(runner::Serve),
