@@ -16,7 +16,7 @@
 use crate::contact::{Bodies, Real};
 use crate::detect::Refusal;
 use crate::filter::cells::MOST_CELLS;
-use crate::filter::{Margin, bounds, rounded_reach};
+use crate::filter::{Margin, bounds_by, rounded_reach};
 use crate::sink::splitmix64;
 
 /// Bits of the fraction of a coordinate, at most.
@@ -60,10 +60,10 @@ pub enum Form {
 }
 
 impl<const D: usize> Grid<D> {
-    /// The grid for a scene, and the form that suits it or is asked for.
-    pub fn new<T: Real>(bodies: &impl Bodies<T, D>, asked: Option<Form>) -> Result<(Grid<D>, Form), Refusal> {
+    /// The grid for a scene, and the form that suits it or is asked for; `threads` look for the scene's box.
+    pub fn new<T: Real>(bodies: &impl Bodies<T, D>, asked: Option<Form>, threads: usize) -> Result<(Grid<D>, Form), Refusal> {
         let n = bodies.len();
-        let (low, high) = bounds(bodies);
+        let (low, high) = bounds_by(bodies, threads);
         let mut axes: [usize; D] = std::array::from_fn(|k| k);
         for axis in 0..D {
             if !(high[axis] - low[axis]).is_finite() {
