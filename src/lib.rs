@@ -33,7 +33,7 @@
 //! ```
 #![warn(missing_docs)]
 
-pub use contactbench_core::{contact, detect, filter, probe, sink, wide, with_scene};
+pub use contactbench_core::{contact, detect, event, filter, probe, sink, wide, with_scene};
 
 pub mod analyse;
 pub mod check;
@@ -44,3 +44,4 @@ pub mod harness;
 pub mod oracle;
 pub mod read;
 pub mod scene;
+pub mod trace;

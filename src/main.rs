@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 
 use clap::Parser;
-use contactbench::cli::{Cli, Verb, check, detect, draw, list, run, runner};
+use contactbench::cli::{Cli, Verb, check, detect, draw, list, run, runner, shell, trace};
 use contactbench::harness::alloc::Counting;
 
 #[global_allocator]
@@ -18,6 +18,9 @@ fn main() -> ExitCode {
         Some(Verb::Check(options)) => check::check(&options),
         Some(Verb::Detect(options)) => detect::detect(&options),
         Some(Verb::Draw(options)) => draw::draw(&options),
+        Some(Verb::Trace(options)) => trace::trace(&options),
+        Some(Verb::Completions(options)) => shell::completions(&options),
+        Some(Verb::Man(options)) => shell::man(&options),
         Some(Verb::Runner(options)) => runner::serve(&options),
     };
     match result {

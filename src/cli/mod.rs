@@ -8,6 +8,8 @@ pub mod progress;
 pub mod run;
 pub mod runner;
 pub mod scene;
+pub mod shell;
+pub mod trace;
 
 use anyhow::anyhow;
 use clap::{Parser, Subcommand};
@@ -56,6 +58,17 @@ pub enum Verb {
         after_help = "Example: contactbench draw packing.csv\nExample: contactbench draw packed:dim=3,n=2000 --slice z=4 -o slice.png\nExample: contactbench draw packing.csv --pairs theirs.csv"
     )]
     Draw(draw::Draw),
+    /// Shows a detector of the book step by step: one HTML page that steps with the arrow keys, and an SVG of each step
+    #[command(
+        after_help = "Example: contactbench trace nbs\nExample: contactbench trace screening packed:n=12 -o lecture\nWithout a scene the book's worked example is shown."
+    )]
+    Trace(trace::Trace),
+    /// Writes a completion script for your shell
+    #[command(after_help = "Example: contactbench completions bash > ~/.local/share/bash-completion/completions/contactbench")]
+    Completions(shell::Completions),
+    /// Writes the manual page, or all of them into a folder
+    #[command(after_help = "Example: contactbench man | man -l -\nExample: contactbench man -o ~/.local/share/man/man1")]
+    Man(shell::Man),
     /// Serves one detector on standard input and output: see docs/PROTOCOL.md
     #[command(after_help = "Example: echo '{\"request\":\"quit\"}' | contactbench runner --detector nbs")]
     Runner(runner::Serve),

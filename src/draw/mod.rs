@@ -24,7 +24,7 @@ mod sheet;
 
 pub use flat::Slice;
 pub use pairs::{Highlighted, find, read};
-pub use paper::escaped;
+pub use paper::{escaped, px};
 pub use png::png;
 
 use anyhow::ensure;

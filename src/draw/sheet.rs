@@ -4,8 +4,10 @@ use super::flat::Flat;
 use super::pairs::{Highlighted, NEAR, depth_of};
 use super::paper::{Frame, escaped, px, segment};
 use super::{LABELLED, Look};
-use crate::detect::{Options, table};
-use crate::scene::AnyScene;
+use crate::contact::{Real, Test, any_bodies};
+use crate::filter::Cells;
+use crate::scene::{AnyScene, Scene};
+use crate::with_scene;
 
 /// The most pixels of the drawing, without margins and text.
 const MOST: [f64; 2] = [960.0, 720.0];
@@ -165,8 +167,7 @@ impl<'a> Sheet<'a> {
 
     /// The point where two bodies that are nearly tangent are so.
     fn between(&self, [i, j]: [u32; 2], a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
-        let radius =
-            |k: u32| crate::with_scene!(self.scene, scene => crate::contact::Real::wide(scene.radius(k as usize))) * self.flat.factor;
+        let radius = |k: u32| with_scene!(self.scene, scene => scene.radius(k as usize).wide()) * self.flat.factor;
         let (ri, rj) = (radius(i), radius(j));
         let part = if ri + rj > 0.0 { ri / (ri + rj) } else { 0.5 };
         [0, 1].map(|k| a[k] + (b[k] - a[k]) * part)
@@ -234,10 +235,11 @@ impl<'a> Sheet<'a> {
     }
 }
 
-/// The lowest corner of the cells that detectors use, and their edge.
+/// The lowest corner of the cells that detectors use, and their edge; none where there are no cells.
 fn cells(scene: &AnyScene<'_>) -> Option<(Vec<f64>, f64)> {
-    // Replaced by the detectors' own cells.
-    let _ = (Options::default(), table::names());
-    let edge = 2.0 * scene.largest_radius() / (1.0 - 1.0 / (1u64 << 18) as f64);
-    (edge > 0.0).then(|| (vec![0.0; 3], edge))
+    fn of<T: Real, const D: usize>(scene: &Scene<'_, T, D>) -> Option<(Vec<f64>, f64)> {
+        let cells = Cells::new(&any_bodies(scene, Test::Exact).ok()?).ok()?;
+        Some((cells.origin().to_vec(), cells.edge()))
+    }
+    with_scene!(scene, scene => of(scene))
 }
