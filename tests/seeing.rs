@@ -138,6 +138,42 @@ fn a_page_needs_nothing_else_and_holds_any_name() {
     }
 }
 
+/// The page in a browser: it shows the step of its address, and keys, buttons and the bar step. Without Chromium nothing is tested.
+#[test]
+fn a_page_steps_in_a_browser() {
+    let script = r#"<script>
+        const seen = [$("step").textContent];
+        const press = (key) => { dispatchEvent(new KeyboardEvent("keydown", { key })); seen.push(at); };
+        ["ArrowRight", " ", "PageDown", "ArrowLeft", "ArrowUp", "ArrowDown", "End", "ArrowRight", "Home", "ArrowLeft"].forEach(press);
+        $("next").click(); seen.push(at);
+        $("bar").value = 20; $("bar").dispatchEvent(new Event("input")); seen.push(at, location.hash);
+        seen.push($("counts").textContent, $("words").textContent, $("l1").children.length, $("arrays").textContent.length > 100);
+        document.documentElement.dataset.seen = JSON.stringify(seen);
+    </script>"#;
+    let folder = tempfile::tempdir().unwrap();
+    let trace = trace(Algorithm::Screening, None).unwrap();
+    let html = page::html(&trace, "in a browser").replace("</body>", &format!("{script}</body>"));
+    let page = file(folder.path(), "page.html", html);
+    let mut command = std::process::Command::new("chromium");
+    command.args(["--headless=new", "--no-sandbox", "--disable-gpu", "--virtual-time-budget=3000", "--dump-dom"]);
+    command.arg(format!("--user-data-dir={}", folder.path().join("profile").display())).arg(format!("file://{}#45", page.display()));
+    let Ok(output) = command.output() else { return };
+    let dom = String::from_utf8_lossy(&output.stdout).into_owned();
+    let seen = dom.split("data-seen=\"").nth(1).unwrap_or_else(|| panic!("{dom}")).split('"').next().unwrap().replace("&quot;", "\"");
+    let seen: serde_json::Value = serde_json::from_str(&seen).unwrap();
+    let parts = |step: usize| trace.steps[step].part;
+    let begins = |part: usize| trace.steps.iter().position(|step| step.part == part).unwrap();
+    let here = begins(parts(47));
+    let expected = [46, 47, 48, 47, here, begins(parts(here) + 1), 69, 69, 0, 0, 1, 20];
+    assert_eq!(seen[0], "step 45 of 69");
+    assert_eq!(seen.as_array().unwrap()[1..13], expected.map(serde_json::Value::from));
+    assert_eq!(seen[13], "#20");
+    let tests = trace.steps[20].tally.get(contactbench::probe::Op::ContactTest);
+    assert!(seen[14].as_str().unwrap().ends_with(&format!("contact test {tests}")), "{}", seen[14]);
+    assert_eq!(seen[15], trace.steps[20].words);
+    assert_eq!((seen[16].as_u64(), seen[17].as_bool()), (Some(trace.steps[20].state.contacts.len() as u64), Some(true)));
+}
+
 #[test]
 fn traces_refuse_what_they_cannot_show() {
     let far = discs(&[[0.0, 0.0], [500.0, 0.0]], 0.5);
@@ -173,6 +209,19 @@ fn a_drawing_shows_scene_contacts_and_mistakes() {
     assert!(!wrong.contains(">4</text>") && wrong.contains("cells of edge 1.0"));
 }
 
+/// All lines end on the sheet.
+fn on_the_sheet(svg: &str) {
+    let side = |name: &str| svg.split(&format!(" {name}=\"")).nth(1).unwrap().split('"').next().unwrap().parse::<f64>().unwrap();
+    let (width, height) = (side("width"), side("height"));
+    for path in svg.split(" d=\"").skip(1).map(|rest| rest.split('"').next().unwrap()).filter(|path| !path.contains(['A', 'h', 'H'])) {
+        for point in path.split(['M', 'L']).skip(1) {
+            let (x, y) = point.split_once(' ').unwrap();
+            let (x, y): (f64, f64) = (x.parse().unwrap(), y.parse().unwrap());
+            assert!((0.0..=width).contains(&x) && (0.0..=height).contains(&y), "{x} {y} on {width} x {height}");
+        }
+    }
+}
+
 /// N = 0 and 1, points, points in one place, huge and tiny numbers, offsets that leave few bits: a picture, and nothing in it that is no number.
 #[test]
 fn every_scene_can_be_drawn() {
@@ -194,6 +243,7 @@ fn every_scene_can_be_drawn() {
         for grid in [false, true] {
             let svg = draw::svg(scene, &Highlighted::of(scene).unwrap(), &Look { grid, ..Look::titled("hard") }).unwrap();
             assert!(!svg.contains("NaN") && !svg.contains("inf"), "N = {}", scene.len());
+            on_the_sheet(&svg);
             draw::png(&svg).unwrap();
         }
     }
