@@ -147,7 +147,7 @@ fn a_page_steps_in_a_browser() {
         ["ArrowRight", " ", "PageDown", "ArrowLeft", "ArrowUp", "ArrowDown", "End", "ArrowRight", "Home", "ArrowLeft"].forEach(press);
         $("next").click(); seen.push(at);
         $("bar").value = 20; $("bar").dispatchEvent(new Event("input")); seen.push(at, location.hash);
-        seen.push($("counts").textContent, $("words").textContent, $("l1").children.length, $("arrays").textContent.length > 100);
+        seen.push($("counts").textContent, $("words").textContent, $("contacts").getAttribute("d").split("M").length - 1, $("arrays").textContent.length > 100);
         document.documentElement.dataset.seen = JSON.stringify(seen);
     </script>"#;
     let folder = tempfile::tempdir().unwrap();
@@ -244,7 +244,9 @@ fn every_scene_can_be_drawn() {
             let svg = draw::svg(scene, &Highlighted::of(scene).unwrap(), &Look { grid, ..Look::titled("hard") }).unwrap();
             assert!(!svg.contains("NaN") && !svg.contains("inf"), "N = {}", scene.len());
             on_the_sheet(&svg);
-            draw::png(&svg).unwrap();
+            if !grid {
+                draw::png(&svg).unwrap();
+            }
         }
     }
     let many = scene("loose:n=200001");
