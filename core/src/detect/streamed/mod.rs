@@ -11,7 +11,7 @@
 //!    contiguous ranges (two in 2D), sixteen elements in one go, in f32.
 //! 4. What f32 cannot decide, some pairs in ten thousand contacts, is left to the contact test; see `kernel.rs` for the bounds.
 //!
-//! Loose scenes get larger cells, about five cells per element, scenes whose elements crowd in few of those cells the form by occupied cells (`occupied.rs`).
+//! Loose scenes get larger cells, about three cells per element, scenes whose elements crowd in few of those cells the form by occupied cells (`occupied.rs`).
 //!
 //! * Cost: proportional to N, independent of the packing density; N log N by occupied cells.
 //! * Memory, for lists (blocks of b records, L lists): `(16 + 4/b)(N + bL) + 4L` bytes in 3D, 12 instead of 16 in 2D, 4 more with a radius per element; two bundles of n
