@@ -1,6 +1,7 @@
 //! The command line: one file per verb.
 
 pub mod check;
+pub mod ci;
 pub mod detect;
 pub mod list;
 pub mod progress;
