@@ -29,7 +29,8 @@ mod tests {
         let mut lab = Lab::new("e", "packed");
         lab.param("spacing", 1).machine("a").time(&[100, 100]).machine("b").time(&[300, 300]);
         let cells = value::cells(&lab.rows());
-        let times: Vec<_> = cells.iter().map(|cell| (cell.key.field("machine").unwrap().to_string(), cell.time().unwrap().median)).collect();
+        let times: Vec<_> =
+            cells.iter().map(|cell| (cell.key.field("machine").unwrap().to_string(), cell.time().unwrap().median)).collect();
         assert_eq!(times, [("a".into(), 100.0), ("b".into(), 300.0)]);
         // One machine is no parameter, whatever its name.
         assert_eq!(value::cells(&lab.rows()[..2])[0].key.field("machine"), None);

@@ -11,8 +11,8 @@ use anyhow::{anyhow, ensure};
 use exmex::{Express, FlatEx};
 
 use super::errors;
-use super::keyed::keyed;
 use super::interval::{Interval, interval};
+use super::keyed::keyed;
 use crate::harness::record::{Causes, Errors, Outcome, Pass, Row, Stats};
 use crate::probe::Op;
 
@@ -52,6 +52,17 @@ impl Param {
             (Some(number), _) => Param::Number(Num(number)),
             (_, Some(text)) => Param::Text(text.into()),
             _ => Param::Text(value.to_string()),
+        }
+    }
+}
+
+impl Param {
+    /// As JSON.
+    pub fn json(&self) -> serde_json::Value {
+        match self {
+            Param::Number(Num(number)) if number.fract() == 0.0 && number.abs() < 2f64.powi(53) => (*number as i64).into(),
+            Param::Number(Num(number)) => (*number).into(),
+            Param::Text(text) => text.as_str().into(),
         }
     }
 }

@@ -43,7 +43,7 @@ pub enum Outcome {
 
 impl Outputs {
     /// Writes what was asked for.
-    pub fn write(&self, suite: &str, cases: &[Case], out: &mut impl Write) -> anyhow::Result<()> {
+    pub fn write(&self, suite: &str, cases: &[Case], out: &mut dyn Write) -> anyhow::Result<()> {
         if let Some(path) = &self.junit {
             std::fs::write(path, junit(suite, cases)).with_context(|| format!("cannot write {}", path.display()))?;
         }

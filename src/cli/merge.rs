@@ -41,7 +41,8 @@ pub fn merge(options: &Merge) -> anyhow::Result<ExitCode> {
         write(experiments.join(format!("{name}.toml")), text)?;
     }
     let mut provenance = merged.provenance;
-    provenance["command"] = std::iter::once("contactbench".to_string()).chain(std::env::args().skip(1)).collect::<Vec<_>>().join(" ").into();
+    provenance["command"] =
+        std::iter::once("contactbench".to_string()).chain(std::env::args().skip(1)).collect::<Vec<_>>().join(" ").into();
     write(options.out.join(provenance::FILE), &serde_json::to_string_pretty(&provenance)?)?;
     for (k, part) in parts.iter().enumerate() {
         if let Some(fields) = &part.provenance {

@@ -19,4 +19,5 @@ pub mod run;
 pub mod runner;
 pub mod shard;
 pub mod space;
+mod toml_error;
 mod truths;
