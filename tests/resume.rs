@@ -225,7 +225,7 @@ fn a_full_disk_costs_no_row() {
     assert!(rows.warnings.is_empty() && (3..ROWS).contains(&rows.rows.len()), "{:?}, {}", rows.warnings, rows.rows.len());
     let last = ended.stderr.lines().last().unwrap();
     for words in [
-        "when there is room, continue with: contactbench run t.toml --resume --out result",
+        "the run stopped; when this is mended, continue with: contactbench run t.toml --resume --out result",
         "cannot write to result/samples.jsonl: File too large",
         &format!("the {} rows before stand there and are whole", rows.rows.len()),
     ] {

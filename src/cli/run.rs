@@ -115,8 +115,8 @@ fn run_named(options: &Run, name: &str) -> anyhow::Result<ExitCode> {
             eprintln!("interrupted: what was measured is in {}; continue with: {}", path.display(), again(options, &folder));
             Ok(ExitCode::from(interrupt::exit_code()))
         }
-        Err(error) if error.is::<WriteError>() => {
-            Err(error.context(format!("the run stopped; when there is room, continue with: {}", again(options, &folder))))
+        Err(error) if error.is::<WriteError>() || error.chain().any(|cause| cause.is::<std::io::Error>()) => {
+            Err(error.context(format!("the run stopped; when this is mended, continue with: {}", again(options, &folder))))
         }
         Err(error) => Err(error),
     }
