@@ -7,6 +7,7 @@ use anyhow::Context;
 use serde_json::Value;
 
 use super::claim::{self, Verdict};
+use super::keyed::by_machine;
 use super::machine::Machine;
 use super::speed::{self, Files};
 use super::value::{Cell, cells};
@@ -167,9 +168,17 @@ fn tables(out: &mut String, own: &[&Cell]) {
     if let Some(table) = errors::table(own) {
         let _ = write!(out, "### Against the exact truth\n\n{ERRORS}\n\n{table}\n");
     }
-    let noise = summary::noise(own);
+    let noise: Vec<(Option<String>, Vec<String>)> = by_machine(own)
+        .into_iter()
+        .map(|(machine, cells)| (machine, summary::noise(&cells)))
+        .filter(|(_, noise)| !noise.is_empty())
+        .collect();
     if !noise.is_empty() {
-        let _ = write!(out, "### Noise floor\n\n{}\n\n", noise.iter().map(|line| text::escape(line)).collect::<Vec<_>>().join("\n\n"));
+        *out += "### Noise floor\n\n";
+    }
+    for (machine, noise) in noise {
+        let lines = std::iter::once(speed::of_machine(&machine)).chain(noise.iter().map(|line| text::escape(line)));
+        lines.filter(|line| !line.is_empty()).for_each(|line| *out += &format!("{line}\n\n"));
     }
 }
 
