@@ -161,6 +161,7 @@ fn finish(folder: &Path) -> anyhow::Result<ExitCode> {
     }
     writeln!(out, "figures: {} in {}", report.figures.len(), folder.join("figures").display())?;
     writeln!(out, "report:  {}", report.path.display())?;
+    writeln!(out, "page:    {}", report.page.display())?;
     let wrong = record.rows.iter().filter(|row| row.outcome == record::Outcome::Wrong).count();
     if wrong > 0 {
         writeln!(out, "WRONG answers in {wrong} rows: see the report")?;
