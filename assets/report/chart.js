@@ -71,7 +71,9 @@ function choice(label, name, options, chosen, changed) {
   };
   const NAMES = { n: "N", dim: "dimension", experiment: "experiment" };
   const [box, tip, controls, legend, note] = ["chart", "tip", "controls", "legend", "chart-note"].map((id) => document.getElementById(id));
-  const state = { experiment: report.cells[0]?.experiment, fields: {}, x: null, metric: null, per: true, logX: true, logY: true, off: new Set() };
+  const state = { experiment: report.cells[0]?.experiment, fields: {}, x: null, metric: null, per: true, logX: true, logY: true };
+  const hiddenNow = new Set(); // labels of lines that are switched off
+  const met = new Set(); // labels seen before: controls begin switched off
   let chart = null;
 
   const metrics = (cells) => Object.entries(METRICS).filter(([, metric]) => cells.some((cell) => metric.value(cell) !== null));
@@ -81,7 +83,7 @@ function choice(label, name, options, chosen, changed) {
   /** What is taken of a field if nothing was chosen: the most telling value. */
   function first(field, options, cells) {
     if (field === "dim" || field === "n") return options.at(-1);
-    if (field === "order" && options.includes("shuffled")) return "shuffled";
+    for (const usual of ["shuffled", "packed"]) if (options.includes(usual)) return usual;
     if (field === "threads") return ALL;
     if (field !== "arithmetic") return options[0];
     const exact = new Set(cells.filter((cell) => cell.arithmetic === "exact").map((cell) => cell.detector));
@@ -148,6 +150,7 @@ function choice(label, name, options, chosen, changed) {
     draw();
   }
 
+  const known = (name) => report.detectors.find((detector) => detector.name === name);
   const css = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 
   /** Ticks of a logarithmic axis: 1, 2 and 5 of every power, fewer where there are many powers. */
@@ -170,6 +173,10 @@ function choice(label, name, options, chosen, changed) {
     const scale = (cell) => (metric.per && state.per ? 1 / Math.max(cell.n, 1) : 1);
     const scaled = (cell, read) => (cell && read && read(cell) !== null ? read(cell) * scale(cell) : null);
     const all = lines(cells).filter((line) => [...line.at.values()].some((cell) => metric.value(cell) !== null));
+    for (const line of all.filter(({ label }) => !met.has(label))) {
+      met.add(line.label);
+      if (known(line.detector).control) hiddenNow.add(line.label);
+    }
     const xs = values(all.flatMap((line) => [...line.at.values()]), state.x);
     const logX = state.logX && xs[0] > 0;
     let hidden = 0;
@@ -205,7 +212,7 @@ function choice(label, name, options, chosen, changed) {
       const line = all[k - 1];
       if (!u.series[k].show) return;
       const { ctx } = u;
-      const mark = report.detectors.find((detector) => detector.name === line.detector);
+      const mark = known(line.detector);
       const [shape, size] = [new Path2D(mark.mark), 4 * devicePixelRatio];
       ctx.save();
       ctx.beginPath();
@@ -258,11 +265,11 @@ function choice(label, name, options, chosen, changed) {
     }
 
     const dash = (line) => {
-      if (report.detectors.find((d) => d.name === line.detector).control) return [5, 4];
+      if (known(line.detector).control) return [5, 4];
       return [[], [8, 4], [3, 4], [12, 3, 3, 3], [2, 2], [6, 6]][Math.max(variants.indexOf(line.variant), 0) % 6];
     };
     const series = all.map((line, k) => ({
-      label: line.label, stroke: colours[k], width: 2, dash: dash(line), spanGaps: true, points: { show: false }, show: !state.off.has(line.label),
+      label: line.label, stroke: colours[k], width: 2, dash: dash(line), spanGaps: true, points: { show: false }, show: !hiddenNow.has(line.label),
     }));
     chart?.destroy();
     tip.hidden = true;
@@ -275,7 +282,7 @@ function choice(label, name, options, chosen, changed) {
     box.chart = chart;
     box.resize = () => chart.setSize(place());
 
-    const without = lines(cells).filter((line) => !all.includes(line)).map((line) => line.label);
+    const without = lines(cells).map((line) => line.label).filter((label) => !all.some((line) => line.label === label));
     note.textContent = [
       metric.low ? "Bars are intervals of the median." : "",
       hidden > 0 ? `${hidden} value${hidden > 1 ? "s" : ""} of 0 cannot be shown on a logarithmic axis: press “log y”.` : "",
@@ -283,10 +290,10 @@ function choice(label, name, options, chosen, changed) {
     ].filter(Boolean).join(" ");
 
     legend.replaceChildren(...all.map((line, k) => {
-      const button = element("button", { type: "button", "aria-pressed": String(!state.off.has(line.label)) }, chip(line.detector), line.label);
+      const button = element("button", { type: "button", "aria-pressed": String(!hiddenNow.has(line.label)) }, chip(line.detector), line.label);
       button.addEventListener("click", () => {
-        const show = state.off.delete(line.label);
-        if (!show) state.off.add(line.label);
+        const show = hiddenNow.delete(line.label);
+        if (!show) hiddenNow.add(line.label);
         button.setAttribute("aria-pressed", String(show));
         chart.setSeries(k + 1, { show });
       });
@@ -294,6 +301,11 @@ function choice(label, name, options, chosen, changed) {
     }));
   }
 
+  // A page that was moved away from its folder has the figures still.
+  for (const figure of document.querySelectorAll("figure")) {
+    const [image, link] = [figure.querySelector("img"), figure.querySelector("a[data-kind=SVG]")];
+    if (image && link) link.href = image.src;
+  }
   box.addEventListener("keydown", (event) => {
     const step = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
     if (!step || !chart) return;

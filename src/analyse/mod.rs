@@ -18,6 +18,7 @@ pub mod interval;
 pub mod machine;
 pub mod nnls;
 pub mod overhead;
+pub mod paper;
 pub mod place;
 pub mod price;
 pub mod ratios;

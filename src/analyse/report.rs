@@ -62,12 +62,13 @@ pub fn write(folder: &Path, experiments: &[Experiment], rows: &[Row], warnings: 
         let verdicts = claim::verdicts(experiment, &cells);
         section(&mut body, experiment, &own, &verdicts);
         let matrix = Matrix::new(&own).filter(|_| experiment.table == Some(Table::Verdicts));
-        let (mut analysis, mut drawn) = (String::new(), Vec::new());
+        let (mut said, mut analysis, mut drawn) = (None, String::new(), Vec::new());
         if let Some(matrix) = &matrix {
-            let _ = write!(analysis, "### Who is right\n\n{VERDICTS}\n\n{}\n", matrix.markdown());
+            let text = format!("{VERDICTS}\n\n{}\n", matrix.markdown());
+            let _ = write!(body, "### Who is right\n\n{text}");
+            said = Some(text);
             report.tables.push(format!("{}: {}\n\n{}", experiment.name, experiment.title, matrix.plain()));
         }
-        body += &analysis;
         for plan in &experiment.figures {
             match figure::draw(&figure_folder, experiment, plan, &cells, &styles, &machine) {
                 Ok(paths) => {
@@ -78,15 +79,14 @@ pub fn write(folder: &Path, experiments: &[Experiment], rows: &[Row], warnings: 
                 Err(error) => report.warnings.push(format!("the figure {} of {} was not drawn: {error:#}", plan.name, experiment.name)),
             }
         }
-        let before = analysis.len();
         speed::sections(&mut analysis, experiment, &own, &machine, &mut files);
         // The matrix says all that these would, of a hundred scenes.
         if matrix.is_none() {
             tables(&mut analysis, &own);
         }
-        body += &analysis[before..];
+        body += &analysis;
         report.verdicts.extend(verdicts.iter().cloned());
-        parts.push(Part { experiment, cells: own, verdicts, figures: drawn, tables: analysis });
+        parts.push(Part { experiment, cells: own, verdicts, figures: drawn, matrix: said, tables: analysis });
     }
     let text = head(experiments, &report, &cells, provenance.as_ref()) + &body + &foot(provenance.as_ref());
     let (provenance, resumed) = (provenance.as_ref(), resumed(folder));

@@ -34,7 +34,9 @@ pub enum Verb {
     #[command(after_help = "Example: contactbench run scaling --quick\nExample: contactbench run my-experiment.toml --out results/mine")]
     Run(run::Run),
     /// Makes report and figures of a result folder again, from its record alone
-    #[command(after_help = "Example: contactbench report results/reference")]
+    #[command(
+        after_help = "Example: contactbench report results/reference\nExample: contactbench report results/reference --table latex > table.tex"
+    )]
     Report(run::Report),
     /// Lists detectors with cost, memory and limits; scenes; experiments; hard cases
     #[command(after_help = "Example: contactbench list detectors")]

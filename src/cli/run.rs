@@ -8,7 +8,7 @@ use std::process::ExitCode;
 use anyhow::{Context, bail, ensure};
 
 use super::progress::Terminal;
-use crate::analyse::{claim, report};
+use crate::analyse::{claim, paper, report, value};
 use crate::detect::table::{self, Entry};
 use crate::harness::bandwidth::{self, Bandwidth};
 use crate::harness::experiment::Experiment;
@@ -38,6 +38,9 @@ pub struct Run {
 pub struct Report {
     /// A result folder
     folder: PathBuf,
+    /// Print the main results as a table for a paper or a README instead, and write nothing
+    #[arg(long, value_enum, value_name = "FORMAT")]
+    table: Option<paper::Format>,
 }
 
 /// The standard reproduction.
@@ -135,11 +138,15 @@ fn write(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
 
 /// Makes the report of a result folder again.
 pub fn report(options: &Report) -> anyhow::Result<ExitCode> {
-    finish(&options.folder)
+    let Some(format) = options.table else { return finish(&options.folder) };
+    let (record, experiments) = read(&options.folder)?;
+    let text = paper::tables(&experiments, &value::cells(&record.rows), format);
+    std::io::stdout().lock().write_all(text.as_bytes())?;
+    Ok(ExitCode::SUCCESS)
 }
 
-/// Everything right of the record: verdicts, figures, report.
-fn finish(folder: &Path) -> anyhow::Result<ExitCode> {
+/// The record of a result folder, and its experiments.
+fn read(folder: &Path) -> anyhow::Result<(Record, Vec<Experiment>)> {
     let record = record::read(&folder.join(record::FILE))?;
     ensure!(!record.rows.is_empty(), "the record in {} holds no rows yet; run the experiment first", folder.display());
     let mut names: Vec<&str> = Vec::new();
@@ -150,6 +157,12 @@ fn finish(folder: &Path) -> anyhow::Result<ExitCode> {
     }
     let read = |name: &&str| Experiment::read(&folder.join("experiments").join(format!("{name}.toml")));
     let experiments = names.iter().map(read).collect::<anyhow::Result<Vec<_>>>()?;
+    Ok((record, experiments))
+}
+
+/// Everything right of the record: verdicts, figures, report.
+fn finish(folder: &Path) -> anyhow::Result<ExitCode> {
+    let (record, experiments) = read(folder)?;
     let report = report::write(folder, &experiments, &record.rows, &record.warnings)?;
     let mut out = std::io::stdout().lock();
     for table in &report.tables {

@@ -79,8 +79,8 @@ pub fn json(experiments: &[(&str, &str)], cells: &[Cell], detectors: &[&str], st
     let all: Vec<&Cell> = cells.iter().collect();
     let swept = place::swept(&all);
     let is_word = |name: &str| {
-        let text = |cell: &&Cell| matches!(cell.key.field(name), Some(Param::Text(_)));
-        WORDS.contains(&name) || (swept.iter().any(|known| known == name) && all.iter().any(|cell| text(&cell)))
+        let text = |cell: &Cell| matches!(cell.key.field(name), Some(Param::Text(_)));
+        WORDS.contains(&name) || (swept.iter().any(|known| known == name) && all.iter().any(|cell| text(cell)))
     };
     let keys: Vec<&str> = ["experiment", "scene", "dim"]
         .into_iter()

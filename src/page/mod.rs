@@ -45,6 +45,8 @@ pub struct Part<'a> {
     pub verdicts: Vec<Verdict>,
     /// Its figures: title, and files as SVG and PNG.
     pub figures: Vec<(String, Vec<PathBuf>)>,
+    /// Who is right, case by case, in Markdown, if the experiment asks for it.
+    pub matrix: Option<String>,
     /// Its tables, in Markdown.
     pub tables: String,
 }
@@ -141,29 +143,52 @@ impl Page<'_> {
             let _ = write!(right, " <a href=\"#outcomes\">Without an answer</a>: {without}.");
         }
         let verdicts: Vec<Verdict> = self.parts.iter().flat_map(|part| part.verdicts.clone()).collect();
-        let failed = verdicts.iter().any(|verdict| verdict.status == Status::Fails);
-        let claims = match verdicts.len() {
-            0 => "No claims were checked.".into(),
-            _ => format!("<a href=\"#claims\">{}</a>.", escape(&claim::score(&verdicts))),
+        let count = |status: Status| verdicts.iter().filter(|verdict| verdict.status == status).count();
+        let (fails, open) = (count(Status::Fails), count(Status::NotShown));
+        let mut claims = match verdicts.len() {
+            0 => "No claims were checked.".to_string(),
+            all => format!("<a href=\"#claims\"><strong>{} of {} hold</strong></a>", count(Status::Holds), text::plural(all, "claim")),
+        };
+        if fails > 0 {
+            let ours = if claim::any_failed(&verdicts) { "" } else { ", of times on this machine" };
+            let _ = write!(claims, "; {fails} {}{ours}", if fails == 1 { "fails" } else { "fail" });
+        }
+        if open > 0 {
+            let _ = write!(claims, "; {open} could not be shown");
+        }
+        let class = match fails {
+            _ if claim::any_failed(&verdicts) => "bad",
+            0 => "good",
+            _ => "open",
         };
         let card = |class: &str, head: &str, body: &str| format!("<div class=\"card {class}\"><h3>{head}</h3><p>{body}</p></div>\n");
         card("speed", "Fastest", &answer::sentence(&scenes))
             + &card(if defects > 0 { "bad" } else { "good" }, "Right", &right)
-            + &card(if failed { "bad" } else { "good" }, "Claims", &claims)
+            + &card(class, "Claims", &claims)
     }
 
     /// Question and answer of every experiment.
     fn answers(&self, detectors: &[&str]) -> String {
-        let mut out = String::new();
+        let mut out = String::from("<ul class=\"who\" aria-label=\"Marks of the detectors\">");
+        for (k, name) in detectors.iter().enumerate().filter(|(_, name)| !summary::is_control(name)) {
+            let _ = write!(out, "<li>{}{}</li>", marks::chip(k, self.styles.of(name).marker), escape(name));
+        }
+        out += "</ul>\n";
         for part in &self.parts {
             let _ = write!(out, "<article>\n<h3>{}</h3>\n", escape(&part.experiment.question));
             let scenes = answer::scenes(&part.cells);
-            let _ = writeln!(out, "<p class=\"lead\">{}</p>", answer::sentence(&scenes));
+            // Of a single experiment the card has said it.
+            if self.parts.len() > 1 && !scenes.is_empty() {
+                let _ = writeln!(out, "<p class=\"lead\">{}</p>", answer::sentence(&scenes));
+            }
             if let Some(headline) = speed::headline(part.experiment, &part.cells) {
                 out += &markdown(&headline);
             }
-            if !scenes.is_empty() {
+            if scenes.iter().any(|scene| !scene.others.is_empty()) {
                 out += &answer::table(&scenes, detectors, self.styles);
+            }
+            if let Some(matrix) = &part.matrix {
+                out += &details("Who is right, case by case", &markdown(matrix), scenes.is_empty());
             }
             if let Some(price) = price::table(&part.cells) {
                 // The sentence at once, the table on demand.
@@ -213,7 +238,7 @@ impl Page<'_> {
             for path in paths {
                 let name = escape(&path.file_name().unwrap_or_default().to_string_lossy());
                 let kind = escape(&path.extension().unwrap_or_default().to_string_lossy().to_uppercase());
-                let _ = write!(links, " <a href=\"figures/{name}\" download>{kind}</a>");
+                let _ = write!(links, " <a href=\"figures/{name}\" data-kind=\"{kind}\" download=\"{name}\">{kind}</a>");
             }
             let svg = paths.iter().find(|path| path.extension().is_some_and(|kind| kind == "svg"));
             let svg = svg.and_then(|path| std::fs::read_to_string(path).ok()).map(|svg| data_uri(&svg)).filter(|svg| svg.len() <= room);
