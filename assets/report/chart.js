@@ -27,7 +27,7 @@ function short(value) {
   if (value === null || value === undefined) return "–";
   const size = Math.abs(value);
   if (size !== 0 && (size >= 1e7 || size < 1e-3)) return value.toExponential(3).replace(/\.?0+e/, "e").replace("e+", "e");
-  return value.toLocaleString("en", { maximumSignificantDigits: size >= 1000 ? 7 : 4, maximumFractionDigits: size >= 1000 ? 0 : 4 });
+  return size >= 1000 ? Math.round(value).toLocaleString("en") : value.toLocaleString("en", { maximumSignificantDigits: 4 });
 }
 
 /** The values of a field in cells, each once, numbers in order. */
@@ -36,19 +36,25 @@ function values(cells, field) {
   return found.every((value) => typeof value === "number") ? found.sort((a, b) => a - b) : found;
 }
 
-/** The picture of a detector beside its name. */
-function chip(name) {
+/** The picture of a detector beside its name; with the dashes of a line, its line, too. */
+function chip(name, dash = null) {
   const k = report.detectors.findIndex((detector) => detector.name === name);
   const svg = document.createElementNS("http://www.w3.org/2000/svg", "svg");
   svg.setAttribute("class", "chip");
   svg.setAttribute("viewBox", "-7 -7 14 14");
   svg.setAttribute("aria-hidden", "true");
-  const path = document.createElementNS("http://www.w3.org/2000/svg", "path");
-  path.setAttribute("class", report.detectors[k].filled ? "mark" : "mark line");
-  path.setAttribute("d", report.detectors[k].mark);
-  path.setAttribute("transform", "scale(4)");
-  path.style.setProperty("--c", `var(--d${k})`);
-  svg.append(path);
+  svg.style.setProperty("--c", `var(--d${k})`);
+  const draw = (attributes) => {
+    const path = document.createElementNS("http://www.w3.org/2000/svg", "path");
+    Object.entries(attributes).forEach(([key, value]) => path.setAttribute(key, value));
+    svg.append(path);
+  };
+  if (dash) {
+    svg.setAttribute("viewBox", "-17 -7 34 14");
+    svg.classList.add("wide");
+    draw({ class: "mark line bar", d: "M-17 0H17", "stroke-dasharray": dash.join(" ") });
+  }
+  draw({ class: report.detectors[k].filled ? "mark" : "mark line", d: report.detectors[k].mark, transform: "scale(4)" });
   return svg;
 }
 
@@ -71,7 +77,7 @@ function choice(label, name, options, chosen, changed) {
   };
   const NAMES = { n: "N", dim: "dimension", experiment: "experiment" };
   const [box, tip, controls, legend, note] = ["chart", "tip", "controls", "legend", "chart-note"].map((id) => document.getElementById(id));
-  const state = { experiment: report.cells[0]?.experiment, fields: {}, x: null, metric: null, per: true, logX: true, logY: true };
+  const state = { experiment: report.experiments[0]?.[0], fields: {}, x: null, metric: null, per: true, logX: true, logY: true };
   const hiddenNow = new Set(); // labels of lines that are switched off
   const met = new Set(); // labels seen before: controls begin switched off
   let chart = null;
@@ -94,8 +100,7 @@ function choice(label, name, options, chosen, changed) {
   function choose() {
     let cells = report.cells.filter((cell) => cell.experiment === state.experiment);
     const made = [];
-    const experiments = values(report.cells, "experiment").map((name) => [name, report.titles[name] ?? name]);
-    if (experiments.length > 1) made.push(choice("experiment", "by-experiment", experiments, state.experiment, (v) => change({ experiment: v, fields: {}, x: null })));
+    if (report.experiments.length > 1) made.push(choice("experiment", "by-experiment", report.experiments, state.experiment, (v) => change({ experiment: v, fields: {}, x: null })));
     const narrow = (field) => {
       const options = values(cells, field);
       if (options.length < 2) return;
@@ -153,16 +158,16 @@ function choice(label, name, options, chosen, changed) {
   const known = (name) => report.detectors.find((detector) => detector.name === name);
   const css = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 
-  /** Ticks of a logarithmic axis: 1, 2 and 5 of every power, fewer where there are many powers. */
+  /** Ticks of a logarithmic axis: of every power as few as give four in all. */
   function ticks(min, max) {
-    const powers = Math.log10(max / min);
-    const steps = powers > 5 ? [1] : powers > 2.2 ? [1, 3] : [1, 2, 5];
-    const found = [];
-    for (let power = Math.floor(Math.log10(min)); power <= Math.ceil(Math.log10(max)); power++) {
-      for (const step of steps) {
-        const tick = Number(`${step}e${power}`);
-        if (tick >= min * 0.999 && tick <= max * 1.001) found.push(tick);
+    const every = (step) => Array.from({ length: Math.round(9 / step) }, (_, k) => Number((1 + k * step).toFixed(1)));
+    let found = [];
+    for (const steps of [[1], [1, 3], [1, 2, 5], every(1), every(0.5), every(0.1)]) {
+      found = [];
+      for (let power = Math.floor(Math.log10(min)); power <= Math.ceil(Math.log10(max)); power++) {
+        found.push(...steps.map((step) => Number(`${step}e${power}`)).filter((tick) => tick >= min * 0.999 && tick <= max * 1.001));
       }
+      if (found.length >= 4) break;
     }
     return found;
   }
@@ -290,7 +295,7 @@ function choice(label, name, options, chosen, changed) {
     ].filter(Boolean).join(" ");
 
     legend.replaceChildren(...all.map((line, k) => {
-      const button = element("button", { type: "button", "aria-pressed": String(!hiddenNow.has(line.label)) }, chip(line.detector), line.label);
+      const button = element("button", { type: "button", "aria-pressed": String(!hiddenNow.has(line.label)) }, chip(line.detector, dash(line)), line.label);
       button.addEventListener("click", () => {
         const show = hiddenNow.delete(line.label);
         if (!show) hiddenNow.add(line.label);

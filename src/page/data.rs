@@ -73,7 +73,7 @@ fn measure(cell: &Cell, name: &str) -> Option<f64> {
     }
 }
 
-/// The data of a page: `detectors` with their marks, `titles` of experiments, `columns`, `texts` and `rows`. Words stand in rows as their
+/// The data of a page: `detectors` with their marks, names and titles of `experiments`, `columns`, `texts` and `rows`. Words stand in rows as their
 /// index in `texts`; what was not measured is null.
 pub fn json(experiments: &[(&str, &str)], cells: &[Cell], detectors: &[&str], styles: &Styles) -> Value {
     let all: Vec<&Cell> = cells.iter().collect();
@@ -118,7 +118,7 @@ pub fn json(experiments: &[(&str, &str)], cells: &[Cell], detectors: &[&str], st
     };
     json!({
         "detectors": detectors.iter().map(detector).collect::<Vec<_>>(),
-        "titles": experiments.iter().map(|(name, title)| (name.to_string(), json!(title))).collect::<serde_json::Map<_, _>>(),
+        "experiments": experiments,
         "columns": columns,
         "texts": texts.1,
         "rows": rows,
@@ -153,6 +153,6 @@ mod tests {
         assert_eq!(["s", "detector", "outcome"].map(|name| at(0, name)), ["2", "nbs", "ok"].map(|v| json!(v)));
         assert_eq!(["s", "outcome", "reason"].map(|name| at(1, name)), ["wide", "timeout", "30 s"].map(|v| json!(v)));
         assert_eq!((at(1, "time_ns"), at(1, "error_rate"), at(1, "operations")), (Value::Null, Value::Null, Value::Null));
-        assert_eq!(data["titles"]["e"], "A title");
+        assert_eq!(data["experiments"], json!([["e", "A title"]]));
     }
 }
