@@ -41,7 +41,9 @@ pub enum Verb {
     #[command(after_help = "Example: contactbench run scaling --quick\nExample: contactbench run my-experiment.toml --out results/mine")]
     Run(run::Run),
     /// Makes report and figures of a result folder again, from its record alone
-    #[command(after_help = "Example: contactbench report results/reference")]
+    #[command(
+        after_help = "Example: contactbench report results/reference\nExample: contactbench report results/reference --table latex > table.tex"
+    )]
     Report(run::Report),
     /// Compares two result folders: of two revisions, or two machines
     #[command(
