@@ -1,9 +1,12 @@
 //! The command line: one file per verb.
 
 pub mod check;
+pub mod ci;
+pub mod compare;
 pub mod detect;
 pub mod draw;
 pub mod list;
+pub mod merge;
 pub mod progress;
 pub mod run;
 pub mod runner;
@@ -38,8 +41,19 @@ pub enum Verb {
     #[command(after_help = "Example: contactbench run scaling --quick\nExample: contactbench run my-experiment.toml --out results/mine")]
     Run(run::Run),
     /// Makes report and figures of a result folder again, from its record alone
-    #[command(after_help = "Example: contactbench report results/reference")]
+    #[command(
+        after_help = "Example: contactbench report results/reference\nExample: contactbench report results/reference --table latex > table.tex"
+    )]
     Report(run::Report),
+    /// Compares two result folders: of two revisions, or two machines
+    #[command(
+        after_help = "Example: contactbench compare results/before results/after\nExample: contactbench compare laptop server --against nbs\n\
+        Exit code 1 if pairs, counts, bytes or outcomes differ (with --gate-time, also if a cell is slower)."
+    )]
+    Compare(compare::Compare),
+    /// Merges result folders of shards, or of several machines
+    #[command(after_help = "Example: contactbench merge part-1 part-2 part-3 --out whole")]
+    Merge(merge::Merge),
     /// Lists detectors with cost, memory and limits; scenes; experiments; hard cases
     #[command(after_help = "Example: contactbench list detectors")]
     List(list::List),
