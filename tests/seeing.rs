@@ -92,7 +92,7 @@ fn the_books_ten_elements_are_shown_as_printed() {
 #[test]
 fn the_lists_that_are_shown_hold_the_elements_of_their_cells() {
     for (algorithm, link, letters) in [(Algorithm::Nbs, 'X', &['A', 'a'][..]), (Algorithm::Screening, 'E', &['C'])] {
-        for given in [None, Some(scene("packed:n=40")), Some(scene("clustered:n=50"))] {
+        for given in [None, Some(scene("packed:n=40")), Some(scene("clustered:n=30"))] {
             let trace = trace(algorithm, given.as_ref()).unwrap();
             let (nx, mut seen) = (trace.cells.count[0], 0);
             for step in trace.steps.iter().filter(|step| trace.parts[step.part].ends_with("are checked")) {
