@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 
 use clap::Parser;
-use contactbench::cli::{Cli, Verb, check, detect, list, run, runner};
+use contactbench::cli::{Cli, Verb, check, detect, inspect, list, run, runner, scene, verify};
 use contactbench::harness::alloc::Counting;
 
 #[global_allocator]
@@ -17,6 +17,9 @@ fn main() -> ExitCode {
         Some(Verb::List(options)) => list::list(&options),
         Some(Verb::Check(options)) => check::check(&options),
         Some(Verb::Detect(options)) => detect::detect(&options),
+        Some(Verb::Inspect(options)) => inspect::inspect(&options),
+        Some(Verb::Verify(options)) => verify::verify(&options),
+        Some(Verb::Scene(options)) => scene::write(&options),
         Some(Verb::Runner(options)) => runner::serve(&options),
     };
     match result {

@@ -31,7 +31,7 @@ fn all_find(name: &str, scene: &AnyScene<'static>, expected: u64) {
 }
 
 fn read(file: &str, radius: Option<f64>) -> Option<AnyScene<'static>> {
-    data(file).map(|path| read::scene(&path, read::Options { radius, dim: None }).unwrap())
+    data(file).map(|path| read::scene(&path, read::Options { radius, dim: None, ..read::Options::NONE }).unwrap())
 }
 
 #[test]

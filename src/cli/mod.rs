@@ -2,10 +2,14 @@
 
 pub mod check;
 pub mod detect;
+pub mod input;
+pub mod inspect;
 pub mod list;
 pub mod progress;
 pub mod run;
 pub mod runner;
+pub mod scene;
+pub mod verify;
 
 use anyhow::anyhow;
 use clap::{Parser, Subcommand};
@@ -49,6 +53,17 @@ pub enum Verb {
         after_help = "Example: contactbench detect packing.csv --detector nbs -o pairs.csv\nExample: contactbench detect centres.npy --radius 0.5 --arithmetic f64 > pairs.csv"
     )]
     Detect(detect::Detect),
+    /// Says what is understood of a particle file, and warns of the usual mistakes
+    #[command(after_help = "Example: contactbench inspect packing.dump\nExample: contactbench inspect centres.npy --radius 0.5 --json")]
+    Inspect(inspect::Inspect),
+    /// Compares a contact list of another code with the exact truth
+    #[command(after_help = "Example: contactbench verify packing.csv --pairs theirs.csv --base 1\nExit code 1 if the lists differ.")]
+    Verify(verify::Verify),
+    /// Writes a scene to a file, for use in your own code
+    #[command(
+        after_help = "Example: contactbench scene packed:dim=3,n=1000,seed=1 -o packed.csv\nExample: contactbench scene packing.dump --frame last -o packing.xyz"
+    )]
+    Scene(scene::Write),
     /// Serves one detector on standard input and output: see docs/PROTOCOL.md
     #[command(after_help = "Example: echo '{\"request\":\"quit\"}' | contactbench runner --detector nbs")]
     Runner(runner::Serve),

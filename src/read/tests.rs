@@ -6,8 +6,8 @@ use super::*;
 use crate::contact::Real;
 use crate::with_scene;
 
-const NONE: Options = Options { radius: None, dim: None };
-const HALF: Options = Options { radius: Some(0.5), dim: None };
+const NONE: Options = Options::NONE;
+const HALF: Options = Options { radius: Some(0.5), ..NONE };
 
 fn read(bytes: &[u8], ending: &str, options: Options) -> Result<AnyScene<'static>, String> {
     from(bytes, "p", ending, options).map_err(|error| format!("{error:#}"))
@@ -53,7 +53,7 @@ fn csv_headers_decide() {
 
 #[test]
 fn csv_without_a_header_is_read_where_it_has_one_meaning() {
-    let with = |radius, dim| Options { radius, dim };
+    let with = |radius, dim| Options { radius, dim, ..NONE };
     assert_eq!(rows(&read(b"1 2\n3 4\n", "txt", HALF).unwrap()), [[1.0, 2.0, 0.5], [3.0, 4.0, 0.5]]);
     assert_eq!(rows(&read(b"1,2,3,4\n", "", NONE).unwrap()), [[1.0, 2.0, 3.0, 4.0]]);
     assert_eq!(rows(&read(b"1,2,3\n", "csv", HALF).unwrap()), [[1.0, 2.0, 3.0, 0.5]]);
@@ -105,7 +105,7 @@ fn npy_of_both_widths_byte_orders_and_layouts() {
     }
     let three = npy("<f8", "False", "(1, 3)", &doubles(&[1.0, 2.0, 3.0]));
     assert_eq!(rows(&read(&three, "npy", HALF).unwrap()), [[1.0, 2.0, 3.0, 0.5]]);
-    assert_eq!(rows(&read(&three, "npy", Options { radius: None, dim: Some(2) }).unwrap()), [[1.0, 2.0, 3.0]]);
+    assert_eq!(rows(&read(&three, "npy", Options { radius: None, dim: Some(2), ..NONE }).unwrap()), [[1.0, 2.0, 3.0]]);
     let two = npy("<f8", "False", "(1, 2)", &doubles(&[1.0, 2.0]));
     assert_eq!(rows(&read(&two, "npy", HALF).unwrap()), [[1.0, 2.0, 0.5]]);
     assert_eq!(read(&npy("<f8", "False", "(0, 3)", &[]), "npy", HALF).unwrap().len(), 0);
@@ -119,7 +119,7 @@ fn npy_of_both_widths_byte_orders_and_layouts() {
 fn dimension_and_radii_follow_the_rules() {
     let flat = b"x,y,z,r\n1,2,0,1\n3,4,-0,1\n";
     assert_eq!(read(flat, "csv", NONE).unwrap().dim(), 3);
-    let plane = read(flat, "csv", Options { radius: None, dim: Some(2) }).unwrap();
+    let plane = read(flat, "csv", Options { radius: None, dim: Some(2), ..NONE }).unwrap();
     assert_eq!(rows(&plane), [[1.0, 2.0, 1.0], [3.0, 4.0, 1.0]]);
     assert!(plane.uniform(), "equal radii are one radius");
     assert!(!read(b"x,y,r\n1,2,1\n3,4,2\n", "csv", NONE).unwrap().uniform());
@@ -129,8 +129,8 @@ fn dimension_and_radii_follow_the_rules() {
 
 #[test]
 fn bad_files_are_refused_with_place_and_remedy() {
-    let plane = Options { radius: None, dim: Some(2) };
-    let space = Options { radius: Some(1.0), dim: Some(3) };
+    let plane = Options { radius: None, dim: Some(2), ..NONE };
+    let space = Options { radius: Some(1.0), dim: Some(3), ..NONE };
     let long = [b"x,y,r\n1,2,3".as_slice(), &vec![b' '; LONGEST_LINE], b"\n"].concat();
     let shape = |shape| npy("<f8", "False", shape, &doubles(&[1.0; 4]));
     let nan = npy("<f8", "False", "(2, 2)", &doubles(&[1.0, 2.0, 3.0, f64::NAN]));
@@ -162,12 +162,12 @@ fn bad_files_are_refused_with_place_and_remedy() {
         (
             b"x,y,r\n1,2,3\n",
             "csv",
-            Options { radius: None, dim: Some(3) },
+            Options { radius: None, dim: Some(3), ..NONE },
             "p holds plane points (x and y only); it cannot be read as 3D: add a column z",
         ),
         (b"x,y,z,r\n1,2,0,3\n1,2,5,3\n", "csv", plane, "p: particle 1 has z = 5; only particles with z = 0 can be read as 2D"),
-        (b"x,y\n", "csv", Options { radius: Some(-1.0), dim: None }, "the radius given is -1; it must be finite and not negative"),
-        (b"x,y\n", "csv", Options { radius: None, dim: Some(4) }, "the dimension given is 4; it must be 2 or 3"),
+        (b"x,y\n", "csv", Options { radius: Some(-1.0), dim: None, ..NONE }, "the radius given is -1; it must be finite and not negative"),
+        (b"x,y\n", "csv", Options { radius: None, dim: Some(4), ..NONE }, "the dimension given is 4; it must be 2 or 3"),
         (&long, "csv", NONE, "p:2: the line is longer than 1048576 bytes; this is not a particle file"),
         (
             b"ITEM: TIMESTEP\n",
@@ -254,7 +254,7 @@ fn damaged_bytes_never_panic() {
     let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(1);
     let (mut good, mut bad) = (0, 0);
     for (bytes, ending) in files {
-        let options = [NONE, HALF, Options { radius: None, dim: Some(2) }, Options { radius: Some(1.0), dim: Some(3) }];
+        let options = [NONE, HALF, Options { radius: None, dim: Some(2), ..NONE }, Options { radius: Some(1.0), dim: Some(3), ..NONE }];
         let mut see = |bytes: &[u8], options| match read(bytes, ending, options) {
             Ok(_) => good += 1,
             Err(message) => {
@@ -331,7 +331,7 @@ fn real_files_have_their_number_of_particles() {
         ("galaxies/xyz.npy", Some(1.0), 84_383, 3),
         ("craters/craters.csv", None, 24_520, 2),
     ] {
-        let scene = scene(&data.join(file), Options { radius, dim: None }).unwrap_or_else(|error| panic!("{error:#}"));
+        let scene = scene(&data.join(file), Options { radius, dim: None, ..NONE }).unwrap_or_else(|error| panic!("{error:#}"));
         assert_eq!((scene.len(), scene.dim(), scene.uniform()), (n, dim, radius.is_some()), "{file}");
     }
 }
