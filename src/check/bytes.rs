@@ -273,6 +273,24 @@ fn the_truth_is_exact(scene: &AnyScene<'_>) {
     assert!(pairs == truth.pairs, "the filter of the exact test is wrong on\n{}", as_csv(scene));
 }
 
+/// The number under which [`fuzz_reader`] knows a reader: a format's place in the table, or of what is beside it.
+pub fn reader(name: &str) -> Option<u8> {
+    match name {
+        "gzip" => Some(14),
+        "pairs" => Some(15),
+        _ => name.parse().ok().and_then(|format| read::FORMATS.iter().position(|entry| entry.format == format)).map(|k| k as u8),
+    }
+}
+
+/// As [`fuzz_reader`], with one reader whatever the bytes say.
+pub fn fuzz_reader_of(reader: u8, data: &[u8]) {
+    let mut data = data.to_vec();
+    if let Some(kind) = data.first_mut() {
+        *kind = *kind & 0xf0 | reader & 15;
+    }
+    fuzz_reader(&data);
+}
+
 /// Reads the bytes as a particle file: the first says of which format, the second with which options; every sixteenth format is a
 /// contact list. Whatever they are, there is a scene or an error of one clear line, and a scene reads back from the CSV that is made of it.
 pub fn fuzz_reader(data: &[u8]) {

@@ -10,7 +10,7 @@
 use anyhow::{Context, bail, ensure};
 
 use super::frames::{Frames, Step};
-use super::lines::{Lines, Separator, Source, number, short, shown, texts, words};
+use super::lines::{Lines, Separator, Source, number, short, shown, words};
 use super::particles::{Centres, Column, Columns, Particles, loaded};
 use super::{About, Options};
 
@@ -180,9 +180,4 @@ impl Bounds {
             Centres::Space(points) => points.last_mut().into_iter().for_each(|p| (0..3).for_each(|k| p[k] = scale(p[k], self.ranges[k]))),
         }
     }
-}
-
-/// The names of a section's columns, for dumps of pairs.
-pub(super) fn names(line: &[u8]) -> Vec<String> {
-    texts(line)
 }

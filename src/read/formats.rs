@@ -42,6 +42,8 @@ impl std::str::FromStr for Format {
 pub struct Entry {
     /// Its name on the command line.
     pub format: Format,
+    /// Its name for people.
+    pub name: &'static str,
     /// Endings of file names.
     pub endings: &'static [&'static str],
     /// With what every such file begins, for messages; empty where anything may stand first.
@@ -54,6 +56,7 @@ pub struct Entry {
 pub static FORMATS: [Entry; 10] = [
     Entry {
         format: Format::Npy,
+        name: "NumPy",
         endings: &["npy"],
         begins: "\\x93NUMPY; write it with numpy.save",
         tells: |head| head.starts_with(npy::MAGIC),
@@ -61,6 +64,7 @@ pub static FORMATS: [Entry; 10] = [
     },
     Entry {
         format: Format::Npz,
+        name: "NumPy npz",
         endings: &["npz"],
         begins: "PK; write it with numpy.savez",
         tells: |head| head.starts_with(b"PK\x03\x04") || head.starts_with(b"PK\x05\x06"),
@@ -68,14 +72,23 @@ pub static FORMATS: [Entry; 10] = [
     },
     Entry {
         format: Format::Dump,
+        name: "LAMMPS dump",
         endings: &["dump", "lammpstrj"],
         begins: "ITEM:",
         tells: |head| head.starts_with(b"ITEM:"),
         read: dump::read,
     },
-    Entry { format: Format::Vtk, endings: &["vtk"], begins: "# vtk", tells: |head| head.starts_with(b"# vtk DataFile"), read: vtk::read },
+    Entry {
+        format: Format::Vtk,
+        name: "VTK legacy",
+        endings: &["vtk"],
+        begins: "# vtk",
+        tells: |head| head.starts_with(b"# vtk DataFile"),
+        read: vtk::read,
+    },
     Entry {
         format: Format::Vtp,
+        name: "VTK XML",
         endings: &["vtp", "vtu"],
         begins: "<?xml or <VTKFile",
         tells: |head| head.trim_ascii_start().starts_with(b"<"),
@@ -83,15 +96,16 @@ pub static FORMATS: [Entry; 10] = [
     },
     Entry {
         format: Format::Ply,
+        name: "PLY",
         endings: &["ply"],
         begins: "ply",
         tells: |head| head.starts_with(b"ply\n") || head.starts_with(b"ply\r"),
         read: ply::read,
     },
-    Entry { format: Format::LammpsData, endings: &["lmp"], begins: "", tells: lammps::tells, read: lammps::read },
-    Entry { format: Format::Mercury, endings: &[], begins: "", tells: mercury::tells, read: mercury::read },
-    Entry { format: Format::Xyz, endings: &["xyz", "extxyz"], begins: "", tells: |_| false, read: xyz::read },
-    Entry { format: Format::Csv, endings: &["csv", "tsv"], begins: "", tells: |_| false, read: csv::read },
+    Entry { format: Format::LammpsData, name: "LAMMPS data", endings: &["lmp"], begins: "", tells: lammps::tells, read: lammps::read },
+    Entry { format: Format::Mercury, name: "MercuryDPM data", endings: &[], begins: "", tells: mercury::tells, read: mercury::read },
+    Entry { format: Format::Xyz, name: "XYZ", endings: &["xyz", "extxyz"], begins: "", tells: |_| false, read: xyz::read },
+    Entry { format: Format::Csv, name: "CSV", endings: &["csv", "tsv"], begins: "", tells: |_| false, read: csv::read },
 ];
 
 fn entry(format: Format) -> &'static Entry {
@@ -106,21 +120,22 @@ pub(super) fn of(head: &[u8], name: &str, ending: &str, options: Options) -> any
     }
     let ended = FORMATS.iter().find(|entry| entry.endings.contains(&ending));
     // A name that says csv or xyz is believed: what tells data files could stand in columns, too.
-    if let Some(entry) = ended.filter(|entry| entry.begins.is_empty() && matches!(entry.format, Format::Csv | Format::Xyz)) {
-        let strict = FORMATS.iter().find(|other| !other.begins.is_empty() && other.format != Format::Vtp && (other.tells)(head));
-        return Ok(strict.unwrap_or(entry));
-    }
-    if let Some(entry) = FORMATS.iter().find(|entry| (entry.tells)(head)) {
+    let believed = ended.filter(|entry| matches!(entry.format, Format::Csv | Format::Xyz));
+    let strict = |entry: &&Entry| believed.is_none() || !entry.begins.is_empty() && entry.format != Format::Vtp;
+    if let Some(entry) = FORMATS.iter().filter(strict).find(|entry| (entry.tells)(head)) {
         return Ok(entry);
     }
     if let Some(entry) = ended.filter(|entry| !entry.begins.is_empty()) {
-        bail!("{name} is no {ending} file: it does not begin with {}", entry.begins);
+        bail!("{name} is not a {} file: it does not begin with {}", entry.name, entry.begins);
     }
     ensure!(
         !head.contains(&0),
         "{name} is binary, in no format that is known; write its particles as npy, or as CSV with a header x,y,z,r (--format takes one of {})",
         names()
     );
+    if let Some(entry) = believed {
+        return Ok(entry);
+    }
     let counted = words(head.split(|&b| b == b'\n').next().unwrap_or_default()).map(number).collect::<Vec<_>>();
     let whole = |x: f64| x >= 0.0 && x.fract() == 0.0;
     Ok(entry(if matches!(counted[..], [Some(n)] if whole(n)) { Format::Xyz } else { Format::Csv }))

@@ -121,7 +121,7 @@ impl<'a> Lines<'a> {
         value.map_err(|word| anyhow::anyhow!("{}: {what}: '{word}' is not a number; mend the file", self.place_of_word()))
     }
 
-    /// The bytes of `count` numbers behind this line, one after the other.
+    /// A number of particles, as a header announces it.
     pub fn count(&self, text: &[u8], what: &str) -> anyhow::Result<u64> {
         let Some(n) = std::str::from_utf8(text).ok().and_then(|text| text.parse::<u64>().ok()) else {
             bail!("{}: '{}' is not {what}", self.place(), shown(text));
@@ -212,9 +212,10 @@ fn unquoted(cell: &[u8]) -> &[u8] {
     if let [b'"', inner @ .., b'"'] = cell { inner.trim_ascii() } else { cell }
 }
 
-/// The beginning of a text, for messages: nothing in it reaches the terminal but letters.
+/// The beginning of a text, for messages: nothing of it reaches the terminal but letters, figures and signs.
 pub(super) fn short(text: &str) -> String {
-    let shown: String = text.chars().take(40).map(|c| if c.is_control() { '\u{fffd}' } else { c }).collect();
+    let shown: String =
+        text.chars().take(40).map(|c| if c.is_alphanumeric() || c.is_ascii_graphic() || c == ' ' { c } else { '\u{fffd}' }).collect();
     if text.chars().nth(40).is_some() { shown + "…" } else { shown }
 }
 

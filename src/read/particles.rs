@@ -74,15 +74,6 @@ impl Particles {
         }
     }
 
-    pub(super) fn clear(&mut self) {
-        match &mut self.centres {
-            Centres::Plane(points) => points.clear(),
-            Centres::Space(points) => points.clear(),
-        }
-        self.radii.iter_mut().for_each(Vec::clear);
-        self.ids.iter_mut().for_each(Vec::clear);
-    }
-
     pub(super) fn push(&mut self, point: [f64; 3], radius: f64, id: i64) -> anyhow::Result<()> {
         ensure!(self.len() < u32::MAX as usize, "more than 2^32 - 1 = {} particles; split the file", u32::MAX);
         match &mut self.centres {
@@ -117,6 +108,11 @@ impl Particles {
     /// Turns spheres with z = 0 into discs, if that is asked for; refuses what cannot be had.
     pub(super) fn as_asked(&mut self, name: &str, options: Options) -> anyhow::Result<()> {
         ensure!(
+            !(self.has_radii() && options.radius.is_some()),
+            "{name} holds radii, but the radius {} was given too; leave one out",
+            options.radius.unwrap_or_default()
+        );
+        ensure!(
             options.dim != Some(3) || self.dim() == 3,
             "{name} holds plane points (x and y only); it cannot be read as 3D: add a column z"
         );
@@ -126,11 +122,6 @@ impl Particles {
             }
             self.centres = Centres::Plane(std::mem::take(points).into_iter().map(|p| Point::from([p[0], p[1]])).collect());
         }
-        ensure!(
-            !(self.has_radii() && options.radius.is_some()),
-            "{name} holds radii, but the radius {} was given too; leave one out",
-            options.radius.unwrap_or_default()
-        );
         Ok(())
     }
 
@@ -209,7 +200,7 @@ impl Columns {
     pub fn particles(&self, place: &str, options: Options) -> anyhow::Result<Particles> {
         let count = |column| self.meaning.iter().filter(|&&other| other == column).count();
         for (k, column) in self.meaning.iter().enumerate() {
-            let single = *column == Column::Other || count(*column) == 1;
+            let single = matches!(column, Column::Other | Column::Id) || count(*column) == 1;
             ensure!(single, "{place}: the column '{}' stands twice; remove one", short(&self.names[k]));
         }
         for (axis, name) in ["x", "y"].into_iter().enumerate() {

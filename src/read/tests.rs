@@ -148,7 +148,7 @@ fn bad_files_are_refused_with_place_and_remedy() {
         (b"x,y,r\n1,,3\n", "csv", NONE, "p:2: column 'y': '' is not a number; mend or remove the line"),
         (b"x,y,r\n\n1,nan,3\n", "csv", NONE, "p:3: column 'y': 'nan' is not a finite number; mend or remove the line"),
         (b"x,y,r\n1,2,1e999\n", "csv", NONE, "p:2: column 'r': '1e999' is not a finite number; mend or remove the line"),
-        (b"x,y,D\n1,2,-3\n", "csv", NONE, "p:2: column 'D': -3 is negative; mend or remove the line"),
+        (b"x,y,D\n1,2,-3\n", "csv", NONE, "p:2: column 'D': '-3' is negative; mend or remove the line"),
         (b"x,y,x\n", "csv", NONE, "p:1: the column 'x' stands twice; remove one"),
         (b"x,y,r,d\n", "csv", NONE, "p:1: there are a radius and a diameter column; remove one"),
         (
@@ -169,13 +169,8 @@ fn bad_files_are_refused_with_place_and_remedy() {
         (b"x,y\n", "csv", Options { radius: Some(-1.0), dim: None, ..NONE }, "the radius given is -1; it must be finite and not negative"),
         (b"x,y\n", "csv", Options { radius: None, dim: Some(4), ..NONE }, "the dimension given is 4; it must be 2 or 3"),
         (&long, "csv", NONE, "p:2: the line is longer than 1048576 bytes; this is not a particle file"),
-        (
-            b"ITEM: TIMESTEP\n",
-            "dump",
-            NONE,
-            "p is a LAMMPS dump, which is not read; write its x, y, z and radius columns as CSV with a header x,y,z,r",
-        ),
-        (b"# vtk DataFile\n", "vtk", NONE, "p is a VTK file, which is not read; write its points as CSV with a header x,y,z,r, or as npy"),
+        (b"ITEM: TIMESTEP\n", "dump", NONE, "p is cut off in a header; write it again"),
+        (b"# vtk DataFile\n", "vtk", NONE, "p is cut off in its header; write it again"),
         (b"two\n", "xyz", HALF, "p:1: 'two' is not the number of particles, which is the first line of an XYZ file"),
         (b"5000000000\n", "xyz", HALF, "p:1: 5000000000 particles; at most 2^32 - 1 = 4294967295 can be numbered: split the file"),
         (b"2\n\nA 1 2 3\n", "xyz", HALF, "p ends after 1 of the 2 particles that its first line announces; mend the number or the file"),
@@ -183,7 +178,7 @@ fn bad_files_are_refused_with_place_and_remedy() {
             b"1\n\nA 1 2 3\n1\n\n",
             "xyz",
             HALF,
-            "p:4: there is more after the 1 particles announced; only one frame is read: remove the others",
+            "p:4: a second frame begins; say which one is to be read, with --frame 0 (the first) to --frame last, or remove the others",
         ),
         (b"1\n\nA 1 2\n", "xyz", HALF, "p:3: 3 columns where 4 are expected (species x y z)"),
         (b"1\n\nA 1 2 x\n", "xyz", HALF, "p:3: column 'z': 'x' is not a number; mend or remove the line"),
@@ -209,7 +204,7 @@ fn bad_files_are_refused_with_place_and_remedy() {
         (b"1\nProperties=pos:R:4\n", "xyz", HALF, "p:2: Properties=pos:R:4: pos has 4 columns; it must have 2 or 3"),
         (b"1\nProperties=pos:R:0\n", "xyz", HALF, "p:2: Properties=pos:R:0: '0' is not a number of columns from 1 to 1000"),
         (b"x,y\n", "npy", HALF, "p is not a NumPy file: it does not begin with \\x93NUMPY; write it with numpy.save"),
-        (b"\x93NUMPY", "npy", HALF, "p: the npy header is cut off; write the file again: failed to fill whole buffer"),
+        (b"\x93NUMPY", "npy", HALF, "p: the npy header is cut off; write the file again"),
         (b"\x93NUMPY\x04\0\0\0", "npy", HALF, "p is npy version 4; versions 1 to 3 are read: write it with numpy.save"),
         (b"\x93NUMPY\x02\0\0\0\0\x80", "npy", HALF, "p: the npy header has 2147483648 bytes; at most 1048576 are read"),
         (&short_data, "npy", HALF, "p: 1000000000000 particles; at most 2^32 - 1 = 4294967295 can be numbered: split the file"),
@@ -303,7 +298,7 @@ fn pairs_are_written_as_csv_and_npy() {
         assert_eq!(words, list.as_flattened());
     }
     let message = write::pairs(Path::new("pairs.txt"), &list).unwrap_err().to_string();
-    assert_eq!(message, "pairs.txt: the ending of a file of pairs must be .csv or .npy");
+    assert_eq!(message, "pairs.txt: the ending of a file of pairs must be .csv, .npy or .vtk");
     assert!(
         format!("{:#}", write::pairs(Path::new("/nowhere/pairs.csv"), &list).unwrap_err()).starts_with("cannot write /nowhere/pairs.csv: ")
     );

@@ -118,6 +118,8 @@ pub(super) fn report(
     for r in (0..n).map(radius) {
         (least, most, mean) = (least.min(r), most.max(r), mean + r / n as f64);
     }
+    // Where all are the same, their mean is not to show the rounding of a sum.
+    mean = if least == most { least } else { mean };
     lines.push(Line(
         "radii",
         format!("smallest {least}, mean {mean}, largest {most}"),
@@ -156,6 +158,11 @@ pub(super) fn report(
             ));
             if count == 0 && n > 1 {
                 warnings.push("nothing touches: are the radii in the units of the coordinates, and not too small by a half?".into());
+            }
+            if *near > 0 && 10 * near > count as u64 {
+                warnings.push(format!(
+                    "{near} couples are tangent to the last digits: codes that round will disagree about them, and with the exact answer"
+                ));
             }
             each
         }
