@@ -137,7 +137,7 @@ fn inspect_warns_of_the_usual_mistakes() {
     assert!(warnings(&["doubled.csv"]).contains("'r' may hold diameters"));
     file(folder, "tiny.csv", good.replace(",0.5\n", ",0.0005\n"));
     assert!(warnings(&["tiny.csv"]).contains("nothing touches"));
-    file(folder, "flat.csv", "x,y,z,r\n0,0,0,0.5\n1,0,0,0.5\n");
+    file(folder, "flat.csv", "x,y,z,r\n0,0,0,0.6\n1,0,0,0.6\n");
     assert!(warnings(&["flat.csv"]).contains("--dim 2"));
     assert_eq!(warnings(&["flat.csv", "--dim", "2"]), "[]");
     file(folder, "far.csv", "x,y,r\n1e7,0,0.5\n10000001,0,0.5\n");

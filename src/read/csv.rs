@@ -48,14 +48,14 @@ pub(super) fn read(source: Source<'_>, options: Options) -> anyhow::Result<(Part
     let count = separator.cells(lines.line()).count();
     let numeric = separator.cells(lines.line()).all(|cell| number(cell).is_some());
     let of_comment = commented.filter(|columns| columns.meaning.len() == count || columns.or_more && columns.meaning.len() < count);
-    let columns = match of_comment {
+    let (columns, is_header) = match of_comment {
         // Beside the numbers, YADE writes names of materials and the like.
-        Some(columns) if numeric || yade => columns,
-        _ if numeric => unnamed(count, options, &lines.place())?,
-        _ => named(lines.line()),
+        Some(columns) if numeric || yade => (columns, false),
+        _ if numeric => (unnamed(count, options, &lines.place())?, false),
+        _ => (named(lines.line()), true),
     };
     let mut particles = columns.particles(&lines.place(), options)?;
-    let mut more = numeric || yade && columns.or_more || lines.advance()?;
+    let mut more = !is_header || lines.advance()?;
     let between = || format!(", separated by {}; mend or remove the line", separator.name());
     while more {
         let line = lines.line();

@@ -112,6 +112,16 @@ impl<'a> Lines<'a> {
         }
     }
 
+    /// The rest of the line holds no words.
+    pub fn end_line(&mut self) {
+        self.at = self.line.len();
+    }
+
+    /// What is left of the line behind the last word.
+    pub fn rest(&self) -> &[u8] {
+        self.line.get(self.at..).unwrap_or_default().trim_ascii()
+    }
+
     /// The next word as a number.
     pub fn number(&mut self, what: &str) -> anyhow::Result<f64> {
         let value = match self.word()? {

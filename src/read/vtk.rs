@@ -5,7 +5,7 @@
 
 use anyhow::{Context, bail, ensure};
 
-use super::lines::{Lines, Source, short, texts};
+use super::lines::{Lines, Source, short, shown, texts};
 use super::particles::{Particles, loaded};
 use super::scalars::{Arrays, Kind, Target};
 use super::{About, Options};
@@ -119,12 +119,15 @@ impl Vtk<'_> {
             ensure!(whole, "{} ends before the {count} numbers of {what} that it announces; write it again", self.lines.source.name);
             return Ok(target);
         }
+        self.lines.end_line();
         for _ in 0..count {
             let value = self.lines.number(&what)?;
             if let Err(error) = target.push(value) {
                 return Err(error.context(format!("{}: {what}", self.lines.place_of_word())));
             }
         }
+        let rest = shown(self.lines.rest());
+        ensure!(rest.is_empty(), "{}: '{rest}' stands behind the {count} numbers of {what}", self.lines.place());
         Ok(target)
     }
 

@@ -153,7 +153,7 @@ pub(super) fn report(
             ));
             lines.push(Line(
                 "near tangent",
-                format!("{near} couples within 1e-9 of the sum of their radii: their contact is decided by the last digits"),
+                format!("{near} couples whose distance is the sum of their radii to within 1e-9 of it"),
                 vec![("near_tangent", json!(near))],
             ));
             if count == 0 && n > 1 {
@@ -161,7 +161,7 @@ pub(super) fn report(
             }
             if *near > 0 && 10 * near > count as u64 {
                 warnings.push(format!(
-                    "{near} couples are tangent to the last digits: codes that round will disagree about them, and with the exact answer"
+                    "{near} couples are within 1e-9 of just touching: codes that round in different ways will disagree about them"
                 ));
             }
             each
