@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 
 use clap::Parser;
-use contactbench::cli::{Cli, Verb, check, detect, inspect, list, run, runner, scene, verify};
+use contactbench::cli::{Cli, Verb, check, compare, detect, draw, inspect, list, merge, run, runner, shell, trace, verify, write};
 use contactbench::harness::alloc::Counting;
 
 #[global_allocator]
@@ -14,12 +14,18 @@ fn main() -> ExitCode {
         None => run::standard(),
         Some(Verb::Run(options)) => run::run(&options),
         Some(Verb::Report(options)) => run::report(&options),
+        Some(Verb::Compare(options)) => compare::compare(&options),
+        Some(Verb::Merge(options)) => merge::merge(&options),
         Some(Verb::List(options)) => list::list(&options),
         Some(Verb::Check(options)) => check::check(&options),
         Some(Verb::Detect(options)) => detect::detect(&options),
         Some(Verb::Inspect(options)) => inspect::inspect(&options),
         Some(Verb::Verify(options)) => verify::verify(&options),
-        Some(Verb::Scene(options)) => scene::write(&options),
+        Some(Verb::Scene(options)) => write::write(&options),
+        Some(Verb::Draw(options)) => draw::draw(&options),
+        Some(Verb::Trace(options)) => trace::trace(&options),
+        Some(Verb::Completions(options)) => shell::completions(&options),
+        Some(Verb::Man(options)) => shell::man(&options),
         Some(Verb::Runner(options)) => runner::serve(&options),
     };
     match result {

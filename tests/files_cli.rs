@@ -62,7 +62,7 @@ fn scenes_are_written_and_read_back_to_the_bit() {
         );
     };
     refused(&["scene", "packed:n=10", "-o", "scene.vtk"], "the ending of a file of a scene must be .csv, .xyz or .npy");
-    refused(&["scene", "packed:n=10", "--dim", "3"], "write dim=3 behind the colon");
+    refused(&["scene", "packed:n=10", "--dim", "3"], "write dim=3 and the like into the scene");
     refused(&["scene", "nowhere.csv"], "cannot read nowhere.csv");
     refused(&["detect", "two.dump"], "say which one is to be read");
     refused(&["detect", "two.dump", "--frame", "second"], "it must be a number from 0, or last");

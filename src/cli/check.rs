@@ -6,7 +6,9 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 use anyhow::{Context, ensure};
+use serde_json::{Value, json};
 
+use super::ci::{Case, Outcome, Outputs};
 use crate::check::{self, Failure, Limits, Report, Wrong, regression, subject};
 use crate::contact::Arithmetic;
 use crate::detect::table::TABLE;
@@ -36,6 +38,11 @@ pub struct Check {
     /// Where failing scenes are written
     #[arg(long, default_value = ".")]
     out: PathBuf,
+    /// Print JSON instead of text
+    #[arg(long, conflicts_with = "annotations")]
+    json: bool,
+    #[command(flatten)]
+    ci: Outputs,
 }
 
 /// Runs the checks; exit code 1 if a detector disagrees with the truth.
@@ -61,7 +68,7 @@ pub fn check(options: &Check) -> anyhow::Result<ExitCode> {
     if options.scene.is_empty() {
         reports.push((check::check(&chosen, &options.arithmetic, &limits)?, None));
     }
-    let mut out = std::io::stdout().lock();
+    let mut out: Box<dyn Write> = if options.json { Box::new(std::io::sink()) } else { Box::new(std::io::stdout().lock()) };
     for (report, path) in &reports {
         for failure in &report.failures {
             describe(failure, *path, options, &mut out)?;
@@ -75,7 +82,62 @@ pub fn check(options: &Check) -> anyhow::Result<ExitCode> {
     let names: Vec<&str> = chosen.iter().map(|entry| entry.name).collect();
     let verdict = if right { "all agree with all pairs tested" } else { "WRONG" };
     writeln!(out, "check: {cases} detections by {}: {verdict}", names.join(", "))?;
+    if options.json {
+        let text = serde_json::to_string_pretty(&as_json(&reports, &names, options, right))?;
+        writeln!(std::io::stdout(), "{text}")?;
+    }
+    options.ci.write("check", &verdicts(&reports, &names, options), &mut out)?;
     Ok(if right { ExitCode::SUCCESS } else { ExitCode::from(1) })
+}
+
+/// The file that a failing scene is written to.
+fn regression_file(failure: &Failure, given: Option<&Path>, options: &Check) -> PathBuf {
+    let stem = given.and_then(Path::file_stem).map(|stem| format!("-{}", stem.to_string_lossy())).unwrap_or_default();
+    options.out.join(format!("failing-{}-{}{stem}.csv", failure.detector, failure.arithmetic.name()))
+}
+
+/// Every detector in every arithmetic, on every given scene or on the generated ones, for continuous integration.
+fn verdicts(reports: &[(Report, Option<&Path>)], names: &[&str], options: &Check) -> Vec<Case> {
+    let mut cases = Vec::new();
+    for (report, path) in reports {
+        let class = path.map_or("generated".into(), |path| path.display().to_string());
+        for arithmetic in &options.arithmetic {
+            for name in names {
+                let wrong = report.failures.iter().find(|failure| failure.detector == *name && failure.arithmetic == *arithmetic);
+                let why = |failure: &Failure| {
+                    let file = regression_file(failure, *path, options);
+                    format!("on {}: {}; smallest failing scene: {}", failure.found_on, failure.found, file.display())
+                };
+                let result = wrong.map_or(Outcome::Passed, |failure| Outcome::Failed(why(failure)));
+                cases.push(Case { class: class.clone(), name: format!("{name}, {} arithmetic", arithmetic.name()), result });
+            }
+        }
+    }
+    cases
+}
+
+fn as_json(reports: &[(Report, Option<&Path>)], names: &[&str], options: &Check, right: bool) -> Value {
+    let failure = |failure: &Failure, path: &Option<&Path>| {
+        json!({
+            "detector": failure.detector,
+            "arithmetic": failure.arithmetic.name(),
+            "found_on": failure.found_on,
+            "found": failure.found.to_string(),
+            "smallest": failure.wrong.as_ref().map(|wrong| wrong.to_string()),
+            "elements": failure.smallest.len(),
+            "file": regression_file(failure, *path, options).display().to_string(),
+        })
+    };
+    let of = |(report, path): &(Report, Option<&Path>)| {
+        json!({
+            "scene": path.map_or("generated".into(), |path| path.display().to_string()),
+            "detections": report.cases,
+            "refused": report.refused,
+            "failures": report.failures.iter().map(|found| failure(found, path)).collect::<Vec<_>>(),
+        })
+    };
+    let arithmetics: Vec<&str> = options.arithmetic.iter().map(|arithmetic| arithmetic.name()).collect();
+    json!({"passed": right, "detectors": names, "arithmetics": arithmetics, "checks": reports.iter().map(of).collect::<Vec<_>>()})
 }
 
 /// A detector that panics is reported like any other that is wrong, and shrinking makes it panic often.
@@ -88,12 +150,11 @@ fn quiet_panics() {
     }));
 }
 
-fn describe(failure: &Failure, given: Option<&Path>, options: &Check, out: &mut impl Write) -> anyhow::Result<()> {
+fn describe(failure: &Failure, given: Option<&Path>, options: &Check, out: &mut dyn Write) -> anyhow::Result<()> {
     let Failure { detector, arithmetic, found_on, found, smallest, wrong } = failure;
     let arithmetic = arithmetic.name();
     writeln!(out, "WRONG: {detector} with {arithmetic} arithmetic, on {found_on}: {found}")?;
-    let stem = given.and_then(Path::file_stem).map(|stem| format!("-{}", stem.to_string_lossy())).unwrap_or_default();
-    let path = options.out.join(format!("failing-{detector}-{arithmetic}{stem}.csv"));
+    let path = regression_file(failure, given, options);
     let scene = regression::file(failure, &path);
     std::fs::write(&path, &scene).with_context(|| format!("cannot write {}; choose another place with --out", path.display()))?;
     let (n, place) = (smallest.len(), path.display());

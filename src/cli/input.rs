@@ -30,13 +30,18 @@ impl Input {
         read::Options { radius: self.radius, dim: self.dim, frame, format: self.format, ..read::Options::NONE }
     }
 
+    /// Was anything said?
+    pub fn given(&self) -> bool {
+        self.radius.is_some() || self.dim.is_some() || self.frame.is_some() || self.format.is_some()
+    }
+
     /// The scene of a file, or of a generator such as `packed:dim=3,n=1000`. What is there as a file is a file.
     pub fn scene(&self, text: &str) -> anyhow::Result<AnyScene<'static>> {
         let generated = text.split_once(':').is_some_and(|(name, _)| is_generator(name)) || is_generator(text);
         if generated && !Path::new(text).exists() {
             anyhow::ensure!(
-                self.radius.is_none() && self.dim.is_none() && self.frame.is_none() && self.format.is_none(),
-                "'{text}' is a generated scene; --radius, --dim, --frame and --format are for files: write dim=3 behind the colon"
+                !self.given(),
+                "--radius, --dim, --frame and --format belong to files; write dim=3 and the like into the scene: {text}"
             );
             return Spec::parse(text)?.make();
         }

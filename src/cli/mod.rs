@@ -1,15 +1,22 @@
 //! The command line: one file per verb.
 
 pub mod check;
+pub mod ci;
+pub mod compare;
 pub mod detect;
+pub mod draw;
 pub mod input;
 pub mod inspect;
 pub mod list;
+pub mod merge;
 pub mod progress;
 pub mod run;
 pub mod runner;
 pub mod scene;
+pub mod shell;
+pub mod trace;
 pub mod verify;
+pub mod write;
 
 use anyhow::anyhow;
 use clap::{Parser, Subcommand};
@@ -38,8 +45,19 @@ pub enum Verb {
     #[command(after_help = "Example: contactbench run scaling --quick\nExample: contactbench run my-experiment.toml --out results/mine")]
     Run(run::Run),
     /// Makes report and figures of a result folder again, from its record alone
-    #[command(after_help = "Example: contactbench report results/reference")]
+    #[command(
+        after_help = "Example: contactbench report results/reference\nExample: contactbench report results/reference --table latex > table.tex"
+    )]
     Report(run::Report),
+    /// Compares two result folders: of two revisions, or two machines
+    #[command(
+        after_help = "Example: contactbench compare results/before results/after\nExample: contactbench compare laptop server --against nbs\n\
+        Exit code 1 if pairs, counts, bytes or outcomes differ (with --gate-time, also if a cell is slower)."
+    )]
+    Compare(compare::Compare),
+    /// Merges result folders of shards, or of several machines
+    #[command(after_help = "Example: contactbench merge part-1 part-2 part-3 --out whole")]
+    Merge(merge::Merge),
     /// Lists detectors with cost, memory and limits; scenes; experiments; hard cases
     #[command(after_help = "Example: contactbench list detectors")]
     List(list::List),
@@ -63,7 +81,25 @@ pub enum Verb {
     #[command(
         after_help = "Example: contactbench scene packed:dim=3,n=1000,seed=1 -o packed.csv\nExample: contactbench scene packing.dump --frame last -o packing.xyz"
     )]
-    Scene(scene::Write),
+    Scene(write::Write),
+    /// Draws a scene with its contacts, or a slice through spheres, as SVG or PNG
+    #[command(
+        after_help = "Example: contactbench draw packing.csv\nExample: contactbench draw packed:dim=3,n=2000 --slice z=4 -o slice.png\nExample: contactbench draw packing.csv --pairs theirs.csv"
+    )]
+    Draw(draw::Draw),
+    /// Shows a detector of the book step by step: one HTML page that steps with the arrow keys, and an SVG of each step
+    #[command(
+        after_help = "Example: contactbench trace nbs\nExample: contactbench trace screening packed:n=12 -o lecture\nWithout a scene the book's worked example is shown."
+    )]
+    Trace(trace::Trace),
+    /// Writes a completion script for your shell
+    #[command(
+        after_help = "Example: contactbench completions bash\nWrite it to a file such as ~/.local/share/bash-completion/completions/contactbench"
+    )]
+    Completions(shell::Completions),
+    /// Writes the manual page, or all of them into a folder
+    #[command(after_help = "Example: contactbench man -o ~/.local/share/man/man1\nTo read the page at once: contactbench man | man -l -")]
+    Man(shell::Man),
     /// Serves one detector on standard input and output: see docs/PROTOCOL.md
     #[command(after_help = "Example: echo '{\"request\":\"quit\"}' | contactbench runner --detector nbs")]
     Runner(runner::Serve),

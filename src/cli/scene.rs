@@ -1,43 +1,32 @@
-//! `contactbench scene`.
+//! A scene as named on the command line: a file, or a generator with its parameters.
 
-use std::io::Write as _;
-use std::path::PathBuf;
-use std::process::ExitCode;
+use std::path::Path;
 
-use anyhow::Context;
+use anyhow::ensure;
 
 use super::input::Input;
-use crate::read::write;
+use crate::scene::AnyScene;
 
-/// Options of `scene`.
+/// Where a scene comes from.
 #[derive(clap::Args)]
-pub struct Write {
-    /// A generator such as packed:dim=3,n=1000,seed=1 (see contactbench list scenes), or a particle file
-    scene: String,
+pub struct Source {
+    /// A particle file, or a scene such as packed:n=200,seed=2 (see: contactbench list scenes)
+    pub scene: Option<String>,
+    /// What the file does not say
     #[command(flatten)]
-    input: Input,
-    /// Where the scene goes: a .csv, .xyz (extended XYZ) or .npy file (default: CSV to standard output)
-    #[arg(short, long)]
-    output: Option<PathBuf>,
+    pub input: Input,
 }
 
-/// Makes or reads the scene and writes it, in numbers that read back to the same bits.
-pub fn write(options: &Write) -> anyhow::Result<ExitCode> {
-    if let Some(path) = &options.output {
-        write::scene_format(path)?;
+impl Source {
+    /// Reads or makes it; its name and the scene, or none if none was named. A file goes before a generator of the same name.
+    pub fn get(&self) -> anyhow::Result<Option<(String, AnyScene<'static>)>> {
+        let Some(text) = &self.scene else {
+            ensure!(!self.input.given(), "--radius, --dim, --frame and --format belong to a particle file, and none is named");
+            return Ok(None);
+        };
+        let scene = self.input.scene(text)?;
+        // A file goes by its name without folders.
+        let file = Path::new(text).file_name().filter(|_| Path::new(text).exists());
+        Ok(Some((file.map_or_else(|| text.clone(), |name| name.to_string_lossy().into_owned()), scene)))
     }
-    let scene = options.input.scene(&options.scene)?;
-    match &options.output {
-        Some(path) => {
-            write::scene(path, &scene)?;
-            eprintln!("{}: N = {}, {}D", path.display(), scene.len(), scene.dim());
-        }
-        None => {
-            let mut out = std::io::BufWriter::new(std::io::stdout().lock());
-            write::scene_to(&mut out, write::SceneFormat::Csv, &scene)
-                .and_then(|()| out.flush())
-                .context("cannot write the scene to standard output")?;
-        }
-    }
-    Ok(ExitCode::SUCCESS)
 }
