@@ -373,7 +373,7 @@ fn errors_say_where() {
             "p ends after 1 of the 2 vertices that its header announces; write it again",
         ),
         (PLY_HEAD.replace("FORMAT", "binary_little_endian") + "1234567890", "p ends after 0 of the 2 vertices that its header announces"),
-        (PLY_HEAD.replace("property float y", "property real y"), "p:6: 'real' is no type of number"),
+        (PLY_HEAD.replace("FORMAT", "ascii").replace("property float y", "property real y"), "p:6: 'real' is no type of number"),
         ("\0\x01\x02ELF".into(), "p is binary, in no format that is known; write its particles as npy, or as CSV"),
         ("x,y,r\n1,\x1b[31m,3\n".into(), "p:2: column 'y': '\u{fffd}[31m' is not a number; mend or remove the line"),
     ];
