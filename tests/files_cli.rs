@@ -260,7 +260,7 @@ fn verify_refuses_in_one_sentence() {
         (&["one.csv"], "one.csv:1: a pair needs two columns"),
         (&["atoms.dump"], "this is a dump of atoms, not of pairs"),
         (&["short.dump"], "short.dump ends after 1 of the 3 entries"),
-        (&["which.dump"], "which columns hold the ids of a pair? Name them with --columns I,J; there are c_1, c_2"),
+        (&["which.dump"], "which columns hold the ids of a pair? Name them with --columns I,J; there are c_1 c_2"),
         (&["binary.csv"], "binary.csv is binary, and no npy file"),
         (&["bad.csv", "--base", "2"], "--base 2: it must be 0 or 1"),
         (&["bad.csv", "--columns", "a,b"], "there is no column 'a'"),

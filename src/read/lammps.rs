@@ -95,7 +95,12 @@ fn atoms(lines: &mut Lines<'_>, n: u64, style: Option<String>, options: Options)
             columns = Some(unstyled);
         }
         let Some(columns) = &columns else { continue };
-        columns.push(&mut particles, Separator::Blanks.cells(line), || lines.place(), || format!(" ({})", columns.names.join(" ")))?;
+        columns.push(
+            &mut particles,
+            Separator::Blanks.cells(line),
+            || lines.place(),
+            || format!(" ({})", super::lines::listed(&columns.names)),
+        )?;
     }
     Ok((particles, columns.unwrap_or_else(|| Columns::named(["x", "y", "z"]))))
 }

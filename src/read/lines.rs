@@ -229,6 +229,12 @@ pub(super) fn short(text: &str) -> String {
     if text.chars().nth(40).is_some() { shown + "…" } else { shown }
 }
 
+/// The first names of a list, for messages.
+pub(super) fn listed<S: AsRef<str>>(names: &[S]) -> String {
+    let shown: Vec<String> = names.iter().take(20).map(|name| short(name.as_ref())).collect();
+    shown.join(" ") + if names.len() > 20 { " …" } else { "" }
+}
+
 /// [`short`] for bytes.
 pub(super) fn shown(bytes: &[u8]) -> String {
     short(&String::from_utf8_lossy(&bytes[..bytes.len().min(200)]))

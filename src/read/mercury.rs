@@ -66,7 +66,7 @@ pub(super) fn read(source: Source<'_>, options: Options) -> anyhow::Result<(Part
                 particles,
                 Separator::Blanks.cells(lines.line()),
                 || lines.place(),
-                || format!(" ({})", columns.names.join(" ")),
+                || format!(" ({})", super::lines::listed(&columns.names)),
             )?;
         }
         if step == Step::Keep {

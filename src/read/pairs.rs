@@ -235,7 +235,7 @@ fn dump_local(mut lines: Lines<'_>, columns: Option<[&str; 2]>, frame: Frame) ->
 fn chosen(names: &[&str], columns: Option<[&str; 2]>) -> anyhow::Result<[usize; 2]> {
     let at = |label: &str| names.iter().position(|name| *name == label);
     if let Some([i, j]) = columns {
-        let missing = |label: &str| format!("there is no column '{label}' among {}", names.join(", "));
+        let missing = |label: &str| format!("there is no column '{label}' among {}", super::lines::listed(names));
         return Ok([at(i).with_context(|| missing(i))?, at(j).with_context(|| missing(j))?]);
     }
     for (i, j) in [("patom1", "patom2"), ("natom1", "natom2"), ("id1", "id2"), ("i", "j")] {
@@ -246,7 +246,7 @@ fn chosen(names: &[&str], columns: Option<[&str; 2]>) -> anyhow::Result<[usize; 
     let first = names.iter().position(|name| name.ends_with("[1]"));
     let second = first.and_then(|first| at(&names[first].replace("[1]", "[2]")));
     let (Some(i), Some(j)) = (first, second) else {
-        bail!("which columns hold the ids of a pair? Name them with --columns I,J; there are {}", names.join(", "))
+        bail!("which columns hold the ids of a pair? Name them with --columns I,J; there are {}", super::lines::listed(names))
     };
     Ok([i, j])
 }

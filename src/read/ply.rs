@@ -39,7 +39,7 @@ pub(super) fn read(source: Source<'_>, options: Options) -> anyhow::Result<(Part
                 return Err(torn(k.saturating_sub(skipped)));
             }
             if k >= skipped {
-                let between = || format!(" ({})", columns.names.join(" "));
+                let between = || format!(" ({})", super::lines::listed(&columns.names));
                 columns.push(&mut particles, Separator::Blanks.cells(lines.line()), || lines.place(), between)?;
             }
         }

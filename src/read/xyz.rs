@@ -34,7 +34,7 @@ pub(super) fn read(source: Source<'_>, options: Options) -> anyhow::Result<(Part
         if step == Step::Keep {
             let columns = columns(&comment).with_context(|| lines.place())?;
             let mut particles = columns.particles(&lines.place(), options)?;
-            let between = || format!(" ({})", columns.names.join(" "));
+            let between = || format!(" ({})", super::lines::listed(&columns.names));
             for k in 0..n {
                 if !lines.advance()? {
                     return Err(short_of(k, lines.source.name));
