@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 
 use clap::Parser;
-use contactbench::cli::{Cli, Verb, check, compare, detect, draw, list, merge, run, runner, shell, trace};
+use contactbench::cli::{Cli, Verb, check, compare, detect, draw, inspect, list, merge, run, runner, shell, trace, verify, write};
 use contactbench::harness::alloc::Counting;
 
 #[global_allocator]
@@ -19,6 +19,9 @@ fn main() -> ExitCode {
         Some(Verb::List(options)) => list::list(&options),
         Some(Verb::Check(options)) => check::check(&options),
         Some(Verb::Detect(options)) => detect::detect(&options),
+        Some(Verb::Inspect(options)) => inspect::inspect(&options),
+        Some(Verb::Verify(options)) => verify::verify(&options),
+        Some(Verb::Scene(options)) => write::write(&options),
         Some(Verb::Draw(options)) => draw::draw(&options),
         Some(Verb::Trace(options)) => trace::trace(&options),
         Some(Verb::Completions(options)) => shell::completions(&options),

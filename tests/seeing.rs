@@ -307,7 +307,7 @@ fn the_verbs_write_what_they_say() {
         (&["draw"], "name a particle file, or a scene such as"),
         (&["draw", "packed:n=2", "--pairs", "pairs.csv"], "the pair 0,2: the scene has 2 elements"),
         (&["draw", "packed:n=2", "-o", "nowhere/a.svg"], "cannot write nowhere/a.svg; choose another place"),
-        (&["draw", "packed:n=2", "--radius", "1"], "--radius and --dim belong to files"),
+        (&["draw", "packed:n=2", "--radius", "1"], "--radius, --dim, --frame and --format belong to files"),
         (&["trace", "nbs", "packed:n=100"], "100 elements; the steps of at most 60"),
         (&["trace", "nbs", "-o", "a<b>.csv/t"], "cannot write to a<b>.csv/t"),
         (&["trace", "kd-tree"], "nbs"),
