@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 
 use clap::Parser;
-use contactbench::cli::{Cli, Verb, check, detect, list, run, runner};
+use contactbench::cli::{Cli, Verb, check, detect, list, new_detector, recommend, run, runner};
 use contactbench::harness::alloc::Counting;
 
 #[global_allocator]
@@ -17,6 +17,8 @@ fn main() -> ExitCode {
         Some(Verb::List(options)) => list::list(&options),
         Some(Verb::Check(options)) => check::check(&options),
         Some(Verb::Detect(options)) => detect::detect(&options),
+        Some(Verb::NewDetector(options)) => new_detector::new_detector(&options),
+        Some(Verb::Recommend(options)) => recommend::recommend(&options),
         Some(Verb::Runner(options)) => runner::serve(&options),
     };
     match result {

@@ -1,13 +1,16 @@
 //! `contactbench check`.
 
+use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
-use anyhow::{Context, ensure};
+use anyhow::{Context, bail, ensure};
 
-use crate::check::{self, Failure, Limits, Report, Wrong, regression, subject};
+use crate::check::process::Foreign;
+use crate::check::subject::Candidate;
+use crate::check::{self, Failure, Limits, Report, Wrong, conversation, regression, subject};
 use crate::contact::Arithmetic;
 use crate::detect::table::TABLE;
 use crate::read;
@@ -18,34 +21,47 @@ pub struct Check {
     /// Only this detector (may be given several times; default: all)
     #[arg(long)]
     detector: Vec<String>,
-    /// Only this arithmetic (may be given several times); textbook filters lose contacts, as is to be expected
-    #[arg(long, value_enum, default_values_t = [Arithmetic::Exact])]
+    /// A detector in another language: the command that starts its runner (docs/PROTOCOL.md); {arithmetic} in it stands for each --arithmetic
+    #[arg(long, value_name = "COMMAND", conflicts_with = "detector")]
+    runner: Option<String>,
+    /// Only this arithmetic (may be given several times; default: exact; a runner says its own); textbook filters lose contacts, as is to be expected
+    #[arg(long, value_enum)]
     arithmetic: Vec<Arithmetic>,
-    /// Check this particle file with radii (may be given several times) instead of generated scenes
+    /// Check this particle file with radii (may be given several times) instead of the scenes of the check
     #[arg(long)]
     scene: Vec<PathBuf>,
     /// Seeds to try at most
     #[arg(long, default_value_t = Limits::default().seeds)]
     seeds: u64,
-    /// No new scene is generated after this many seconds (the first seed is always completed)
+    /// No new scene is begun after this many seconds (generated scenes of the first seed are always completed)
     #[arg(long, default_value_t = Limits::default().time.as_secs_f64(), allow_negative_numbers = true)]
     seconds: f64,
     /// A detection that takes more seconds than this hangs
-    #[arg(long, default_value_t = Limits::default().deadline.as_secs_f64(), allow_negative_numbers = true)]
+    #[arg(long, default_value_t = DEADLINE_S, allow_negative_numbers = true)]
     deadline: f64,
     /// Where failing scenes are written
     #[arg(long, default_value = ".")]
     out: PathBuf,
 }
 
+/// A hang, too, is to be told within 10 seconds; scenes are small.
+const DEADLINE_S: f64 = 5.0;
+/// So many kinds of refusals are shown.
+const KINDS: usize = 6;
+
+/// Who is checked together, and how contacts are decided.
+struct Group {
+    candidates: Vec<Candidate>,
+    arithmetics: Vec<Arithmetic>,
+}
+
 /// Runs the checks; exit code 1 if a detector disagrees with the truth.
 pub fn check(options: &Check) -> anyhow::Result<ExitCode> {
+    let started = Instant::now();
     let (seconds, deadline) = (options.seconds, options.deadline);
     ensure!((0.0..1e9).contains(&seconds), "--seconds {seconds}: give a number from 0 to 10^9");
     ensure!((1e-3..1e9).contains(&deadline), "--deadline {deadline}: give a number from 0.001 to 10^9");
     ensure!(options.seeds >= 1, "--seeds 0: at least one is needed");
-    let chosen = options.detector.iter().map(|name| super::detector(name)).collect::<anyhow::Result<Vec<_>>>()?;
-    let chosen = if chosen.is_empty() { TABLE.iter().filter(|entry| entry.must_be_right()).collect() } else { chosen };
     let limits = Limits {
         seeds: options.seeds,
         time: Duration::from_secs_f64(seconds),
@@ -53,29 +69,146 @@ pub fn check(options: &Check) -> anyhow::Result<ExitCode> {
         ..Limits::default()
     };
     quiet_panics();
-    let mut reports: Vec<(Report, Option<&Path>)> = Vec::new();
-    for path in &options.scene {
-        let scene = read::scene(path, read::Options::default())?;
-        reports.push((check::check_scene(&scene, &path.display().to_string(), &chosen, &options.arithmetic, &limits)?, Some(path)));
-    }
-    if options.scene.is_empty() {
-        reports.push((check::check(&chosen, &options.arithmetic, &limits)?, None));
-    }
     let mut out = std::io::stdout().lock();
+    let mut broken = false;
+    let groups = match &options.runner {
+        None => vec![detectors(options)?],
+        Some(command) => runners(command, options, &limits, &mut broken, &mut out)?,
+    };
+    let mut reports: Vec<(Report, Option<&Path>)> = Vec::new();
+    for Group { candidates, arithmetics } in &groups {
+        for path in &options.scene {
+            let scene = read::scene(path, read::Options::default())?;
+            reports.push((check::one_scene(&scene, &path.display().to_string(), candidates, arithmetics, &limits)?, Some(path)));
+        }
+        if options.scene.is_empty() {
+            reports.push((check::battery(candidates, arithmetics, &limits)?, None));
+        }
+    }
     for (report, path) in &reports {
         for failure in &report.failures {
             describe(failure, *path, options, &mut out)?;
         }
-        for (reason, times) in &report.refused {
-            writeln!(out, "refused {times} times: {reason}")?;
+        refusals(report, &mut out)?;
+        if path.is_none() {
+            let scenes: Vec<String> = report.scenes.iter().map(|(source, count)| format!("{source} {count}")).collect();
+            let cut = if report.cut && report.failures.is_empty() { "; the time was over before all were tried (--seconds)" } else { "" };
+            writeln!(out, "scenes: {}, in {:.1} s{cut}", scenes.join(", "), started.elapsed().as_secs_f64())?;
         }
     }
-    let right = reports.iter().all(|(report, _)| report.failures.is_empty());
+    let names: Vec<&str> = groups.iter().flat_map(|group| group.candidates.iter().map(Candidate::name)).collect();
     let cases: u64 = reports.iter().map(|(report, _)| report.cases).sum();
-    let names: Vec<&str> = chosen.iter().map(|entry| entry.name).collect();
-    let verdict = if right { "all agree with all pairs tested" } else { "WRONG" };
-    writeln!(out, "check: {cases} detections by {}: {verdict}", names.join(", "))?;
-    Ok(if right { ExitCode::SUCCESS } else { ExitCode::from(1) })
+    let right = !broken && reports.iter().all(|(report, _)| report.failures.is_empty());
+    // Whoever refuses everything has shown nothing.
+    let silent = cases == 0 && options.runner.is_some() && !names.is_empty();
+    let verdict = match (right, silent) {
+        (true, false) => "all agree with all pairs tested",
+        (true, true) => "WRONG: it has refused all of them",
+        _ => "WRONG",
+    };
+    writeln!(out, "check: {cases} detections by {}: {verdict}", if names.is_empty() { "nobody".into() } else { names.join(", ") })?;
+    Ok(if right && !silent { ExitCode::SUCCESS } else { ExitCode::from(1) })
+}
+
+/// Detectors of the table.
+fn detectors(options: &Check) -> anyhow::Result<Group> {
+    let chosen = options.detector.iter().map(|name| super::detector(name)).collect::<anyhow::Result<Vec<_>>>()?;
+    let chosen = if chosen.is_empty() { TABLE.iter().filter(|entry| entry.must_be_right()).collect() } else { chosen };
+    let arithmetics = if options.arithmetic.is_empty() { vec![Arithmetic::Exact] } else { options.arithmetic.clone() };
+    Ok(Group { candidates: chosen.into_iter().map(Candidate::Detector).collect(), arithmetics })
+}
+
+/// What stands for an arithmetic in a command.
+const ARITHMETIC: &str = "{arithmetic}";
+
+/// Starts a runner in each arithmetic, talks with it, and says what it offers.
+fn runners(command: &str, options: &Check, limits: &Limits, broken: &mut bool, out: &mut impl Write) -> anyhow::Result<Vec<Group>> {
+    let words = match shlex::split(command) {
+        Some(words) if !words.is_empty() => words,
+        Some(_) => bail!("--runner is empty: give the command that starts the runner, as in --runner \"python3 my_detector.py\""),
+        None => bail!("--runner '{command}': a quote is not closed"),
+    };
+    let asks = words.iter().any(|word| word.contains(ARITHMETIC));
+    ensure!(
+        asks || options.arithmetic.is_empty(),
+        "--arithmetic: a runner says its own in its first line; if its command takes one, write {ARITHMETIC} there, as in --runner \"my-detector --arithmetic {ARITHMETIC}\""
+    );
+    let asked: Vec<Option<Arithmetic>> = match (asks, options.arithmetic.is_empty()) {
+        (false, _) => vec![None],
+        (true, true) => Arithmetic::SAFE.map(Some).into(),
+        (true, false) => options.arithmetic.iter().copied().map(Some).collect(),
+    };
+    let mut groups = Vec::new();
+    for arithmetic in asked {
+        let name = arithmetic.map_or("", Arithmetic::name);
+        let words = words.iter().map(|word| word.replace(ARITHMETIC, name)).collect();
+        let foreign = match Foreign::meet(words)? {
+            Ok(foreign) if arithmetic.is_some_and(|asked| asked != foreign.arithmetic) => {
+                let said = foreign.arithmetic.name();
+                Err(Wrong::Breaks(format!("started with {name} as its arithmetic, it says {said} in its first line")))
+            }
+            met => met,
+        };
+        let foreign = match foreign {
+            Ok(foreign) => foreign,
+            Err(wrong) => {
+                *broken = true;
+                wrongs(&[wrong], out)?;
+                continue;
+            }
+        };
+        let manners = conversation::hold(&foreign, limits.deadline)?;
+        let Foreign { name, version, arithmetic, .. } = &foreign;
+        let version = if version.is_empty() { String::new() } else { format!(" {version}") };
+        let lacks: Vec<&str> = ["count", "memory", "pairs"].into_iter().filter(|ability| !manners.abilities.contains(ability)).collect();
+        let lacks = if lacks.is_empty() { "has all requests".into() } else { format!("without {}", lacks.join(" and ")) };
+        writeln!(out, "runner: {name}{version}, {} arithmetic, {lacks}", arithmetic.name())?;
+        *broken |= !manners.broken.is_empty();
+        wrongs(&manners.broken, out)?;
+        groups.push(Group { arithmetics: vec![*arithmetic], candidates: vec![Candidate::Runner(foreign)] });
+    }
+    Ok(groups)
+}
+
+/// What is wrong with a runner whatever the scene.
+fn wrongs(wrongs: &[Wrong], out: &mut impl Write) -> anyhow::Result<()> {
+    for wrong in wrongs {
+        writeln!(out, "WRONG: {wrong}")?;
+        last_words(wrong, out)?;
+    }
+    Ok(())
+}
+
+/// What a runner said on its standard error before it died.
+fn last_words(wrong: &Wrong, out: &mut impl Write) -> anyhow::Result<()> {
+    if let Wrong::Dies { errors, .. } = wrong
+        && errors.lines().count() > 1
+    {
+        writeln!(out, "  the last lines of its standard error:")?;
+        for line in errors.lines() {
+            writeln!(out, "    {line}")?;
+        }
+    }
+    Ok(())
+}
+
+/// Refusals of a kind differ in numbers only.
+fn refusals(report: &Report, out: &mut impl Write) -> anyhow::Result<()> {
+    let mut kinds: BTreeMap<String, (&str, u64)> = BTreeMap::new();
+    for (reason, times) in &report.refused {
+        let kind = reason.chars().map(|c| if c.is_ascii_digit() { '0' } else { c }).filter(|c| !"0.-+e".contains(*c)).collect();
+        kinds.entry(kind).or_insert((reason, 0)).1 += times;
+    }
+    let mut kinds: Vec<(&str, u64)> = kinds.into_values().collect();
+    kinds.sort_by_key(|&(_, times)| std::cmp::Reverse(times));
+    for (reason, times) in kinds.iter().take(KINDS) {
+        writeln!(out, "refused {times} times: {reason}")?;
+    }
+    if kinds.len() > KINDS {
+        let rest: u64 = kinds[KINDS..].iter().map(|(_, times)| times).sum();
+        writeln!(out, "refused {rest} times for {} other reasons", kinds.len() - KINDS)?;
+    }
+    Ok(())
 }
 
 /// A detector that panics is reported like any other that is wrong, and shrinking makes it panic often.
@@ -92,9 +225,14 @@ fn describe(failure: &Failure, given: Option<&Path>, options: &Check, out: &mut 
     let Failure { detector, arithmetic, found_on, found, smallest, wrong } = failure;
     let arithmetic = arithmetic.name();
     writeln!(out, "WRONG: {detector} with {arithmetic} arithmetic, on {found_on}: {found}")?;
+    last_words(wrong.as_ref().unwrap_or(found), out)?;
     let stem = given.and_then(Path::file_stem).map(|stem| format!("-{}", stem.to_string_lossy())).unwrap_or_default();
     let path = options.out.join(format!("failing-{detector}-{arithmetic}{stem}.csv"));
-    let scene = regression::file(failure, &path);
+    let who = match &options.runner {
+        None => format!("--detector {detector} --arithmetic {arithmetic}"),
+        Some(command) => format!("--runner {}", shlex::try_quote(command).unwrap_or_default()),
+    };
+    let scene = regression::file(failure, &path, &who);
     std::fs::write(&path, &scene).with_context(|| format!("cannot write {}; choose another place with --out", path.display()))?;
     let (n, place) = (smallest.len(), path.display());
     match wrong {
@@ -105,8 +243,10 @@ fn describe(failure: &Failure, given: Option<&Path>, options: &Check, out: &mut 
     for line in scene.lines().filter(|line| !line.starts_with('#')).take(12) {
         writeln!(out, "    {line}")?;
     }
-    writeln!(out, "  again:  contactbench check --scene {place} --detector {detector} --arithmetic {arithmetic}")?;
-    writeln!(out, "  see it: contactbench detect {place} --detector {detector} --arithmetic {arithmetic}")?;
+    writeln!(out, "  again:  contactbench check --scene {place} {who}")?;
+    if options.runner.is_none() {
+        writeln!(out, "  see it: contactbench detect {place} --detector {detector} --arithmetic {arithmetic}")?;
+    }
     writeln!(out, "  truth:  contactbench detect {place} --detector direct --arithmetic {arithmetic}")?;
     Ok(())
 }

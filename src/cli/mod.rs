@@ -3,7 +3,9 @@
 pub mod check;
 pub mod detect;
 pub mod list;
+pub mod new_detector;
 pub mod progress;
+pub mod recommend;
 pub mod run;
 pub mod runner;
 
@@ -49,6 +51,12 @@ pub enum Verb {
         after_help = "Example: contactbench detect packing.csv --detector nbs -o pairs.csv\nExample: contactbench detect centres.npy --radius 0.5 --arithmetic f64 > pairs.csv"
     )]
     Detect(detect::Detect),
+    /// Says which detector to use for a scene: measures all of them on it
+    #[command(after_help = "Example: contactbench recommend packing.csv\nExample: contactbench recommend clustered:dim=3,n=100000 --threads 2")]
+    Recommend(recommend::Recommend),
+    /// Writes a new detector that works, as a file to be changed, and its line in the table: in a checkout
+    #[command(after_help = "Example: contactbench new-detector quad-tree --in ~/contactbench")]
+    NewDetector(new_detector::NewDetector),
     /// Serves one detector on standard input and output: see docs/PROTOCOL.md
     #[command(after_help = "Example: echo '{\"request\":\"quit\"}' | contactbench runner --detector nbs")]
     Runner(runner::Serve),
