@@ -34,14 +34,16 @@
 //! ```
 #![warn(missing_docs)]
 
-pub use contactbench_core::{contact, detect, filter, probe, sink, wide, with_scene};
+pub use contactbench_core::{contact, detect, event, filter, probe, sink, wide, with_scene};
 
 pub mod analyse;
 pub mod check;
 pub mod cli;
+pub mod draw;
 pub mod figure;
 pub mod harness;
 pub mod oracle;
 pub mod read;
 pub mod recommend;
 pub mod scene;
+pub mod trace;

@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 
 use clap::Parser;
-use contactbench::cli::{Cli, Verb, check, detect, list, new_detector, recommend, run, runner};
+use contactbench::cli::{Cli, Verb, check, detect, draw, list, new_detector, recommend, run, runner, shell, trace};
 use contactbench::harness::alloc::Counting;
 
 #[global_allocator]
@@ -19,6 +19,10 @@ fn main() -> ExitCode {
         Some(Verb::Detect(options)) => detect::detect(&options),
         Some(Verb::NewDetector(options)) => new_detector::new_detector(&options),
         Some(Verb::Recommend(options)) => recommend::recommend(&options),
+        Some(Verb::Draw(options)) => draw::draw(&options),
+        Some(Verb::Trace(options)) => trace::trace(&options),
+        Some(Verb::Completions(options)) => shell::completions(&options),
+        Some(Verb::Man(options)) => shell::man(&options),
         Some(Verb::Runner(options)) => runner::serve(&options),
     };
     match result {

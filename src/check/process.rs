@@ -157,7 +157,10 @@ impl Process {
             Ok(pairs) => pairs,
             // The name of a temporary file would say nothing.
             Err(error) => {
-                return breaks(format!("the file of its pairs: {}", format!("{error:#}").replace(&path.display().to_string(), "pairs.npy")));
+                return breaks(format!(
+                    "the file of its pairs: {}",
+                    format!("{error:#}").replace(&path.display().to_string(), "pairs.npy")
+                ));
             }
         };
         if pairs.len() as u64 != contacts {

@@ -10,9 +10,11 @@ use anyhow::{Context, bail, ensure};
 
 use crate::check::process::Foreign;
 use crate::check::subject::Candidate;
-use crate::check::{self, Failure, Limits, Report, Wrong, conversation, regression, subject};
+use crate::check::{self, Differences, Failure, Limits, Report, Wrong, conversation, regression, subject};
 use crate::contact::Arithmetic;
 use crate::detect::table::TABLE;
+use crate::draw::{self, Highlighted, Look};
+use crate::oracle;
 use crate::read;
 
 /// Options of `check`.
@@ -221,6 +223,22 @@ fn quiet_panics() {
     }));
 }
 
+/// The scene with its contacts, and what is wrong with the pairs. None where nobody could draw it.
+fn picture(failure: &Failure) -> Option<String> {
+    let Failure { detector, arithmetic, found, smallest, wrong, .. } = failure;
+    let mut contacts = oracle::truth(smallest, *arithmetic).ok()?.pairs;
+    let wrong = wrong.as_ref().unwrap_or(found);
+    let Differences { missed, spurious, selves, duplicate } = match wrong {
+        Wrong::Pairs(differences) => differences.clone(),
+        _ => Differences::default(),
+    };
+    contacts.retain(|pair| missed.binary_search(pair).is_err());
+    let near = Highlighted::of(smallest).ok()?.near;
+    let pairs = Highlighted { contacts, near, missed, spurious: [spurious, selves].concat(), duplicates: duplicate };
+    let title = format!("{detector}, {}: {wrong}", arithmetic.name());
+    draw::svg(smallest, &pairs, &Look::titled(title)).ok()
+}
+
 fn describe(failure: &Failure, given: Option<&Path>, options: &Check, out: &mut impl Write) -> anyhow::Result<()> {
     let Failure { detector, arithmetic, found_on, found, smallest, wrong } = failure;
     let arithmetic = arithmetic.name();
@@ -239,6 +257,11 @@ fn describe(failure: &Failure, given: Option<&Path>, options: &Check, out: &mut 
         Some(Wrong::Hangs(_)) => writeln!(out, "  the scene, not made smaller: {n} elements: {place}")?,
         Some(wrong) => writeln!(out, "  smallest failing scene: {n} elements, {wrong}: {place}")?,
         None => writeln!(out, "  only after earlier scenes: something is left in its buffers; the scene: {n} elements: {place}")?,
+    }
+    if let Some(picture) = picture(failure) {
+        let path = path.with_extension("svg");
+        std::fs::write(&path, picture).with_context(|| format!("cannot write {}; choose another place with --out", path.display()))?;
+        writeln!(out, "  drawn, missed pairs red and dashed, spurious ones orange: {}", path.display())?;
     }
     for line in scene.lines().filter(|line| !line.starts_with('#')).take(12) {
         writeln!(out, "    {line}")?;

@@ -2,12 +2,16 @@
 
 pub mod check;
 pub mod detect;
+pub mod draw;
 pub mod list;
 pub mod new_detector;
 pub mod progress;
 pub mod recommend;
 pub mod run;
 pub mod runner;
+pub mod scene;
+pub mod shell;
+pub mod trace;
 
 use anyhow::anyhow;
 use clap::{Parser, Subcommand};
@@ -52,11 +56,29 @@ pub enum Verb {
     )]
     Detect(detect::Detect),
     /// Says which detector to use for a scene: measures all of them on it
-    #[command(after_help = "Example: contactbench recommend packing.csv\nExample: contactbench recommend clustered:dim=3,n=100000 --threads 2")]
+    #[command(
+        after_help = "Example: contactbench recommend packing.csv\nExample: contactbench recommend clustered:dim=3,n=100000 --threads 2"
+    )]
     Recommend(recommend::Recommend),
     /// Writes a new detector that works, as a file to be changed, and its line in the table: in a checkout
     #[command(after_help = "Example: contactbench new-detector quad-tree --in ~/contactbench")]
     NewDetector(new_detector::NewDetector),
+    /// Draws a scene with its contacts, or a slice through spheres, as SVG or PNG
+    #[command(
+        after_help = "Example: contactbench draw packing.csv\nExample: contactbench draw packed:dim=3,n=2000 --slice z=4 -o slice.png\nExample: contactbench draw packing.csv --pairs theirs.csv"
+    )]
+    Draw(draw::Draw),
+    /// Shows a detector of the book step by step: one HTML page that steps with the arrow keys, and an SVG of each step
+    #[command(
+        after_help = "Example: contactbench trace nbs\nExample: contactbench trace screening packed:n=12 -o lecture\nWithout a scene the book's worked example is shown."
+    )]
+    Trace(trace::Trace),
+    /// Writes a completion script for your shell
+    #[command(after_help = "Example: contactbench completions bash > ~/.local/share/bash-completion/completions/contactbench")]
+    Completions(shell::Completions),
+    /// Writes the manual page, or all of them into a folder
+    #[command(after_help = "Example: contactbench man | man -l -\nExample: contactbench man -o ~/.local/share/man/man1")]
+    Man(shell::Man),
     /// Serves one detector on standard input and output: see docs/PROTOCOL.md
     #[command(after_help = "Example: echo '{\"request\":\"quit\"}' | contactbench runner --detector nbs")]
     Runner(runner::Serve),

@@ -5,25 +5,24 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::time::Duration;
 
-use anyhow::{Context, ensure};
+use anyhow::{Context, bail, ensure};
 use serde_json::json;
 
+use super::scene::Source;
 use crate::analyse::text::{self, number};
 use crate::contact::Arithmetic;
 use crate::detect::Options;
 use crate::harness::record::Outcome;
-use crate::read;
 use crate::recommend::race::{self, Entrant, Question, Race};
 use crate::recommend::verdict::{self, Verdict};
 use crate::scene::AnyScene;
-use crate::scene::spec::{GENERATORS, Spec};
+use crate::scene::spec::Spec;
 
 /// Options of `recommend`.
 #[derive(clap::Args)]
 pub struct Recommend {
-    /// A particle file, or a scene as a generator makes it: clustered:dim=3,n=100000 (contactbench list scenes)
-    #[arg(value_name = "FILE|SCENE")]
-    scene: String,
+    #[command(flatten)]
+    source: Source,
     /// The measurements take about so long, besides reading and finding the truth
     #[arg(long, default_value_t = 10.0, allow_negative_numbers = true)]
     seconds: f64,
@@ -36,12 +35,6 @@ pub struct Recommend {
     /// Most bytes for a detector's arrays
     #[arg(long, default_value_t = Options::default().memory_limit)]
     memory_limit: u64,
-    /// The radius of all particles, for files without radii
-    #[arg(long, allow_negative_numbers = true)]
-    radius: Option<f64>,
-    /// 2 or 3, where the file leaves it open (an npy array of three columns)
-    #[arg(long)]
-    dim: Option<u32>,
     /// All numbers, for programs
     #[arg(long)]
     json: bool,
@@ -52,7 +45,10 @@ pub fn recommend(options: &Recommend) -> anyhow::Result<ExitCode> {
     let (seconds, threads) = (options.seconds, options.threads);
     ensure!((0.1..1e6).contains(&seconds), "--seconds {seconds}: give a number from 0.1 to 10^6");
     ensure!((1..=1024).contains(&threads), "--threads {threads}: give a number from 1 to 1024");
-    let (scene, history) = scene(options)?;
+    let Some((name, scene)) = options.source.get()? else {
+        bail!("name a particle file, or a scene such as packed:n=20000 (contactbench list scenes)");
+    };
+    let history = history(&name)?;
     let program = std::env::current_exe().context("cannot find this program to start it as runner")?;
     let time = Duration::from_secs_f64(seconds);
     let Recommend { arithmetic, memory_limit, .. } = *options;
@@ -71,7 +67,7 @@ pub fn recommend(options: &Recommend) -> anyhow::Result<ExitCode> {
     if options.json {
         let mut value = verdict::as_json(verdict.as_ref(), &race, n);
         let about = json!({
-            "scene": options.scene, "dim": scene.dim(), "n": n, "contacts": race.contacts,
+            "scene": name, "dim": scene.dim(), "n": n, "contacts": race.contacts,
             "arithmetic": arithmetic.name(), "threads": threads, "seconds": seconds, "memory_limit": memory_limit,
         });
         if let (Some(value), serde_json::Value::Object(about)) = (value.as_object_mut(), about) {
@@ -82,7 +78,7 @@ pub fn recommend(options: &Recommend) -> anyhow::Result<ExitCode> {
         let what = if scene.dim() == 2 { "discs" } else { "spheres" };
         let (contacts, decided) = (race.contacts, arithmetic.name());
         let threads = text::plural(threads, "thread");
-        writeln!(out, "{}: {n} {what}, {contacts} contacts, {decided} arithmetic, {threads}, {} blocks", options.scene, race.blocks)?;
+        writeln!(out, "{name}: {n} {what}, {contacts} contacts, {decided} arithmetic, {threads}, {} blocks", race.blocks)?;
         table(&race, verdict.as_ref(), n, &mut out)?;
         match &verdict {
             Some(verdict) => writeln!(out, "\nuse {}", verdict::sentence(verdict, &race, n))?,
@@ -93,19 +89,9 @@ pub fn recommend(options: &Recommend) -> anyhow::Result<ExitCode> {
     Ok(if wrong || verdict.is_none() { ExitCode::from(1) } else { ExitCode::SUCCESS })
 }
 
-/// What is there as a file is a file; all else is a generator's.
-fn scene(options: &Recommend) -> anyhow::Result<(AnyScene<'static>, Vec<AnyScene<'static>>)> {
-    let (text, path) = (&options.scene, Path::new(&options.scene));
-    let name = text.split(':').next().unwrap_or_default().trim();
-    if path.is_file() {
-        let read = read::Options { radius: options.radius, dim: options.dim };
-        return Ok((read::scene(path, read)?, Vec::new()));
-    }
-    let names: Vec<&str> = GENERATORS.iter().map(|generator| generator.name).collect();
-    ensure!(names.contains(&name), "there is no file '{text}', and no scene of that name; the scenes are: {}", names.join(", "));
-    ensure!(options.radius.is_none() && options.dim.is_none(), "--radius and --dim are for files; a scene says them itself, as in packed:dim=3");
-    let spec = Spec::parse(text)?;
-    Ok((spec.make()?, spec.history()?))
+/// Scenes that come before, where a hard case has some: a file has none.
+fn history(name: &str) -> anyhow::Result<Vec<AnyScene<'static>>> {
+    if Path::new(name).exists() { Ok(Vec::new()) } else { Spec::parse(name).map_or(Ok(Vec::new()), |spec| spec.history()) }
 }
 
 /// The detectors, fastest first; those without a time at the end.

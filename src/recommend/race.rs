@@ -97,10 +97,15 @@ pub fn run(question: &Question<'_>, note: &mut dyn FnMut(&str)) -> anyhow::Resul
     let mut truths = Truths::new(question.scene);
     let arithmetic = question.arithmetic;
     let Some(truth) = truths.get(arithmetic)?.map(|truth| truth.digest) else {
-        bail!("in {} arithmetic no answer could be checked: {}; choose another with --arithmetic", arithmetic.name(), truths.why_none(arithmetic));
+        bail!(
+            "in {} arithmetic no answer could be checked: {}; choose another with --arithmetic",
+            arithmetic.name(),
+            truths.why_none(arithmetic)
+        );
     };
     let scenes = question.history.iter().chain([question.scene]).enumerate();
-    let loads = scenes.map(|(k, scene)| bake::load(&folder.path().join(format!("scene-{k}.npy")), scene)).collect::<anyhow::Result<Vec<_>>>()?;
+    let loads =
+        scenes.map(|(k, scene)| bake::load(&folder.path().join(format!("scene-{k}.npy")), scene)).collect::<anyhow::Result<Vec<_>>>()?;
     let mut course = Course { question, truths, truth, loads, folder: folder.path(), started: Instant::now() };
     let mut entrants = course.probe_all(note)?;
     for entrant in entrants.iter_mut().filter(|entrant| entrant.runner.is_some()) {
@@ -124,7 +129,9 @@ struct Course<'a> {
 impl Course<'_> {
     fn probe_all(&mut self, note: &mut dyn FnMut(&str)) -> anyhow::Result<Vec<Entrant>> {
         let mut order: Vec<&'static Entry> = TABLE.iter().filter(|entry| matches!(entry.role, Role::Detector | Role::Peer)).collect();
-        order.sort_by_key(|entry| FIRST.iter().position(|name| *name == entry.name).unwrap_or(FIRST.len() + usize::from(entry.name == "direct")));
+        order.sort_by_key(|entry| {
+            FIRST.iter().position(|name| *name == entry.name).unwrap_or(FIRST.len() + usize::from(entry.name == "direct"))
+        });
         let mut entrants: Vec<Entrant> = Vec::new();
         // The wall time of the fastest probe.
         let mut shortest: Option<Duration> = None;
@@ -174,7 +181,8 @@ impl Course<'_> {
             command: contender::own(program, entrant.entry.name, *arithmetic, entrant.threads, *memory_limit),
             install: String::new(),
             time_limit: LOADING,
-            memory_limit: contender::address_space(*memory_limit, entrant.threads).saturating_add(contender::room(scene.len() as u64, self.truth.contacts)),
+            memory_limit: contender::address_space(*memory_limit, entrant.threads)
+                .saturating_add(contender::room(scene.len() as u64, self.truth.contacts)),
         };
         let loaded = Runner::start(&start).and_then(|mut runner| load_all(&mut runner, &self.loads).map(|()| runner));
         match loaded {

@@ -21,7 +21,8 @@ pub fn of(race: &Race) -> Option<Verdict> {
     let entrants = &race.entrants;
     let best = fastest(entrants)?;
     let against = |k: usize, base: usize| ratio(&entrants[k].times, &entrants[base].times);
-    let others: Vec<usize> = (0..entrants.len()).filter(|&k| k != best && entrants[k].outcome.is_good() && !entrants[k].times.is_empty()).collect();
+    let others: Vec<usize> =
+        (0..entrants.len()).filter(|&k| k != best && entrants[k].outcome.is_good() && !entrants[k].times.is_empty()).collect();
     // Few blocks tell only what is far apart, and a single one nothing.
     let sure = |ratio: Interval| ratio.coverage >= 0.9 && ratio.low > 1.0 || ratio.count > 1 && ratio.low > BEHIND;
     let slower = |k: &usize| against(*k, best).is_some_and(sure);
@@ -77,7 +78,9 @@ pub fn sentence(verdict: &Verdict, race: &Race, n: usize) -> String {
     parts.push(error(choice));
     let mut text = format!("{}: {}", name(verdict.choice), parts.join("; "));
     for (k, ratio) in &verdict.tied {
-        let takes = ratio.map_or(String::new(), |ratio| format!(", which takes {:.2} times ({:.2} to {:.2}) its time", ratio.median, ratio.low, ratio.high));
+        let takes = ratio.map_or(String::new(), |ratio| {
+            format!(", which takes {:.2} times ({:.2} to {:.2}) its time", ratio.median, ratio.low, ratio.high)
+        });
         let memory = match bytes_per_element(&entrants[*k], n) {
             Some(bytes) => format!(" and {} bytes per element", number(bytes)),
             None => String::new(),
