@@ -78,9 +78,9 @@ mod tests {
     fn a_row_of_discs() {
         let centres: Vec<_> = [3.0, 0.0, 1.0, 1e6, 2.0].map(|x| nalgebra::Point::from([x, 0.5])).into();
         let scene = Scene::new(centres, Radii::Uniform(0.5)).unwrap();
-        let (mut detector, mut tally, mut pairs) = (NewDetector::with(Options::default()), Tally::default(), Vec::new());
+        let (mut detector, mut tally, mut pairs) = (NewDetector::with(Options::default()), Tally::default(), Vec::<[u32; 2]>::new());
         any::run(&mut detector, &scene, Test::Exact, &mut tally, &mut pairs).unwrap();
-        pairs.iter_mut().for_each(|pair: &mut [u32; 2]| pair.sort_unstable());
+        pairs.iter_mut().for_each(|pair| pair.sort_unstable());
         pairs.sort_unstable();
         assert_eq!(pairs, [[0, 4], [1, 2], [2, 4]]);
         assert_eq!((tally.get(Op::ContactTest), tally.get(Op::BoundTest)), (3, 7));

@@ -173,9 +173,14 @@ impl<'a> Checker<'a> {
         Ok(Checker { limits, started: Instant::now(), seats, report: Report::default() })
     }
 
+    /// There is nobody left to check.
+    fn decided(&self) -> bool {
+        self.report.failures.len() == self.seats.len()
+    }
+
     /// The time is over, or there is nobody left to check.
     fn over(&self) -> bool {
-        self.started.elapsed() > self.limits.time || self.report.failures.len() == self.seats.len()
+        self.started.elapsed() > self.limits.time || self.decided()
     }
 
     /// False if it is over.
@@ -183,7 +188,7 @@ impl<'a> Checker<'a> {
         for case in CASES {
             for &dim in case.dims {
                 for &n in SIZES {
-                    if seed > 1 && self.over() {
+                    if seed > 1 && self.over() || self.decided() {
                         return Ok(false);
                     }
                     let spec = case.spec(dim, n, seed)?;

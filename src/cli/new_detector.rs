@@ -224,3 +224,27 @@ fn put(path: &Path, text: &str) -> std::io::Result<()> {
     }
     file.persist(path).map(drop).map_err(|error| error.error)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_cannot_be_finished_is_undone() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        std::fs::write(at("old"), "before").unwrap();
+        let change = |path: PathBuf, before: Option<&str>| Change { path, before: before.map(String::from), after: "after".into() };
+        let whole = [change(at("new"), None), change(at("old"), Some("before"))];
+        let mut half = Vec::from(whole);
+        half.push(change(at("no-folder/file"), Some("before")));
+        let error = format!("{:#}", write_all(&half).unwrap_err());
+        assert!(error.contains("no-folder") && error.contains("nothing was changed"), "{error}");
+        assert!(!at("new").exists() && std::fs::read_to_string(at("old")).unwrap() == "before");
+        half.pop();
+        write_all(&half).unwrap();
+        assert_eq!(["new", "old"].map(|name| std::fs::read_to_string(at(name)).unwrap()), ["after", "after"]);
+        // A file that has come in the meantime is not written over.
+        assert!(write_all(&half[..1]).is_err() && at("new").exists());
+    }
+}
