@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 
 use clap::Parser;
-use contactbench::cli::{Cli, Verb, check, detect, draw, list, new_detector, recommend, run, runner, shell, trace};
+use contactbench::cli::{Cli, Verb, check, compare, detect, draw, list, merge, new_detector, recommend, run, runner, shell, trace};
 use contactbench::harness::alloc::Counting;
 
 #[global_allocator]
@@ -14,6 +14,8 @@ fn main() -> ExitCode {
         None => run::standard(),
         Some(Verb::Run(options)) => run::run(&options),
         Some(Verb::Report(options)) => run::report(&options),
+        Some(Verb::Compare(options)) => compare::compare(&options),
+        Some(Verb::Merge(options)) => merge::merge(&options),
         Some(Verb::List(options)) => list::list(&options),
         Some(Verb::Check(options)) => check::check(&options),
         Some(Verb::Detect(options)) => detect::detect(&options),

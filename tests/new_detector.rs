@@ -85,7 +85,12 @@ fn the_lines_come_to_their_places() {
         ("aaa_1", "aaa-1", "aaa_1", "Aaa1"),
         ("swift", "swift", "swift", "Swift"),
         ("zz", "zz", "zz", "Zz"),
-        ("a-name-as-long-as-it-may-be-1234", "a-name-as-long-as-it-may-be-1234", "a_name_as_long_as_it_may_be_1234", "ANameAsLongAsItMayBe1234"),
+        (
+            "a-name-as-long-as-it-may-be-1234",
+            "a-name-as-long-as-it-may-be-1234",
+            "a_name_as_long_as_it_may_be_1234",
+            "ANameAsLongAsItMayBe1234",
+        ),
     ] {
         let folder = checkout();
         let before = files(folder.path());
@@ -150,7 +155,11 @@ fn bad_names_are_refused_and_change_nothing() {
 fn in_an_unexpected_tree_nothing_is_changed_and_the_lines_are_said() {
     let folder = tempfile::tempdir().unwrap();
     let ended = run(folder.path(), &["new-detector", "quick-tree"]);
-    assert!(ended.code == Some(2) && ended.stderr.contains("no core/src/detect/mod.rs; go there, or give it with --in"), "{}", ended.stderr);
+    assert!(
+        ended.code == Some(2) && ended.stderr.contains("no core/src/detect/mod.rs; go there, or give it with --in"),
+        "{}",
+        ended.stderr
+    );
     for (file, old, words) in [
         ("table.rs", "pub static TABLE", "constructor: Both::<super::quick_tree::QuickTree"),
         ("mod.rs", "pub mod ", "pub mod quick_tree;"),

@@ -136,31 +136,62 @@ fn every_way_to_be_wrong_is_told() {
     };
     let none: &[&str] = &["--seconds", "0"];
     // Elements are numbered from 1.
-    let ended = told("append((i, j))", "append((i + 1, j + 1))", none, &["it reports the pair 1,2 in a scene of 2 elements: they are numbered from 0 to 1"]);
+    let ended = told(
+        "append((i, j))",
+        "append((i + 1, j + 1))",
+        none,
+        &["it reports the pair 1,2 in a scene of 2 elements: they are numbered from 0 to 1"],
+    );
     assert_eq!(smallest(&ended).0, 2);
     // Dies, and says why.
     let new = "    if len(centres) > 10: sys.exit('first words\\nno room for more')\n    pairs = []\n";
-    let words = ["it dies: exit status: 1: no room for more", "  the last lines of its standard error:\n    first words\n    no room for more\n"];
+    let words =
+        ["it dies: exit status: 1: no room for more", "  the last lines of its standard error:\n    first words\n    no room for more\n"];
     let ended = told("    pairs = []\n", new, none, &words);
     assert_eq!(smallest(&ended).0, 11);
     // Hangs.
     let new = "    if len(centres) > 10: time.sleep(99)\n    pairs = []\n";
     told("    pairs = []\n", new, &["--deadline", "0.7"], &["it hangs: not ready after 0.7 s", "17 elements"]);
     // Speaks of other things, before and in between.
-    told("print(json.dumps({", "print('hello')\nprint(json.dumps({", none, &["it breaks the protocol: the runner's answer is not a reply", "hello", "by nobody"]);
-    told("    return pairs\n", "    print('found', len(pairs))\n    return pairs\n", none, &["asked for a sample: the runner's answer is not a reply", "found"]);
+    told(
+        "print(json.dumps({",
+        "print('hello')\nprint(json.dumps({",
+        none,
+        &["it breaks the protocol: the runner's answer is not a reply", "hello", "by nobody"],
+    );
+    told(
+        "    return pairs\n",
+        "    print('found', len(pairs))\n    return pairs\n",
+        none,
+        &["asked for a sample: the runner's answer is not a reply", "found"],
+    );
     // Another version, arithmetic, digest, unit of time; a sample without repetition.
     told("\"protocol\": 1", "\"protocol\": 2", none, &["speaks protocol 2, this program 1"]);
     told("\"f64\"", "\"double\"", none, &["arithmetic 'double'; it must be one of f32, "]);
     told("<< 32", "<< 31", none, &["of the pairs 0,1 and 1,2 the digest is 0x447a68c51d52cce3"]);
     told("016x", "016X", none, &["lower-case"]);
-    told("elapsed = time.perf_counter_ns() - start", "elapsed = 1000 * (time.perf_counter_ns() - start)", none, &["are these nanoseconds?"]);
-    told("while calls == 0 or time.perf_counter_ns() - start < min_ns:", "while calls == 0:", none, &["repeat the detection until min_ns are over"]);
+    told(
+        "elapsed = time.perf_counter_ns() - start",
+        "elapsed = 1000 * (time.perf_counter_ns() - start)",
+        none,
+        &["are these nanoseconds?"],
+    );
+    told(
+        "while calls == 0 or time.perf_counter_ns() - start < min_ns:",
+        "while calls == 0:",
+        none,
+        &["repeat the detection until min_ns are over"],
+    );
     // The count of a list that is not the one that it writes.
     told("\"contacts\": len(pairs)}\n    return", "\"contacts\": len(pairs) + 1}\n    return", none, &["and its file holds"]);
     // A missing file is its end; a field that it does not know is an error.
     told("except Exception", "except ZeroDivisionError", none, &["it dies: asked for a sample before any scene"]);
-    told(", **load_fields):", ", dim=0, n=0, radius=None):\n    load_fields = dict(dim=dim, n=n, radius=radius)", none, &["a field that it does not know"]);
+    told(
+        ", **load_fields):",
+        ", dim=0, n=0, radius=None):\n    load_fields = dict(dim=dim, n=n, radius=radius)",
+        none,
+        &["a field that it does not know"],
+    );
     // What it has seen before.
     let ended = told("    reach = ", "    reach = globals().setdefault('first', 1.0) * ", &[], &["WRONG"]);
     assert!(ended.stdout.contains("missed"), "{}", ended.stdout);
@@ -168,7 +199,12 @@ fn every_way_to_be_wrong_is_told() {
     told("    pairs = []\n", stale, none, &["only after earlier scenes: something is left in its buffers"]);
     // Refuses all.
     told("    pairs = []\n", "    raise ValueError('too hard')\n", none, &["too hard"]);
-    told("reply = answer(scene, **asked)", "reply = answer(scene, **asked) if asked['request'] == 'load' else {'reply': 'refused', 'reason': 'no'}", none, &["it has refused all of them", "my-detector: no"]);
+    told(
+        "reply = answer(scene, **asked)",
+        "reply = answer(scene, **asked) if asked['request'] == 'load' else {'reply': 'refused', 'reason': 'no'}",
+        none,
+        &["it has refused all of them", "my-detector: no"],
+    );
 }
 
 /// Near-tangent couples, subnormal numbers: what only the hard scenes of the battery show.

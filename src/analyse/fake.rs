@@ -13,6 +13,7 @@ impl Lab {
     /// A 2D scene with 100 elements, seed 1, and the detector `nbs`.
     pub fn new(experiment: &str, scene: &str) -> Lab {
         let base = Row {
+            machine: String::new(),
             experiment: experiment.into(),
             scene: scene.into(),
             params: Default::default(),
@@ -57,6 +58,10 @@ impl Lab {
     }
     pub fn arithmetic(&mut self, name: &str) -> &mut Lab {
         self.base.arithmetic = name.into();
+        self
+    }
+    pub fn machine(&mut self, name: &str) -> &mut Lab {
+        self.base.machine = name.into();
         self
     }
     pub fn n(&mut self, n: u64) -> &mut Lab {

@@ -5,6 +5,7 @@
 
 pub mod bound;
 pub mod claim;
+pub mod compare;
 pub mod cost;
 pub mod crossover;
 pub mod csv;
@@ -15,6 +16,7 @@ pub mod filter;
 pub mod fit;
 pub mod grid;
 pub mod interval;
+pub mod keyed;
 pub mod machine;
 pub mod nnls;
 pub mod overhead;
@@ -26,5 +28,6 @@ pub mod speed;
 pub mod summary;
 pub mod text;
 pub mod threads;
+pub mod unpaired;
 pub mod value;
 pub mod verdicts;

@@ -12,6 +12,7 @@ use exmex::{Express, FlatEx};
 
 use super::errors;
 use super::interval::{Interval, interval};
+use super::keyed::keyed;
 use crate::harness::record::{Causes, Errors, Outcome, Pass, Row, Stats};
 use crate::probe::Op;
 
@@ -55,6 +56,17 @@ impl Param {
     }
 }
 
+impl Param {
+    /// As JSON.
+    pub fn json(&self) -> serde_json::Value {
+        match self {
+            Param::Number(Num(number)) if number.fract() == 0.0 && number.abs() < 2f64.powi(53) => (*number as i64).into(),
+            Param::Number(Num(number)) => (*number).into(),
+            Param::Text(text) => text.as_str().into(),
+        }
+    }
+}
+
 impl fmt::Display for Param {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -90,7 +102,7 @@ pub struct Key {
 }
 
 impl Key {
-    fn of(row: &Row) -> Key {
+    pub(super) fn of(row: &Row) -> Key {
         Key {
             experiment: row.experiment.clone(),
             scene: row.scene.clone(),
@@ -193,10 +205,12 @@ pub struct Cell {
 
 /// Puts the rows of each cell together, in the order of the keys. Of rows measured twice (a resumed run), the later counts.
 pub fn cells(rows: &[Row]) -> Vec<Cell> {
-    let latest: BTreeMap<String, &Row> = rows.iter().map(|row| (row.key(), row)).collect();
+    let mut latest: BTreeMap<(Key, Pass, u32), &Row> = BTreeMap::new();
+    for (key, row) in keyed(rows) {
+        latest.insert((key, row.pass, row.block), row);
+    }
     let mut cells: BTreeMap<Key, Cell> = BTreeMap::new();
-    for row in latest.into_values() {
-        let key = Key::of(row);
+    for ((key, ..), row) in latest {
         let cell = cells.entry(key.clone()).or_insert_with(|| Cell::empty(key, &row.stats));
         cell.add(row);
     }

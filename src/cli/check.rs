@@ -7,7 +7,9 @@ use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, bail, ensure};
+use serde_json::{Value, json};
 
+use super::ci::{Case, Outcome, Outputs};
 use crate::check::process::Foreign;
 use crate::check::subject::Candidate;
 use crate::check::{self, Differences, Failure, Limits, Report, Wrong, conversation, regression, subject};
@@ -44,6 +46,11 @@ pub struct Check {
     /// Where failing scenes are written
     #[arg(long, default_value = ".")]
     out: PathBuf,
+    /// Print JSON instead of text
+    #[arg(long, conflicts_with = "annotations")]
+    json: bool,
+    #[command(flatten)]
+    ci: Outputs,
 }
 
 /// A hang, too, is to be told within 10 seconds; scenes are small.
@@ -55,6 +62,19 @@ const KINDS: usize = 6;
 struct Group {
     candidates: Vec<Candidate>,
     arithmetics: Vec<Arithmetic>,
+}
+
+impl Group {
+    fn names(&self) -> impl Iterator<Item = &str> {
+        self.candidates.iter().map(Candidate::name)
+    }
+}
+
+/// What came of a group on a given scene, or on those of the battery.
+struct Checked<'a> {
+    group: &'a Group,
+    report: Report,
+    path: Option<&'a Path>,
 }
 
 /// Runs the checks; exit code 1 if a detector disagrees with the truth.
@@ -71,23 +91,25 @@ pub fn check(options: &Check) -> anyhow::Result<ExitCode> {
         ..Limits::default()
     };
     quiet_panics();
-    let mut out = std::io::stdout().lock();
-    let mut broken = false;
+    let mut out: Box<dyn Write> = if options.json { Box::new(std::io::sink()) } else { Box::new(std::io::stdout().lock()) };
+    let mut broken = Vec::new();
     let groups = match &options.runner {
         None => vec![detectors(options)?],
         Some(command) => runners(command, options, &limits, &mut broken, &mut out)?,
     };
-    let mut reports: Vec<(Report, Option<&Path>)> = Vec::new();
-    for Group { candidates, arithmetics } in &groups {
+    let mut reports: Vec<Checked<'_>> = Vec::new();
+    for group in &groups {
+        let Group { candidates, arithmetics } = group;
         for path in &options.scene {
             let scene = read::scene(path, read::Options::default())?;
-            reports.push((check::one_scene(&scene, &path.display().to_string(), candidates, arithmetics, &limits)?, Some(path)));
+            let report = check::one_scene(&scene, &path.display().to_string(), candidates, arithmetics, &limits)?;
+            reports.push(Checked { group, report, path: Some(path) });
         }
         if options.scene.is_empty() {
-            reports.push((check::battery(candidates, arithmetics, &limits)?, None));
+            reports.push(Checked { group, report: check::battery(candidates, arithmetics, &limits)?, path: None });
         }
     }
-    for (report, path) in &reports {
+    for Checked { report, path, .. } in &reports {
         for failure in &report.failures {
             describe(failure, *path, options, &mut out)?;
         }
@@ -98,9 +120,9 @@ pub fn check(options: &Check) -> anyhow::Result<ExitCode> {
             writeln!(out, "scenes: {}, in {:.1} s{cut}", scenes.join(", "), started.elapsed().as_secs_f64())?;
         }
     }
-    let names: Vec<&str> = groups.iter().flat_map(|group| group.candidates.iter().map(Candidate::name)).collect();
-    let cases: u64 = reports.iter().map(|(report, _)| report.cases).sum();
-    let right = !broken && reports.iter().all(|(report, _)| report.failures.is_empty());
+    let names: Vec<&str> = groups.iter().flat_map(Group::names).collect();
+    let cases: u64 = reports.iter().map(|checked| checked.report.cases).sum();
+    let right = broken.is_empty() && reports.iter().all(|checked| checked.report.failures.is_empty());
     // Whoever refuses everything has shown nothing.
     let silent = cases == 0 && options.runner.is_some() && !names.is_empty();
     let verdict = match (right, silent) {
@@ -109,7 +131,80 @@ pub fn check(options: &Check) -> anyhow::Result<ExitCode> {
         _ => "WRONG",
     };
     writeln!(out, "check: {cases} detections by {}: {verdict}", if names.is_empty() { "nobody".into() } else { names.join(", ") })?;
-    Ok(if right && !silent { ExitCode::SUCCESS } else { ExitCode::from(1) })
+    let right = right && !silent;
+    if options.json {
+        let value = as_json(&reports, &broken, right, options);
+        writeln!(std::io::stdout(), "{}", serde_json::to_string_pretty(&value)?)?;
+    }
+    options.ci.write("check", &verdicts(&reports, &broken, options), &mut out)?;
+    Ok(if right { ExitCode::SUCCESS } else { ExitCode::from(1) })
+}
+
+/// The file that a failing scene is written to.
+fn regression_file(failure: &Failure, given: Option<&Path>, options: &Check) -> PathBuf {
+    let stem = given.and_then(Path::file_stem).map(|stem| format!("-{}", stem.to_string_lossy())).unwrap_or_default();
+    options.out.join(format!("failing-{}-{}{stem}.csv", failure.detector, failure.arithmetic.name()))
+}
+
+/// Every detector in every arithmetic, on every given scene or on those of the battery, for continuous integration.
+fn verdicts(reports: &[Checked<'_>], broken: &[Wrong], options: &Check) -> Vec<Case> {
+    let case = |wrong: &Wrong| Case { class: "protocol".into(), name: "conversation".into(), result: Outcome::Failed(wrong.to_string()) };
+    let mut cases: Vec<Case> = broken.iter().map(case).collect();
+    for Checked { group, report, path } in reports {
+        let class = path.map_or("generated".into(), |path| path.display().to_string());
+        for arithmetic in &group.arithmetics {
+            for name in group.names() {
+                let wrong = report.failures.iter().find(|failure| failure.detector == name && failure.arithmetic == *arithmetic);
+                let why = |failure: &Failure| {
+                    let file = regression_file(failure, *path, options);
+                    format!("on {}: {}; smallest failing scene: {}", failure.found_on, failure.found, file.display())
+                };
+                let result = wrong.map_or(Outcome::Passed, |failure| Outcome::Failed(why(failure)));
+                cases.push(Case { class: class.clone(), name: format!("{name}, {} arithmetic", arithmetic.name()), result });
+            }
+        }
+    }
+    cases
+}
+
+fn as_json(reports: &[Checked<'_>], broken: &[Wrong], right: bool, options: &Check) -> Value {
+    let failure = |failure: &Failure, path: &Option<&Path>| {
+        json!({
+            "detector": failure.detector,
+            "arithmetic": failure.arithmetic.name(),
+            "found_on": failure.found_on,
+            "found": failure.found.to_string(),
+            "smallest": failure.wrong.as_ref().map(|wrong| wrong.to_string()),
+            "elements": failure.smallest.len(),
+            "file": regression_file(failure, *path, options).display().to_string(),
+        })
+    };
+    let of = |Checked { group, report, path }: &Checked<'_>| {
+        json!({
+            "scene": path.map_or("generated".into(), |path| path.display().to_string()),
+            "detectors": group.names().collect::<Vec<_>>(),
+            "arithmetics": group.arithmetics.iter().map(|arithmetic| arithmetic.name()).collect::<Vec<_>>(),
+            "scenes": report.scenes,
+            "detections": report.cases,
+            "refused": report.refused,
+            "failures": report.failures.iter().map(|found| failure(found, path)).collect::<Vec<_>>(),
+        })
+    };
+    // Each name once, in the order of the check.
+    fn union<'a>(of: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
+        let mut names = Vec::new();
+        of.for_each(|name| {
+            if !names.contains(&name) {
+                names.push(name)
+            }
+        });
+        names
+    }
+    let detectors = union(reports.iter().flat_map(|checked| checked.group.names()));
+    let arithmetics = union(reports.iter().flat_map(|checked| checked.group.arithmetics.iter().map(|arithmetic| arithmetic.name())));
+    let protocol: Vec<String> = broken.iter().map(Wrong::to_string).collect();
+    let checks: Vec<Value> = reports.iter().map(of).collect();
+    json!({ "passed": right, "detectors": detectors, "arithmetics": arithmetics, "protocol": protocol, "checks": checks })
 }
 
 /// Detectors of the table.
@@ -124,7 +219,7 @@ fn detectors(options: &Check) -> anyhow::Result<Group> {
 const ARITHMETIC: &str = "{arithmetic}";
 
 /// Starts a runner in each arithmetic, talks with it, and says what it offers.
-fn runners(command: &str, options: &Check, limits: &Limits, broken: &mut bool, out: &mut impl Write) -> anyhow::Result<Vec<Group>> {
+fn runners(command: &str, options: &Check, limits: &Limits, broken: &mut Vec<Wrong>, out: &mut dyn Write) -> anyhow::Result<Vec<Group>> {
     let words = match shlex::split(command) {
         Some(words) if !words.is_empty() => words,
         Some(_) => bail!("--runner is empty: give the command that starts the runner, as in --runner \"python3 my_detector.py\""),
@@ -154,8 +249,8 @@ fn runners(command: &str, options: &Check, limits: &Limits, broken: &mut bool, o
         let foreign = match foreign {
             Ok(foreign) => foreign,
             Err(wrong) => {
-                *broken = true;
-                wrongs(&[wrong], out)?;
+                wrongs(std::slice::from_ref(&wrong), out)?;
+                broken.push(wrong);
                 continue;
             }
         };
@@ -165,15 +260,15 @@ fn runners(command: &str, options: &Check, limits: &Limits, broken: &mut bool, o
         let lacks: Vec<&str> = ["count", "memory", "pairs"].into_iter().filter(|ability| !manners.abilities.contains(ability)).collect();
         let lacks = if lacks.is_empty() { "has all requests".into() } else { format!("without {}", lacks.join(" and ")) };
         writeln!(out, "runner: {name}{version}, {} arithmetic, {lacks}", arithmetic.name())?;
-        *broken |= !manners.broken.is_empty();
         wrongs(&manners.broken, out)?;
+        broken.extend(manners.broken);
         groups.push(Group { arithmetics: vec![*arithmetic], candidates: vec![Candidate::Runner(foreign)] });
     }
     Ok(groups)
 }
 
 /// What is wrong with a runner whatever the scene.
-fn wrongs(wrongs: &[Wrong], out: &mut impl Write) -> anyhow::Result<()> {
+fn wrongs(wrongs: &[Wrong], out: &mut dyn Write) -> anyhow::Result<()> {
     for wrong in wrongs {
         writeln!(out, "WRONG: {wrong}")?;
         last_words(wrong, out)?;
@@ -182,7 +277,7 @@ fn wrongs(wrongs: &[Wrong], out: &mut impl Write) -> anyhow::Result<()> {
 }
 
 /// What a runner said on its standard error before it died.
-fn last_words(wrong: &Wrong, out: &mut impl Write) -> anyhow::Result<()> {
+fn last_words(wrong: &Wrong, out: &mut dyn Write) -> anyhow::Result<()> {
     if let Wrong::Dies { errors, .. } = wrong
         && errors.lines().count() > 1
     {
@@ -195,7 +290,7 @@ fn last_words(wrong: &Wrong, out: &mut impl Write) -> anyhow::Result<()> {
 }
 
 /// Refusals of a kind differ in numbers only.
-fn refusals(report: &Report, out: &mut impl Write) -> anyhow::Result<()> {
+fn refusals(report: &Report, out: &mut dyn Write) -> anyhow::Result<()> {
     let mut kinds: BTreeMap<String, (&str, u64)> = BTreeMap::new();
     for (reason, times) in &report.refused {
         let kind = reason.chars().map(|c| if c.is_ascii_digit() { '0' } else { c }).filter(|c| !"0.-+e".contains(*c)).collect();
@@ -239,13 +334,12 @@ fn picture(failure: &Failure) -> Option<String> {
     draw::svg(smallest, &pairs, &Look::titled(title)).ok()
 }
 
-fn describe(failure: &Failure, given: Option<&Path>, options: &Check, out: &mut impl Write) -> anyhow::Result<()> {
+fn describe(failure: &Failure, given: Option<&Path>, options: &Check, out: &mut dyn Write) -> anyhow::Result<()> {
     let Failure { detector, arithmetic, found_on, found, smallest, wrong } = failure;
     let arithmetic = arithmetic.name();
     writeln!(out, "WRONG: {detector} with {arithmetic} arithmetic, on {found_on}: {found}")?;
     last_words(wrong.as_ref().unwrap_or(found), out)?;
-    let stem = given.and_then(Path::file_stem).map(|stem| format!("-{}", stem.to_string_lossy())).unwrap_or_default();
-    let path = options.out.join(format!("failing-{detector}-{arithmetic}{stem}.csv"));
+    let path = regression_file(failure, given, options);
     let who = match &options.runner {
         None => format!("--detector {detector} --arithmetic {arithmetic}"),
         Some(command) => format!("--runner {}", shlex::try_quote(command).unwrap_or_default()),

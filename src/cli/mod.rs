@@ -1,9 +1,12 @@
 //! The command line: one file per verb.
 
 pub mod check;
+pub mod ci;
+pub mod compare;
 pub mod detect;
 pub mod draw;
 pub mod list;
+pub mod merge;
 pub mod new_detector;
 pub mod progress;
 pub mod recommend;
@@ -42,6 +45,15 @@ pub enum Verb {
     /// Makes report and figures of a result folder again, from its record alone
     #[command(after_help = "Example: contactbench report results/reference")]
     Report(run::Report),
+    /// Compares two result folders: of two revisions, or two machines
+    #[command(
+        after_help = "Example: contactbench compare results/before results/after\nExample: contactbench compare laptop server --against nbs\n\
+        Exit code 1 if pairs, counts, bytes or outcomes differ (with --gate-time, also if a cell is slower)."
+    )]
+    Compare(compare::Compare),
+    /// Merges result folders of shards, or of several machines
+    #[command(after_help = "Example: contactbench merge part-1 part-2 part-3 --out whole")]
+    Merge(merge::Merge),
     /// Lists detectors with cost, memory and limits; scenes; experiments; hard cases
     #[command(after_help = "Example: contactbench list detectors")]
     List(list::List),

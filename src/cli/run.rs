@@ -7,14 +7,17 @@ use std::process::ExitCode;
 
 use anyhow::{Context, bail, ensure};
 
+use super::ci::{self, Case, Outputs};
 use super::progress::Terminal;
 use crate::analyse::{claim, report};
 use crate::detect::table::{self, Entry};
 use crate::harness::bandwidth::{self, Bandwidth};
 use crate::harness::experiment::Experiment;
-use crate::harness::record::{self, Record, Writer};
+use crate::harness::interrupt::{self, Interrupted};
+use crate::harness::record::{self, Record, WriteError, Writer};
 use crate::harness::run::Job;
-use crate::harness::{builtin, provenance};
+use crate::harness::shard::Shard;
+use crate::harness::{self, builtin, provenance};
 
 /// Options of `run`.
 #[derive(clap::Args)]
@@ -31,6 +34,11 @@ pub struct Run {
     /// The result folder (default: results/EXPERIMENT/DATE-MACHINE; with --resume the last one)
     #[arg(long)]
     out: Option<PathBuf>,
+    /// Only part k of n of the scenes, as in 2/8: for the jobs of an array; `contactbench merge` puts the parts together
+    #[arg(long, value_name = "K/N")]
+    shard: Option<Shard>,
+    #[command(flatten)]
+    ci: Outputs,
 }
 
 /// Options of `report`.
@@ -38,6 +46,8 @@ pub struct Run {
 pub struct Report {
     /// A result folder
     folder: PathBuf,
+    #[command(flatten)]
+    ci: Outputs,
 }
 
 /// The standard reproduction.
@@ -46,7 +56,8 @@ pub fn standard() -> anyhow::Result<ExitCode> {
     eprintln!(
         "the standard reproduction: the book's scaling experiments, about 3 minutes; results go to a new folder under results/standard"
     );
-    run_named(&Run { experiments: names, quick: false, resume: false, out: None }, "standard")
+    let options = Run { experiments: names, quick: false, resume: false, out: None, shard: None, ci: Outputs::default() };
+    run_named(&options, "standard")
 }
 
 /// Runs the experiments named.
@@ -64,29 +75,72 @@ fn run_named(options: &Run, name: &str) -> anyhow::Result<ExitCode> {
     let folder = folder(options, name)?;
     let path = folder.join(record::FILE);
     let done = previous(&path, options.resume)?;
-    std::fs::create_dir_all(folder.join("experiments"))
-        .with_context(|| format!("cannot make the result folder {}; choose another with --out", folder.display()))?;
-    let mut record = Writer::append(&path).with_context(|| format!("cannot write {}; choose another folder with --out", path.display()))?;
-    let experiments: Vec<Experiment> = found.iter().map(|(experiment, _)| experiment.clone()).collect();
     for (experiment, text) in &found {
-        let copy = folder.join("experiments").join(format!("{}.toml", experiment.name));
         // Rows of two different experiments must not end in one record.
-        let before = std::fs::read_to_string(&copy).unwrap_or_else(|_| text.clone());
+        let before = std::fs::read_to_string(copy(&folder, experiment)).unwrap_or_else(|_| text.clone());
         ensure!(
             before == *text,
             "{} differs from the experiment that this record was begun with; choose another folder with --out",
             experiment.name
         );
-        write(&folder.join("experiments").join(format!("{}.toml", experiment.name)), text.as_bytes())?;
+    }
+    let experiments: Vec<Experiment> = found.iter().map(|(experiment, _)| experiment.clone()).collect();
+    let program = std::env::current_exe().context("cannot find this program to start it as runner")?;
+    let job = Job { experiments: &experiments, quick: options.quick, program, shard: options.shard, done: &done.rows };
+    let ready = harness::run::prepare(&job)?;
+    std::fs::create_dir_all(folder.join("experiments"))
+        .with_context(|| format!("cannot make the result folder {}; choose another with --out", folder.display()))?;
+    ready.room(&folder)?;
+    let mut record = Writer::append(&path).with_context(|| format!("cannot write {}; choose another folder with --out", path.display()))?;
+    for (experiment, text) in &found {
+        write(&copy(&folder, experiment), text.as_bytes())?;
     }
     let names: Vec<String> = experiments.iter().map(|experiment| experiment.name.clone()).collect();
     let bandwidth = if options.resume { Vec::new() } else { bandwidths(&experiments) };
     let provenance_file = if options.resume { format!("provenance-resumed-{}.json", provenance::date()) } else { provenance::FILE.into() };
-    write(&folder.join(provenance_file), serde_json::to_string_pretty(&provenance::gather(&names, options.quick, &bandwidth))?.as_bytes())?;
-    let program = std::env::current_exe().context("cannot find this program to start it as runner")?;
-    let job = Job { experiments: &experiments, quick: options.quick, program, done: &done.rows };
-    crate::harness::run::run(&job, &mut record, &mut Terminal::default())?;
-    finish(&folder)
+    let provenance = provenance::gather(&names, options.quick, options.shard, &bandwidth);
+    write(&folder.join(provenance_file), serde_json::to_string_pretty(&provenance)?.as_bytes())?;
+    interrupt::install().context("cannot listen to Ctrl-C")?;
+    match ready.run(&mut record, &mut Terminal::default()) {
+        Ok(()) if ready.scenes() == 0 => {
+            writeln!(std::io::stdout(), "there are more shards than scenes: nothing is to be run in this one")?;
+            Ok(ExitCode::SUCCESS)
+        }
+        Ok(()) => finish(&folder, &options.ci),
+        Err(error) if error.is::<Interrupted>() => {
+            // A report of what there is; whether claims hold is not known yet.
+            if let Err(error) = finish(&folder, &Outputs::default()) {
+                eprintln!("no report: {error:#}");
+            }
+            eprintln!("interrupted: what was measured is in {}; continue with: {}", path.display(), again(options, &folder));
+            Ok(ExitCode::from(interrupt::exit_code()))
+        }
+        Err(error) if error.is::<WriteError>() => {
+            Err(error.context(format!("the run stopped; when there is room, continue with: {}", again(options, &folder))))
+        }
+        Err(error) => Err(error),
+    }
+}
+
+/// Where the experiment of a record is kept.
+fn copy(folder: &Path, experiment: &Experiment) -> PathBuf {
+    folder.join("experiments").join(format!("{}.toml", experiment.name))
+}
+
+/// The command that continues a run.
+fn again(options: &Run, folder: &Path) -> String {
+    let mut words = vec!["contactbench".to_string(), "run".into()];
+    words.extend(options.experiments.iter().cloned());
+    words.extend(options.quick.then(|| "--quick".into()));
+    words.extend(options.shard.iter().flat_map(|shard| ["--shard".into(), shard.to_string()]));
+    words.extend(["--resume".into(), "--out".into(), folder.display().to_string()]);
+    words.iter().map(|word| quoted(word)).collect::<Vec<_>>().join(" ")
+}
+
+/// A word as a shell reads it back.
+fn quoted(word: &str) -> String {
+    let plain = !word.is_empty() && word.chars().all(|c| c.is_alphanumeric() || "-_./+=,:@%".contains(c));
+    if plain { word.to_string() } else { format!("'{}'", word.replace('\'', "'\\''")) }
 }
 
 /// The memory bandwidth with every number of threads for which an experiment asks for a bound.
@@ -99,17 +153,21 @@ fn bandwidths(experiments: &[Experiment]) -> Vec<Bandwidth> {
     asked.into_iter().filter_map(|threads| bandwidth::measure(threads, provenance::last_cache())).collect()
 }
 
-/// Where the results go: never over earlier ones.
+/// Where the results go: never over earlier ones. Jobs of an array may begin in the same second.
 fn folder(options: &Run, name: &str) -> anyhow::Result<PathBuf> {
     let results = Path::new("results").join(name);
+    let shard = options.shard.map_or(String::new(), |shard| format!("-shard-{}", shard.to_string().replace('/', "-of-")));
     match &options.out {
         Some(folder) => Ok(folder.clone()),
         None if options.resume => {
             let folders = std::fs::read_dir(&results).with_context(|| format!("there is nothing to resume in {}", results.display()))?;
-            let last = folders.filter_map(|entry| Some(entry.ok()?.path())).filter(|path| path.join(record::FILE).exists()).max();
+            let name = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+            let mine = |path: &PathBuf| if shard.is_empty() { !name(path).contains("-shard-") } else { name(path).ends_with(&shard) };
+            let last =
+                folders.filter_map(|entry| Some(entry.ok()?.path())).filter(mine).filter(|path| path.join(record::FILE).exists()).max();
             last.with_context(|| format!("there is nothing to resume in {}", results.display()))
         }
-        None => Ok(results.join(format!("{}-{}", provenance::date(), provenance::machine()))),
+        None => Ok(results.join(format!("{}-{}{shard}", provenance::date(), provenance::machine()))),
     }
 }
 
@@ -126,6 +184,16 @@ fn previous(path: &Path, resume: bool) -> anyhow::Result<Record> {
         eprintln!("{warning}");
     }
     eprintln!("resuming: {} rows are there already", record.rows.len());
+    let here = provenance::machine();
+    if let Some(row) = record.rows.iter().find(|row| !row.machine.is_empty() && row.machine != here) {
+        eprintln!("note: the record was begun on {}, this is {here}: times of the two are kept apart in the report", row.machine);
+    }
+    let begun = provenance::of_folder(path.parent().unwrap_or(Path::new("."))).and_then(|fields| fields.get("revision").cloned());
+    if let (Some(serde_json::Value::String(begun)), Some(now)) = (begun, provenance::revision())
+        && begun != now
+    {
+        eprintln!("note: the record was begun with revision {begun}, this is {now}: counts and times of the two may differ");
+    }
     Ok(record)
 }
 
@@ -135,11 +203,11 @@ fn write(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
 
 /// Makes the report of a result folder again.
 pub fn report(options: &Report) -> anyhow::Result<ExitCode> {
-    finish(&options.folder)
+    finish(&options.folder, &options.ci)
 }
 
 /// Everything right of the record: verdicts, figures, report.
-fn finish(folder: &Path) -> anyhow::Result<ExitCode> {
+pub(super) fn finish(folder: &Path, ci: &Outputs) -> anyhow::Result<ExitCode> {
     let record = record::read(&folder.join(record::FILE))?;
     ensure!(!record.rows.is_empty(), "the record in {} holds no rows yet; run the experiment first", folder.display());
     let mut names: Vec<&str> = Vec::new();
@@ -150,7 +218,8 @@ fn finish(folder: &Path) -> anyhow::Result<ExitCode> {
     }
     let read = |name: &&str| Experiment::read(&folder.join("experiments").join(format!("{name}.toml")));
     let experiments = names.iter().map(read).collect::<anyhow::Result<Vec<_>>>()?;
-    let report = report::write(folder, &experiments, &record.rows, &record.warnings)?;
+    let again = || format!("the record is whole; when this is mended: contactbench report {}", quoted(&folder.display().to_string()));
+    let report = report::write(folder, &experiments, &record.rows, &record.warnings).with_context(again)?;
     let mut out = std::io::stdout().lock();
     for table in &report.tables {
         writeln!(out, "{table}")?;
@@ -161,6 +230,7 @@ fn finish(folder: &Path) -> anyhow::Result<ExitCode> {
     }
     writeln!(out, "figures: {} in {}", report.figures.len(), folder.join("figures").display())?;
     writeln!(out, "report:  {}", report.path.display())?;
+    let mut cases: Vec<Case> = report.verdicts.iter().map(case).collect();
     let wrong = record.rows.iter().filter(|row| row.outcome == record::Outcome::Wrong).count();
     if wrong > 0 {
         writeln!(out, "WRONG answers in {wrong} rows: see the report")?;
@@ -170,5 +240,23 @@ fn finish(folder: &Path) -> anyhow::Result<ExitCode> {
     if crashed > 0 {
         writeln!(out, "CRASHED detectors in {crashed} rows: see the report")?;
     }
+    for (name, rows) in [("every answer is right", wrong), ("no detector crashes", crashed)] {
+        let why = || ci::Outcome::Failed(format!("not so in {rows} rows: see {}", report.path.display()));
+        let result = if rows == 0 { ci::Outcome::Passed } else { why() };
+        cases.push(Case { class: "record".into(), name: name.into(), result });
+    }
+    ci.write("run", &cases, &mut out)?;
     Ok(if wrong > 0 || crashed > 0 || claim::any_failed(&report.verdicts) { ExitCode::from(1) } else { ExitCode::SUCCESS })
+}
+
+/// A claim for continuous integration. Those about times gate nothing.
+fn case(verdict: &claim::Verdict) -> Case {
+    let why = || format!("{}: {}", verdict.status.name(), verdict.evidence);
+    let result = match verdict.status {
+        claim::Status::Holds => ci::Outcome::Passed,
+        claim::Status::Fails if verdict.machine_independent => ci::Outcome::Failed(why()),
+        claim::Status::Fails => ci::Outcome::Noted(why()),
+        claim::Status::NotShown => ci::Outcome::Skipped(why()),
+    };
+    Case { class: verdict.experiment.clone(), name: verdict.claim.clone(), result }
 }

@@ -74,7 +74,7 @@ impl Stage<'_> {
                 self.judge(&mut row, copy, truths)?;
             }
         }
-        self.record.write(&row)?;
+        self.write(&row)?;
         Ok(())
     }
 }

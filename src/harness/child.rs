@@ -4,8 +4,9 @@ use std::io::{BufRead, BufReader, Read, Write};
 use std::process::{Child, ChildStdin, Command, Stdio};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
+use super::interrupt;
 use super::protocol::{Reply, Request, VERSION};
 use super::record::Outcome;
 
@@ -61,6 +62,9 @@ const KEPT: usize = 1 << 16;
 /// A line from a runner is not longer than this.
 const LONGEST_LINE: u64 = 1 << 20;
 
+/// So often a wait looks whether it was interrupted.
+const LOOK: Duration = Duration::from_millis(100);
+
 impl Runner {
     /// Starts a runner and waits for its first line. Whatever goes wrong, it is unavailable.
     pub fn start(start: &Start) -> Result<Runner, Failure> {
@@ -85,6 +89,7 @@ impl Runner {
         #[cfg(unix)]
         std::os::unix::process::CommandExt::process_group(&mut command, 0);
         let mut child = command.spawn().map_err(|e| unavailable(format!("cannot start {program}: {e}{}", start.hint())))?;
+        interrupt::started(child.id());
         limit_memory(&child, start.memory_limit);
         // A runner that says more than it is asked waits, and does not fill the memory.
         let (sender, lines) = sync_channel(1);
@@ -163,7 +168,7 @@ impl Runner {
     }
 
     fn receive(&mut self, limit: Duration) -> Result<Reply, Failure> {
-        match self.lines.recv_timeout(limit) {
+        match self.wait(limit) {
             Ok(Ok(line)) => match serde_json::from_str(&line) {
                 Ok(Reply::Unavailable { reason }) => Err(Failure { outcome: Outcome::Unavailable, reason }),
                 Ok(reply) => Ok(reply),
@@ -177,6 +182,18 @@ impl Runner {
             Err(RecvTimeoutError::Timeout) => {
                 self.kill();
                 Err(Failure { outcome: Outcome::Timeout, reason: format!("no answer within {} s", limit.as_secs_f64()) })
+            }
+        }
+    }
+
+    /// Waits for a line, with a look at the signals now and then. The failure of an interrupted wait is never written: see [`interrupt::check`].
+    fn wait(&mut self, limit: Duration) -> Result<std::io::Result<String>, RecvTimeoutError> {
+        let started = Instant::now();
+        loop {
+            let left = limit.saturating_sub(started.elapsed());
+            match self.lines.recv_timeout(left.min(LOOK)) {
+                Err(RecvTimeoutError::Timeout) if left > LOOK && !interrupt::requested() => {}
+                answer => return answer,
             }
         }
     }
@@ -207,11 +224,10 @@ impl Runner {
     }
 
     fn kill(&mut self) {
-        // Any of these may fail only because the processes have ended already.
         #[cfg(unix)]
-        if let Some(group) = rustix::process::Pid::from_raw(self.child.id() as i32) {
-            let _ = rustix::process::kill_process_group(group, rustix::process::Signal::KILL);
-        }
+        interrupt::kill_group(self.child.id());
+        interrupt::ended(self.child.id());
+        // Either may fail only because the process has ended already.
         let _ = self.child.kill();
         let _ = self.child.wait();
     }

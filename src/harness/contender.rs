@@ -6,6 +6,7 @@ use std::time::Duration;
 
 use super::child::Start;
 use super::experiment::Experiment;
+use super::provenance;
 use super::record::{Outcome, Pass, Row, Stats};
 use crate::contact::Arithmetic;
 use crate::detect::peers;
@@ -118,6 +119,7 @@ impl Contender {
     /// A row of this contender without a measurement; without a scene, too, where there is none.
     pub fn blank(&self, experiment: &Experiment, spec: &Spec, scene: Option<&AnyScene<'_>>, stats: &Stats) -> Row {
         Row {
+            machine: provenance::machine(),
             experiment: experiment.name.clone(),
             scene: spec.name.clone(),
             params: spec.params.clone(),

@@ -6,6 +6,7 @@ use std::path::Path;
 use anyhow::{Context, bail, ensure};
 use serde::Deserialize;
 
+use super::toml_error::located;
 use crate::contact::Arithmetic;
 use crate::detect::{peers, table};
 use crate::scene::spec::{Order, Spec};
@@ -302,7 +303,7 @@ impl Experiment {
 
     /// Parses and checks; relative file names of scenes are taken from `folder`.
     pub fn parse(text: &str, folder: &Path) -> anyhow::Result<Experiment> {
-        let mut experiment: Experiment = toml::from_str(text)?;
+        let mut experiment: Experiment = toml::from_str(text).map_err(|error| located(text, &error))?;
         for name in &experiment.detectors {
             // A peer that was not compiled is no error: its rows say how to get it.
             let known = table::find(name).is_some() || peers::missing(name).is_some();

@@ -3,12 +3,15 @@
 use std::collections::{HashMap, HashSet};
 
 use super::record::{Outcome, Pass, Row};
+use crate::scene::generate::file;
 
 /// What the record holds already.
 pub(super) struct Index {
     keys: HashSet<String>,
     /// Cells that ended badly, with the first row that says so: nothing more is to be measured there.
     ended: HashMap<String, Row>,
+    /// The fingerprints of the scenes, by what was asked for.
+    scenes: HashMap<String, String>,
 }
 
 impl Index {
@@ -17,13 +20,28 @@ impl Index {
         for row in rows.iter().filter(|row| is_final(row.outcome)) {
             ended.entry(Index::cell(row)).or_insert_with(|| row.clone());
         }
-        Index { keys: rows.iter().map(Row::key).collect(), ended }
+        let made = rows.iter().filter(|row| !row.stats.scene_hash.is_empty());
+        let scenes = made.map(|row| (Index::scene(row), row.stats.scene_hash.clone())).collect();
+        Index { scenes, keys: rows.iter().map(Row::key).collect(), ended }
     }
 
     /// The key of the detector on its scene, whatever the pass; but that its copies failed says nothing about the detector.
     pub fn cell(row: &Row) -> String {
         let pass = if row.pass == Pass::Ceiling { Pass::Ceiling } else { Pass::Count };
         Row { pass, block: 0, ..row.clone() }.key()
+    }
+
+    /// The key of the scene, whoever looks at it. A file decides how many elements there are, and in how many dimensions.
+    pub fn scene(row: &Row) -> String {
+        let (dim, n) = if row.scene == file::NAME { (0, 0) } else { (row.dim, row.n) };
+        let nobody = || (String::new(), String::new());
+        let (detector, arithmetic) = nobody();
+        Row { detector, arithmetic, threads: 0, pass: Pass::Count, block: 0, dim, n, ..row.clone() }.key()
+    }
+
+    /// The fingerprint that the record gives of a row's scene, if it has rows of it.
+    pub fn scene_hash(&self, row: &Row) -> Option<&str> {
+        self.scenes.get(&Index::scene(row)).map(String::as_str)
     }
 
     pub fn has(&self, row: &Row) -> bool {

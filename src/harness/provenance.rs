@@ -7,12 +7,14 @@ use std::time::{SystemTime, UNIX_EPOCH};
 use serde_json::{Value, json};
 
 use super::bandwidth::Bandwidth;
+use super::record::SCHEMA;
+use super::shard::Shard;
 
 /// The name of the provenance file in a result folder.
 pub const FILE: &str = "provenance.json";
 
 /// What there is to know about this run, as a JSON object; the bandwidths are those measured, if any were.
-pub fn gather(experiments: &[String], quick: bool, bandwidth: &[Bandwidth]) -> Value {
+pub fn gather(experiments: &[String], quick: bool, shard: Option<Shard>, bandwidth: &[Bandwidth]) -> Value {
     let cpu = read("/proc/cpuinfo");
     let of_cpu = |name: &str| cpu.lines().find_map(|line| line.strip_prefix(name)).map(|rest| rest.trim_start_matches([' ', '\t', ':']));
     let model = of_cpu("model name").map(String::from);
@@ -22,11 +24,12 @@ pub fn gather(experiments: &[String], quick: bool, bandwidth: &[Bandwidth]) -> V
         read("/proc/meminfo").lines().next().and_then(|line| line.split_whitespace().nth(1)?.parse::<u64>().ok()).map(|kib| kib * 1024);
     let mut all = json!({
         "command": std::env::args().enumerate().map(|(k, a)| if k == 0 { "contactbench".into() } else { a }).collect::<Vec<_>>().join(" "),
+        "record_schema": SCHEMA,
         "experiments": experiments,
         "quick": quick,
         "date_utc": date(),
         "contactbench": env!("CARGO_PKG_VERSION"),
-        "revision": git(&["rev-parse", "HEAD"]),
+        "revision": revision(),
         "dirty": git(&["status", "--porcelain"]).map(|changes| !changes.is_empty()),
         "rustc": env!("CONTACTBENCH_RUSTC"),
         "rustflags": env!("CONTACTBENCH_RUSTFLAGS"),
@@ -42,6 +45,9 @@ pub fn gather(experiments: &[String], quick: bool, bandwidth: &[Bandwidth]) -> V
         "memory_bytes": memory,
         "load_average": read("/proc/loadavg").split(' ').take(3).collect::<Vec<_>>().join(" "),
     });
+    if let Some(shard) = shard {
+        all["shard"] = json!(shard.to_string());
+    }
     if !bandwidth.is_empty() {
         all["bandwidth_bytes_per_s"] = json!(bandwidth);
     }
@@ -69,6 +75,11 @@ pub fn size_of(text: &str) -> Option<u64> {
 /// Empty where there is no such file (not on Linux): the field is then empty, too.
 fn read(path: &str) -> String {
     std::fs::read_to_string(path).unwrap_or_default()
+}
+
+/// The commit that this program was built from, as far as that can be known.
+pub fn revision() -> Option<String> {
+    git(&["rev-parse", "HEAD"])
 }
 
 /// Answers of git, in the folder that this program was built from, if that is still a checkout.
@@ -101,6 +112,17 @@ pub fn machine() -> String {
     let name = read("/proc/sys/kernel/hostname");
     let name: String = name.trim().chars().filter(|c| c.is_ascii_alphanumeric() || *c == '-').take(24).collect();
     if name.is_empty() { "machine".into() } else { name }
+}
+
+/// The provenance in a result folder; none where there is none, or it cannot be read.
+pub fn of_folder(folder: &Path) -> Option<Value> {
+    serde_json::from_slice(&std::fs::read(folder.join(FILE)).ok()?).ok()
+}
+
+/// The name of the machine that the provenance in a folder gives; empty where it gives none.
+pub fn machine_of(folder: Option<&Path>) -> String {
+    let provenance = of_folder(folder.unwrap_or(Path::new(".")));
+    provenance.and_then(|fields| Some(fields.get("machine")?.as_str()?.to_string())).unwrap_or_default()
 }
 
 /// Now, as 2004-03-01T12-30-59 (UTC), fit for a folder name.

@@ -4,12 +4,17 @@
 use std::collections::BTreeMap;
 use std::fs::{File, OpenOptions};
 use std::io::{self, BufRead, BufReader, Seek, SeekFrom, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
+use super::provenance;
+
 /// The name of the record in a result folder.
 pub const FILE: &str = "samples.jsonl";
+
+/// The version of the record's schema, the field `schema` of every row: see docs/RECORD.md. 1 had neither this field nor `machine`.
+pub const SCHEMA: u32 = 2;
 
 /// Which quantity a row measured. Each is taken in a pass of its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -151,6 +156,9 @@ pub struct Causes {
 /// One measurement.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Row {
+    /// Where it was measured: the machine's name. In schema 1 it stands in the provenance beside the record, and is taken from there.
+    #[serde(default)]
+    pub machine: String,
     /// The experiment's name.
     pub experiment: String,
     /// The generator (or `file`).
@@ -231,40 +239,75 @@ impl Row {
     }
 }
 
+/// A line of the record.
+#[derive(Serialize)]
+struct Line<'a> {
+    schema: u32,
+    #[serde(flatten)]
+    row: &'a Row,
+}
+
+/// A row that could not be written. The record ends with the row before it.
+#[derive(Debug, thiserror::Error)]
+#[error("cannot write to {}: {cause}; the {rows} rows before stand there and are whole", path.display())]
+pub struct WriteError {
+    /// The record.
+    pub path: PathBuf,
+    /// Its rows.
+    pub rows: u64,
+    /// Why.
+    pub cause: io::Error,
+}
+
 /// Appends rows to a record; each is written, as one whole line, before the next is measured: a killed run loses at most one.
-pub struct Writer(File);
+pub struct Writer {
+    file: File,
+    path: PathBuf,
+    /// The bytes of the whole lines.
+    end: u64,
+    rows: u64,
+}
 
 impl Writer {
     /// Opens a record for appending. A torn last line (of a killed run) is cut off.
     pub fn append(path: &Path) -> io::Result<Writer> {
         let mut file = OpenOptions::new().create(true).read(true).write(true).truncate(false).open(path)?;
-        let end = whole_lines(&file)?;
+        let (end, rows) = whole_lines(&file)?;
         file.set_len(end)?;
         file.seek(SeekFrom::Start(end))?;
-        Ok(Writer(file))
+        Ok(Writer { file, path: path.to_path_buf(), end, rows })
     }
 
-    /// Writes one row.
-    pub fn write(&mut self, row: &Row) -> io::Result<()> {
-        let mut line = serde_json::to_vec(row)?;
+    /// Writes one row. Where that fails (the disk is full), what was written of it is taken back.
+    pub fn write(&mut self, row: &Row) -> Result<(), WriteError> {
+        let failed = |writer: &Writer, cause| WriteError { path: writer.path.clone(), rows: writer.rows, cause };
+        let mut line = serde_json::to_vec(&Line { schema: SCHEMA, row }).map_err(|e| failed(self, e.into()))?;
         line.push(b'\n');
-        self.0.write_all(&line)
+        if let Err(cause) = self.file.write_all(&line) {
+            // Should this fail, too, the torn line is cut off when the run is resumed.
+            let _ = self.file.set_len(self.end).and_then(|()| self.file.seek(SeekFrom::Start(self.end)));
+            return Err(failed(self, cause));
+        }
+        self.end += line.len() as u64;
+        self.rows += 1;
+        Ok(())
     }
 }
 
-/// The length of the file up to its last newline.
-fn whole_lines(file: &File) -> io::Result<u64> {
-    let (mut end, mut position, mut line) = (0, 0, Vec::new());
+/// The length of the file up to its last newline, and the number of its lines.
+fn whole_lines(file: &File) -> io::Result<(u64, u64)> {
+    let (mut end, mut rows, mut position, mut line) = (0, 0, 0, Vec::new());
     let mut reader = BufReader::new(file);
     loop {
         line.clear();
         let read = reader.read_until(b'\n', &mut line)?;
         if read == 0 {
-            return Ok(end);
+            return Ok((end, rows));
         }
         position += read as u64;
         if line.ends_with(b"\n") {
             end = position;
+            rows += u64::from(!line.trim_ascii().is_empty());
         }
     }
 }
@@ -277,16 +320,39 @@ pub struct Record {
     pub warnings: Vec<String>,
 }
 
-/// Reads a record. A torn last line is reported and left out; any other line that is not a row is an error.
+/// The version of a line; lines of the first schema do not say.
+#[derive(Deserialize)]
+struct Version {
+    #[serde(default = "first")]
+    schema: u32,
+}
+
+fn first() -> u32 {
+    1
+}
+
+/// Reads a record of this schema or an earlier one. A torn last line is reported and left out; any other line that is not a row is an error,
+/// and so is a line of a later schema.
 pub fn read(path: &Path) -> anyhow::Result<Record> {
     let text = std::fs::read(path).map_err(|e| anyhow::anyhow!("cannot read the record {}: {e}", path.display()))?;
+    let mut beside = None;
     let (mut rows, mut warnings) = (Vec::new(), Vec::new());
     for (number, line) in text.split_inclusive(|&b| b == b'\n').enumerate() {
+        let at = || format!("{}: line {}", path.display(), number + 1);
         if !line.ends_with(b"\n") {
-            warnings.push(format!("{}: line {} is torn (the run was killed while writing it) and was ignored", path.display(), number + 1));
+            warnings.push(format!("{} is torn (the run was killed while writing it) and was ignored", at()));
         } else if !line.trim_ascii().is_empty() {
-            let row = serde_json::from_slice(line);
-            rows.push(row.map_err(|e| anyhow::anyhow!("{}: line {} is not a row: {e}", path.display(), number + 1))?);
+            if let Ok(Version { schema }) = serde_json::from_slice(line)
+                && schema > SCHEMA
+            {
+                let known = format!("this contactbench ({}) reads schemas 1 to {SCHEMA}", env!("CARGO_PKG_VERSION"));
+                anyhow::bail!("{} has record schema {schema}, and {known}: take the version that wrote it, or a later one", at());
+            }
+            let mut row: Row = serde_json::from_slice(line).map_err(|e| anyhow::anyhow!("{} is not a row: {e}", at()))?;
+            if row.machine.is_empty() {
+                row.machine.clone_from(beside.get_or_insert_with(|| provenance::machine_of(path.parent())));
+            }
+            rows.push(row);
         }
     }
     Ok(Record { rows, warnings })

@@ -11,14 +11,18 @@ use std::time::Instant;
 use anyhow::Context;
 use rand::{SeedableRng, seq::SliceRandom};
 use rand_chacha::ChaCha8Rng;
+use tempfile::TempDir;
 
 use super::bake;
 use super::child::{Failure, Runner};
 use super::contender::{Contender, contenders};
 use super::experiment::Experiment;
 use super::index::{Index, TooSlow, owed, rest};
+use super::interrupt;
+use super::plan;
 use super::protocol::{Reply, Request};
 use super::record::{Causes, Outcome, Pass, Row, Stats, Writer};
+use super::shard::Shard;
 use super::truths::Truths;
 use crate::contact::Arithmetic;
 use crate::detect::table::Role;
@@ -30,9 +34,9 @@ use crate::sink::{Digest, splitmix64};
 /// Samples are at least this long, or the clock would be measured.
 pub(crate) const SHORTEST_SAMPLE_NS: u64 = 1_000_000;
 /// Blocks done before the budget can end a scene: the range of six values covers the median in 96.9% of samples.
-const FEWEST_BLOCKS: u32 = 6;
+pub(super) const FEWEST_BLOCKS: u32 = 6;
 /// Blocks of a quick run.
-const QUICK_BLOCKS: u32 = 3;
+pub(super) const QUICK_BLOCKS: u32 = 3;
 
 /// What is to be run, and where to.
 pub struct Job<'a> {
@@ -42,6 +46,8 @@ pub struct Job<'a> {
     pub quick: bool,
     /// The program to start as runner: this one.
     pub program: PathBuf,
+    /// Only a part of the scenes.
+    pub shard: Option<Shard>,
     /// Rows already in the record.
     pub done: &'a [Row],
 }
@@ -54,26 +60,47 @@ pub trait Progress {
     fn note(&mut self, text: &str);
 }
 
-/// Runs all experiments of a job into a record.
-pub fn run(job: &Job<'_>, record: &mut Writer, progress: &mut dyn Progress) -> anyhow::Result<()> {
-    let mut plans = Vec::new();
-    for experiment in job.experiments {
-        let plan = experiment.plan(job.quick).with_context(|| format!("in experiment {}", experiment.name))?;
-        plans.extend(plan.into_iter().map(|spec| (experiment, spec)));
-    }
-    let folder = tempfile::tempdir().context("cannot make a temporary folder for scenes; set TMPDIR to a writable place")?;
-    let index = Index::new(job.done);
-    let mut too_slow = TooSlow::new(job.done);
-    for (k, (experiment, spec)) in plans.iter().enumerate() {
-        progress.scene(k, plans.len(), &describe(experiment, spec));
-        let mut stage = Stage { job, experiment, spec, index: &index, folder: folder.path(), record, too_slow: &mut too_slow, progress };
-        stage.run().with_context(|| format!("in experiment {}, scene {}", experiment.name, describe(experiment, spec)))?;
-    }
-    progress.scene(plans.len(), plans.len(), "done");
-    Ok(())
+/// A job that can begin.
+pub struct Ready<'a> {
+    job: &'a Job<'a>,
+    scenes: Vec<(&'a Experiment, Spec)>,
+    temporary: TempDir,
 }
 
-fn describe(experiment: &Experiment, spec: &Spec) -> String {
+/// Plans a job, and says what can be known to go wrong before anything is measured.
+pub fn prepare<'a>(job: &'a Job<'a>) -> anyhow::Result<Ready<'a>> {
+    let scenes = plan::plan(job)?;
+    let temporary = tempfile::tempdir().context("cannot make a temporary folder for scenes; set TMPDIR to a writable place")?;
+    Ok(Ready { job, scenes, temporary })
+}
+
+impl Ready<'_> {
+    /// How many scenes there are: a shard may have none.
+    pub fn scenes(&self) -> usize {
+        self.scenes.len()
+    }
+
+    /// An error unless files can be written into the result folder, and there is room for what will be.
+    pub fn room(&self, folder: &Path) -> anyhow::Result<()> {
+        plan::room(self.job, &self.scenes, folder, self.temporary.path())
+    }
+
+    /// Runs the experiments into a record.
+    pub fn run(&self, record: &mut Writer, progress: &mut dyn Progress) -> anyhow::Result<()> {
+        let (job, folder, total) = (self.job, self.temporary.path(), self.scenes.len());
+        let index = Index::new(job.done);
+        let mut too_slow = TooSlow::new(job.done);
+        for (k, (experiment, spec)) in self.scenes.iter().enumerate() {
+            progress.scene(k, total, &describe(experiment, spec));
+            let mut stage = Stage { job, experiment, spec, index: &index, folder, record, too_slow: &mut too_slow, progress };
+            stage.run().with_context(|| format!("in experiment {}, scene {}", experiment.name, describe(experiment, spec)))?;
+        }
+        progress.scene(total, total, "done");
+        Ok(())
+    }
+}
+
+pub(super) fn describe(experiment: &Experiment, spec: &Spec) -> String {
     let n = if spec.n == 0 { String::new() } else { format!(" N={}", spec.n) };
     let swept = spec
         .params
@@ -113,7 +140,7 @@ pub(super) struct Stage<'a> {
     spec: &'a Spec,
     pub index: &'a Index,
     folder: &'a Path,
-    pub record: &'a mut Writer,
+    record: &'a mut Writer,
     pub too_slow: &'a mut TooSlow,
     progress: &'a mut dyn Progress,
 }
@@ -136,7 +163,15 @@ impl Stage<'_> {
             Ok(scene) => scene,
             Err(error) => return self.invalid(&contenders, error),
         };
+        interrupt::check()?;
         let blank = |contender: &Contender, stats: &Stats| contender.blank(self.experiment, self.spec, Some(&scene), stats);
+        if let Some(one) = contenders.first() {
+            let before = self.index.scene_hash(&blank(one, &Stats::default()));
+            // Only where the record has rows of it: fingerprints of large scenes take a while.
+            if before.is_some() {
+                plan::same_scene(&stats::scene_hash(&scene), before)?;
+            }
+        }
         if contenders.iter().all(|contender| self.complete(contender, &blank(contender, &Stats::default()), blocks)) {
             return Ok(());
         }
@@ -211,7 +246,7 @@ impl Stage<'_> {
         for &pass in owed(last.pass) {
             let row = Row { pass, outcome: last.outcome, reason: last.reason.clone(), ..blank.clone() };
             if !self.index.has(&row) {
-                self.record.write(&row)?;
+                self.write(&row)?;
             }
         }
         Ok(true)
@@ -286,7 +321,7 @@ impl Stage<'_> {
                 }
             }
             self.judge(&mut row, &mut racer, truths)?;
-            self.record.write(&row)?;
+            self.write(&row)?;
         }
         self.start_copies(&mut racer, loads)?;
         Ok(Some(racer))
@@ -300,7 +335,7 @@ impl Stage<'_> {
                 (row.time_ns, row.calls, row.elapsed_ns) = (Some(time_ns), Some(calls), Some(elapsed_ns));
                 (row.contacts, row.digest) = (Some(contacts), Some(digest));
                 self.judge(&mut row, racer, truths)?;
-                self.record.write(&row)?;
+                self.write(&row)?;
                 return Ok(true);
             }
             Ok(other) => astray(&request, &other),
@@ -336,6 +371,7 @@ impl Stage<'_> {
             bake::read_pairs(&path).map_err(|e| e.to_string())
         };
         let errors = truths.errors(racer.arithmetic, &racer.contender.name, answer, fetch)?;
+        interrupt::check()?;
         if let Ok(Some((errors, causes))) = errors {
             (row.errors, row.causes) = (Some(errors), Some(causes));
         }
@@ -361,7 +397,14 @@ impl Stage<'_> {
         Ok(())
     }
 
+    /// Writes a row; after a signal none, because a runner may have been stopped in the midst of it.
+    pub fn write(&mut self, row: &Row) -> anyhow::Result<()> {
+        interrupt::check()?;
+        Ok(self.record.write(row)?)
+    }
+
     pub fn fail(&mut self, blank: &Row, failure: Failure, passes: &[Pass]) -> anyhow::Result<()> {
+        interrupt::check()?;
         if failure.outcome == Outcome::Timeout {
             self.too_slow.note(blank);
         }
@@ -371,7 +414,7 @@ impl Stage<'_> {
         for &pass in passes {
             let row = Row { pass, outcome: failure.outcome, reason: failure.reason.clone(), ..blank.clone() };
             if !self.index.has(&row) {
-                self.record.write(&row)?;
+                self.write(&row)?;
             }
         }
         Ok(())

@@ -1,0 +1,67 @@
+//! Ctrl-C, and the signal by which batch systems end jobs: the first ends a run after the rows that it has, the second ends it at once.
+
+use std::collections::BTreeSet;
+use std::sync::atomic::{AtomicI32, Ordering};
+use std::sync::{Mutex, PoisonError};
+
+/// The signal that came first; 0 if none.
+static SIGNAL: AtomicI32 = AtomicI32::new(0);
+/// The runners at work, by the number of their process group: what a second signal must end.
+static RUNNERS: Mutex<BTreeSet<u32>> = Mutex::new(BTreeSet::new());
+
+/// A run that was ended by a signal. Its record holds what was measured.
+#[derive(Debug, thiserror::Error)]
+#[error("interrupted")]
+pub struct Interrupted;
+
+/// From now on signals do not end the program at once.
+pub fn install() -> std::io::Result<()> {
+    #[cfg(unix)]
+    {
+        use signal_hook::consts::{SIGINT, SIGTERM};
+        let mut signals = signal_hook::iterator::Signals::new([SIGINT, SIGTERM])?;
+        std::thread::Builder::new().name("signals".into()).spawn(move || {
+            for signal in signals.forever() {
+                if SIGNAL.swap(signal, Ordering::Relaxed) != 0 {
+                    RUNNERS.lock().unwrap_or_else(PoisonError::into_inner).iter().for_each(|&runner| kill_group(runner));
+                    signal_hook::low_level::exit(128 + signal);
+                }
+                eprintln!("ending after the step at hand; the record keeps what was measured (again: end at once)");
+            }
+        })?;
+    }
+    Ok(())
+}
+
+/// Has a signal come?
+pub fn requested() -> bool {
+    SIGNAL.load(Ordering::Relaxed) != 0
+}
+
+/// An error if a signal has come.
+pub fn check() -> Result<(), Interrupted> {
+    if requested() { Err(Interrupted) } else { Ok(()) }
+}
+
+/// What a shell makes of the signal: 130 after Ctrl-C.
+pub fn exit_code() -> u8 {
+    u8::try_from(128 + SIGNAL.load(Ordering::Relaxed)).unwrap_or(u8::MAX)
+}
+
+/// A runner has been started.
+pub(super) fn started(runner: u32) {
+    RUNNERS.lock().unwrap_or_else(PoisonError::into_inner).insert(runner);
+}
+
+/// A runner is about to be waited for: its number may then mean another process.
+pub(super) fn ended(runner: u32) {
+    RUNNERS.lock().unwrap_or_else(PoisonError::into_inner).remove(&runner);
+}
+
+/// Ends a runner and what it has started. Fails only if they have ended already.
+#[cfg(unix)]
+pub(super) fn kill_group(runner: u32) {
+    if let Some(group) = i32::try_from(runner).ok().and_then(rustix::process::Pid::from_raw) {
+        let _ = rustix::process::kill_process_group(group, rustix::process::Signal::KILL);
+    }
+}

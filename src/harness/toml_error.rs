@@ -1,0 +1,45 @@
+//! Errors of TOML files in one sentence with line and column.
+
+use anyhow::anyhow;
+
+/// The parser's words in one line, and where in `text` they belong.
+pub(super) fn located(text: &str, error: &toml::de::Error) -> anyhow::Error {
+    // A list of what was expected follows on lines of its own.
+    let words = error.message().split('\n').map(str::trim).filter(|line| !line.is_empty()).collect::<Vec<_>>().join("; ");
+    let before = error.span().and_then(|span| text.get(..span.start));
+    match before {
+        Some(before) => {
+            let (line, column) = (before.matches('\n').count() + 1, before.rsplit('\n').next().unwrap_or_default().chars().count() + 1);
+            anyhow!("line {line}, column {column}: {words}; see contactbench list experiments and the files in experiments/ for the form")
+        }
+        None => anyhow!("{words}; see contactbench list experiments and the files in experiments/ for the form"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::experiment::Experiment;
+
+    fn error(text: &str) -> String {
+        let error = Experiment::parse(text, std::path::Path::new(".")).err().unwrap_or_else(|| panic!("accepted: {text}"));
+        format!("{error:#}")
+    }
+
+    #[test]
+    fn errors_are_one_line_with_a_place() {
+        let head = "name = \"t\"\ntitle = \"t\"\nquestion = \"?\"\nreading = \"-\"\ndetectors = []\n";
+        for (tail, place, words) in [
+            ("blocks = ", "line 6, column 10", ""),
+            ("blocks = 3 4\n", "line 6, column 12", ""),
+            ("[[scene]\nname = 1\n", "line 6,", ""),
+            ("block = 3\nscene = []\n", "line 6, column 1", "unknown field `block`"),
+            ("blocks = \"three\"\nscene = []\n", "line 6, column 10", "expected u32"),
+            ("title = \"u\"\nscene = []\n", "line 6, column 1", "duplicate key"),
+            ("", "", "missing field `scene`"),
+            ("arithmetics = [\"exacd\"]\nscene = []\n", "line 6, column 16", "unknown variant"),
+        ] {
+            let error = error(&format!("{head}{tail}"));
+            assert!(!error.contains('\n') && error.contains(place) && error.contains(words), "{tail:?}: {error}");
+        }
+    }
+}
