@@ -29,13 +29,11 @@ template <int D> class Grid {
                 high[k] = i == 0 ? scene.centres[i][k] : std::max(high[k], scene.centres[i][k]);
             }
         }
-        // A little wider than the largest distance of touching elements, squares that vanish included, so that rounding puts none of
-        // them two cells apart: the numbers of cells are below 2^31, and their rounding errors far below 10^-6.
-        const double edge = scene.reach() * (1.0 + 1e-6) + 1e-150;
-        for (int k = 0; k < D; k++) {
-            if (!((high[k] - low[k]) / edge < 2147483648.0))
-                throw runner::Refusal("the scene spans more than 2^31 cells along an axis; remove far-away elements");
-        }
+        // Cells are a little wider than the largest distance of touching elements, squares that vanish included, so that rounding puts
+        // none of these two cells apart; and so wide that their numbers are below 2^31, with rounding errors far below 10^-6.
+        double edge = scene.reach() * (1.0 + 1e-6) + 1e-150;
+        for (int k = 0; k < D; k++) edge = std::max(edge, (high[k] - low[k]) / 1073741824.0);
+        if (!std::isfinite(edge)) throw runner::Refusal("the extent of the scene, or an element, is larger than the largest double; scale it down");
         entries.clear();
         for (std::size_t i = 0; i < n; i++) {
             Cell cell;

@@ -73,8 +73,7 @@ fn the_example_in_cpp_passes() {
     let ended = check(folder.path(), "./my_detector", &["--seconds", "3"]);
     assert_eq!((ended.code, &*ended.stderr), (Some(0), ""), "{}", ended.stdout);
     assert!(ended.stdout.starts_with("runner: my-grid 1.0, f64 arithmetic, without count and memory\n"), "{}", ended.stdout);
-    // What a grid cannot number it refuses, as it may.
-    assert!(ended.stdout.contains("my-grid: the scene spans more than 2^31 cells"), "{}", ended.stdout);
+    assert!(ended.stdout.contains(" detections by my-grid: all agree"), "{}", ended.stdout);
 }
 
 #[test]
@@ -151,7 +150,7 @@ fn every_way_to_be_wrong_is_told() {
     assert_eq!(smallest(&ended).0, 11);
     // Hangs.
     let new = "    if len(centres) > 10: time.sleep(99)\n    pairs = []\n";
-    told("    pairs = []\n", new, &["--deadline", "0.7"], &["it hangs: not ready after 0.7 s", "17 elements"]);
+    told("    pairs = []\n", new, &["--deadline", "3"], &["it hangs: not ready after 3 s", "17 elements"]);
     // Speaks of other things, before and in between.
     told(
         "print(json.dumps({",
@@ -193,8 +192,6 @@ fn every_way_to_be_wrong_is_told() {
         &["a field that it does not know"],
     );
     // What it has seen before.
-    let ended = told("    reach = ", "    reach = globals().setdefault('first', 1.0) * ", &[], &["WRONG"]);
-    assert!(ended.stdout.contains("missed"), "{}", ended.stdout);
     let stale = "    known = globals().setdefault('known', {})\n    radii = known.setdefault(len(radii), radii)\n    pairs = []\n";
     told("    pairs = []\n", stale, none, &["only after earlier scenes: something is left in its buffers"]);
     // Refuses all.

@@ -116,7 +116,7 @@ impl Talk<'_> {
         value["remark"] = "of a later version".into();
         let when = "given a load with a field that it does not know";
         match self.say(when, &value.to_string())? {
-            None | Some(Reply::Loaded) => {}
+            None | Some(Reply::Loaded | Reply::Refused { .. }) => {}
             Some(Reply::Error { reason }) => self.breaks(format!("{when}, it answers with the error: {reason}")),
             Some(other) => self.breaks(format!("{when}, it answers {}, not loaded", word(&other))),
         }
@@ -129,6 +129,10 @@ impl Talk<'_> {
             let started = Instant::now();
             let Some(reply) = self.say(when, &request)? else { return Ok(()) };
             let waited = started.elapsed().as_nanos() as u64;
+            // It may refuse any scene.
+            if matches!(reply, Reply::Refused { .. }) {
+                return Ok(());
+            }
             let Reply::Sample { time_ns, calls, elapsed_ns, contacts, digest: text } = reply else {
                 self.breaks(format!("{when}, it answers {}", word(&reply)));
                 return Ok(());
@@ -165,7 +169,7 @@ impl Talk<'_> {
                 self.manners.abilities.push(ability);
                 self.judge(&when, contacts, &digest, right);
             }
-            None | Some(Reply::Unsupported) => {}
+            None | Some(Reply::Unsupported | Reply::Refused { .. }) => {}
             Some(other) => self.breaks(format!("{when}, it answers {}; one that cannot do it says unsupported", word(&other))),
         }
         Ok(())

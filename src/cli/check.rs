@@ -16,6 +16,7 @@ use crate::check::{self, Differences, Failure, Limits, Report, Wrong, conversati
 use crate::contact::Arithmetic;
 use crate::detect::table::TABLE;
 use crate::draw::{self, Highlighted, Look};
+use crate::harness::interrupt;
 use crate::oracle;
 use crate::read;
 
@@ -95,7 +96,10 @@ pub fn check(options: &Check) -> anyhow::Result<ExitCode> {
     let mut broken = Vec::new();
     let groups = match &options.runner {
         None => vec![detectors(options)?],
-        Some(command) => runners(command, options, &limits, &mut broken, &mut out)?,
+        Some(command) => {
+            interrupt::end_runners_too().context("cannot listen to Ctrl-C")?;
+            runners(command, options, &limits, &mut broken, &mut out)?
+        }
     };
     let mut reports: Vec<Checked<'_>> = Vec::new();
     for group in &groups {
@@ -127,7 +131,7 @@ pub fn check(options: &Check) -> anyhow::Result<ExitCode> {
     let silent = cases == 0 && options.runner.is_some() && !names.is_empty();
     let verdict = match (right, silent) {
         (true, false) => "all agree with all pairs tested",
-        (true, true) => "WRONG: it has refused all of them",
+        (_, true) => "WRONG: it has refused all of them",
         _ => "WRONG",
     };
     writeln!(out, "check: {cases} detections by {}: {verdict}", if names.is_empty() { "nobody".into() } else { names.join(", ") })?;

@@ -12,6 +12,7 @@ use super::scene::Source;
 use crate::analyse::text::{self, number};
 use crate::contact::Arithmetic;
 use crate::detect::Options;
+use crate::harness::interrupt;
 use crate::harness::record::Outcome;
 use crate::recommend::race::{self, Entrant, Question, Race};
 use crate::recommend::verdict::{self, Verdict};
@@ -49,6 +50,7 @@ pub fn recommend(options: &Recommend) -> anyhow::Result<ExitCode> {
         bail!("name a particle file, or a scene such as packed:n=20000 (contactbench list scenes)");
     };
     let history = history(&name)?;
+    interrupt::end_runners_too().context("cannot listen to Ctrl-C")?;
     let program = std::env::current_exe().context("cannot find this program to start it as runner")?;
     let time = Duration::from_secs_f64(seconds);
     let Recommend { arithmetic, memory_limit, .. } = *options;
