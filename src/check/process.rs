@@ -21,7 +21,7 @@ use crate::sink::Digest;
 /// Address space of a runner under test, in bytes: enough for an interpreter and its libraries.
 const ADDRESS_SPACE: u64 = 8 << 30;
 /// The first line must be there after this time: an interpreter may take a while to load its libraries.
-const GREETING: Duration = Duration::from_secs(10);
+const GREETING: Duration = Duration::from_secs(30);
 /// Lines of what a runner said on its standard error that are kept.
 const LAST_LINES: usize = 12;
 /// The pairs of scenes of at most so many elements are always fetched.

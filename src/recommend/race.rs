@@ -1,9 +1,10 @@
 //! The race: who is slower by far drops out early, the others run blocks until the time is over.
 //!
 //! 1. A probe of each detector, one process at a time: the scene is loaded, one sample is taken, its answer is checked. It may take
-//!    [`PATIENCE`] times as long as the fastest so far. Who takes over [`FAR`] times the time of the fastest is out.
+//!    [`PATIENCE`] times as long as the fastest so far. Who takes over [`FAR`] times the time of the fastest is out, but for the second.
 //! 2. The memory of those left.
-//! 3. Blocks: a sample of each in random order. After [`FEWEST`] blocks those whose interval is above [`BEHIND`] times the fastest are out.
+//! 3. Blocks: a sample of each in random order. After [`FEWEST`] blocks those whose interval is above [`BEHIND`] times the fastest are out; two remain,
+//!    so that the margin between them is measured.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -157,13 +158,9 @@ impl Course<'_> {
                 None => continue,
             }
             // Who is far behind is ended now: with a large scene, so that its memory is free.
-            let Some(best) = entrants.iter().filter_map(|entrant| entrant.probe_ns).min() else { continue };
-            for entrant in entrants.iter_mut().filter(|entrant| entrant.runner.is_some()) {
-                let times = entrant.probe_ns.unwrap_or_default() as f64 / best.max(1) as f64;
-                if times > FAR {
-                    entrant.runner = None;
-                }
-            }
+            drop_if(&mut entrants, |entrant, best| {
+                entrant.probe_ns.is_some_and(|probe| probe as f64 > FAR * best.probe_ns.unwrap_or_default() as f64)
+            });
         }
         // Against the fastest of all, which may have come later.
         let best = entrants.iter().filter_map(|entrant| entrant.probe_ns).min();
@@ -290,18 +287,30 @@ impl Course<'_> {
 
 /// The one with the smallest median.
 pub fn fastest(entrants: &[Entrant]) -> Option<usize> {
-    let time = |entrant: &Entrant| median(&entrant.times.values().map(|&time| time as f64).collect::<Vec<_>>());
-    let timed = entrants.iter().enumerate().filter(|(_, entrant)| entrant.outcome.is_good());
-    timed.filter_map(|(k, entrant)| Some((k, time(entrant)?))).min_by(|a, b| a.1.total_cmp(&b.1)).map(|(k, _)| k)
+    let timed = entrants.iter().enumerate().filter(|(_, entrant)| entrant.outcome.is_good() && !entrant.times.is_empty());
+    timed.min_by(|a, b| typical(a.1).total_cmp(&typical(b.1))).map(|(k, _)| k)
 }
 
 fn drop_those_behind(entrants: &mut [Entrant]) {
-    let Some(best) = fastest(entrants).map(|k| entrants[k].times.clone()) else { return };
-    for entrant in entrants.iter_mut().filter(|entrant| entrant.runner.is_some()) {
-        if ratio(&entrant.times, &best).is_some_and(|ratio| ratio.low > BEHIND) {
-            entrant.runner = None;
+    drop_if(entrants, |entrant, best| ratio(&entrant.times, &best.times).is_some_and(|ratio| ratio.low > BEHIND));
+}
+
+/// Ends those of whom `is_behind` holds, compared with the fastest; but two stay, so that there is a margin to be told.
+fn drop_if(entrants: &mut [Entrant], is_behind: impl Fn(&Entrant, &Entrant) -> bool) {
+    let mut racing: Vec<usize> = (0..entrants.len()).filter(|&k| entrants[k].runner.is_some()).collect();
+    racing.sort_by(|&a, &b| typical(&entrants[a]).total_cmp(&typical(&entrants[b])));
+    let Some(&best) = racing.first() else { return };
+    for &k in racing.iter().skip(2) {
+        if is_behind(&entrants[k], &entrants[best]) {
+            entrants[k].runner = None;
         }
     }
+}
+
+/// The median of the times, or the probe; in nanoseconds.
+fn typical(entrant: &Entrant) -> f64 {
+    let times: Vec<f64> = entrant.times.values().map(|&time| time as f64).collect();
+    median(&times).or(entrant.probe_ns.map(|probe| probe as f64)).unwrap_or(f64::INFINITY)
 }
 
 fn out(entrant: &mut Entrant, failure: Failure) {
