@@ -2,6 +2,7 @@
 //!
 //! Each appears where its experiment asks for it, or its rows are in the record; a report without them is as it was.
 
+use super::keyed::by_machine;
 use super::machine::Machine;
 use super::summary::Table;
 use super::value::Cell;
@@ -81,14 +82,24 @@ pub fn sections(out: &mut String, experiment: &Experiment, own: &[&Cell], machin
         }
     }
     if experiment.cost_model {
-        paragraph(out, &["### What an operation costs", &crossover::section(own)]);
-    }
-    if experiment.ratios_to.is_some() || experiment.bound || experiment.cost_model {
-        let said = overhead::sentences(own);
-        if !said.is_empty() {
-            paragraph(out, &["### What the harness adds", &said.iter().map(|line| text::escape(line)).collect::<Vec<_>>().join("\n\n")]);
+        paragraph(out, &["### What an operation costs"]);
+        for (machine, cells) in by_machine(own) {
+            paragraph(out, &[&of_machine(&machine), &crossover::section(&cells)]);
         }
     }
+    if experiment.ratios_to.is_some() || experiment.bound || experiment.cost_model {
+        let said = |cells: &[&Cell]| overhead::sentences(cells).iter().map(|line| text::escape(line)).collect::<Vec<_>>().join("\n\n");
+        let said: Vec<String> = by_machine(own).iter().map(|(_, cells)| said(cells)).collect();
+        if said.iter().any(|said| !said.is_empty()) {
+            paragraph(out, &["### What the harness adds"]);
+            by_machine(own).iter().zip(&said).for_each(|((machine, _), said)| paragraph(out, &[&of_machine(machine), said]));
+        }
+    }
+}
+
+/// The line before what is said of one of several machines.
+pub fn of_machine(machine: &Option<String>) -> String {
+    machine.as_ref().map_or(String::new(), |name| format!("On {}:", text::escape(name)))
 }
 
 fn tables(out: &mut String, tables: &[Table]) {

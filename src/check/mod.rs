@@ -192,7 +192,8 @@ impl<'a> Checker<'a> {
                         return Ok(false);
                     }
                     let spec = case.spec(dim, n, seed)?;
-                    let name = || format!("{} dim={} n={} seed={} {:?}", spec.name, spec.dim, spec.n, spec.seed, spec.params);
+                    let params = || spec.params.iter().map(|(name, value)| format!(" {name}={value}")).collect::<String>();
+                    let name = || format!("{} dim={} n={} seed={}{}", spec.name, spec.dim, spec.n, spec.seed, params());
                     self.scene("generated", &spec.make()?, name, arithmetics)?;
                 }
             }

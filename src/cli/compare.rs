@@ -264,7 +264,7 @@ fn as_json(options: &Compare, parts: &(Part, Part), how: &Options, cells: &[Comp
     };
     let (changed, absent, judged) = counts(cells);
     let judged: serde_json::Map<String, Value> =
-        judged.into_iter().map(|(judgement, count)| (judgement.name().into(), count.into())).collect();
+        judged.into_iter().map(|(judgement, count)| (judgement.name().replace(' ', "-"), count.into())).collect();
     json!({
         "a": side(&parts.0, &options.a),
         "b": side(&parts.1, &options.b),

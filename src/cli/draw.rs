@@ -23,7 +23,7 @@ pub struct Draw {
     #[arg(long)]
     pairs: Option<PathBuf>,
     /// Writes the elements' numbers, or not (default: up to 60 elements)
-    #[arg(long, num_args = 0..=1, default_missing_value = "true")]
+    #[arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "true")]
     labels: Option<bool>,
     /// Draws the cells of a detector
     #[arg(long)]

@@ -43,7 +43,9 @@ pub enum Verb {
     #[command(after_help = "Example: contactbench run scaling --quick\nExample: contactbench run my-experiment.toml --out results/mine")]
     Run(run::Run),
     /// Makes report and figures of a result folder again, from its record alone
-    #[command(after_help = "Example: contactbench report results/reference")]
+    #[command(
+        after_help = "Example: contactbench report results/reference\nExample: contactbench report results/reference --table latex > table.tex"
+    )]
     Report(run::Report),
     /// Compares two result folders: of two revisions, or two machines
     #[command(
@@ -86,10 +88,12 @@ pub enum Verb {
     )]
     Trace(trace::Trace),
     /// Writes a completion script for your shell
-    #[command(after_help = "Example: contactbench completions bash > ~/.local/share/bash-completion/completions/contactbench")]
+    #[command(
+        after_help = "Example: contactbench completions bash\nWrite it to a file such as ~/.local/share/bash-completion/completions/contactbench"
+    )]
     Completions(shell::Completions),
     /// Writes the manual page, or all of them into a folder
-    #[command(after_help = "Example: contactbench man | man -l -\nExample: contactbench man -o ~/.local/share/man/man1")]
+    #[command(after_help = "Example: contactbench man -o ~/.local/share/man/man1\nTo read the page at once: contactbench man | man -l -")]
     Man(shell::Man),
     /// Serves one detector on standard input and output: see docs/PROTOCOL.md
     #[command(after_help = "Example: echo '{\"request\":\"quit\"}' | contactbench runner --detector nbs")]

@@ -222,7 +222,7 @@ impl<'a> Sheet<'a> {
         let mut lines = String::new();
         for k in 0..2 {
             let first = origin[self.flat.axes[k]] * self.flat.factor;
-            let numbers = ((low[k] - first) / edge_here).floor() as i64..=((high[k] - first) / edge_here).ceil() as i64;
+            let numbers = ((low[k] - first) / edge_here).ceil() as i64..=((high[k] - first) / edge_here).floor() as i64;
             for number in numbers {
                 let at = first + number as f64 * edge_here;
                 let (mut a, mut b) = (low, high);

@@ -5,8 +5,6 @@ use std::path::Path;
 
 use anyhow::Context;
 
-use crate::cli::bytes;
-
 /// An error, with this remedy, unless a file can be written into `folder` and `needed` bytes are free there for `what`.
 pub fn ensure(folder: &Path, needed: u64, what: &str, remedy: &str) -> anyhow::Result<()> {
     let probe = || -> std::io::Result<()> {
@@ -16,7 +14,7 @@ pub fn ensure(folder: &Path, needed: u64, what: &str, remedy: &str) -> anyhow::R
     };
     probe().with_context(|| format!("cannot write into the folder {}; {remedy}", folder.display()))?;
     if let Some(free) = free(folder).filter(|&free| free < needed) {
-        let (free, needed) = (bytes(free), bytes(needed));
+        let [free, needed] = [free, needed].map(|bytes| format!("{:.1} MB", bytes as f64 / 1e6));
         anyhow::bail!("{} has {free} free, and {what} may need {needed}; {remedy}", folder.display());
     }
     Ok(())

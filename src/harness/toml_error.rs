@@ -6,15 +6,15 @@ use anyhow::anyhow;
 pub(super) fn located(text: &str, error: &toml::de::Error) -> anyhow::Error {
     // A list of what was expected follows on lines of its own.
     let words = error.message().split('\n').map(str::trim).filter(|line| !line.is_empty()).collect::<Vec<_>>().join("; ");
-    let before = error.span().and_then(|span| text.get(..span.start));
-    match before {
-        Some(before) => {
-            let (line, column) = (before.matches('\n').count() + 1, before.rsplit('\n').next().unwrap_or_default().chars().count() + 1);
-            anyhow!("line {line}, column {column}: {words}; see contactbench list experiments and the files in experiments/ for the form")
-        }
-        None => anyhow!("{words}; see contactbench list experiments and the files in experiments/ for the form"),
-    }
+    let words = if words.contains(" untagged enum ") { WRONG_TYPE.into() } else { words };
+    let Some(before) = error.span().and_then(|span| text.get(..span.start)) else { return anyhow!("{words}; {FORM}") };
+    let (line, column) = (before.matches('\n').count() + 1, before.rsplit('\n').next().unwrap_or_default().chars().count() + 1);
+    anyhow!("line {line}, column {column}: {words}; {FORM}")
 }
+
+/// In place of what the parser says of a field that takes one value or a list of them.
+const WRONG_TYPE: &str = "the value is of the wrong type, or a list of values of different types";
+const FORM: &str = "the files in experiments/ show the form";
 
 #[cfg(test)]
 mod tests {
@@ -35,6 +35,7 @@ mod tests {
             ("block = 3\nscene = []\n", "line 6, column 1", "unknown field `block`"),
             ("blocks = \"three\"\nscene = []\n", "line 6, column 10", "expected u32"),
             ("title = \"u\"\nscene = []\n", "line 6, column 1", "duplicate key"),
+            ("[[scene]]\nname = \"packed\"\nn = [1, \"a\"]\n", "line 8, column 5", "of the wrong type"),
             ("", "", "missing field `scene`"),
             ("arithmetics = [\"exacd\"]\nscene = []\n", "line 6, column 16", "unknown variant"),
         ] {

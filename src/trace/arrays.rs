@@ -9,7 +9,10 @@ use crate::draw::px;
 pub const WIDTH: f64 = 900.0;
 /// Values side by side.
 const PER_LINE: usize = 20;
-const VALUE: [f64; 2] = [44.0, 32.0];
+/// The widest box of a value, and the height of all.
+const VALUE: [f64; 2] = [80.0, 38.0];
+/// Above a value: its number.
+const CAPTION: f64 = 16.0;
 const TITLE: f64 = 26.0;
 
 /// The arrays of a trace, one below the other.
@@ -17,6 +20,8 @@ pub struct Arrays {
     blocks: Vec<Block>,
     /// Where nodes of the tree stand.
     places: Vec<[f64; 2]>,
+    /// The width of a value.
+    width: f64,
     /// Height of the panel.
     pub height: f64,
 }
@@ -56,11 +61,11 @@ impl Arrays {
             Algorithm::Screening => &[(Kind::Matrix, "C: first element of each cell"), (Kind::Links('E'), "E: next element in the cell")],
             Algorithm::Sorting => &[(Kind::Keys(0), "X: columns"), (Kind::Keys(1), "Y: rows"), (Kind::Elements, "D: elements")],
             Algorithm::BinaryTree => &[
-                (Kind::Tree, "The tree: x and y are halved in turn; boxes are leaves, with the first element of their list"),
+                (Kind::Tree, "The tree; in the boxes, the leaves: the first element of each"),
                 (Kind::Links('E'), "E: next element in the cell"),
             ],
         };
-        let mut arrays = Arrays { blocks: Vec::new(), places: Vec::new(), height: 0.0 };
+        let mut arrays = Arrays { blocks: Vec::new(), places: Vec::new(), width: value_width(trace), height: 0.0 };
         for &(kind, title) in kinds {
             let height = match kind {
                 Kind::Matrix => matrix_cell(trace)[1] * trace.shown(1).count() as f64 + 26.0,
@@ -95,38 +100,45 @@ impl Arrays {
     fn block(&self, trace: &Trace, step: &Step, kind: Kind) -> String {
         let (state, marks, names) = (&step.state, &step.marks, &trace.names);
         let elements = |k: usize| (k as u32 + names.first).to_string();
-        match kind {
+        let values: Vec<Value> = match kind {
             Kind::Heads(letter, axis) => {
                 let heads = state.heads_of(letter);
-                let values = trace.shown(axis).map(|list| {
+                let value = |list: i64| {
                     let head = usize::try_from(list).ok().and_then(|list| heads.get(list)).copied().unwrap_or_default();
                     let class = usize::try_from(list).map_or("", |list| class(marks, letter, list));
-                    Value {
-                        caption: (list + i64::from(names.shift[axis])).to_string(),
-                        text: names.maybe(head.first),
-                        class: with_old(class, head),
-                    }
-                });
-                row(values)
+                    let caption = (list + i64::from(names.shift[axis])).to_string();
+                    Value { caption, text: names.maybe(head.first), class: with_old(class, head) }
+                };
+                trace.shown(axis).map(value).collect()
             }
-            Kind::Links(letter) => row(state.links_of(letter).iter().enumerate().map(|(k, &next)| Value {
-                caption: elements(k),
-                text: names.maybe(next),
-                class: with_old(class(marks, letter, k), Head { first: next, old: false }),
-            })),
-            Kind::Keys(axis) => row(state.keys[axis].iter().enumerate().map(|(at, key)| Value {
-                caption: elements(at),
-                text: key.map_or("".into(), |key| (key + names.shift[axis]).to_string()),
-                class: place_class(marks, ['X', 'Y'][axis.min(1)], at),
-            })),
-            Kind::Elements => row(state.elements.iter().enumerate().map(|(at, &k)| Value {
-                caption: elements(at),
-                text: names.element(k).to_string(),
-                class: place_class(marks, 'D', at),
-            })),
-            Kind::Matrix => matrix(trace, step),
-            Kind::Tree => self.tree(trace, step),
-        }
+            Kind::Links(letter) => {
+                let value = |(k, &next): (usize, &Option<u32>)| Value {
+                    caption: elements(k),
+                    text: names.maybe(next),
+                    class: with_old(class(marks, letter, k), Head { first: next, old: false }),
+                };
+                state.links_of(letter).iter().enumerate().map(value).collect()
+            }
+            Kind::Keys(axis) => {
+                let value = |(at, key): (usize, &Option<u32>)| Value {
+                    caption: elements(at),
+                    text: key.map_or("".into(), |key| (key + names.shift[axis]).to_string()),
+                    class: place_class(marks, ['X', 'Y'][axis.min(1)], at),
+                };
+                state.keys[axis].iter().enumerate().map(value).collect()
+            }
+            Kind::Elements => {
+                let value = |(at, &k): (usize, &u32)| Value {
+                    caption: elements(at),
+                    text: names.element(k).to_string(),
+                    class: place_class(marks, 'D', at),
+                };
+                state.elements.iter().enumerate().map(value).collect()
+            }
+            Kind::Matrix => return matrix(trace, step),
+            Kind::Tree => return self.tree(trace, step),
+        };
+        row(&values, self.width)
     }
 
     /// Finds a place for every node that there will be; the height.
@@ -227,7 +239,7 @@ fn level_height(depth: usize) -> f64 {
 }
 
 fn lines(values: usize) -> f64 {
-    values.div_ceil(PER_LINE) as f64 * (VALUE[1] + 20.0)
+    values.div_ceil(PER_LINE) as f64 * (VALUE[1] + CAPTION + 6.0)
 }
 
 struct Value {
@@ -256,22 +268,31 @@ fn place_class(marks: &Marks, letter: char, at: usize) -> String {
     format!("{}{}", if within { " in" } else { "" }, class(marks, letter, at))
 }
 
-fn row(values: impl Iterator<Item = Value>) -> String {
+/// Values side by side, and below one another where they are many.
+fn row(values: &[Value], width: f64) -> String {
+    let size = (0.45 * width).clamp(17.0, 26.0);
     let mut svg = String::new();
-    for (k, Value { caption, text, class }) in values.enumerate() {
-        let (x, y) = ((k % PER_LINE) as f64 * VALUE[0], (k / PER_LINE) as f64 * (VALUE[1] + 20.0));
+    for (k, Value { caption, text, class }) in values.iter().enumerate() {
+        let (x, y) = ((k % PER_LINE) as f64 * width, (k / PER_LINE) as f64 * (VALUE[1] + CAPTION + 6.0));
+        let middle = px(x + 0.5 * width - 1.5);
         svg += &format!(
-            "<text class=\"i\" x=\"{0}\" y=\"{1}\">{caption}</text><rect class=\"v{class}\" x=\"{2}\" y=\"{3}\" width=\"41\" height=\"{4}\" rx=\"3\"/>\
-             <text class=\"t{class}\" x=\"{0}\" y=\"{5}\">{text}</text>",
-            px(x + 20.5),
-            px(y + 11.0),
-            px(x),
-            px(y + 15.0),
+            "<text class=\"i\" x=\"{middle}\" y=\"{}\">{caption}</text><rect class=\"v{class}\" x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" rx=\"3\"/>\
+             <text class=\"t{class}\" x=\"{middle}\" y=\"{}\" style=\"font-size:{size}px\">{text}</text>",
+            px(y + CAPTION - 4.0),
+            px(x + 1.0),
+            px(y + CAPTION),
+            px(width - 4.0),
             px(VALUE[1]),
-            px(y + 15.0 + 22.5)
+            px(y + CAPTION + 0.5 * VALUE[1] + 0.36 * size)
         );
     }
     svg
+}
+
+/// As wide as lets the longest array stand in one line, or in lines of equal length.
+fn value_width(trace: &Trace) -> f64 {
+    let longest = [trace.discs.len(), trace.shown(0).count(), trace.shown(1).count()].into_iter().max().unwrap_or(1);
+    (WIDTH / longest.clamp(1, PER_LINE) as f64).min(VALUE[0])
 }
 
 fn matrix_cell(trace: &Trace) -> [f64; 2] {

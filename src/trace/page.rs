@@ -27,12 +27,15 @@ pub fn html(trace: &Trace, name: &str) -> String {
             let layers = scene.layers(trace, step).map(|layer| fragments.number(layer));
             let blocks: Vec<usize> = arrays.draw(trace, step).into_iter().map(|block| fragments.number(block)).collect();
             let counts: Vec<u64> = still::ops(trace).into_iter().map(|op| step.tally.get(op)).collect();
-            json!([step.words, step.part, layers, blocks, counts])
+            json!([step.words, step.part, layers, blocks, counts, step.state.contacts.len()])
         })
         .collect();
+    let contacts: Vec<String> = trace.contacts.iter().map(|&pair| scene.line(trace, pair)).collect();
     let names: Vec<String> = still::ops(trace).into_iter().map(still::words).collect();
     // In a script nothing but its end tag must be avoided.
-    let data = json!({ "steps": steps, "parts": trace.parts, "ops": names, "f": fragments.texts }).to_string().replace("</", "<\\/");
+    let data = json!({ "steps": steps, "parts": trace.parts, "ops": names, "f": fragments.texts, "contacts": contacts })
+        .to_string()
+        .replace("</", "<\\/");
     let blocks = "<g></g>".repeat(arrays.len());
     let [sw, sh] = scene.size.map(px);
     include_str!("page.html")

@@ -17,8 +17,8 @@ pub struct Scene {
     pub size: [f64; 2],
 }
 
-/// What changes from step to step, in three layers: below the discs, contacts, above them.
-pub type Layers = [String; 3];
+/// What changes from step to step, in two layers: below the discs, and above them. Contacts are between.
+pub type Layers = [String; 2];
 
 impl Trace {
     /// The cells that are shown along an axis, as the detector numbers them.
@@ -118,7 +118,7 @@ impl Scene {
     /// What changes.
     pub fn layers(&self, trace: &Trace, step: &Step) -> Layers {
         let marks = &step.marks;
-        let (mut under, mut contacts, mut over) = (String::new(), String::new(), String::new());
+        let (mut under, mut over) = (String::new(), String::new());
         if let Some(row) = marks.row.map(i64::from) {
             under += &self.row(row, "row");
             if trace.algorithm == Algorithm::Nbs && marks.cell.is_some_and(|cell| i64::from(cell[1]) == row - 1) {
@@ -132,24 +132,24 @@ impl Scene {
         if let Some(cell) = marks.central {
             under += &self.cell(cell.map(i64::from), "central");
         }
-        let line = |i: u32, j: u32, class: &str| {
-            let [a, b] = [i, j].map(|k| self.at(trace, trace.discs[k as usize].at).map(px));
-            format!("<path class=\"{class}\" d=\"M{} {}L{} {}\"/>", a[0], a[1], b[0], b[1])
-        };
-        for &[i, j] in &step.state.contacts {
-            contacts += &line(i, j, "contact");
-        }
         if let Some((i, j, touching)) = marks.pair {
             for k in [i, j] {
                 let disc = &trace.discs[k as usize];
                 over += &self.disc(trace, disc.at, disc.r, "ring");
             }
-            over += &line(i, j, if touching { "yes" } else { "no" });
+            let class = if touching { "yes" } else { "no" };
+            over += &format!("<path class=\"{class}\" d=\"{}\"/>", self.line(trace, [i, j]));
         }
         if let Some(disc) = marks.element.and_then(|k| trace.discs.get(k as usize)) {
             over += &self.disc(trace, disc.at, disc.r, "ring");
         }
-        [under, contacts, over]
+        [under, over]
+    }
+
+    /// The line between two elements, as the data of a path.
+    pub fn line(&self, trace: &Trace, pair: [u32; 2]) -> String {
+        let [a, b] = pair.map(|k| self.at(trace, trace.discs[k as usize].at).map(px));
+        format!("M{} {}L{} {}", a[0], a[1], b[0], b[1])
     }
 
     fn row(&self, row: i64, class: &str) -> String {
@@ -218,14 +218,14 @@ pub fn style(palette: &Palette, scope: &str) -> String {
         (".below", format!("fill:{below}")),
         (".central", format!("fill:{central};stroke:{ink};stroke-width:2")),
         (".look", format!("fill:{look};stroke:{line}")),
-        (".disc", format!("fill:{fill};fill-opacity:.75;stroke:{rim};stroke-width:1.5")),
+        (".disc", format!("fill:{fill};fill-opacity:.5;stroke:{rim};stroke-width:1.5")),
         (".ring", format!("fill:none;stroke:{accent};stroke-width:5")),
         (".contact", format!("stroke:{contact};stroke-width:4;fill:none")),
         (".yes", format!("stroke:{accent};stroke-width:8;fill:none")),
         (".no", format!("stroke:{accent};stroke-width:4;stroke-dasharray:3 9;fill:none")),
         (".n", format!("fill:{ink};stroke:{ground};stroke-width:4;paint-order:stroke;text-anchor:middle;font-weight:bold")),
-        (".i", format!("fill:{faint};font-size:12px;text-anchor:middle")),
-        (".name", format!("fill:{ink};font-size:17px;font-weight:bold")),
+        (".i", format!("fill:{faint};font-size:14px;text-anchor:middle")),
+        (".name", format!("fill:{ink};font-size:20px;font-weight:bold")),
         (".v", format!("fill:{ground};stroke:{line};stroke-width:1.5")),
         (".v.in", format!("fill:{row}")),
         (".v.old", format!("fill:{line}")),

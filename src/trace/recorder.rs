@@ -174,6 +174,8 @@ impl Recorder {
         marks.path.append(&mut self.path);
         self.made = 0;
         self.places.clear();
+        // An equation is not broken at the end of a line.
+        let words = words.replace(" = ", "\u{a0}=\u{a0}");
         self.steps.push(Step { words, part: self.parts.len() - 1, marks, state: self.state.clone(), tally: self.tally });
     }
 

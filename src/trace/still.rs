@@ -30,7 +30,8 @@ impl<'a> Stills<'a> {
     /// The picture of step `k`, from 0, as SVG; none if there is no such step.
     pub fn svg(&self, k: usize) -> Option<String> {
         let (trace, step) = (self.trace, self.trace.steps.get(k)?);
-        let [under, contacts, over] = self.scene.layers(trace, step);
+        let [under, over] = self.scene.layers(trace, step);
+        let contacts: String = step.state.contacts.iter().map(|&pair| self.scene.line(trace, pair)).collect();
         let [sw, sh] = self.scene.size.map(px);
         let [width, height] = SIZE.map(px);
         let (ground, grid, discs, numbers) =
@@ -51,7 +52,7 @@ impl<'a> Stills<'a> {
              <text x=\"30\" y=\"46\" font-size=\"22\" fill=\"{ink}\">{title}</text>\n\
              <text x=\"1570\" y=\"46\" font-size=\"26\" font-weight=\"bold\" text-anchor=\"end\" fill=\"{ink}\">step {k} of {last}</text>\n\
              <text x=\"30\" y=\"92\" font-size=\"30\" font-weight=\"bold\" fill=\"{ink}\">{part}</text>\n\
-             <svg x=\"20\" y=\"115\" width=\"730\" height=\"710\" viewBox=\"0 0 {sw} {sh}\">{ground}{under}{grid}{discs}{contacts}{over}{numbers}</svg>\n\
+             <svg x=\"20\" y=\"115\" width=\"730\" height=\"710\" viewBox=\"0 0 {sw} {sh}\">{ground}{under}{grid}{discs}<path class=\"contact\" d=\"{contacts}\"/>{over}{numbers}</svg>\n\
              <svg x=\"780\" y=\"115\" width=\"800\" height=\"710\" viewBox=\"0 0 {aw} {ah}\" preserveAspectRatio=\"xMinYMin\">{arrays}</svg>\n\
              {words}\n<text x=\"30\" y=\"980\" class=\"counts\">{counts}</text>\n</svg>\n",
             title = self.title,

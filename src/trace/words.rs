@@ -163,22 +163,19 @@ fn push(recorder: &Recorder, heads: char, list: usize, element: u32, next: Optio
 
 fn take(recorder: &Recorder, heads: char, list: usize, first: Option<u32>, old: bool) -> (String, Marks) {
     let (head, place) = head(recorder, heads, list);
-    let (whose, what) = match (recorder.visiting, heads) {
-        (Some(k), _) => (format!("Element {} lies in {place}.", recorder.names.element(k)), "one"),
-        (None, 'B') => (format!("Upwards to {place}."), "one"),
-        (None, _) => (String::new(), "one"),
+    let whose = match (recorder.visiting, heads) {
+        (Some(k), _) => format!("Element {} lies in {place}. ", recorder.names.element(k)),
+        (None, 'B') => format!("Upwards to {place}. "),
+        (None, _) => String::new(),
     };
     let new = first.is_some() && !old;
     let answer = match (first, old) {
-        (None, _) => format!("{head} is -1: it is empty"),
-        (Some(_), true) => format!("{head} is marked old: this {what} has been dealt with"),
+        (None, _) => format!("{head} = -1: it is empty"),
+        (Some(_), true) => format!("{head} is marked old: it has been dealt with"),
         (Some(_), false) => {
             let role = if heads == 'B' { "the central row" } else { "the central cell" };
-            format!(
-                "{head} = {} is new: mark it old. It is {role}, with the list {}",
-                recorder.names.maybe(first),
-                recorder.chain(link(heads), first)
-            )
+            let list = recorder.chain(link(heads), first);
+            format!("{head} = {} is new: mark it old. It is {role}, with the list {list}", recorder.names.maybe(first))
         }
     };
     let mut marks = Marks { element: recorder.visiting, cell: recorder.cell_of(heads, list), ..Marks::default() };
@@ -190,7 +187,7 @@ fn take(recorder: &Recorder, heads: char, list: usize, first: Option<u32>, old: 
     } else {
         marks.read.push((heads, list))
     }
-    (format!("{whose} {answer}.").trim_start().to_string(), marks)
+    (format!("{whose}{answer}."), marks)
 }
 
 fn look(recorder: &Recorder, heads: char, list: usize, first: Option<u32>) -> (String, Marks) {

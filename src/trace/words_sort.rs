@@ -73,7 +73,8 @@ pub fn of(recorder: &Recorder, event: &Event) -> Option<(String, Marks)> {
                 format!("The next cell that is not empty is {name}: {found}. It is the central cell.")
             } else {
                 let looked: Vec<String> = recorder.places.iter().map(|&at| place(at).to_string()).collect();
-                format!("Mask cell {name}: a binary search looks at place {}: {found}.", looked.join(", "))
+                let s = if looked.len() == 1 { "" } else { "s" };
+                format!("Mask cell {name}: a binary search looks at place{s} {}: {found}.", looked.join(", "))
             };
             let read = recorder.places.iter().flat_map(|&at| [('X', at), ('Y', at)]).collect();
             Some((
