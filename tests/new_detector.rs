@@ -113,7 +113,7 @@ fn the_lines_come_to_their_places() {
         assert!(lines.contains(&format!("name: \"{name}\",")) && lines.matches("Entry {").count() == 1, "{lines}");
         assert!(lines.contains(&format!("super::{module}::{kind}")), "{lines}");
         let place = |name: &str| after["table.rs"].find(&format!("name: \"{name}\"")).unwrap();
-        assert!(place("bvh") < place(name) && place(name) < place("nothing"));
+        assert!(place("kd-tree") < place(name) && place(name) < place("nothing"));
         // Once only.
         let again = run(folder.path(), &["new-detector", given]);
         assert!(again.code == Some(2) && again.stderr.contains("already; take another name"), "{}", again.stderr);

@@ -124,7 +124,9 @@ pub fn check(options: &Check) -> anyhow::Result<ExitCode> {
             writeln!(out, "scenes: {}, in {:.1} s{cut}", scenes.join(", "), started.elapsed().as_secs_f64())?;
         }
     }
-    let names: Vec<&str> = groups.iter().flat_map(Group::names).collect();
+    let mut names: Vec<&str> = groups.iter().flat_map(Group::names).collect();
+    // A runner in several arithmetics.
+    names.dedup();
     let cases: u64 = reports.iter().map(|checked| checked.report.cases).sum();
     let right = broken.is_empty() && reports.iter().all(|checked| checked.report.failures.is_empty());
     // Whoever refuses everything has shown nothing.
