@@ -12,6 +12,7 @@
 //! 5. [`oracle`]: the truth, which every answer must meet; [`mod@check`]: the same on many small scenes.
 //! 6. [`harness`]: experiments run every detector in a process of its own and append rows to a record.
 //! 7. [`analyse`]: medians, intervals, fits, claims, from the record alone; [`figure`] and [`page`]: what they look like.
+//!    [`recommend`] does both at once for one scene.
 //! 8. [`cli`]: the verbs of the program `contactbench`.
 //!
 //! ```
@@ -44,5 +45,6 @@ pub mod harness;
 pub mod oracle;
 pub mod page;
 pub mod read;
+pub mod recommend;
 pub mod scene;
 pub mod trace;

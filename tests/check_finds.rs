@@ -200,7 +200,7 @@ fn a_regression_file_finds_the_failure_again() {
     let failure = found(mutant, &[Arithmetic::Exact], Duration::from_secs(20));
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("found.csv");
-    let text = regression::file(&failure, &path);
+    let text = regression::file(&failure, &path, "--detector mutant --arithmetic exact");
     for words in ["# mutant, exact arithmetic: 1 missed, 0 spurious, 0 duplicate pairs; missed 0,1\n", "# found on packed dim=2 "] {
         assert!(text.contains(words), "{text}");
     }

@@ -9,7 +9,9 @@ pub mod input;
 pub mod inspect;
 pub mod list;
 pub mod merge;
+pub mod new_detector;
 pub mod progress;
+pub mod recommend;
 pub mod run;
 pub mod runner;
 pub mod scene;
@@ -82,6 +84,14 @@ pub enum Verb {
         after_help = "Example: contactbench scene packed:dim=3,n=1000,seed=1 -o packed.csv\nExample: contactbench scene packing.dump --frame last -o packing.xyz"
     )]
     Scene(write::Write),
+    /// Says which detector to use for a scene: measures all of them on it
+    #[command(
+        after_help = "Example: contactbench recommend packing.csv\nExample: contactbench recommend clustered:dim=3,n=100000 --threads 2"
+    )]
+    Recommend(recommend::Recommend),
+    /// Writes a new detector that works, as a file to be changed, and its line in the table: in a checkout
+    #[command(after_help = "Example: contactbench new-detector quad-tree --in ~/contactbench")]
+    NewDetector(new_detector::NewDetector),
     /// Draws a scene with its contacts, or a slice through spheres, as SVG or PNG
     #[command(
         after_help = "Example: contactbench draw packing.csv\nExample: contactbench draw packed:dim=3,n=2000 --slice z=4 -o slice.png\nExample: contactbench draw packing.csv --pairs theirs.csv"
