@@ -158,7 +158,7 @@ function choice(label, name, options, chosen, changed) {
   const known = (name) => report.detectors.find((detector) => detector.name === name);
   const css = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 
-  /** Ticks of a logarithmic axis: of every power as few as give four in all. */
+  /** Ticks of a logarithmic axis: of every power as few as give four in all, or three on a narrow screen. */
   function ticks(min, max) {
     const every = (step) => Array.from({ length: Math.round(9 / step) }, (_, k) => Number((1 + k * step).toFixed(1)));
     let found = [];
@@ -167,7 +167,7 @@ function choice(label, name, options, chosen, changed) {
       for (let power = Math.floor(Math.log10(min)); power <= Math.ceil(Math.log10(max)); power++) {
         found.push(...steps.map((step) => Number(`${step}e${power}`)).filter((tick) => tick >= min * 0.999 && tick <= max * 1.001));
       }
-      if (found.length >= 4) break;
+      if (found.length >= (box.clientWidth < 500 ? 3 : 4)) break;
     }
     return found;
   }
