@@ -383,8 +383,8 @@ fn errors_say_where() {
     }
     assert_eq!(refusal(b"x,y,r\n1,2,3\n", "vtk", NONE), "p is not a VTK legacy file: it does not begin with # vtk");
     assert!(refusal(&gz(&gz(b"x,y,r\n1,2,3\n")), "", NONE).contains("compressed twice"));
-    let mut damaged = gz(&b"x,y,r\n1,2,3\n".repeat(1000)[..]);
-    damaged.truncate(60);
+    let mut damaged = gz(format!("x,y,r\n{}", "1,2,3\n".repeat(1000)).as_bytes());
+    damaged.truncate(damaged.len() / 2);
     assert!(refusal(&damaged, "", NONE).starts_with("cannot read p"));
 }
 
