@@ -1,4 +1,5 @@
-// The runner protocol (docs/PROTOCOL.md) for libraries in C++: a detection is a function from a scene to a list of pairs in a reused buffer.
+// The runner protocol (docs/PROTOCOL.md) for detectors in C++17: a detection is a function from a scene to a list of pairs in a reused buffer.
+// `examples/my_detector.cpp` shows all that is needed: include this file, write the function, hand it to `serve`.
 #pragma once
 
 #include <algorithm>
@@ -20,6 +21,11 @@
 namespace runner {
 
 using Pairs = std::vector<std::array<std::uint32_t, 2>>;
+
+// Thrown by a detection that will not work on the scene: one sentence with the numbers and the remedy.
+struct Refusal : std::runtime_error {
+    using std::runtime_error::runtime_error;
+};
 
 template <int D> struct Scene {
     std::vector<std::array<double, D>> centres;
@@ -122,9 +128,11 @@ template <int D, class Detect> std::uint64_t timed(Detect& detect, const Scene<D
 }
 
 // Answers requests until `quit`. `Plane` and `Space` are called with a scene and a cleared list of pairs: one detection, from raw coordinates on.
-template <class Plane, class Space> void serve(const std::string& name, const std::string& version, Plane plane, Space space) {
+// `arithmetic` is the truth that the answers are held to: `exact`, `f64` (as `Scene::touch` decides), `textbook` or `f32`.
+template <class Plane, class Space>
+void serve(const std::string& name, const std::string& version, Plane plane, Space space, const std::string& arithmetic = "exact") {
     std::ios::sync_with_stdio(false);
-    say("{\"reply\":\"hello\",\"protocol\":1,\"detector\":\"" + name + "\",\"arithmetic\":\"exact\",\"version\":\"" + version + "\"}");
+    say("{\"reply\":\"hello\",\"protocol\":1,\"detector\":\"" + name + "\",\"arithmetic\":\"" + arithmetic + "\",\"version\":\"" + version + "\"}");
     std::optional<Scene<2>> flat;
     std::optional<Scene<3>> solid;
     std::uint64_t calls = 0;
@@ -164,6 +172,8 @@ template <class Plane, class Space> void serve(const std::string& name, const st
             }
         } catch (const std::bad_alloc&) {
             throw;
+        } catch (const Refusal& refusal) {
+            say("{\"reply\":\"refused\",\"reason\":\"" + escaped(refusal.what()) + "\"}");
         } catch (const std::exception& error) {
             say("{\"reply\":\"error\",\"reason\":\"" + escaped(error.what()) + "\"}");
         }

@@ -11,7 +11,8 @@
 //! 4. [`probe`]: its operations are counted, or cost nothing when nobody listens; [`sink`]: its contacts become a list, a count, a digest.
 //! 5. [`oracle`]: the truth, which every answer must meet; [`mod@check`]: the same on many small scenes.
 //! 6. [`harness`]: experiments run every detector in a process of its own and append rows to a record.
-//! 7. [`analyse`]: medians, intervals, fits, claims, from the record alone; [`figure`]: what they look like.
+//! 7. [`analyse`]: medians, intervals, fits, claims, from the record alone; [`figure`] and [`page`]: what they look like.
+//!    [`recommend`] does both at once for one scene.
 //! 8. [`cli`]: the verbs of the program `contactbench`.
 //!
 //! ```
@@ -33,13 +34,17 @@
 //! ```
 #![warn(missing_docs)]
 
-pub use contactbench_core::{contact, detect, filter, probe, sink, wide, with_scene};
+pub use contactbench_core::{contact, detect, event, filter, probe, sink, wide, with_scene};
 
 pub mod analyse;
 pub mod check;
 pub mod cli;
+pub mod draw;
 pub mod figure;
 pub mod harness;
 pub mod oracle;
+pub mod page;
 pub mod read;
+pub mod recommend;
 pub mod scene;
+pub mod trace;

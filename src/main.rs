@@ -3,7 +3,9 @@
 use std::process::ExitCode;
 
 use clap::Parser;
-use contactbench::cli::{Cli, Verb, check, compare, detect, list, merge, run, runner};
+use contactbench::cli::{
+    Cli, Verb, check, compare, detect, draw, inspect, list, merge, new_detector, recommend, run, runner, shell, trace, verify, write,
+};
 use contactbench::harness::alloc::Counting;
 
 #[global_allocator]
@@ -19,6 +21,15 @@ fn main() -> ExitCode {
         Some(Verb::List(options)) => list::list(&options),
         Some(Verb::Check(options)) => check::check(&options),
         Some(Verb::Detect(options)) => detect::detect(&options),
+        Some(Verb::Inspect(options)) => inspect::inspect(&options),
+        Some(Verb::Verify(options)) => verify::verify(&options),
+        Some(Verb::Scene(options)) => write::write(&options),
+        Some(Verb::NewDetector(options)) => new_detector::new_detector(&options),
+        Some(Verb::Recommend(options)) => recommend::recommend(&options),
+        Some(Verb::Draw(options)) => draw::draw(&options),
+        Some(Verb::Trace(options)) => trace::trace(&options),
+        Some(Verb::Completions(options)) => shell::completions(&options),
+        Some(Verb::Man(options)) => shell::man(&options),
         Some(Verb::Runner(options)) => runner::serve(&options),
     };
     match result {

@@ -4,6 +4,8 @@
 //! `benches/silent_probe.rs`: the same number of instructions as a hand-written twin); with [`Tally`] the counts are exact
 //! and the same on every machine. The words are the same for all detectors, so that their counts can be compared.
 
+use crate::event::Event;
+
 /// An elementary operation of contact detection.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(usize)]
@@ -77,6 +79,9 @@ pub trait Probe {
     fn count(&mut self, op: Op) {
         self.add(op, 1);
     }
+    /// Something happened that can be shown. A probe that shows nothing never makes the event.
+    #[inline(always)]
+    fn note(&mut self, _: impl FnOnce() -> Event) {}
 }
 
 /// Hears nothing and costs nothing.

@@ -20,6 +20,7 @@ pub mod keyed;
 pub mod machine;
 pub mod nnls;
 pub mod overhead;
+pub mod paper;
 pub mod place;
 pub mod price;
 pub mod ratios;

@@ -1,4 +1,4 @@
-//! The report of a result folder: `report.md`, `summary.csv` and `figures/`, from the record alone.
+//! The report of a result folder: `report.md`, `report.html`, `summary.csv` and `figures/`, from the record alone.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -16,6 +16,7 @@ use super::{csv, errors, price, summary, text};
 use crate::figure::{self, style::Styles};
 use crate::harness::experiment::{Experiment, Table};
 use crate::harness::record::Row;
+use crate::page::{self, Page, Part, command, shown};
 
 /// How to read the table of errors.
 const ERRORS: &str = "Pairs missed / pairs added, by cause: *storing* the scene (its coordinates rounded, then decided exactly), \
@@ -37,8 +38,10 @@ pub struct Report {
     pub tables: Vec<String>,
     /// The figures, SVG and PNG.
     pub figures: Vec<PathBuf>,
-    /// The report.
+    /// The report in Markdown.
     pub path: PathBuf,
+    /// The report as a page, with charts.
+    pub page: PathBuf,
     /// Sentences about what was left out: those given, and figures that could not be drawn.
     pub warnings: Vec<String>,
 }
@@ -50,38 +53,48 @@ pub fn write(folder: &Path, experiments: &[Experiment], rows: &[Row], warnings: 
     let styles = Styles::new(cells.iter().map(|cell| cell.key.detector.as_str()));
     let figure_folder = folder.join("figures");
     std::fs::create_dir_all(&figure_folder).with_context(|| format!("cannot make the folder {}", figure_folder.display()))?;
-    let (path, warnings) = (folder.join("report.md"), warnings.to_vec());
-    let mut report = Report { verdicts: Vec::new(), tables: Vec::new(), figures: Vec::new(), path, warnings };
+    let (path, page, warnings) = (folder.join("report.md"), page::path(folder), warnings.to_vec());
+    let mut report = Report { verdicts: Vec::new(), tables: Vec::new(), figures: Vec::new(), path, page, warnings };
     let provenance = std::fs::read(folder.join("provenance.json")).ok().and_then(|bytes| serde_json::from_slice::<Value>(&bytes).ok());
     let machine = Machine::of(provenance.as_ref());
-    let (mut body, mut files) = (String::new(), Files::default());
+    let (mut body, mut files, mut parts) = (String::new(), Files::default(), Vec::new());
     for experiment in experiments {
         let own: Vec<&Cell> = cells.iter().filter(|cell| cell.key.experiment == experiment.name).collect();
         let verdicts = claim::verdicts(experiment, &cells);
         section(&mut body, experiment, &own, &verdicts);
         let matrix = Matrix::new(&own).filter(|_| experiment.table == Some(Table::Verdicts));
+        let (mut said, mut analysis, mut drawn) = (None, String::new(), Vec::new());
         if let Some(matrix) = &matrix {
-            let _ = write!(body, "### Who is right\n\n{VERDICTS}\n\n{}\n", matrix.markdown());
+            let text = format!("{VERDICTS}\n\n{}\n", matrix.markdown());
+            let _ = write!(body, "### Who is right\n\n{text}");
+            said = Some(text);
             report.tables.push(format!("{}: {}\n\n{}", experiment.name, experiment.title, matrix.plain()));
         }
         for plan in &experiment.figures {
             match figure::draw(&figure_folder, experiment, plan, &cells, &styles, &machine) {
                 Ok(paths) => {
                     embed(&mut body, &plan.title, &paths);
-                    report.figures.extend(paths);
+                    report.figures.extend(paths.iter().cloned());
+                    drawn.extend((!paths.is_empty()).then(|| (plan.title.clone(), paths)));
                 }
                 Err(error) => report.warnings.push(format!("the figure {} of {} was not drawn: {error:#}", plan.name, experiment.name)),
             }
         }
-        speed::sections(&mut body, experiment, &own, &machine, &mut files);
+        speed::sections(&mut analysis, experiment, &own, &machine, &mut files);
         // The matrix says all that these would, of a hundred scenes.
         if matrix.is_none() {
-            tables(&mut body, &own);
+            tables(&mut analysis, &own);
         }
-        report.verdicts.extend(verdicts);
+        body += &analysis;
+        report.verdicts.extend(verdicts.iter().cloned());
+        parts.push(Part { experiment, cells: own, verdicts, figures: drawn, matrix: said, tables: analysis });
     }
-    let page = head(experiments, &report, &cells, provenance.as_ref()) + &body + &foot(provenance.as_ref());
-    std::fs::write(&report.path, page).with_context(|| format!("cannot write the report {}", report.path.display()))?;
+    let text = head(experiments, &report, &cells, provenance.as_ref()) + &body + &foot(provenance.as_ref());
+    let (provenance, resumed) = (provenance.as_ref(), resumed(folder));
+    let page = Page { parts, cells: &cells, styles: &styles, provenance, resumed, warnings: &report.warnings }.html();
+    for (path, text) in [(&report.path, text), (&report.page, page)] {
+        std::fs::write(path, text).with_context(|| format!("cannot write the report {}", path.display()))?;
+    }
     let mut tables = vec![("summary.csv", csv::csv(&cells))];
     if !report.tables.is_empty() {
         let asked = |cell: &&Cell| experiments.iter().any(|e| e.table == Some(Table::Verdicts) && e.name == cell.key.experiment);
@@ -95,14 +108,20 @@ pub fn write(folder: &Path, experiments: &[Experiment], rows: &[Row], warnings: 
     Ok(report)
 }
 
+/// The provenance of runs that went on with a record, in the order of their dates.
+fn resumed(folder: &Path) -> Vec<Value> {
+    let names = std::fs::read_dir(folder).into_iter().flatten().filter_map(|entry| Some(entry.ok()?.path()));
+    let is_resumed = |path: &PathBuf| path.file_name().is_some_and(|name| name.to_string_lossy().starts_with("provenance-resumed-"));
+    let mut paths: Vec<PathBuf> = names.filter(is_resumed).collect();
+    paths.sort();
+    paths.iter().filter_map(|path| serde_json::from_slice(&std::fs::read(path).ok()?).ok()).collect()
+}
+
 /// Title, the command that made it, the score of the claims, warnings; each question with its answer: who won where.
 fn head(experiments: &[Experiment], report: &Report, cells: &[Cell], provenance: Option<&Value>) -> String {
     let titles: Vec<String> = experiments.iter().map(|experiment| text::escape(&experiment.title)).collect();
     let mut out = format!("# {}\n\n", if titles.len() == 1 { titles.join("") } else { "Contact detection: results".into() });
-    let command = provenance.and_then(|p| p.get("command")).map(|command| match command {
-        Value::Array(words) => words.iter().map(shown).collect::<Vec<_>>().join(" "),
-        word => shown(word),
-    });
+    let command = provenance.and_then(|fields| fields.get("command")).map(command);
     if let Some(command) = command {
         // a fence longer than any in the command
         let _ = write!(out, "Made by\n\n````text\n{}\n````\n\n", command.replace("````", "'"));
@@ -198,11 +217,6 @@ fn foot(provenance: Option<&Value>) -> String {
         }
     }
     out
-}
-
-/// Text as it is, anything else as JSON.
-fn shown(value: &Value) -> String {
-    value.as_str().map_or_else(|| value.to_string(), String::from)
 }
 
 #[cfg(test)]

@@ -90,7 +90,7 @@ fn named(cell: &Cell) -> String {
 }
 
 /// The cells of the largest N, and among those of the last parameters and the first seed.
-fn last_scene<'a>(cells: &[&'a Cell]) -> Option<(Key, Vec<&'a Cell>)> {
+pub(crate) fn last_scene<'a>(cells: &[&'a Cell]) -> Option<(Key, Vec<&'a Cell>)> {
     let scene = |key: &Key| (key.n, key.params.clone(), key.order.clone(), std::cmp::Reverse(key.seed));
     let last = cells.iter().map(|cell| scene(&cell.key)).max()?;
     let cells: Vec<&Cell> = cells.iter().copied().filter(|cell| scene(&cell.key) == last).collect();

@@ -18,8 +18,8 @@ pub fn as_csv(scene: &AnyScene<'_>) -> String {
     text
 }
 
-/// The regression file of a failure; `path` is where it will stand.
-pub fn file(failure: &Failure, path: &Path) -> String {
+/// The regression file of a failure; `path` is where it will stand, `who` the options of the check that say who was wrong.
+pub fn file(failure: &Failure, path: &Path, who: &str) -> String {
     let Failure { detector, arithmetic, found_on, smallest, .. } = failure;
     let arithmetic = arithmetic.name();
     let how = match &failure.wrong {
@@ -29,7 +29,7 @@ pub fn file(failure: &Failure, path: &Path) -> String {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let comment = format!(
         "{detector}, {arithmetic} arithmetic: {how}\nfound on {found_on}\n\
-         contactbench check --scene {name} --detector {detector} --arithmetic {arithmetic}"
+         contactbench check --scene {name} {who}"
     );
     let comment: String = comment.lines().map(|line| format!("# {line}\n")).collect();
     comment + &as_csv(smallest)

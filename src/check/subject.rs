@@ -1,4 +1,6 @@
-//! A detector under test, in a thread of its own: one that panics or hangs ends neither the check nor the program.
+//! Who is checked: a detector in a thread of its own, or a runner (see [`super::process`]).
+//!
+//! A detector under test works in a thread: one that panics or hangs ends neither the check nor the program.
 //!
 //! The thread keeps the detector, and so its buffers, from call to call. After a panic the detector is made anew. A thread that does not
 //! answer in time is left behind (nothing can end it but the end of the process), and another takes its place.
@@ -10,8 +12,9 @@ use std::time::Duration;
 
 use anyhow::Context;
 
+use super::process::{Foreign, Process};
 use super::{Differences, Wrong};
-use crate::contact::Test;
+use crate::contact::{Arithmetic, Test};
 use crate::detect::any::AnyDetector;
 use crate::detect::table::Entry;
 use crate::detect::{Options, Refusal};
@@ -21,6 +24,57 @@ use crate::sink::{Digest, Sink};
 
 /// The name of the threads: panics in them are findings, not defects of the check.
 pub const THREAD: &str = "detector under test";
+
+/// Who is checked.
+pub enum Candidate {
+    /// A detector of the table.
+    Detector(&'static Entry),
+    /// A runner.
+    Runner(Foreign),
+}
+
+impl Candidate {
+    /// The detector's name.
+    pub fn name(&self) -> &str {
+        match self {
+            Candidate::Detector(entry) => entry.name,
+            Candidate::Runner(foreign) => &foreign.name,
+        }
+    }
+
+    /// One to be asked, without a history; a detection may take until `deadline`.
+    pub fn subject(&self, options: Options, deadline: Duration) -> anyhow::Result<Box<dyn Subject>> {
+        Ok(match self {
+            Candidate::Detector(entry) => Box::new(Thread::new(entry, options, deadline)?),
+            Candidate::Runner(foreign) => Box::new(Process::new(foreign, deadline)?),
+        })
+    }
+
+    /// Does a fresh one take a while?
+    pub(super) fn is_slow_to_make(&self) -> bool {
+        matches!(self, Candidate::Runner(_))
+    }
+}
+
+/// What is asked.
+pub struct Question<'a> {
+    /// The scene.
+    pub given: &'a AnyScene<'static>,
+    /// The same as the arithmetic stores it.
+    pub stored: &'a Arc<AnyScene<'static>>,
+    /// How contacts are decided.
+    pub arithmetic: Arithmetic,
+    /// Asked of a detector without a history.
+    pub fresh: bool,
+    /// The right answer.
+    pub truth: &'a Truth,
+}
+
+/// Answers questions, each with what those before have left behind, unless it is to be fresh.
+pub trait Subject {
+    /// Asks for the pairs.
+    fn ask(&mut self, question: &Question<'_>) -> anyhow::Result<Answer>;
+}
 
 /// What came of a detection.
 pub enum Answer {
@@ -32,15 +86,29 @@ pub enum Answer {
     Panicked(String),
     /// It was not ready in time.
     Hangs(Duration),
+    /// A runner refused the scene, for this reason.
+    Declined(String),
+    /// A runner was wrong in a way of its own.
+    Wrong(Wrong),
 }
 
 impl Answer {
+    /// Why the scene was refused, if it was, as it may be.
+    pub fn refusal(&self) -> Option<String> {
+        match self {
+            Answer::Refused(refusal, 0) => Some(refusal.to_string()),
+            Answer::Declined(reason) => Some(reason.clone()),
+            _ => None,
+        }
+    }
+
     /// In which way the answer is wrong, if it is.
     pub fn wrong(self, truth: &Truth) -> Option<Wrong> {
         match self {
             Answer::Pairs(pairs) if Digest::of(&pairs) == truth.digest => None,
             Answer::Pairs(pairs) => Some(Wrong::Pairs(Differences::new(pairs, &truth.pairs))),
-            Answer::Refused(_, 0) => None,
+            Answer::Refused(_, 0) | Answer::Declined(_) => None,
+            Answer::Wrong(wrong) => Some(wrong),
             Answer::Refused(_, reported) => Some(Wrong::RefusesLate(reported)),
             Answer::Panicked(message) => Some(Wrong::Panics(message)),
             Answer::Hangs(deadline) => Some(Wrong::Hangs(deadline)),
@@ -110,28 +178,28 @@ struct Job {
 }
 
 /// A detector in a thread of its own.
-pub struct Subject {
-    /// Its line in the table.
-    pub entry: &'static Entry,
+struct Thread {
+    entry: &'static Entry,
     options: Options,
     deadline: Duration,
     jobs: Sender<Job>,
     answers: Receiver<Answer>,
 }
 
-impl Subject {
-    /// A detector with empty buffers; a detection may take until `deadline`.
-    pub fn new(entry: &'static Entry, options: Options, deadline: Duration) -> anyhow::Result<Subject> {
+impl Thread {
+    fn new(entry: &'static Entry, options: Options, deadline: Duration) -> anyhow::Result<Thread> {
         let (jobs, to_do) = channel();
         let (done, answers) = channel();
         let work = move || serve(entry, options, &to_do, &done);
         std::thread::Builder::new().name(THREAD.into()).spawn(work).context("cannot start a thread for a detector")?;
-        Ok(Subject { entry, options, deadline, jobs, answers })
+        Ok(Thread { entry, options, deadline, jobs, answers })
     }
+}
 
-    /// Asks for the pairs of a stored scene, of a detector without a history if `fresh`.
-    pub fn ask(&mut self, scene: &Arc<AnyScene<'static>>, test: Test, fresh: bool, truth: &Truth) -> anyhow::Result<Answer> {
-        let job = Job { scene: scene.clone(), test, fresh, expected: truth.into() };
+impl Subject for Thread {
+    fn ask(&mut self, question: &Question<'_>) -> anyhow::Result<Answer> {
+        let Question { stored, arithmetic, fresh, truth, .. } = *question;
+        let job = Job { scene: stored.clone(), test: arithmetic.test(), fresh, expected: truth.into() };
         // If the thread is gone, there will be no answer either.
         let _ = self.jobs.send(job);
         let lost = match self.answers.recv_timeout(self.deadline) {
@@ -139,7 +207,7 @@ impl Subject {
             Err(RecvTimeoutError::Timeout) => Answer::Hangs(self.deadline),
             Err(RecvTimeoutError::Disconnected) => Answer::Panicked("its thread ended".into()),
         };
-        *self = Subject::new(self.entry, self.options, self.deadline)?;
+        *self = Thread::new(self.entry, self.options, self.deadline)?;
         Ok(lost)
     }
 }

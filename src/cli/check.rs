@@ -1,17 +1,23 @@
 //! `contactbench check`.
 
+use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
-use anyhow::{Context, ensure};
+use anyhow::{Context, bail, ensure};
 use serde_json::{Value, json};
 
 use super::ci::{Case, Outcome, Outputs};
-use crate::check::{self, Failure, Limits, Report, Wrong, regression, subject};
+use crate::check::process::Foreign;
+use crate::check::subject::Candidate;
+use crate::check::{self, Differences, Failure, Limits, Report, Wrong, conversation, regression, subject};
 use crate::contact::Arithmetic;
 use crate::detect::table::TABLE;
+use crate::draw::{self, Highlighted, Look};
+use crate::harness::interrupt;
+use crate::oracle;
 use crate::read;
 
 /// Options of `check`.
@@ -20,20 +26,23 @@ pub struct Check {
     /// Only this detector (may be given several times; default: all)
     #[arg(long)]
     detector: Vec<String>,
-    /// Only this arithmetic (may be given several times); textbook filters lose contacts, as is to be expected
-    #[arg(long, value_enum, default_values_t = [Arithmetic::Exact])]
+    /// A detector in another language: the command that starts its runner (docs/PROTOCOL.md); {arithmetic} in it stands for each --arithmetic
+    #[arg(long, value_name = "COMMAND", conflicts_with = "detector")]
+    runner: Option<String>,
+    /// Only this arithmetic (may be given several times; default: exact; a runner says its own); textbook filters lose contacts, as is to be expected
+    #[arg(long, value_enum)]
     arithmetic: Vec<Arithmetic>,
-    /// Check this particle file with radii (may be given several times) instead of generated scenes
+    /// Check this particle file with radii (may be given several times) instead of the scenes of the check
     #[arg(long)]
     scene: Vec<PathBuf>,
     /// Seeds to try at most
     #[arg(long, default_value_t = Limits::default().seeds)]
     seeds: u64,
-    /// No new scene is generated after this many seconds (the first seed is always completed)
+    /// No new scene is begun after this many seconds (generated scenes of the first seed are always completed)
     #[arg(long, default_value_t = Limits::default().time.as_secs_f64(), allow_negative_numbers = true)]
     seconds: f64,
     /// A detection that takes more seconds than this hangs
-    #[arg(long, default_value_t = Limits::default().deadline.as_secs_f64(), allow_negative_numbers = true)]
+    #[arg(long, default_value_t = DEADLINE_S, allow_negative_numbers = true)]
     deadline: f64,
     /// Where failing scenes are written
     #[arg(long, default_value = ".")]
@@ -45,14 +54,37 @@ pub struct Check {
     ci: Outputs,
 }
 
+/// A hang, too, is to be told within 10 seconds; scenes are small.
+const DEADLINE_S: f64 = 5.0;
+/// So many kinds of refusals are shown.
+const KINDS: usize = 6;
+
+/// Who is checked together, and how contacts are decided.
+struct Group {
+    candidates: Vec<Candidate>,
+    arithmetics: Vec<Arithmetic>,
+}
+
+impl Group {
+    fn names(&self) -> impl Iterator<Item = &str> {
+        self.candidates.iter().map(Candidate::name)
+    }
+}
+
+/// What came of a group on a given scene, or on those of the battery.
+struct Checked<'a> {
+    group: &'a Group,
+    report: Report,
+    path: Option<&'a Path>,
+}
+
 /// Runs the checks; exit code 1 if a detector disagrees with the truth.
 pub fn check(options: &Check) -> anyhow::Result<ExitCode> {
+    let started = Instant::now();
     let (seconds, deadline) = (options.seconds, options.deadline);
     ensure!((0.0..1e9).contains(&seconds), "--seconds {seconds}: give a number from 0 to 10^9");
     ensure!((1e-3..1e9).contains(&deadline), "--deadline {deadline}: give a number from 0.001 to 10^9");
     ensure!(options.seeds >= 1, "--seeds 0: at least one is needed");
-    let chosen = options.detector.iter().map(|name| super::detector(name)).collect::<anyhow::Result<Vec<_>>>()?;
-    let chosen = if chosen.is_empty() { TABLE.iter().filter(|entry| entry.must_be_right()).collect() } else { chosen };
     let limits = Limits {
         seeds: options.seeds,
         time: Duration::from_secs_f64(seconds),
@@ -60,33 +92,57 @@ pub fn check(options: &Check) -> anyhow::Result<ExitCode> {
         ..Limits::default()
     };
     quiet_panics();
-    let mut reports: Vec<(Report, Option<&Path>)> = Vec::new();
-    for path in &options.scene {
-        let scene = read::scene(path, read::Options::default())?;
-        reports.push((check::check_scene(&scene, &path.display().to_string(), &chosen, &options.arithmetic, &limits)?, Some(path)));
-    }
-    if options.scene.is_empty() {
-        reports.push((check::check(&chosen, &options.arithmetic, &limits)?, None));
-    }
     let mut out: Box<dyn Write> = if options.json { Box::new(std::io::sink()) } else { Box::new(std::io::stdout().lock()) };
-    for (report, path) in &reports {
+    let mut broken = Vec::new();
+    let groups = match &options.runner {
+        None => vec![detectors(options)?],
+        Some(command) => {
+            interrupt::end_runners_too().context("cannot listen to Ctrl-C")?;
+            runners(command, options, &limits, &mut broken, &mut out)?
+        }
+    };
+    let mut reports: Vec<Checked<'_>> = Vec::new();
+    for group in &groups {
+        let Group { candidates, arithmetics } = group;
+        for path in &options.scene {
+            let scene = read::scene(path, read::Options::default())?;
+            let report = check::one_scene(&scene, &path.display().to_string(), candidates, arithmetics, &limits)?;
+            reports.push(Checked { group, report, path: Some(path) });
+        }
+        if options.scene.is_empty() {
+            reports.push(Checked { group, report: check::battery(candidates, arithmetics, &limits)?, path: None });
+        }
+    }
+    for Checked { report, path, .. } in &reports {
         for failure in &report.failures {
             describe(failure, *path, options, &mut out)?;
         }
-        for (reason, times) in &report.refused {
-            writeln!(out, "refused {times} times: {reason}")?;
+        refusals(report, &mut out)?;
+        if path.is_none() {
+            let scenes: Vec<String> = report.scenes.iter().map(|(source, count)| format!("{source} {count}")).collect();
+            let cut = if report.cut && report.failures.is_empty() { "; the time was over before all were tried (--seconds)" } else { "" };
+            writeln!(out, "scenes: {}, in {:.1} s{cut}", scenes.join(", "), started.elapsed().as_secs_f64())?;
         }
     }
-    let right = reports.iter().all(|(report, _)| report.failures.is_empty());
-    let cases: u64 = reports.iter().map(|(report, _)| report.cases).sum();
-    let names: Vec<&str> = chosen.iter().map(|entry| entry.name).collect();
-    let verdict = if right { "all agree with all pairs tested" } else { "WRONG" };
-    writeln!(out, "check: {cases} detections by {}: {verdict}", names.join(", "))?;
+    let mut names: Vec<&str> = groups.iter().flat_map(Group::names).collect();
+    // A runner in several arithmetics.
+    names.dedup();
+    let cases: u64 = reports.iter().map(|checked| checked.report.cases).sum();
+    let right = broken.is_empty() && reports.iter().all(|checked| checked.report.failures.is_empty());
+    // Whoever refuses everything has shown nothing.
+    let silent = cases == 0 && options.runner.is_some() && !names.is_empty();
+    let verdict = match (right, silent) {
+        (true, false) => "all agree with all pairs tested",
+        (_, true) => "WRONG: it has refused all of them",
+        _ => "WRONG",
+    };
+    writeln!(out, "check: {cases} detections by {}: {verdict}", if names.is_empty() { "nobody".into() } else { names.join(", ") })?;
+    let right = right && !silent;
     if options.json {
-        let text = serde_json::to_string_pretty(&as_json(&reports, &names, options, right))?;
-        writeln!(std::io::stdout(), "{text}")?;
+        let value = as_json(&reports, &broken, right, options);
+        writeln!(std::io::stdout(), "{}", serde_json::to_string_pretty(&value)?)?;
     }
-    options.ci.write("check", &verdicts(&reports, &names, options), &mut out)?;
+    options.ci.write("check", &verdicts(&reports, &broken, options), &mut out)?;
     Ok(if right { ExitCode::SUCCESS } else { ExitCode::from(1) })
 }
 
@@ -96,14 +152,15 @@ fn regression_file(failure: &Failure, given: Option<&Path>, options: &Check) -> 
     options.out.join(format!("failing-{}-{}{stem}.csv", failure.detector, failure.arithmetic.name()))
 }
 
-/// Every detector in every arithmetic, on every given scene or on the generated ones, for continuous integration.
-fn verdicts(reports: &[(Report, Option<&Path>)], names: &[&str], options: &Check) -> Vec<Case> {
-    let mut cases = Vec::new();
-    for (report, path) in reports {
+/// Every detector in every arithmetic, on every given scene or on those of the battery, for continuous integration.
+fn verdicts(reports: &[Checked<'_>], broken: &[Wrong], options: &Check) -> Vec<Case> {
+    let case = |wrong: &Wrong| Case { class: "protocol".into(), name: "conversation".into(), result: Outcome::Failed(wrong.to_string()) };
+    let mut cases: Vec<Case> = broken.iter().map(case).collect();
+    for Checked { group, report, path } in reports {
         let class = path.map_or("generated".into(), |path| path.display().to_string());
-        for arithmetic in &options.arithmetic {
-            for name in names {
-                let wrong = report.failures.iter().find(|failure| failure.detector == *name && failure.arithmetic == *arithmetic);
+        for arithmetic in &group.arithmetics {
+            for name in group.names() {
+                let wrong = report.failures.iter().find(|failure| failure.detector == name && failure.arithmetic == *arithmetic);
                 let why = |failure: &Failure| {
                     let file = regression_file(failure, *path, options);
                     format!("on {}: {}; smallest failing scene: {}", failure.found_on, failure.found, file.display())
@@ -116,7 +173,7 @@ fn verdicts(reports: &[(Report, Option<&Path>)], names: &[&str], options: &Check
     cases
 }
 
-fn as_json(reports: &[(Report, Option<&Path>)], names: &[&str], options: &Check, right: bool) -> Value {
+fn as_json(reports: &[Checked<'_>], broken: &[Wrong], right: bool, options: &Check) -> Value {
     let failure = |failure: &Failure, path: &Option<&Path>| {
         json!({
             "detector": failure.detector,
@@ -128,16 +185,133 @@ fn as_json(reports: &[(Report, Option<&Path>)], names: &[&str], options: &Check,
             "file": regression_file(failure, *path, options).display().to_string(),
         })
     };
-    let of = |(report, path): &(Report, Option<&Path>)| {
+    let of = |Checked { group, report, path }: &Checked<'_>| {
         json!({
             "scene": path.map_or("generated".into(), |path| path.display().to_string()),
+            "detectors": group.names().collect::<Vec<_>>(),
+            "arithmetics": group.arithmetics.iter().map(|arithmetic| arithmetic.name()).collect::<Vec<_>>(),
+            "scenes": report.scenes,
             "detections": report.cases,
             "refused": report.refused,
             "failures": report.failures.iter().map(|found| failure(found, path)).collect::<Vec<_>>(),
         })
     };
-    let arithmetics: Vec<&str> = options.arithmetic.iter().map(|arithmetic| arithmetic.name()).collect();
-    json!({"passed": right, "detectors": names, "arithmetics": arithmetics, "checks": reports.iter().map(of).collect::<Vec<_>>()})
+    // Each name once, in the order of the check.
+    fn union<'a>(of: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
+        let mut names = Vec::new();
+        of.for_each(|name| {
+            if !names.contains(&name) {
+                names.push(name)
+            }
+        });
+        names
+    }
+    let detectors = union(reports.iter().flat_map(|checked| checked.group.names()));
+    let arithmetics = union(reports.iter().flat_map(|checked| checked.group.arithmetics.iter().map(|arithmetic| arithmetic.name())));
+    let protocol: Vec<String> = broken.iter().map(Wrong::to_string).collect();
+    let checks: Vec<Value> = reports.iter().map(of).collect();
+    json!({ "passed": right, "detectors": detectors, "arithmetics": arithmetics, "protocol": protocol, "checks": checks })
+}
+
+/// Detectors of the table.
+fn detectors(options: &Check) -> anyhow::Result<Group> {
+    let chosen = options.detector.iter().map(|name| super::detector(name)).collect::<anyhow::Result<Vec<_>>>()?;
+    let chosen = if chosen.is_empty() { TABLE.iter().filter(|entry| entry.must_be_right()).collect() } else { chosen };
+    let arithmetics = if options.arithmetic.is_empty() { vec![Arithmetic::Exact] } else { options.arithmetic.clone() };
+    Ok(Group { candidates: chosen.into_iter().map(Candidate::Detector).collect(), arithmetics })
+}
+
+/// What stands for an arithmetic in a command.
+const ARITHMETIC: &str = "{arithmetic}";
+
+/// Starts a runner in each arithmetic, talks with it, and says what it offers.
+fn runners(command: &str, options: &Check, limits: &Limits, broken: &mut Vec<Wrong>, out: &mut dyn Write) -> anyhow::Result<Vec<Group>> {
+    let words = match shlex::split(command) {
+        Some(words) if !words.is_empty() => words,
+        Some(_) => bail!("--runner is empty: give the command that starts the runner, as in --runner \"python3 my_detector.py\""),
+        None => bail!("--runner '{command}': a quote is not closed"),
+    };
+    let asks = words.iter().any(|word| word.contains(ARITHMETIC));
+    ensure!(
+        asks || options.arithmetic.is_empty(),
+        "--arithmetic: a runner says its own in its first line; if its command takes one, write {ARITHMETIC} there, as in --runner \"my-detector --arithmetic {ARITHMETIC}\""
+    );
+    let asked: Vec<Option<Arithmetic>> = match (asks, options.arithmetic.is_empty()) {
+        (false, _) => vec![None],
+        (true, true) => Arithmetic::SAFE.map(Some).into(),
+        (true, false) => options.arithmetic.iter().copied().map(Some).collect(),
+    };
+    let mut groups = Vec::new();
+    for arithmetic in asked {
+        let name = arithmetic.map_or("", Arithmetic::name);
+        let words = words.iter().map(|word| word.replace(ARITHMETIC, name)).collect();
+        let foreign = match Foreign::meet(words)? {
+            Ok(foreign) if arithmetic.is_some_and(|asked| asked != foreign.arithmetic) => {
+                let said = foreign.arithmetic.name();
+                Err(Wrong::Breaks(format!("started with {name} as its arithmetic, it says {said} in its first line")))
+            }
+            met => met,
+        };
+        let foreign = match foreign {
+            Ok(foreign) => foreign,
+            Err(wrong) => {
+                wrongs(std::slice::from_ref(&wrong), out)?;
+                broken.push(wrong);
+                continue;
+            }
+        };
+        let manners = conversation::hold(&foreign, limits.deadline)?;
+        let Foreign { name, version, arithmetic, .. } = &foreign;
+        let version = if version.is_empty() { String::new() } else { format!(" {version}") };
+        let lacks: Vec<&str> = ["count", "memory", "pairs"].into_iter().filter(|ability| !manners.abilities.contains(ability)).collect();
+        let lacks = if lacks.is_empty() { "has all requests".into() } else { format!("without {}", lacks.join(" and ")) };
+        writeln!(out, "runner: {name}{version}, {} arithmetic, {lacks}", arithmetic.name())?;
+        wrongs(&manners.broken, out)?;
+        broken.extend(manners.broken);
+        groups.push(Group { arithmetics: vec![*arithmetic], candidates: vec![Candidate::Runner(foreign)] });
+    }
+    Ok(groups)
+}
+
+/// What is wrong with a runner whatever the scene.
+fn wrongs(wrongs: &[Wrong], out: &mut dyn Write) -> anyhow::Result<()> {
+    for wrong in wrongs {
+        writeln!(out, "WRONG: {wrong}")?;
+        last_words(wrong, out)?;
+    }
+    Ok(())
+}
+
+/// What a runner said on its standard error before it died.
+fn last_words(wrong: &Wrong, out: &mut dyn Write) -> anyhow::Result<()> {
+    if let Wrong::Dies { errors, .. } = wrong
+        && errors.lines().count() > 1
+    {
+        writeln!(out, "  the last lines of its standard error:")?;
+        for line in errors.lines() {
+            writeln!(out, "    {line}")?;
+        }
+    }
+    Ok(())
+}
+
+/// Refusals of a kind differ in numbers only.
+fn refusals(report: &Report, out: &mut dyn Write) -> anyhow::Result<()> {
+    let mut kinds: BTreeMap<String, (&str, u64)> = BTreeMap::new();
+    for (reason, times) in &report.refused {
+        let kind = reason.chars().map(|c| if c.is_ascii_digit() { '0' } else { c }).filter(|c| !"0.-+e".contains(*c)).collect();
+        kinds.entry(kind).or_insert((reason, 0)).1 += times;
+    }
+    let mut kinds: Vec<(&str, u64)> = kinds.into_values().collect();
+    kinds.sort_by_key(|&(_, times)| std::cmp::Reverse(times));
+    for (reason, times) in kinds.iter().take(KINDS) {
+        writeln!(out, "refused {times} times: {reason}")?;
+    }
+    if kinds.len() > KINDS {
+        let rest: u64 = kinds[KINDS..].iter().map(|(_, times)| times).sum();
+        writeln!(out, "refused {rest} times for {} other reasons", kinds.len() - KINDS)?;
+    }
+    Ok(())
 }
 
 /// A detector that panics is reported like any other that is wrong, and shrinking makes it panic often.
@@ -150,12 +324,33 @@ fn quiet_panics() {
     }));
 }
 
+/// The scene with its contacts, and what is wrong with the pairs. None where nobody could draw it.
+fn picture(failure: &Failure) -> Option<String> {
+    let Failure { detector, arithmetic, found, smallest, wrong, .. } = failure;
+    let mut contacts = oracle::truth(smallest, *arithmetic).ok()?.pairs;
+    let wrong = wrong.as_ref().unwrap_or(found);
+    let Differences { missed, spurious, selves, duplicate } = match wrong {
+        Wrong::Pairs(differences) => differences.clone(),
+        _ => Differences::default(),
+    };
+    contacts.retain(|pair| missed.binary_search(pair).is_err());
+    let near = Highlighted::of(smallest).ok()?.near;
+    let pairs = Highlighted { contacts, near, missed, spurious: [spurious, selves].concat(), duplicates: duplicate };
+    let title = format!("{detector}, {}: {wrong}", arithmetic.name());
+    draw::svg(smallest, &pairs, &Look::titled(title)).ok()
+}
+
 fn describe(failure: &Failure, given: Option<&Path>, options: &Check, out: &mut dyn Write) -> anyhow::Result<()> {
     let Failure { detector, arithmetic, found_on, found, smallest, wrong } = failure;
     let arithmetic = arithmetic.name();
     writeln!(out, "WRONG: {detector} with {arithmetic} arithmetic, on {found_on}: {found}")?;
+    last_words(wrong.as_ref().unwrap_or(found), out)?;
     let path = regression_file(failure, given, options);
-    let scene = regression::file(failure, &path);
+    let who = match &options.runner {
+        None => format!("--detector {detector} --arithmetic {arithmetic}"),
+        Some(command) => format!("--runner {}", shlex::try_quote(command).unwrap_or_default()),
+    };
+    let scene = regression::file(failure, &path, &who);
     std::fs::write(&path, &scene).with_context(|| format!("cannot write {}; choose another place with --out", path.display()))?;
     let (n, place) = (smallest.len(), path.display());
     match wrong {
@@ -163,11 +358,18 @@ fn describe(failure: &Failure, given: Option<&Path>, options: &Check, out: &mut 
         Some(wrong) => writeln!(out, "  smallest failing scene: {n} elements, {wrong}: {place}")?,
         None => writeln!(out, "  only after earlier scenes: something is left in its buffers; the scene: {n} elements: {place}")?,
     }
+    if let Some(picture) = picture(failure) {
+        let path = path.with_extension("svg");
+        std::fs::write(&path, picture).with_context(|| format!("cannot write {}; choose another place with --out", path.display()))?;
+        writeln!(out, "  drawn, missed pairs red and dashed, spurious ones orange: {}", path.display())?;
+    }
     for line in scene.lines().filter(|line| !line.starts_with('#')).take(12) {
         writeln!(out, "    {line}")?;
     }
-    writeln!(out, "  again:  contactbench check --scene {place} --detector {detector} --arithmetic {arithmetic}")?;
-    writeln!(out, "  see it: contactbench detect {place} --detector {detector} --arithmetic {arithmetic}")?;
+    writeln!(out, "  again:  contactbench check --scene {place} {who}")?;
+    if options.runner.is_none() {
+        writeln!(out, "  see it: contactbench detect {place} --detector {detector} --arithmetic {arithmetic}")?;
+    }
     writeln!(out, "  truth:  contactbench detect {place} --detector direct --arithmetic {arithmetic}")?;
     Ok(())
 }

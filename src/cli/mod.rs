@@ -4,11 +4,21 @@ pub mod check;
 pub mod ci;
 pub mod compare;
 pub mod detect;
+pub mod draw;
+pub mod input;
+pub mod inspect;
 pub mod list;
 pub mod merge;
+pub mod new_detector;
 pub mod progress;
+pub mod recommend;
 pub mod run;
 pub mod runner;
+pub mod scene;
+pub mod shell;
+pub mod trace;
+pub mod verify;
+pub mod write;
 
 use anyhow::anyhow;
 use clap::{Parser, Subcommand};
@@ -37,7 +47,9 @@ pub enum Verb {
     #[command(after_help = "Example: contactbench run scaling --quick\nExample: contactbench run my-experiment.toml --out results/mine")]
     Run(run::Run),
     /// Makes report and figures of a result folder again, from its record alone
-    #[command(after_help = "Example: contactbench report results/reference")]
+    #[command(
+        after_help = "Example: contactbench report results/reference\nExample: contactbench report results/reference --table latex > table.tex"
+    )]
     Report(run::Report),
     /// Compares two result folders: of two revisions, or two machines
     #[command(
@@ -61,6 +73,43 @@ pub enum Verb {
         after_help = "Example: contactbench detect packing.csv --detector nbs -o pairs.csv\nExample: contactbench detect centres.npy --radius 0.5 --arithmetic f64 > pairs.csv"
     )]
     Detect(detect::Detect),
+    /// Says what is understood of a particle file, and warns of the usual mistakes
+    #[command(after_help = "Example: contactbench inspect packing.dump\nExample: contactbench inspect centres.npy --radius 0.5 --json")]
+    Inspect(inspect::Inspect),
+    /// Compares a contact list of another code with the exact truth
+    #[command(after_help = "Example: contactbench verify packing.csv --pairs theirs.csv --base 1\nExit code 1 if the lists differ.")]
+    Verify(verify::Verify),
+    /// Writes a scene to a file, for use in your own code
+    #[command(
+        after_help = "Example: contactbench scene packed:dim=3,n=1000,seed=1 -o packed.csv\nExample: contactbench scene packing.dump --frame last -o packing.xyz"
+    )]
+    Scene(write::Write),
+    /// Says which detector to use for a scene: measures all of them on it
+    #[command(
+        after_help = "Example: contactbench recommend packing.csv\nExample: contactbench recommend clustered:dim=3,n=100000 --threads 2"
+    )]
+    Recommend(recommend::Recommend),
+    /// Writes a new detector that works, as a file to be changed, and its line in the table: in a checkout
+    #[command(after_help = "Example: contactbench new-detector quad-tree --in ~/contactbench")]
+    NewDetector(new_detector::NewDetector),
+    /// Draws a scene with its contacts, or a slice through spheres, as SVG or PNG
+    #[command(
+        after_help = "Example: contactbench draw packing.csv\nExample: contactbench draw packed:dim=3,n=2000 --slice z=4 -o slice.png\nExample: contactbench draw packing.csv --pairs theirs.csv"
+    )]
+    Draw(draw::Draw),
+    /// Shows a detector of the book step by step: one HTML page that steps with the arrow keys, and an SVG of each step
+    #[command(
+        after_help = "Example: contactbench trace nbs\nExample: contactbench trace screening packed:n=12 -o lecture\nWithout a scene the book's worked example is shown."
+    )]
+    Trace(trace::Trace),
+    /// Writes a completion script for your shell
+    #[command(
+        after_help = "Example: contactbench completions bash\nWrite it to a file such as ~/.local/share/bash-completion/completions/contactbench"
+    )]
+    Completions(shell::Completions),
+    /// Writes the manual page, or all of them into a folder
+    #[command(after_help = "Example: contactbench man -o ~/.local/share/man/man1\nTo read the page at once: contactbench man | man -l -")]
+    Man(shell::Man),
     /// Serves one detector on standard input and output: see docs/PROTOCOL.md
     #[command(after_help = "Example: echo '{\"request\":\"quit\"}' | contactbench runner --detector nbs")]
     Runner(runner::Serve),

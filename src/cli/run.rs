@@ -9,7 +9,7 @@ use anyhow::{Context, bail, ensure};
 
 use super::ci::{self, Case, Outputs};
 use super::progress::Terminal;
-use crate::analyse::{claim, report};
+use crate::analyse::{claim, paper, report, value};
 use crate::detect::table::{self, Entry};
 use crate::harness::bandwidth::{self, Bandwidth};
 use crate::harness::experiment::Experiment;
@@ -48,6 +48,9 @@ pub struct Report {
     folder: PathBuf,
     #[command(flatten)]
     ci: Outputs,
+    /// Print the main results as a table for a paper or a README instead, and write nothing
+    #[arg(long, value_enum, value_name = "FORMAT")]
+    table: Option<paper::Format>,
 }
 
 /// The standard reproduction.
@@ -203,11 +206,15 @@ fn write(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
 
 /// Makes the report of a result folder again.
 pub fn report(options: &Report) -> anyhow::Result<ExitCode> {
-    finish(&options.folder, &options.ci)
+    let Some(format) = options.table else { return finish(&options.folder, &options.ci) };
+    let (record, experiments) = read(&options.folder)?;
+    let text = paper::tables(&experiments, &value::cells(&record.rows), format);
+    std::io::stdout().lock().write_all(text.as_bytes())?;
+    Ok(ExitCode::SUCCESS)
 }
 
-/// Everything right of the record: verdicts, figures, report.
-pub(super) fn finish(folder: &Path, ci: &Outputs) -> anyhow::Result<ExitCode> {
+/// The record of a result folder, and its experiments.
+fn read(folder: &Path) -> anyhow::Result<(Record, Vec<Experiment>)> {
     let record = record::read(&folder.join(record::FILE))?;
     ensure!(!record.rows.is_empty(), "the record in {} holds no rows yet; run the experiment first", folder.display());
     let mut names: Vec<&str> = Vec::new();
@@ -218,6 +225,12 @@ pub(super) fn finish(folder: &Path, ci: &Outputs) -> anyhow::Result<ExitCode> {
     }
     let read = |name: &&str| Experiment::read(&folder.join("experiments").join(format!("{name}.toml")));
     let experiments = names.iter().map(read).collect::<anyhow::Result<Vec<_>>>()?;
+    Ok((record, experiments))
+}
+
+/// Everything right of the record: verdicts, figures, report.
+pub(super) fn finish(folder: &Path, ci: &Outputs) -> anyhow::Result<ExitCode> {
+    let (record, experiments) = read(folder)?;
     let again = || format!("the record is whole; when this is mended: contactbench report {}", quoted(&folder.display().to_string()));
     let report = report::write(folder, &experiments, &record.rows, &record.warnings).with_context(again)?;
     let mut out = std::io::stdout().lock();
@@ -230,6 +243,7 @@ pub(super) fn finish(folder: &Path, ci: &Outputs) -> anyhow::Result<ExitCode> {
     }
     writeln!(out, "figures: {} in {}", report.figures.len(), folder.join("figures").display())?;
     writeln!(out, "report:  {}", report.path.display())?;
+    writeln!(out, "page:    {}", report.page.display())?;
     let mut cases: Vec<Case> = report.verdicts.iter().map(case).collect();
     let wrong = record.rows.iter().filter(|row| row.outcome == record::Outcome::Wrong).count();
     if wrong > 0 {

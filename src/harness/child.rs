@@ -23,6 +23,13 @@ pub struct Start {
     pub memory_limit: u64,
 }
 
+impl Start {
+    /// What to do if the program is not there, to be put after the reason.
+    fn hint(&self) -> String {
+        if self.install.is_empty() { String::new() } else { format!("; {}", self.install) }
+    }
+}
+
 /// A request that failed: how, and why in one sentence.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Failure {
@@ -41,7 +48,14 @@ pub struct Runner {
     time_limit: Duration,
     /// What the runner said of itself: the arithmetic that it is held to.
     pub arithmetic: String,
+    /// Its own name.
+    pub detector: String,
+    /// Its version, or that of the library behind it; may be empty.
+    pub version: String,
 }
+
+/// How the reason begins where a line is no reply.
+pub const NO_REPLY: &str = "the runner's answer is not a reply";
 
 /// At most this much of what a runner says on its standard error is kept: the end, where the reason for its death stands.
 const KEPT: usize = 1 << 16;
@@ -52,17 +66,29 @@ const LONGEST_LINE: u64 = 1 << 20;
 const LOOK: Duration = Duration::from_millis(100);
 
 impl Runner {
-    /// Starts a runner and waits for its first line.
+    /// Starts a runner and waits for its first line. Whatever goes wrong, it is unavailable.
     pub fn start(start: &Start) -> Result<Runner, Failure> {
+        let mut runner = Runner::spawn(start)?;
+        // Starting is not detecting: an interpreter may take a while to load its libraries.
+        match runner.greet(start.time_limit.max(Duration::from_secs(30))) {
+            Ok(()) => Ok(runner),
+            Err(Failure { reason, outcome: Outcome::Unavailable | Outcome::Wrong }) => {
+                Err(Failure { outcome: Outcome::Unavailable, reason })
+            }
+            Err(Failure { reason, .. }) => Err(Failure { outcome: Outcome::Unavailable, reason: format!("{reason}{}", start.hint()) }),
+        }
+    }
+
+    /// Starts a process, which is to say hello: see [`Runner::greet`].
+    pub fn spawn(start: &Start) -> Result<Runner, Failure> {
         let unavailable = |reason: String| Failure { outcome: Outcome::Unavailable, reason };
-        let hint = if start.install.is_empty() { String::new() } else { format!("; {}", start.install) };
         let [program, arguments @ ..] = &start.command[..] else { return Err(unavailable("the runner's command is empty".into())) };
         let mut command = Command::new(program);
         command.args(arguments).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
         // A group of its own: what the runner starts can be ended with it. When the harness ends, runners see the end of their input.
         #[cfg(unix)]
         std::os::unix::process::CommandExt::process_group(&mut command, 0);
-        let mut child = command.spawn().map_err(|e| unavailable(format!("cannot start {program}: {e}{hint}")))?;
+        let mut child = command.spawn().map_err(|e| unavailable(format!("cannot start {program}: {e}{}", start.hint())))?;
         interrupt::started(child.id());
         limit_memory(&child, start.memory_limit);
         // A runner that says more than it is asked waits, and does not fill the memory.
@@ -93,17 +119,31 @@ impl Runner {
             }
         });
         let input = child.stdin.take();
-        let mut runner = Runner { child, input, lines, errors, time_limit: start.time_limit, arithmetic: String::new() };
-        // Starting is not detecting: an interpreter may take a while to load its libraries.
-        match runner.receive(start.time_limit.max(Duration::from_secs(30))) {
-            Ok(Reply::Hello { protocol: VERSION, arithmetic, .. }) => {
-                runner.arithmetic = arithmetic;
-                Ok(runner)
+        let (arithmetic, detector, version) = Default::default();
+        Ok(Runner { child, input, lines, errors, time_limit: start.time_limit, arithmetic, detector, version })
+    }
+
+    /// Waits for the first line. One that is no hello of this version is `wrong`.
+    pub fn greet(&mut self, limit: Duration) -> Result<(), Failure> {
+        let broken = |reason: String| Failure { outcome: Outcome::Wrong, reason };
+        match self.receive(limit)? {
+            Reply::Hello { protocol: VERSION, arithmetic, detector, version } => {
+                (self.arithmetic, self.detector, self.version) = (arithmetic, detector, version);
+                Ok(())
             }
-            Ok(Reply::Hello { protocol, .. }) => Err(unavailable(format!("the runner speaks protocol {protocol}, this program {VERSION}"))),
-            Ok(other) => Err(unavailable(format!("the runner's first line is not hello but {other:?}"))),
-            Err(failure) => Err(Failure { outcome: Outcome::Unavailable, reason: format!("{}{hint}", failure.reason) }),
+            Reply::Hello { protocol, .. } => Err(broken(format!("the runner speaks protocol {protocol}, this program {VERSION}"))),
+            other => Err(broken(format!("the runner's first line is not hello but {other:?}"))),
         }
+    }
+
+    /// From now on, a request may take so long.
+    pub fn allow(&mut self, time_limit: Duration) {
+        self.time_limit = time_limit;
+    }
+
+    /// The end of what the runner has said on its standard error so far.
+    pub fn errors(&self) -> String {
+        self.errors.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
     /// Sends a request and waits for the answer. After a failure other than a refusal the runner is of no more use.
@@ -111,16 +151,20 @@ impl Runner {
         let mut line = serde_json::to_string(request)
             .map_err(|e| Failure { outcome: Outcome::Crashed, reason: format!("the request cannot be written: {e}") })?;
         line.push('\n');
+        match self.exchange(&line)? {
+            Reply::Refused { reason } => Err(Failure { outcome: Outcome::Refused, reason }),
+            Reply::Error { reason } => Err(Failure { outcome: Outcome::Crashed, reason }),
+            reply => Ok(reply),
+        }
+    }
+
+    /// Sends a line, its newline included, and waits for the answer, whatever it says.
+    pub fn exchange(&mut self, line: &str) -> Result<Reply, Failure> {
         let sent = self.input.as_mut().map(|input| input.write_all(line.as_bytes()).and_then(|()| input.flush()));
         if !matches!(sent, Some(Ok(()))) {
             return Err(self.post_mortem());
         }
-        match self.receive(self.time_limit)? {
-            Reply::Refused { reason } => Err(Failure { outcome: Outcome::Refused, reason }),
-            Reply::Unavailable { reason } => Err(Failure { outcome: Outcome::Unavailable, reason }),
-            Reply::Error { reason } => Err(Failure { outcome: Outcome::Crashed, reason }),
-            reply => Ok(reply),
-        }
+        self.receive(self.time_limit)
     }
 
     fn receive(&mut self, limit: Duration) -> Result<Reply, Failure> {
@@ -131,7 +175,7 @@ impl Runner {
                 Err(e) => {
                     self.kill();
                     let shown: String = line.trim_end().chars().take(80).collect();
-                    Err(Failure { outcome: Outcome::Crashed, reason: format!("the runner's answer is not a reply ({e}): {shown}") })
+                    Err(Failure { outcome: Outcome::Crashed, reason: format!("{NO_REPLY} ({e}): {shown}") })
                 }
             },
             Ok(Err(_)) | Err(RecvTimeoutError::Disconnected) => Err(self.post_mortem()),
@@ -169,7 +213,7 @@ impl Runner {
         }
         let status = ended.map_or_else(|| "it closed its output without answering".into(), |status| status.to_string());
         self.kill();
-        let errors = self.errors.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        let errors = self.errors();
         // The words of Rust's allocation failure, C++'s and Python's. A backtrace may follow them.
         let starved = |line: &&str| ["memory allocation of", "bad_alloc", "MemoryError"].iter().any(|words| line.contains(words));
         let (outcome, last) = match errors.lines().rfind(starved) {

@@ -36,6 +36,25 @@ pub(super) struct Contender {
     pub missing: Option<String>,
 }
 
+/// The command that starts this program as a runner of one of its detectors; `limit` is in bytes.
+pub(crate) fn own(program: &Path, detector: &str, arithmetic: Arithmetic, threads: usize, limit: u64) -> Vec<String> {
+    let mut command = vec![program.display().to_string(), "runner".into(), "--detector".into(), detector.to_string()];
+    command.extend(["--arithmetic".into(), arithmetic.name().into(), "--threads".into(), threads.to_string()]);
+    command.extend(["--memory-limit".into(), limit.to_string()]);
+    command
+}
+
+/// The address space of a runner whose detector may take `limit` bytes, without its scene and pairs.
+pub(crate) fn address_space(limit: u64, threads: usize) -> u64 {
+    limit.saturating_add(PROGRAM_BYTES + (threads as u64).saturating_sub(1) * THREAD_BYTES)
+}
+
+/// Bytes for a scene and its list of pairs: the scene (twice while it is read); the list (up to twice its size, and twice while it grows),
+/// with some to spare.
+pub(crate) fn room(n: u64, contacts: u64) -> u64 {
+    n * (2 * 32 + 128) + contacts * 4 * 8
+}
+
 /// The contenders of an experiment, by arithmetic.
 pub(super) fn contenders(experiment: &Experiment, program: &Path) -> Vec<Contender> {
     let limit = experiment.memory_limit_mib << 20;
@@ -43,7 +62,7 @@ pub(super) fn contenders(experiment: &Experiment, program: &Path) -> Vec<Contend
         command,
         install: install.to_string(),
         time_limit: Duration::from_secs_f64(experiment.time_limit_s),
-        memory_limit: limit + PROGRAM_BYTES + (threads as u64).saturating_sub(1) * THREAD_BYTES,
+        memory_limit: address_space(limit, threads),
     };
     let asked = experiment.threads.values();
     let mut contenders = Vec::new();
@@ -51,12 +70,7 @@ pub(super) fn contenders(experiment: &Experiment, program: &Path) -> Vec<Contend
         for name in &experiment.detectors {
             // The names were checked when the experiment was read: who is not in the table is a peer that was not compiled.
             let (role, several) = table::find(name).map_or((Role::Peer, false), |entry| (entry.role, entry.threads));
-            let with = |threads: usize| {
-                let mut command = vec![program.display().to_string(), "runner".into(), "--detector".into(), name.clone()];
-                command.extend(["--arithmetic".into(), arithmetic.name().into(), "--threads".into(), threads.to_string()]);
-                command.extend(["--memory-limit".into(), limit.to_string()]);
-                start(command, "", threads)
-            };
+            let with = |threads: usize| start(own(program, name, arithmetic, threads, limit), "", threads);
             // A sequential detector has one thread, whatever the others are given.
             for &threads in if several { &*asked } else { &[1] } {
                 contenders.push(Contender {
@@ -96,9 +110,8 @@ pub(super) fn contenders(experiment: &Experiment, program: &Path) -> Vec<Contend
 impl Contender {
     /// With memory for a scene and its list of pairs beside the detector's own.
     pub fn allowing(mut self, scene: &AnyScene<'_>, contacts: u64) -> Contender {
-        // The scene (twice while it is read); the list of pairs (up to twice its size, and twice while it grows), with some to spare.
         for start in std::iter::once(&mut self.start).chain(&mut self.copy) {
-            start.memory_limit += scene.len() as u64 * (2 * 32 + 128) + contacts * 4 * 8;
+            start.memory_limit += room(scene.len() as u64, contacts);
         }
         self
     }

@@ -1,7 +1,7 @@
 //! Ctrl-C, and the signal by which batch systems end jobs: the first ends a run after the rows that it has, the second ends it at once.
 
 use std::collections::BTreeSet;
-use std::sync::atomic::{AtomicI32, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicI32, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 /// The signal that came first; 0 if none.
@@ -9,10 +9,19 @@ static SIGNAL: AtomicI32 = AtomicI32::new(0);
 /// The runners at work, by the number of their process group: what a second signal must end.
 static RUNNERS: Mutex<BTreeSet<u32>> = Mutex::new(BTreeSet::new());
 
+/// The first signal ends everything.
+static AT_ONCE: AtomicBool = AtomicBool::new(false);
+
 /// A run that was ended by a signal. Its record holds what was measured.
 #[derive(Debug, thiserror::Error)]
 #[error("interrupted")]
 pub struct Interrupted;
+
+/// From now on a signal ends the runners with the program: for verbs that have nothing to finish.
+pub fn end_runners_too() -> std::io::Result<()> {
+    AT_ONCE.store(true, Ordering::Relaxed);
+    install()
+}
 
 /// From now on signals do not end the program at once.
 pub fn install() -> std::io::Result<()> {
@@ -22,7 +31,7 @@ pub fn install() -> std::io::Result<()> {
         let mut signals = signal_hook::iterator::Signals::new([SIGINT, SIGTERM])?;
         std::thread::Builder::new().name("signals".into()).spawn(move || {
             for signal in signals.forever() {
-                if SIGNAL.swap(signal, Ordering::Relaxed) != 0 {
+                if SIGNAL.swap(signal, Ordering::Relaxed) != 0 || AT_ONCE.load(Ordering::Relaxed) {
                     RUNNERS.lock().unwrap_or_else(PoisonError::into_inner).iter().for_each(|&runner| kill_group(runner));
                     signal_hook::low_level::exit(128 + signal);
                 }

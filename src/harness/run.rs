@@ -32,7 +32,7 @@ use crate::scene::{SceneError, stats};
 use crate::sink::{Digest, splitmix64};
 
 /// Samples are at least this long, or the clock would be measured.
-const SHORTEST_SAMPLE_NS: u64 = 1_000_000;
+pub(crate) const SHORTEST_SAMPLE_NS: u64 = 1_000_000;
 /// Blocks done before the budget can end a scene: the range of six values covers the median in 96.9% of samples.
 pub(super) const FEWEST_BLOCKS: u32 = 6;
 /// Blocks of a quick run.
@@ -111,7 +111,7 @@ pub(super) fn describe(experiment: &Experiment, spec: &Spec) -> String {
 }
 
 /// Gives a runner the steps of a scene, one after the other.
-pub(super) fn load_all(runner: &mut Runner, loads: &[Request]) -> Result<(), Failure> {
+pub(crate) fn load_all(runner: &mut Runner, loads: &[Request]) -> Result<(), Failure> {
     for (k, load) in loads.iter().enumerate() {
         let last = k + 1 == loads.len();
         let answer = runner.ask(load).and_then(|reply| if reply == Reply::Loaded { Ok(()) } else { Err(astray(load, &reply)) });
@@ -126,7 +126,7 @@ pub(super) fn load_all(runner: &mut Runner, loads: &[Request]) -> Result<(), Fai
 }
 
 /// An answer that does not belong to the request.
-pub(super) fn astray(request: &Request, reply: &Reply) -> Failure {
+pub(crate) fn astray(request: &Request, reply: &Reply) -> Failure {
     // The variant's name alone: what else there is holds paths that differ from run to run.
     let word = |text: String| text.split(' ').next().unwrap_or_default().to_string();
     let reason = format!("the runner answered {} with {}", word(format!("{request:?}")), word(format!("{reply:?}")));

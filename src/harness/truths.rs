@@ -10,7 +10,7 @@ use crate::scene::AnyScene;
 use crate::sink::Digest;
 
 /// The truths about a scene, found when first asked for.
-pub(super) struct Truths<'a> {
+pub(crate) struct Truths<'a> {
     scene: &'a AnyScene<'a>,
     /// Or why nothing is.
     known: HashMap<Arithmetic, Result<Known, String>>,

@@ -175,7 +175,8 @@ impl<T: Real, R: Rule<T>, const D: usize> Bodies<T, D> for Subject<'_, T, R, D> 
 
     #[inline(always)]
     fn position(&self, i: u32) -> [f64; D] {
-        array(&self.centres[i as usize]).map(Real::wide)
+        let centre = array(&self.centres[i as usize]);
+        std::array::from_fn(|k| centre[k].wide())
     }
 
     #[inline(always)]

@@ -19,6 +19,7 @@
 use super::list::{EMPTY, Links, numbered};
 use super::{Declare, Detector, Options, Refusal, mask, within};
 use crate::contact::{Bodies, Real};
+use crate::event::{Event, Part, plane};
 use crate::filter::Cells;
 use crate::probe::{Op, Probe};
 use crate::sink::Sink;
@@ -91,9 +92,11 @@ impl BinaryTree {
         within(&self.options, "binary-tree", self.formula_bytes() + 8, || format!("{} elements", bodies.len()))?;
         self.e.prepare(bodies.len());
         self.nodes.push([EMPTY; 2]);
+        probe.note(|| Event::Begin(Part::Tree { halvings: levels.halvings }));
         for k in 0..bodies.len() as u32 {
             self.insert(k, integerise(bodies, &cells, k, probe), levels, probe)?;
         }
+        probe.note(|| Event::Begin(Part::Walk));
         self.walk(bodies, &cells, levels, mask, probe, sink);
         Ok(())
     }
@@ -105,14 +108,18 @@ impl BinaryTree {
             for (axis, &index) in cell.iter().enumerate() {
                 probe.count(Op::NodeVisit);
                 let half = levels.half(index, halving);
+                probe.note(|| Event::Node { node: node as u32, half: Some(half) });
                 let child = self.nodes[node][half];
                 if halving + 1 == levels.halvings && axis + 1 == D {
                     probe.count(Op::ListPush);
                     self.e.set(k, 0, child);
                     self.nodes[node][half] = k;
+                    let next = (child != EMPTY).then_some(child);
+                    probe.note(|| Event::Leaf { node: node as u32, half, cell: plane(cell), element: k, next });
                 } else if child == EMPTY {
                     let made = self.make_node()?;
                     self.nodes[node][half] = made;
+                    probe.note(|| Event::Made { node: made, parent: node as u32, half });
                     node = made as usize;
                 } else {
                     node = child as usize;
@@ -146,6 +153,7 @@ impl BinaryTree {
         for halving in 0..levels.halvings {
             for index in cell {
                 probe.count(Op::NodeVisit);
+                probe.note(|| Event::Node { node: at, half: Some(levels.half(index, halving)) });
                 at = self.nodes[at as usize][levels.half(index, halving)];
                 if at == EMPTY {
                     return EMPTY;
@@ -172,10 +180,17 @@ impl BinaryTree {
         while let Some((at, level)) = next.take() {
             if level == depth {
                 let central = integerise(bodies, cells, at, probe);
-                let heads = mask.map(|offset| self.find(mask::neighbour(central, offset), levels, probe));
+                probe.note(|| Event::Central { cell: plane(central) });
+                let heads = mask.map(|offset| {
+                    let cell = mask::neighbour(central, offset);
+                    let first = self.find(cell, levels, probe);
+                    probe.note(|| Event::Descended { cell: plane(cell), first: (first != EMPTY).then_some(first) });
+                    first
+                });
                 self.e.check(0, bodies, at, heads, probe, sink);
             } else {
                 probe.count(Op::NodeVisit);
+                probe.note(|| Event::Node { node: at, half: None });
                 let [low, high] = self.nodes[at as usize];
                 next = (low != EMPTY).then_some((low, level + 1));
                 if high != EMPTY {

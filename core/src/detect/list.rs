@@ -6,6 +6,7 @@
 
 use super::Refusal;
 use crate::contact::{Bodies, Real};
+use crate::event::Event;
 use crate::probe::{Op, Probe};
 use crate::sink::Sink;
 
@@ -17,7 +18,7 @@ pub const MOST_ELEMENTS: u64 = EMPTY as u64;
 
 /// Heads of a set of lists. All are [`EMPTY`] between detections.
 #[derive(Clone, Debug, Default)]
-pub struct Heads(Vec<u32>);
+pub struct Heads(Vec<u32>, char);
 
 /// For every element the next one on its list, for `L` kinds of lists (z-, y- and x-lists of NBS are three kinds). The links of one
 /// element stand side by side: walking lists of one kind to build lists of another then touches one cache line per element
@@ -54,6 +55,11 @@ impl Index for usize {
 }
 
 impl Heads {
+    /// No lists yet, with a letter by which events name them.
+    pub fn named(name: char) -> Heads {
+        Heads(Vec::new(), name)
+    }
+
     /// Room for lists 0 to `count - 1`. The only loop over cells there is: when the array is made, or grows.
     pub fn prepare(&mut self, count: usize) {
         if count > self.0.len() {
@@ -71,14 +77,18 @@ impl Heads {
     #[inline(always)]
     pub fn push<const L: usize, P: Probe>(&mut self, list: impl Index, element: u32, links: &mut Links<L>, kind: usize, probe: &mut P) {
         probe.count(Op::ListPush);
-        links.0[element as usize][kind] = std::mem::replace(&mut self.0[list.at()], element);
+        let next = std::mem::replace(&mut self.0[list.at()], element);
+        links.0[element as usize][kind] = next;
+        probe.note(|| Event::Push { heads: self.1, list: list.at(), element, next: listed(next) });
     }
 
     /// The first element of `list`, or [`EMPTY`].
     #[inline(always)]
     pub fn first<P: Probe>(&self, list: impl Index, probe: &mut P) -> u32 {
         probe.count(Op::CellProbe);
-        self.0[list.at()] & !OLD
+        let head = self.0[list.at()];
+        probe.note(|| Event::Look { heads: self.1, list: list.at(), first: listed(head) });
+        head & !OLD
     }
 
     /// The first element of `list` if there is one and the list is new, and marks it old; `None` if it was old already, or is empty.
@@ -87,6 +97,7 @@ impl Heads {
         probe.count(Op::CellProbe);
         let head = &mut self.0[list.at()];
         let first = *head;
+        probe.note(|| Event::Take { heads: self.1, list: list.at(), first: listed(first), old: first & OLD != 0 });
         // EMPTY is the largest number without the mark.
         if first >= EMPTY {
             return None;
@@ -100,12 +111,18 @@ impl Heads {
     pub fn reset<P: Probe>(&mut self, list: impl Index, probe: &mut P) {
         probe.count(Op::ListReset);
         self.0[list.at()] = EMPTY;
+        probe.note(|| Event::Reset { heads: self.1, list: list.at() });
     }
 
     /// The raw heads, for tests and pictures.
     pub fn raw(&self) -> &[u32] {
         &self.0
     }
+}
+
+/// The element that a head or link names.
+fn listed(raw: u32) -> Option<u32> {
+    (raw & !OLD != EMPTY).then_some(raw & !OLD)
 }
 
 impl<const L: usize> Links<L> {
@@ -168,7 +185,9 @@ impl<const L: usize> Links<L> {
     ) {
         let mut j = first;
         while j != EMPTY {
-            if bodies.touch(i, j, probe) {
+            let touching = bodies.touch(i, j, probe);
+            probe.note(|| Event::Test { i, j, touching });
+            if touching {
                 sink.contact(i, j);
             }
             j = self.next(j, kind, probe);
@@ -185,6 +204,7 @@ impl<const L: usize> Links<L> {
     pub fn reset<P: Probe>(&mut self, element: u32, kind: usize, probe: &mut P) {
         probe.count(Op::ListReset);
         self.0[element as usize][kind] = EMPTY;
+        probe.note(|| Event::Unlink { element });
     }
 }
 

@@ -20,6 +20,7 @@
 use super::list::{EMPTY, Heads, Links, numbered};
 use super::{Declare, Detector, Options, Refusal, within};
 use crate::contact::{Bodies, Real};
+use crate::event::{Event, Part};
 use crate::filter::Cells;
 use crate::probe::Probe;
 use crate::sink::Sink;
@@ -42,7 +43,7 @@ pub struct Nbs2d {
 
 impl Declare for Nbs2d {
     fn with(options: Options) -> Nbs2d {
-        Nbs2d { options, b: Heads::default(), links: Links::default(), a: Default::default(), formula: 0 }
+        Nbs2d { options, b: Heads::named('B'), links: Links::default(), a: [Heads::named('A'), Heads::named('a')], formula: 0 }
     }
 
     fn formula_bytes(&self) -> u64 {
@@ -55,14 +56,17 @@ impl<T: Real> Detector<T, 2> for Nbs2d {
         let cells = Cells::new(&bodies)?;
         self.prepare(&cells, bodies.len())?;
         let n = bodies.len() as u32;
+        probe.note(|| Event::Begin(Part::Rows));
         self.push_rows(&bodies, &cells, probe);
         for k in 0..n {
+            probe.note(|| Event::Visit { element: k });
             let mut row = cells.index(bodies.position(k)[1], 1, probe);
             while let Some(first) = self.b.take_new(row, probe) {
                 self.row(&bodies, &cells, first, row, probe, sink);
                 row += 1;
             }
         }
+        probe.note(|| Event::Begin(Part::RemoveRows));
         for k in 0..n {
             self.b.reset(cells.index(bodies.position(k)[1], 1, probe), probe);
         }
@@ -119,13 +123,17 @@ impl Nbs2d {
         probe: &mut P,
         sink: &mut S,
     ) {
+        probe.note(|| Event::Begin(Part::CentralRow { row }));
         let below = self.b.first(row - 1, probe);
         self.push_cells(bodies, cells, first, 0, probe);
         self.push_cells(bodies, cells, below, 1, probe);
         let mut k = first;
+        probe.note(|| Event::Begin(Part::Columns));
         while k != EMPTY {
+            probe.note(|| Event::Visit { element: k });
             let column = cells.index(bodies.position(k)[0], 0, probe);
             if let Some(central) = self.a[0].take_new(column, probe) {
+                probe.note(|| Event::Central { cell: [column, row] });
                 let mask = [
                     self.a[0].first(column - 1, probe),
                     self.a[1].first(column - 1, probe),
@@ -136,6 +144,7 @@ impl Nbs2d {
             }
             k = self.links.next(k, Y, probe);
         }
+        probe.note(|| Event::Begin(Part::RemoveColumns));
         self.reset_cells(bodies, cells, first, 0, probe);
         self.reset_cells(bodies, cells, below, 1, probe);
     }

@@ -17,6 +17,7 @@
 use super::list::{Heads, Links, numbered};
 use super::{Declare, Detector, Options, Refusal, mask, within};
 use crate::contact::{Bodies, Real};
+use crate::event::{Event, Part};
 use crate::filter::Cells;
 use crate::probe::Probe;
 use crate::sink::Sink;
@@ -33,7 +34,7 @@ pub struct Screening {
 
 impl Declare for Screening {
     fn with(options: Options) -> Screening {
-        Screening { options, c: Heads::default(), e: Links::default(), formula: 0 }
+        Screening { options, c: Heads::named('C'), e: Links::default(), formula: 0 }
     }
 
     fn formula_bytes(&self) -> u64 {
@@ -68,14 +69,19 @@ impl Screening {
         let n = bodies.len() as u32;
         // How far each cell of the mask lies from a central cell in the array.
         let offsets = mask.map(|cell| (0..D).rev().fold(0, |place, axis| place * cells.count[axis] as isize + cell[axis] as isize));
+        probe.note(|| Event::Begin(Part::Cells));
         self.push(bodies, cells, probe);
+        probe.note(|| Event::Begin(Part::Search));
         for k in 0..n {
+            probe.note(|| Event::Visit { element: k });
             let cell = cells.place(bodies.position(k), probe);
             if let Some(central) = self.c.take_new(cell, probe) {
+                probe.note(|| Event::Central { cell: cells.of_place(cell) });
                 let heads = offsets.map(|offset| self.c.first(cell.wrapping_add_signed(offset), probe));
                 self.e.check(0, bodies, central, heads, probe, sink);
             }
         }
+        probe.note(|| Event::Begin(Part::RemoveCells));
         for k in 0..n {
             self.c.reset(cells.place(bodies.position(k), probe), probe);
             self.e.reset(k, 0, probe);

@@ -15,6 +15,7 @@
 
 use super::{Declare, Detector, Options, Refusal, mask, within};
 use crate::contact::{Bodies, Real};
+use crate::event::{Event, Part, plane};
 use crate::filter::Cells;
 use crate::probe::{Op, Probe};
 use crate::sink::Sink;
@@ -65,12 +66,17 @@ impl<const D: usize> Sorting<D> {
         let cells = Cells::new(bodies)?;
         let n = bodies.len();
         within(&self.options, "sorting", bytes::<D>(n), || format!("{n} elements"))?;
+        probe.note(|| Event::Begin(Part::Fill));
         self.fill(bodies, &cells, probe);
+        probe.note(|| Event::Begin(Part::Sort));
         self.sort(0, 0..n, 0, cells.count[0] - 1, &cells, probe);
+        probe.note(|| Event::Begin(Part::Search));
         let mut start = 0;
         while start < n {
             let central = self.cell(start);
             let end = self.end_of(start, central, probe);
+            probe.note(|| Event::Central { cell: plane(central) });
+            probe.note(|| Event::Found { cell: plane(central), places: [start, end] });
             for a in start..end {
                 self.check(bodies, a, a + 1..end, probe, sink);
             }
@@ -78,6 +84,7 @@ impl<const D: usize> Sorting<D> {
                 let cell = mask::neighbour(central, offset);
                 let first = self.search(cell, probe);
                 let last = self.end_of(first, cell, probe);
+                probe.note(|| Event::Found { cell: plane(cell), places: [first, last] });
                 for a in start..end {
                     self.check(bodies, a, first..last, probe, sink);
                 }
@@ -95,7 +102,11 @@ impl<const D: usize> Sorting<D> {
         for (axis, keys) in self.keys.iter_mut().enumerate() {
             keys.clear();
             keys.reserve_exact(n);
-            keys.extend((0..n as u32).map(|i| cells.index(bodies.position(i)[axis], axis, probe)));
+            keys.extend((0..n as u32).map(|i| {
+                let key = cells.index(bodies.position(i)[axis], axis, probe);
+                probe.note(|| Event::Key { axis, element: i, key });
+                key
+            }));
         }
     }
 
@@ -108,7 +119,9 @@ impl<const D: usize> Sorting<D> {
             }
         } else {
             let mid = (min + (max - min) / 2).max(min + 1);
+            probe.note(|| Event::Halve { axis, places: [range.start, range.end], values: [min, max], mid });
             let middle = self.partition(axis, range.clone(), mid, probe);
+            probe.note(|| Event::Halved { axis, places: [range.start, range.end], middle });
             self.sort(axis, range.start..middle, min, mid - 1, cells, probe);
             self.sort(axis, middle..range.end, mid, max, cells, probe);
         }
@@ -129,6 +142,7 @@ impl<const D: usize> Sorting<D> {
             }
             right -= 1;
             probe.add(Op::Move, 2);
+            probe.note(|| Event::Swap { axis, places: [left, right] });
             // Keys of earlier axes are equal throughout the range.
             for keys in &mut self.keys[axis..] {
                 keys.swap(left, right);
@@ -156,6 +170,7 @@ impl<const D: usize> Sorting<D> {
         while low < high {
             let mid = low + (high - low) / 2;
             probe.count(Op::KeyCompare);
+            probe.note(|| Event::Compare { place: mid });
             if self.cell(mid) < cell {
                 low = mid + 1;
             } else {
@@ -190,7 +205,9 @@ impl<const D: usize> Sorting<D> {
     ) {
         let i = self.elements[a];
         for &j in &self.elements[others] {
-            if bodies.touch(i, j, probe) {
+            let touching = bodies.touch(i, j, probe);
+            probe.note(|| Event::Test { i, j, touching });
+            if touching {
                 sink.contact(i, j);
             }
         }

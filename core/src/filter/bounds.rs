@@ -1,15 +1,40 @@
 //! The box around the centres of a scene.
 
+use std::ops::Range;
+
+use rayon::prelude::*;
+
 use crate::contact::{Bodies, Real};
+
+type Corners<const D: usize> = ([f64; D], [f64; D]);
 
 /// The smallest and the largest coordinate along each axis; zeros for an empty scene.
 ///
 /// Four boxes in turn, so that a comparison need not wait for the one before it: on a million spheres 3 ns per element instead of 11.
-pub fn bounds<T: Real, const D: usize>(bodies: &impl Bodies<T, D>) -> ([f64; D], [f64; D]) {
-    const TURNS: usize = 4;
-    if bodies.is_empty() {
-        return ([0.0; D], [0.0; D]);
+pub fn bounds<T: Real, const D: usize>(bodies: &impl Bodies<T, D>) -> Corners<D> {
+    bounds_by(bodies, 1)
+}
+
+/// As [`bounds`], by so many threads.
+pub fn bounds_by<T: Real, const D: usize>(bodies: &impl Bodies<T, D>, threads: usize) -> Corners<D> {
+    let n = bodies.len();
+    match (n, threads) {
+        (0, _) => ([0.0; D], [0.0; D]),
+        (_, 0 | 1) => of_share(bodies, 0..n as u32),
+        _ => {
+            let share = |k: usize| of_share(bodies, (k * n / threads) as u32..((k + 1) * n / threads) as u32);
+            (0..threads).into_par_iter().map(share).reduce(|| ([f64::INFINITY; D], [f64::NEG_INFINITY; D]), around)
+        }
     }
+}
+
+/// The box around two boxes.
+fn around<const D: usize>(a: Corners<D>, b: Corners<D>) -> Corners<D> {
+    (std::array::from_fn(|k| a.0[k].min(b.0[k])), std::array::from_fn(|k| a.1[k].max(b.1[k])))
+}
+
+fn of_share<T: Real, const D: usize>(bodies: &impl Bodies<T, D>, share: Range<u32>) -> Corners<D> {
+    const TURNS: usize = 4;
     let (mut low, mut high) = ([[f64::INFINITY; D]; TURNS], [[f64::NEG_INFINITY; D]; TURNS]);
     let mut take = |i: u32, turn: usize| {
         let p = bodies.position(i);
@@ -19,17 +44,37 @@ pub fn bounds<T: Real, const D: usize>(bodies: &impl Bodies<T, D>) -> ([f64; D],
             high[turn][k] = if p[k] > high[turn][k] { p[k] } else { high[turn][k] };
         }
     };
-    let n = bodies.len() as u32;
-    let whole = n - n % TURNS as u32;
-    for i in (0..whole).step_by(TURNS) {
+    let whole = share.end - (share.end - share.start) % TURNS as u32;
+    for i in (share.start..whole).step_by(TURNS) {
         for turn in 0..TURNS {
             take(i + turn as u32, turn);
         }
     }
-    for i in whole..n {
+    for i in whole..share.end {
         take(i, 0);
     }
-    let of =
-        |all: [[f64; D]; TURNS], better: fn(f64, f64) -> f64| all.into_iter().reduce(|a, b| std::array::from_fn(|k| better(a[k], b[k])));
-    (of(low, f64::min).unwrap_or([0.0; D]), of(high, f64::max).unwrap_or([0.0; D]))
+    (1..TURNS).fold((low[0], high[0]), |corners, turn| around(corners, (low[turn], high[turn])))
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Point;
+
+    use super::*;
+    use crate::contact::{Test, any_bodies};
+    use crate::scene::{Radii, Scene};
+
+    #[test]
+    fn threads_and_shares_of_any_size_find_the_same_box() {
+        for n in 0..40i32 {
+            let place = |k: i32| Point::from([f64::from((7 * k) % 41), -f64::from((11 * k) % 41)]);
+            let scene = Scene::<f64, 2>::new((0..n).map(place).collect::<Vec<_>>(), Radii::Uniform(0.5)).unwrap();
+            let bodies = any_bodies(&scene, Test::Exact).unwrap();
+            let axis = |axis: usize, better: fn(f64, f64) -> f64| scene.centres().iter().map(|p| p[axis]).reduce(better).unwrap_or(0.0);
+            let expected = ([axis(0, f64::min), axis(1, f64::min)], [axis(0, f64::max), axis(1, f64::max)]);
+            for threads in [0, 1, 2, 3, 7, 50] {
+                assert_eq!(bounds_by(&bodies, threads), expected, "{n} elements, {threads} threads");
+            }
+        }
+    }
 }

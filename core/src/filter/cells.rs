@@ -83,6 +83,22 @@ impl<const D: usize> Cells<D> {
         (0..D).rev().fold(0, |place, axis| place * self.count[axis] as usize + self.index(position[axis], axis, probe) as usize)
     }
 
+    /// The cell at a place of an array of all cells, the first two axes of it.
+    pub fn of_place(&self, place: usize) -> [u32; 2] {
+        let [nx, ny] = [self.count[0] as usize, self.count.get(1).map_or(1, |&ny| ny as usize)];
+        [(place % nx) as u32, (place / nx % ny) as u32]
+    }
+
+    /// The lowest corner of the cells with number 1.
+    pub fn origin(&self) -> [f64; D] {
+        self.origin
+    }
+
+    /// The edge of a cell, as rounded.
+    pub fn edge(&self) -> f64 {
+        self.textbook.unwrap_or(1.0 / self.scale)
+    }
+
     #[inline(always)]
     fn quotient(&self, x: f64, k: usize) -> f64 {
         match self.textbook {

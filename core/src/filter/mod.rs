@@ -46,7 +46,7 @@
 pub mod bounds;
 pub mod cells;
 
-pub use bounds::bounds;
+pub use bounds::{bounds, bounds_by};
 pub use cells::Cells;
 
 use crate::contact::{Real, Slack};

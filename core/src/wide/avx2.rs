@@ -2,7 +2,7 @@
 
 use std::arch::x86_64::*;
 
-use super::{Kernel, LANES, Wide};
+use super::{HALF, Kernel, LANES, Wide};
 
 /// A processor with AVX2, FMA, BMI and POPCNT. Made by [`Avx2::detect`] only.
 #[derive(Clone, Copy, Debug)]
@@ -76,6 +76,11 @@ impl Wide for Avx2 {
     }
 
     #[inline(always)]
+    fn load_two(self, low: &[f32; HALF], high: &[f32; HALF]) -> [__m256; 2] {
+        unsafe { [_mm256_loadu_ps(low.as_ptr()), _mm256_loadu_ps(high.as_ptr())] }
+    }
+
+    #[inline(always)]
     fn add(self, a: [__m256; 2], b: [__m256; 2]) -> [__m256; 2] {
         self.each(a, b, |a, b| unsafe { _mm256_add_ps(a, b) })
     }
@@ -107,10 +112,15 @@ impl Wide for Avx2 {
     }
 
     #[inline(always)]
-    fn pack(self, ids: &[u32; LANES], mask: u32, to: &mut [u32; 8]) {
-        let (low, high) = ids.split_at(8);
+    fn pack(self, ids: &[u32; LANES], mask: u32, to: &mut [u32; HALF]) {
+        let (low, high) = ids.split_at(HALF);
         // Both halves have eight lanes, by the split.
         let (Ok(low), Ok(high)) = (low.try_into(), high.try_into()) else { unreachable!() };
+        self.pack_two(low, high, mask, to);
+    }
+
+    #[inline(always)]
+    fn pack_two(self, low: &[u32; HALF], high: &[u32; HALF], mask: u32, to: &mut [u32; HALF]) {
         let first = (mask & 0xff).count_ones() as usize;
         let mut both = [0; LANES];
         unsafe {
@@ -122,7 +132,7 @@ impl Wide for Avx2 {
     }
 
     #[inline(always)]
-    fn pair(self, i: u32, ids: &[u32; 8], to: &mut [[u32; 2]; 8]) {
+    fn pair(self, i: u32, ids: &[u32; HALF], to: &mut [[u32; 2]; HALF]) {
         unsafe {
             let i = _mm256_set1_epi64x(i64::from(i));
             for half in 0..2 {

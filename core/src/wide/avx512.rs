@@ -2,7 +2,7 @@
 
 use std::arch::x86_64::*;
 
-use super::{Kernel, LANES, Wide};
+use super::{HALF, Kernel, LANES, Wide};
 
 /// A processor with AVX-512 F, BW, DQ and VL, and with FMA, BMI and POPCNT. Made by [`Avx512::detect`] only.
 #[derive(Clone, Copy, Debug)]
@@ -31,6 +31,16 @@ fn compiled<K: Kernel>(wide: Avx512, kernel: K) -> K::Output {
 
 // SAFETY, for every block below: a value of this type exists only where `detect` has found the instructions. Loads and stores are unaligned, and
 // within the arrays they are given: of 16 packed lanes, 8 are stored.
+impl Avx512 {
+    #[inline(always)]
+    fn packed(self, ids: __m512i, mask: u32, to: &mut [u32; HALF]) {
+        unsafe {
+            let packed = _mm512_maskz_compress_epi32(mask as u16, ids);
+            _mm256_storeu_epi32(to.as_mut_ptr().cast(), _mm512_castsi512_si256(packed));
+        }
+    }
+}
+
 impl Wide for Avx512 {
     type Floats = __m512;
 
@@ -42,6 +52,11 @@ impl Wide for Avx512 {
     #[inline(always)]
     fn load(self, from: &[f32; LANES]) -> __m512 {
         unsafe { _mm512_loadu_ps(from.as_ptr()) }
+    }
+
+    #[inline(always)]
+    fn load_two(self, low: &[f32; HALF], high: &[f32; HALF]) -> __m512 {
+        unsafe { _mm512_insertf32x8::<1>(_mm512_castps256_ps512(_mm256_loadu_ps(low.as_ptr())), _mm256_loadu_ps(high.as_ptr())) }
     }
 
     #[inline(always)]
@@ -75,15 +90,21 @@ impl Wide for Avx512 {
     }
 
     #[inline(always)]
-    fn pack(self, ids: &[u32; LANES], mask: u32, to: &mut [u32; 8]) {
-        unsafe {
-            let packed = _mm512_maskz_compress_epi32(mask as u16, _mm512_loadu_epi32(ids.as_ptr().cast()));
-            _mm256_storeu_epi32(to.as_mut_ptr().cast(), _mm512_castsi512_si256(packed));
-        }
+    fn pack(self, ids: &[u32; LANES], mask: u32, to: &mut [u32; HALF]) {
+        self.packed(unsafe { _mm512_loadu_epi32(ids.as_ptr().cast()) }, mask, to);
     }
 
     #[inline(always)]
-    fn pair(self, i: u32, ids: &[u32; 8], to: &mut [[u32; 2]; 8]) {
+    fn pack_two(self, low: &[u32; HALF], high: &[u32; HALF], mask: u32, to: &mut [u32; HALF]) {
+        let both = unsafe {
+            let low = _mm512_castsi256_si512(_mm256_loadu_epi32(low.as_ptr().cast()));
+            _mm512_inserti32x8::<1>(low, _mm256_loadu_epi32(high.as_ptr().cast()))
+        };
+        self.packed(both, mask, to);
+    }
+
+    #[inline(always)]
+    fn pair(self, i: u32, ids: &[u32; HALF], to: &mut [[u32; 2]; HALF]) {
         unsafe {
             let high = _mm512_slli_epi64::<32>(_mm512_cvtepu32_epi64(_mm256_loadu_epi32(ids.as_ptr().cast())));
             _mm512_storeu_epi64(to.as_mut_ptr().cast(), _mm512_or_si512(high, _mm512_set1_epi64(i64::from(i))));

@@ -27,6 +27,8 @@ pub use portable::Portable;
 
 /// Numbers handled together.
 pub const LANES: usize = 16;
+/// Half of them.
+pub const HALF: usize = LANES / 2;
 
 /// Vectors of [`LANES`] floats on one instruction set. Masks have one bit per lane, the first lane in the lowest.
 pub trait Wide: Copy + Send + Sync {
@@ -36,6 +38,8 @@ pub trait Wide: Copy + Send + Sync {
     fn all(self, x: f32) -> Self::Floats;
     /// As stored.
     fn load(self, from: &[f32; LANES]) -> Self::Floats;
+    /// Eight lanes from one place, eight from another.
+    fn load_two(self, low: &[f32; HALF], high: &[f32; HALF]) -> Self::Floats;
     /// a + b.
     fn add(self, a: Self::Floats, b: Self::Floats) -> Self::Floats;
     /// a - b.
@@ -49,9 +53,11 @@ pub trait Wide: Copy + Send + Sync {
     /// The lanes in which a <= b.
     fn at_most(self, a: Self::Floats, b: Self::Floats) -> u32;
     /// Writes the lanes of `ids` that are in `mask` side by side to the front of `to`, if they are at most eight; what comes after them is anything.
-    fn pack(self, ids: &[u32; LANES], mask: u32, to: &mut [u32; 8]);
+    fn pack(self, ids: &[u32; LANES], mask: u32, to: &mut [u32; HALF]);
+    /// As [`Wide::pack`], with ids from two places.
+    fn pack_two(self, low: &[u32; HALF], high: &[u32; HALF], mask: u32, to: &mut [u32; HALF]);
     /// Writes the pairs (i, ids\[k\]).
-    fn pair(self, i: u32, ids: &[u32; 8], to: &mut [[u32; 2]; 8]);
+    fn pair(self, i: u32, ids: &[u32; HALF], to: &mut [[u32; 2]; HALF]);
     /// Runs a kernel, compiled for these instructions.
     fn run<K: Kernel>(self, kernel: K) -> K::Output;
 }
@@ -151,10 +157,14 @@ mod tests {
             see(w.mul(va, vb));
             see(w.mul_add(va, vb, w.all(5.0)));
             see(w.max(va, vb));
+            see(w.load_two(a.last_chunk().unwrap(), b.first_chunk().unwrap()));
             for mask in (0..1u32 << LANES).filter(|mask| mask.count_ones() <= 8) {
-                let mut to = [0; 8];
+                let mut to = [0; HALF];
                 w.pack(&ids, mask, &mut to);
                 let expected: Vec<u32> = (0..LANES as u32).filter(|k| mask >> k & 1 == 1).map(|k| 1000 + k).collect();
+                assert_eq!(&to[..expected.len()], expected);
+                to = [0; HALF];
+                w.pack_two(ids.first_chunk().unwrap(), ids.last_chunk().unwrap(), mask, &mut to);
                 assert_eq!(&to[..expected.len()], expected);
             }
             let mut pairs = [[0; 2]; 8];

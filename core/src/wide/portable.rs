@@ -1,6 +1,6 @@
 //! The twin without vector instructions of its own: what the compiler makes of loops over arrays.
 
-use super::{Kernel, LANES, Wide};
+use super::{HALF, Kernel, LANES, Wide};
 
 /// Any processor.
 #[derive(Clone, Copy, Debug)]
@@ -22,6 +22,11 @@ impl Wide for Portable {
     #[inline(always)]
     fn load(self, from: &[f32; LANES]) -> [f32; LANES] {
         *from
+    }
+
+    #[inline(always)]
+    fn load_two(self, low: &[f32; HALF], high: &[f32; HALF]) -> [f32; LANES] {
+        lanes(|k| if k < HALF { low[k] } else { high[k - HALF] })
     }
 
     #[inline(always)]
@@ -57,7 +62,7 @@ impl Wide for Portable {
     }
 
     #[inline(always)]
-    fn pack(self, ids: &[u32; LANES], mut mask: u32, to: &mut [u32; 8]) {
+    fn pack(self, ids: &[u32; LANES], mut mask: u32, to: &mut [u32; HALF]) {
         for slot in to {
             if mask == 0 {
                 break;
@@ -68,7 +73,12 @@ impl Wide for Portable {
     }
 
     #[inline(always)]
-    fn pair(self, i: u32, ids: &[u32; 8], to: &mut [[u32; 2]; 8]) {
+    fn pack_two(self, low: &[u32; HALF], high: &[u32; HALF], mask: u32, to: &mut [u32; HALF]) {
+        self.pack(&std::array::from_fn(|k| if k < HALF { low[k] } else { high[k - HALF] }), mask, to);
+    }
+
+    #[inline(always)]
+    fn pair(self, i: u32, ids: &[u32; HALF], to: &mut [[u32; 2]; HALF]) {
         for (pair, &j) in to.iter_mut().zip(ids) {
             *pair = [i, j];
         }

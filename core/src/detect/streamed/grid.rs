@@ -16,7 +16,7 @@
 use crate::contact::{Bodies, Real};
 use crate::detect::Refusal;
 use crate::filter::cells::MOST_CELLS;
-use crate::filter::{Margin, bounds, rounded_reach};
+use crate::filter::{Margin, bounds_by, rounded_reach};
 use crate::sink::splitmix64;
 
 /// Bits of the fraction of a coordinate, at most.
@@ -25,8 +25,8 @@ const FRACTION: u32 = 20;
 const FEWEST: u32 = 12;
 /// Differences of coordinates are within this many steps of the true ones.
 pub(super) const STEPS_OFF: f64 = 2.1;
-/// Measured: more than this cost more than longer ranges of candidates do.
-const CELLS_PER_ELEMENT: f64 = 5.0;
+/// Measured: more than this cost more than longer ranges of candidates do. With 2.5 crowded scenes lose more than loose ones gain.
+const CELLS_PER_ELEMENT: f64 = 3.0;
 /// Elements looked at, to see whether they crowd: one in 32, but at most so many.
 const SAMPLE: usize = 4096;
 /// Other elements in the cell of an element, in the mean, from which cells are not used: some hundred candidates.
@@ -60,10 +60,10 @@ pub enum Form {
 }
 
 impl<const D: usize> Grid<D> {
-    /// The grid for a scene, and the form that suits it or is asked for.
-    pub fn new<T: Real>(bodies: &impl Bodies<T, D>, asked: Option<Form>) -> Result<(Grid<D>, Form), Refusal> {
+    /// The grid for a scene, and the form that suits it or is asked for; `threads` look for the scene's box.
+    pub fn new<T: Real>(bodies: &impl Bodies<T, D>, asked: Option<Form>, threads: usize) -> Result<(Grid<D>, Form), Refusal> {
         let n = bodies.len();
-        let (low, high) = bounds(bodies);
+        let (low, high) = bounds_by(bodies, threads);
         let mut axes: [usize; D] = std::array::from_fn(|k| k);
         for axis in 0..D {
             if !(high[axis] - low[axis]).is_finite() {

@@ -8,7 +8,9 @@
 //!                                                  4 4 4                   1 1 1
 //! ```
 //!
-//! Range 0 begins after the element itself. **Bounds.** Let D be the true distance of two elements in steps and d the one computed here. Coordinates
+//! Range 0 begins after the element itself. Most ranges hold fewer than eight elements: where all do, ranges 0 and 1 are tested in one go, and 2 and 3.
+//!
+//! **Bounds.** Let D be the true distance of two elements in steps and d the one computed here. Coordinates
 //! differ from the true differences by at most [`STEPS_OFF`] along each axis; x is rounded to 24 bits for either, the difference once; the rest
 //! (whole numbers below 2^22: fractions, one cell more or less) is exact. So |d - D| <= √3·2.1 + 2·(steps along x)·2^-24 + 1, but for a relative error below 2^-21 of the sum of squares, which
 //! fused or not has at most four roundings. Radii have relative errors of 2^-23. With `grow` the sum of these bounds, relative ones taken of the largest sum of radii, 2^-19
@@ -18,13 +20,13 @@
 //! **Unchecked access**, the reason of every `unsafe` here. Bounds checks cost 7% on 10^6 packed spheres, so only builds with debug assertions have them,
 //! as tests are. What holds instead: places are below the slab's `len`, and arrays over elements are a vector longer ([`Slab::prepare`]); a range ends at
 //! `len` or before, so a vector may begin at any place in it; cells of elements are no borders, so cells beside them and in the rows beside them have
-//! numbers ([`Plan`]); in [`Scratch`] an element keeps fewer than [`KEPT`] of a range, and there is room for five vectors beyond a block.
+//! numbers ([`Plan`]); in [`Scratch`] an element keeps fewer than [`KEPT`] of a vector, of five at the most, and there is room for five vectors beyond a block.
 
 use super::grid::{Grid, STEPS_OFF, reach_of};
 use super::slab::{Plan, Slab};
 use crate::contact::{Bodies, Real};
 use crate::probe::Op;
-use crate::wide::{Kernel, LANES, Level, Wide};
+use crate::wide::{HALF, Kernel, LANES, Level, Wide};
 
 /// Takes what a kernel finds.
 pub(super) trait Take {
@@ -68,6 +70,11 @@ pub(super) type Ranges = [(u32, u32); 5];
 /// So many of them in so many dimensions.
 const fn ranges_used(dim: usize) -> usize {
     if dim == 2 { 2 } else { 5 }
+}
+
+/// Whether range `r` is in the next layer.
+const fn in_next<const D: usize>(r: usize) -> bool {
+    r >= D - 1
 }
 
 /// Finds the ranges of the element at a place.
@@ -148,7 +155,7 @@ impl Default for Scratch {
 
 /// Elements whose neighbours are collected before they are paired.
 const BLOCK: usize = 16;
-/// Room for the contacts of an element in one range; as many or more are rare, and left to the careful form.
+/// Room for the contacts of an element in one vector; as many or more are rare, and left to the careful form.
 const KEPT: usize = 8;
 /// Room for the neighbours of a block, and for five vectors beyond.
 const ROOM: usize = (BLOCK * 5 + 10) * KEPT;
@@ -177,6 +184,58 @@ impl<W: Wide> Limits<W> {
     }
 }
 
+/// What has been found for one element.
+struct Found {
+    /// Where the next id is to be kept.
+    at: usize,
+    /// Not zero if the contact test must be asked.
+    odd: u32,
+    /// All numbers of ids, or-ed.
+    counts: u32,
+}
+
+/// Sixteen elements of slabs.
+trait Source<const D: usize>: Copy {
+    /// One number of each.
+    fn load<W: Wide>(&self, w: W, lane: impl Fn(&Slab<D>) -> &[f32]) -> W::Floats;
+    /// See [`Wide::pack`].
+    fn pack<W: Wide>(&self, w: W, mask: u32, to: &mut [u32; HALF]);
+}
+
+/// The elements from a place on.
+#[derive(Clone, Copy)]
+struct From<'a, const D: usize>(&'a Slab<D>, usize);
+
+impl<const D: usize> Source<D> for From<'_, D> {
+    #[inline(always)]
+    fn load<W: Wide>(&self, w: W, lane: impl Fn(&Slab<D>) -> &[f32]) -> W::Floats {
+        w.load(unsafe { chunk(lane(self.0), self.1) })
+    }
+
+    #[inline(always)]
+    fn pack<W: Wide>(&self, w: W, mask: u32, to: &mut [u32; HALF]) {
+        w.pack(unsafe { chunk(&self.0.ids, self.1) }, mask, to);
+    }
+}
+
+/// Eight from one place on, eight from another.
+#[derive(Clone, Copy)]
+struct Both<'a, const D: usize>([From<'a, D>; 2]);
+
+impl<const D: usize> Source<D> for Both<'_, D> {
+    #[inline(always)]
+    fn load<W: Wide>(&self, w: W, lane: impl Fn(&Slab<D>) -> &[f32]) -> W::Floats {
+        let [low, high] = self.0;
+        unsafe { w.load_two(chunk(lane(low.0), low.1), chunk(lane(high.0), high.1)) }
+    }
+
+    #[inline(always)]
+    fn pack<W: Wide>(&self, w: W, mask: u32, to: &mut [u32; HALF]) {
+        let [low, high] = self.0;
+        unsafe { w.pack_two(chunk(&low.0.ids, low.1), chunk(&high.0.ids, high.1), mask, to) }
+    }
+}
+
 impl<F: Find, const D: usize, const EACH: bool> Kernel for Sweep<'_, F, D, EACH> {
     type Output = ();
 
@@ -184,27 +243,38 @@ impl<F: Find, const D: usize, const EACH: bool> Kernel for Sweep<'_, F, D, EACH>
     fn run<W: Wide>(mut self, w: W) {
         let used = ranges_used(D);
         let limits = self.limits(w);
+        let (shifts, couples) = (self.shifts(w), self.shifts_of_couples(w));
         for first in self.places.clone().step_by(BLOCK) {
             let many = BLOCK.min(self.places.end - first);
             let mut kept = 0;
             for k in 0..many {
                 let place = first + k;
                 let ranges = self.find.ranges::<D>(place);
-                let mut odd = ranges.iter().fold(0, |all, &(_, len)| all | len) & !(LANES as u32 - 1);
+                let longest = ranges.iter().fold(0, |all, &(_, len)| all | len);
+                let mut odd = longest & !(LANES as u32 - 1);
                 if odd == 0 {
-                    let (mut at, mut counts) = (kept, 0);
-                    for (r, &(begin, len)) in ranges[..used].iter().enumerate() {
-                        let slab = self.other(r);
-                        let (near, sure) = self.test(w, slab, begin as usize, !(!0 << len), &self.query(w, place, r), limits);
-                        w.pack(unsafe { chunk(&slab.ids, begin as usize) }, near, unsafe { chunk_mut(&mut self.scratch.ids, at) });
-                        let count = near.count_ones();
-                        at += count as usize;
-                        odd |= near ^ sure;
-                        counts |= count;
+                    let mut found = Found { at: kept, odd: 0, counts: 0 };
+                    let slabs = [self.slab, self.next];
+                    let one = |r: usize| (From(slabs[usize::from(in_next::<D>(r))], ranges[r].0 as usize), !(!0 << ranges[r].1));
+                    // Short ranges, as most are, two at a time.
+                    let mut r = 0;
+                    if longest < HALF as u32 {
+                        while r + 1 < used {
+                            let ((low, valid), (high, valid_high)) = (one(r), one(r + 1));
+                            let query = self.query(w, place, &couples[r / 2]);
+                            self.keep(w, Both([low, high]), valid | valid_high << HALF, &query, limits, &mut found);
+                            r += 2;
+                        }
                     }
-                    // Eight or more in one range, perhaps: more than are kept.
-                    odd |= counts & 0x18;
-                    kept = if odd == 0 { at } else { kept };
+                    while r < used {
+                        let (source, valid) = one(r);
+                        let query = self.query(w, place, &shifts[r]);
+                        self.keep(w, source, valid, &query, limits, &mut found);
+                        r += 1;
+                    }
+                    // Eight or more in one go, perhaps: more than are kept.
+                    odd = found.odd | found.counts & 0x18;
+                    kept = if odd == 0 { found.at } else { kept };
                 }
                 if odd != 0 {
                     w.run(Careful(&mut self, place, &ranges[..used]));
@@ -244,32 +314,67 @@ impl<'a, F: Find, const D: usize, const EACH: bool> Sweep<'a, F, D, EACH> {
     }
 
     /// The slab in which range `r` is.
-    #[inline(always)]
     fn other(&self, r: usize) -> &'a Slab<D> {
-        if r < D - 1 { self.slab } else { self.next }
+        if in_next::<D>(r) { self.next } else { self.slab }
     }
 
-    /// The element at a place, as seen from the cells of range `r`.
-    #[inline(always)]
-    fn query<W: Wide>(&self, w: W, place: usize, r: usize) -> Query<W, D> {
+    /// From the origin of an element's cell to that of range `r`, along y and along the axis of layers.
+    fn shift(&self, r: usize) -> [f32; D] {
         let one = self.bounds.one;
-        let mut at: [f32; D] = std::array::from_fn(|k| unsafe { element(&self.slab.lanes[k], place) });
+        let mut shift = [0.0; D];
         if D == 3 {
-            at[1] -= [0.0, one, -one, 0.0, one][r];
-            at[2] -= if r < 2 { 0.0 } else { one };
-        } else {
-            at[1] -= if r == 0 { 0.0 } else { one };
+            shift[1] = [0.0, one, -one, 0.0, one][r];
         }
+        shift[D - 1] += if in_next::<D>(r) { one } else { 0.0 };
+        shift
+    }
+
+    /// The same in all lanes, for every range.
+    #[inline(always)]
+    fn shifts<W: Wide>(&self, w: W) -> [[W::Floats; D]; 5] {
+        std::array::from_fn(|r| {
+            let shift = self.shift(r.min(ranges_used(D) - 1));
+            std::array::from_fn(|k| w.all(shift[k]))
+        })
+    }
+
+    /// For the first range of a couple in the lower half of the lanes, for the second in the other.
+    #[inline(always)]
+    fn shifts_of_couples<W: Wide>(&self, w: W) -> [[W::Floats; D]; 2] {
+        let couple = |r: usize| {
+            let (low, high) = (self.shift(r), self.shift(r + 1));
+            std::array::from_fn(|k| w.load_two(&[low[k]; HALF], &[high[k]; HALF]))
+        };
+        [couple(0), couple(if D == 3 { 2 } else { 0 })]
+    }
+
+    /// The element at a place, as seen from other cells.
+    #[inline(always)]
+    fn query<W: Wide>(&self, w: W, place: usize, shift: &[W::Floats; D]) -> Query<W, D> {
+        let at = |k: usize| w.all(unsafe { element(&self.slab.lanes[k], place) });
         let radius = if EACH { unsafe { element(&self.slab.radii, place) } } else { 0.0 };
-        Query { at: at.map(|x| w.all(x)), radius: w.all(radius + self.bounds.grow) }
+        // x is counted from the origin of the grid.
+        let at = std::array::from_fn(|k| if k == 0 { at(0) } else { w.sub(at(k), shift[k]) });
+        Query { at, radius: w.all(radius + self.bounds.grow) }
+    }
+
+    /// Tests sixteen elements and keeps the ids of those that are near.
+    #[inline(always)]
+    fn keep<W: Wide>(&mut self, w: W, source: impl Source<D>, valid: u32, query: &Query<W, D>, limits: Limits<W>, found: &mut Found) {
+        let (near, sure) = self.test(w, source, valid, query, limits);
+        source.pack(w, near, unsafe { chunk_mut(&mut self.scratch.ids, found.at) });
+        let count = near.count_ones();
+        found.at += count as usize;
+        found.odd |= near ^ sure;
+        found.counts |= count;
     }
 
     /// Masks of those of sixteen elements from `begin` on that are `valid`: those near enough to ask, and those that touch.
     #[inline(always)]
-    fn test<W: Wide>(&self, w: W, slab: &Slab<D>, begin: usize, valid: u32, query: &Query<W, D>, limits: Limits<W>) -> (u32, u32) {
+    fn test<W: Wide>(&self, w: W, source: impl Source<D>, valid: u32, query: &Query<W, D>, limits: Limits<W>) -> (u32, u32) {
         let mut square = w.all(0.0);
         for k in 0..D {
-            let mut d = w.sub(w.load(unsafe { chunk(&slab.lanes[k], begin) }), query.at[k]);
+            let mut d = w.sub(source.load(w, |slab| &slab.lanes[k]), query.at[k]);
             if let (0, Some(turn)) = (k, F::TURN) {
                 // The nearest whole number of turns: 1.5·2^23 leaves no fraction.
                 let whole = w.all(12_582_912.0);
@@ -278,8 +383,7 @@ impl<'a, F: Find, const D: usize, const EACH: bool> Sweep<'a, F, D, EACH> {
             }
             square = if k == 0 { w.mul(d, d) } else { w.mul_add(d, d, square) };
         }
-        let limits =
-            if EACH { Limits::new(w, w.add(query.radius, w.load(unsafe { chunk(&slab.radii, begin) })), self.bounds.grow) } else { limits };
+        let limits = if EACH { Limits::new(w, w.add(query.radius, source.load(w, |slab| &slab.radii)), self.bounds.grow) } else { limits };
         let near = w.at_most(square, limits.near) & valid;
         (near, w.at_most(square, limits.sure) & near)
     }
@@ -301,15 +405,15 @@ impl<F: Find, const D: usize, const EACH: bool> Kernel for Careful<'_, '_, F, D,
     #[inline(always)]
     fn run<W: Wide>(self, w: W) {
         let Careful(sweep, place, ranges) = self;
-        let limits = sweep.limits(w);
+        let (limits, shifts) = (sweep.limits(w), sweep.shifts(w));
         let id = sweep.slab.ids[place];
         let mut found = 0;
         for (r, &(begin, len)) in ranges.iter().enumerate() {
             let slab = sweep.other(r);
-            let query = sweep.query(w, place, r);
+            let query = sweep.query(w, place, &shifts[r]);
             for k in (0..len).step_by(LANES) {
                 let at = (begin + k) as usize;
-                let (near, sure) = sweep.test(w, slab, at, !(!0 << (len - k).min(LANES as u32)), &query, limits);
+                let (near, sure) = sweep.test(w, From(slab, at), !(!0 << (len - k).min(LANES as u32)), &query, limits);
                 let ids: &[u32; LANES] = unsafe { chunk(&slab.ids, at) };
                 for half in [0xff, 0xff00] {
                     let mut packed = [0; KEPT];

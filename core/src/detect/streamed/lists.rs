@@ -106,7 +106,7 @@ impl<const D: usize, R: Size> Lists<D, R> {
             let radius = if R::EACH { R::new(grid.length(bodies.radius(id)) as f32) } else { R::default() };
             most = std::array::from_fn(|k| most[k].max(steps[k]));
             let next = &mut self.next[(steps[D - 1] >> shift) as usize];
-            self.records[*next as usize] = Record { at: steps.map(|q| q as u32), radius, id };
+            self.records[*next as usize] = Record { at: std::array::from_fn(|k| steps[k] as u32), radius, id };
             if *next & full == full {
                 self.before[free as usize] = *next >> block;
                 *next = free << block;

@@ -11,7 +11,7 @@
 //!    contiguous ranges (two in 2D), sixteen elements in one go, in f32.
 //! 4. What f32 cannot decide, some pairs in ten thousand contacts, is left to the contact test; see `kernel.rs` for the bounds.
 //!
-//! Loose scenes get larger cells, about five cells per element, scenes whose elements crowd in few of those cells the form by occupied cells (`occupied.rs`).
+//! Loose scenes get larger cells, about three cells per element, scenes whose elements crowd in few of those cells the form by occupied cells (`occupied.rs`).
 //!
 //! * Cost: proportional to N, independent of the packing density; N log N by occupied cells.
 //! * Memory, for lists (blocks of b records, L lists): `(16 + 4/b)(N + bL) + 4L` bytes in 3D, 12 instead of 16 in 2D, 4 more with a radius per element; two bundles of n
@@ -106,9 +106,10 @@ impl<const D: usize> Declare for Streamed<D> {
 impl<T: Real, const D: usize> Detector<T, D> for Streamed<D> {
     fn detect<B: Bodies<T, D>, P: Probe, S: Sink>(&mut self, bodies: B, probe: &mut P, sink: &mut S) -> Result<(), Refusal> {
         numbered(NAME, bodies.len())?;
-        let (grid, form) = Grid::new(&bodies, self.form)?;
+        let threads = if P::SILENT && bodies.len() >= FEWEST_FOR_THREADS { self.options.threads.max(1) } else { 1 };
+        let (grid, form) = Grid::new(&bodies, self.form, threads)?;
         let Streamed { options, level, workers, uniform, each, formula, .. } = self;
-        let mut run = Run { options, level: *level, workers, formula, bodies, grid };
+        let mut run = Run { options, threads, level: *level, workers, formula, bodies, grid };
         match (form, bodies.uniform().is_some()) {
             (Form::Cells, true) => run.by_cells::<_, P, S, (), false>(uniform, probe, sink),
             (Form::Cells, false) => run.by_cells::<_, P, S, f32, true>(each, probe, sink),
@@ -121,6 +122,7 @@ impl<T: Real, const D: usize> Detector<T, D> for Streamed<D> {
 /// One detection.
 struct Run<'a, B, const D: usize> {
     options: &'a Options,
+    threads: usize,
     level: Level,
     workers: &'a mut Vec<Worker<D>>,
     formula: &'a mut u64,
@@ -142,7 +144,7 @@ impl<B: Copy + Sync, const D: usize> Run<'_, B, D> {
         let (bodies, grid) = (self.bodies, self.grid);
         let n = bodies.len();
         let plan = Plan::new(&grid, n);
-        let threads = if P::SILENT && n >= FEWEST_FOR_THREADS { self.options.threads.max(1) } else { 1 };
+        let threads = self.threads;
         let share = |k: usize| (k * n / threads) as u32..((k + 1) * n / threads) as u32;
         let shape = || format!("{n} elements, {} cells in a bundle of layers", plan.cells());
         let records: u64 = (0..threads).map(|k| Lists::<D, R>::bytes(share(k).len(), plan.slabs)).sum();

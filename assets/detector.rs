@@ -1,0 +1,89 @@
+//! `new-detector`: what it does, in a line (author, year, "title", section).
+//!
+//! 1. The elements are sorted along x.
+//! 2. Each is tested against those after it, as long as they are within reach along x.
+//!
+//! * Cost: N log N key comparisons for N elements, and a bound test for every pair within reach along x: N^(2 - 1/D) in a box.
+//! * Memory: `16N` bytes.
+//! * Refuses scenes over the memory limit.
+//! * Deviations from the source: say here what differs, and why.
+
+use super::{Declare, Detector, Options, Refusal, within};
+use crate::contact::{Bodies, Real};
+use crate::filter;
+use crate::probe::{Op, Probe};
+use crate::sink::Sink;
+
+/// Sorts along x, and tests what is within reach: a place to begin.
+pub struct NewDetector {
+    options: Options,
+    /// x and number of each element, by x. Kept from call to call: a second detection of a scene allocates nothing.
+    order: Vec<(f64, u32)>,
+}
+
+/// What the memory formula says for `n` elements: 8 bytes of x, 4 of the number, 4 of padding.
+fn bytes(n: usize) -> u64 {
+    16 * n as u64
+}
+
+impl Declare for NewDetector {
+    fn with(options: Options) -> NewDetector {
+        NewDetector { options, order: Vec::new() }
+    }
+
+    fn formula_bytes(&self) -> u64 {
+        bytes(self.order.len())
+    }
+}
+
+impl<T: Real, const D: usize> Detector<T, D> for NewDetector {
+    fn detect<B: Bodies<T, D>, P: Probe, S: Sink>(&mut self, bodies: B, probe: &mut P, sink: &mut S) -> Result<(), Refusal> {
+        let n = bodies.len();
+        // Before anything is allocated or reported.
+        within(&self.options, "new-detector", bytes(n), || format!("{n} elements"))?;
+        self.order.clear();
+        self.order.reserve_exact(n);
+        self.order.extend((0..n as u32).map(|id| (bodies.position(id)[0], id)));
+        self.order.sort_unstable_by(|a, b| {
+            probe.count(Op::KeyCompare);
+            a.0.total_cmp(&b.0)
+        });
+        for (k, &(x, i)) in self.order.iter().enumerate() {
+            for &(further, j) in &self.order[k + 1..] {
+                probe.count(Op::BoundTest);
+                // Loses no touching pair to rounding; crate::filter has the same for cells, boxes and keys, and the proofs.
+                if filter::beyond(x, further, bodies.reach()) {
+                    break;
+                }
+                if bodies.touch(i, j, probe) {
+                    sink.contact(i, j);
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::Test;
+    use crate::detect::any;
+    use crate::probe::Tally;
+    use crate::scene::{Radii, Scene};
+
+    /// Four discs in a row, each touching the next exactly, and one far away. (Every test that loops over
+    /// the table has the detector, too: here is the place for what holds for it alone.)
+    #[test]
+    fn a_row_of_discs() {
+        let centres: Vec<_> = [3.0, 0.0, 1.0, 1e6, 2.0].map(|x| nalgebra::Point::from([x, 0.5])).into();
+        let scene = Scene::new(centres, Radii::Uniform(0.5)).unwrap();
+        let (mut detector, mut tally, mut pairs) = (NewDetector::with(Options::default()), Tally::default(), Vec::<[u32; 2]>::new());
+        any::run(&mut detector, &scene, Test::Exact, &mut tally, &mut pairs).unwrap();
+        pairs.iter_mut().for_each(|pair| pair.sort_unstable());
+        pairs.sort_unstable();
+        assert_eq!(pairs, [[0, 4], [1, 2], [2, 4]]);
+        assert_eq!((tally.get(Op::ContactTest), tally.get(Op::BoundTest)), (3, 7));
+        assert_eq!(detector.formula_bytes(), 5 * 16);
+    }
+}

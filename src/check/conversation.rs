@@ -1,0 +1,190 @@
+//! How a runner keeps to the protocol, apart from the pairs that it finds: errors without an end, fields of later versions, fingerprints,
+//! the clock, and what it can measure.
+
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use anyhow::Context;
+
+use super::Wrong;
+use super::process::{Foreign, broken, digest, word};
+use crate::harness::bake;
+use crate::harness::child::Runner;
+use crate::harness::protocol::{Reply, Request};
+use crate::harness::record::Outcome;
+use crate::scene::{AnyScene, Radii, Scene};
+use crate::sink::Digest;
+
+/// What a conversation showed.
+#[derive(Debug, Default)]
+pub struct Manners {
+    /// The first that was wrong of each kind.
+    pub broken: Vec<Wrong>,
+    /// What the runner measures besides time.
+    pub abilities: Vec<&'static str>,
+}
+
+/// A sample of this length is asked for.
+const SAMPLE_NS: u64 = 2_000_000;
+
+struct Talk<'a> {
+    foreign: &'a Foreign,
+    deadline: Duration,
+    runner: Option<Runner>,
+    manners: Manners,
+}
+
+/// Talks with a runner about a row of four discs of which three touch.
+pub fn hold(foreign: &Foreign, deadline: Duration) -> anyhow::Result<Manners> {
+    let folder = tempfile::tempdir().context("cannot make a temporary folder for scenes; set TMPDIR to a writable place")?;
+    let row = [0.0, 1.0, 2.0, 10.0].map(|x| nalgebra::Point::from([x, 0.0]));
+    let scene = AnyScene::from(Scene::<f64, 2>::new(row.to_vec(), Radii::Uniform(0.5))?);
+    let right = Digest::of(&[[0, 1], [1, 2]]);
+    let load = bake::load(&folder.path().join("row.npy"), &scene)?;
+    let mut talk = Talk { foreign, deadline, runner: None, manners: Manners::default() };
+    talk.early(&folder.path().join("not-there.npy"))?;
+    talk.load(&load)?;
+    talk.sample(right)?;
+    for (ability, request) in [("count", Request::Count), ("memory", Request::Memory)] {
+        talk.measure(ability, &request, right)?;
+    }
+    let path = folder.path().join("pairs.npy");
+    if let Some(Reply::Pairs { .. }) = talk.say("asked for the pairs", &json(&Request::Pairs { path })?)? {
+        talk.manners.abilities.push("pairs");
+    }
+    Ok(talk.manners)
+}
+
+fn json(request: &Request) -> anyhow::Result<String> {
+    Ok(serde_json::to_string(request)?)
+}
+
+impl Talk<'_> {
+    /// The reply; none, and a finding, if there is none.
+    fn say(&mut self, when: &str, line: &str) -> anyhow::Result<Option<Reply>> {
+        let mut runner = match self.runner.take() {
+            Some(runner) => runner,
+            None => match self.foreign.start(self.deadline)? {
+                Ok(runner) => runner,
+                Err(wrong) => {
+                    self.manners.broken.push(wrong);
+                    return Ok(None);
+                }
+            },
+        };
+        match runner.exchange(&format!("{line}\n")) {
+            Ok(reply) => {
+                self.runner = Some(runner);
+                Ok(Some(reply))
+            }
+            Err(failure) => {
+                let wrong = match broken(&runner, failure.clone()) {
+                    _ if failure.outcome == Outcome::Timeout => {
+                        Wrong::Breaks(format!("{when}, it does not answer within {} s", self.deadline.as_secs_f64()))
+                    }
+                    Wrong::Dies { how, errors } => Wrong::Dies { how: format!("{when}: {how}"), errors },
+                    Wrong::Breaks(what) => Wrong::Breaks(format!("{when}: {what}")),
+                    other => other,
+                };
+                self.manners.broken.push(wrong);
+                Ok(None)
+            }
+        }
+    }
+
+    fn breaks(&mut self, what: String) {
+        self.manners.broken.push(Wrong::Breaks(what));
+    }
+
+    /// Requests that cannot be done: an error, and life goes on.
+    fn early(&mut self, missing: &Path) -> anyhow::Result<()> {
+        let nowhere = Request::Load { path: missing.to_path_buf(), dim: 2, n: 4, radius: Some(0.5) };
+        for (when, request) in
+            [("asked for a sample before any scene", Request::Sample { min_ns: 1 }), ("given a file that is not there", nowhere)]
+        {
+            match self.say(when, &json(&request)?)? {
+                None | Some(Reply::Error { .. } | Reply::Refused { .. }) => {}
+                Some(other) => self.breaks(format!("{when}, it answers {}; it should answer error, and go on", word(&other))),
+            }
+        }
+        Ok(())
+    }
+
+    /// With a field that no version has.
+    fn load(&mut self, load: &Request) -> anyhow::Result<()> {
+        let mut value = serde_json::to_value(load)?;
+        value["remark"] = "of a later version".into();
+        let when = "given a load with a field that it does not know";
+        match self.say(when, &value.to_string())? {
+            None | Some(Reply::Loaded | Reply::Refused { .. }) => {}
+            Some(Reply::Error { reason }) => self.breaks(format!("{when}, it answers with the error: {reason}")),
+            Some(other) => self.breaks(format!("{when}, it answers {}, not loaded", word(&other))),
+        }
+        Ok(())
+    }
+
+    fn sample(&mut self, right: Digest) -> anyhow::Result<()> {
+        let request = json(&Request::Sample { min_ns: SAMPLE_NS })?;
+        for when in ["asked for a sample", "asked for a second sample"] {
+            let started = Instant::now();
+            let Some(reply) = self.say(when, &request)? else { return Ok(()) };
+            let waited = started.elapsed().as_nanos() as u64;
+            // It may refuse any scene.
+            if matches!(reply, Reply::Refused { .. }) {
+                return Ok(());
+            }
+            let Reply::Sample { time_ns, calls, elapsed_ns, contacts, digest: text } = reply else {
+                self.breaks(format!("{when}, it answers {}", word(&reply)));
+                return Ok(());
+            };
+            self.judge(when, contacts, &text, right);
+            if calls == 0 || time_ns.saturating_mul(calls).abs_diff(elapsed_ns) > calls {
+                self.breaks(format!(
+                    "{when}, it says time_ns {time_ns}, calls {calls}, elapsed_ns {elapsed_ns}: time_ns is elapsed_ns / calls, rounded"
+                ));
+            } else if elapsed_ns > waited {
+                self.breaks(format!(
+                    "{when}, it says elapsed_ns {elapsed_ns}, but its answer was there after {waited} ns: are these nanoseconds?"
+                ));
+            } else if elapsed_ns < SAMPLE_NS / 10 {
+                self.breaks(format!(
+                    "{when} of {SAMPLE_NS} ns, it measured only {elapsed_ns} ns: repeat the detection until min_ns are over"
+                ));
+            } else {
+                continue;
+            }
+            return Ok(());
+        }
+        Ok(())
+    }
+
+    fn measure(&mut self, ability: &'static str, request: &Request, right: Digest) -> anyhow::Result<()> {
+        let when = format!("asked to {ability}");
+        match self.say(&when, &json(request)?)? {
+            Some(Reply::Count { contacts, digest, .. }) if *request == Request::Count => {
+                self.manners.abilities.push(ability);
+                self.judge(&when, contacts, &digest, right);
+            }
+            Some(Reply::Memory { contacts, digest, .. }) if *request == Request::Memory => {
+                self.manners.abilities.push(ability);
+                self.judge(&when, contacts, &digest, right);
+            }
+            None | Some(Reply::Unsupported | Reply::Refused { .. }) => {}
+            Some(other) => self.breaks(format!("{when}, it answers {}; one that cannot do it says unsupported", word(&other))),
+        }
+        Ok(())
+    }
+
+    /// The pairs of the row are known.
+    fn judge(&mut self, when: &str, contacts: u64, text: &str, right: Digest) {
+        match digest(contacts, text) {
+            Err(wrong) => self.manners.broken.push(wrong),
+            // Other pairs are found in the scenes, and shown.
+            Ok(said) if said.contacts == right.contacts && said != right => {
+                let sample = "of the pairs 0,1 and 1,2";
+                self.breaks(format!("{when}, it says 2 contacts and digest {text}; {sample} the digest is {}", right.hex()));
+            }
+            Ok(_) => {}
+        }
+    }
+}

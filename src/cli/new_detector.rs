@@ -1,0 +1,250 @@
+//! `contactbench new-detector`: a detector that works, as a file to be changed, and its lines in the table.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use anyhow::{Context, bail, ensure};
+
+use crate::detect::peers;
+use crate::detect::table;
+
+/// The detector that is written. The tests compile it and hold it to the truth.
+const TEMPLATE: &str = include_str!("../../assets/detector.rs");
+/// Its names in the template.
+const NAME: &str = "new-detector";
+const TYPE: &str = "NewDetector";
+
+/// Where detectors are in a checkout.
+const FOLDER: &str = "core/src/detect";
+
+/// Words that are no names in Rust, and some that would be confusing.
+const KEYWORDS: [&str; 60] = [
+    "abstract", "as", "async", "await", "become", "box", "break", "const", "continue", "crate", "do", "dyn", "else", "enum", "extern",
+    "false", "final", "fn", "for", "gen", "if", "impl", "in", "let", "loop", "macro", "match", "mod", "move", "mut", "override", "priv",
+    "pub", "raw", "ref", "return", "self", "static", "struct", "super", "trait", "true", "try", "type", "typeof", "union", "unsafe",
+    "unsized", "use", "virtual", "where", "while", "yield", "core", "std", "alloc", "test", "tests", "all", "none",
+];
+
+/// Longer names do not fit into tables.
+const LONGEST: usize = 32;
+
+/// Options of `new-detector`.
+#[derive(clap::Args)]
+pub struct NewDetector {
+    /// The name, in small letters, digits and '-': quad-tree
+    name: String,
+    /// The root of the checkout
+    #[arg(long = "in", value_name = "DIR", default_value = ".")]
+    root: PathBuf,
+}
+
+/// The three forms of a name.
+struct Names {
+    /// In the table: `quad-tree`.
+    name: String,
+    /// The module: `quad_tree`.
+    module: String,
+    /// The type: `QuadTree`.
+    kind: String,
+}
+
+/// A file as it will be.
+struct Change {
+    path: PathBuf,
+    /// What it holds now; none: it is new.
+    before: Option<String>,
+    after: String,
+}
+
+/// Writes the detector's file and its lines; all or nothing.
+pub fn new_detector(options: &NewDetector) -> anyhow::Result<ExitCode> {
+    let names = names(&options.name)?;
+    let changes = changes(&options.root, &names)?;
+    write_all(&changes)?;
+    let mut out = std::io::stdout().lock();
+    for Change { path, before, .. } in &changes {
+        writeln!(out, "{} {}", if before.is_none() { "wrote  " } else { "changed" }, path.display())?;
+    }
+    let name = &names.name;
+    writeln!(out, "It works as it is: it sorts along x. Change it, and hold it to the truth:")?;
+    writeln!(
+        out,
+        "  cargo run --release -- check --detector {name}     seconds, after the build: the smallest scene on which it is wrong"
+    )?;
+    writeln!(out, "  cargo run --release -- recommend packed:n=100000   how fast it is beside the others")?;
+    writeln!(out, "  cargo test                                         it is in every test that loops over the table")?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Checks a name.
+fn names(given: &str) -> anyhow::Result<Names> {
+    let name = given.replace('_', "-");
+    let piece = |piece: &str| !piece.is_empty() && piece.bytes().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit());
+    ensure!(
+        name.split('-').all(piece) && name.starts_with(|c: char| c.is_ascii_lowercase()),
+        "'{given}' is no name for a detector: it must begin with a small letter and be of small letters, digits and single '-', as in quad-tree"
+    );
+    ensure!(name.len() <= LONGEST, "'{given}' has {} letters; names have at most {LONGEST}, so that tables can be read", name.len());
+    let module = name.replace('-', "_");
+    ensure!(!KEYWORDS.contains(&&*module), "'{given}' is a word of the language, and can name no module: take another");
+    ensure!(table::find(&name).is_none(), "there is a detector '{name}' already; take another name");
+    ensure!(peers::missing(&name).is_none(), "'{name}' is the name of a library that is measured; take another name");
+    let kind: String = name.split('-').map(|piece| piece[..1].to_uppercase() + &piece[1..]).collect();
+    let used = TEMPLATE.split(|c: char| !c.is_ascii_alphanumeric() && c != '_').any(|word| word == kind);
+    ensure!(!used || kind == TYPE, "'{given}' would make a type {kind}, which every detector uses under that name; take another");
+    Ok(Names { name, module, kind })
+}
+
+/// What the files will be.
+fn changes(root: &Path, names: &Names) -> anyhow::Result<Vec<Change>> {
+    let folder = root.join(FOLDER);
+    let (modules, lines) = (folder.join("mod.rs"), folder.join("table.rs"));
+    for path in [&modules, &lines] {
+        ensure!(
+            path.is_file(),
+            "{} is not the root of a checkout of contactbench: there is no {}; go there, or give it with --in",
+            root.display(),
+            path.strip_prefix(root).unwrap_or(path).display()
+        );
+    }
+    let read = |path: &Path| std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()));
+    let (module_text, table_text) = (read(&modules)?, read(&lines)?);
+    let file = folder.join(format!("{}.rs", names.module));
+    let taken = module_lines(&module_text).any(|(_, module)| module == names.module);
+    ensure!(
+        !taken && !file.exists() && !folder.join(&names.module).exists(),
+        "there is a module {} in {FOLDER} already; take another name",
+        names.module
+    );
+    let quoted = format!("\"{}\"", names.name);
+    ensure!(!table_text.contains(&quoted), "{} has a line {quoted} already; take another name", lines.display());
+    let by_hand = |path: &Path, text: &str| {
+        format!(
+            "{} is not as this program knows it, and nothing was changed; write the detector by hand, and add there:\n{text}",
+            path.display()
+        )
+    };
+    let Some(with_module) = with_module(&module_text, &names.module) else {
+        bail!(by_hand(&modules, &format!("pub mod {};", names.module)));
+    };
+    let Some(with_line) = with_line(&table_text, &entry(names)) else { bail!(by_hand(&lines, &entry(names))) };
+    let detector = TEMPLATE.replace(NAME, &names.name).replace(TYPE, &names.kind);
+    Ok(vec![
+        Change { path: file, before: None, after: detector },
+        Change { path: modules, before: Some(module_text), after: with_module },
+        Change { path: lines, before: Some(table_text), after: with_line },
+    ])
+}
+
+/// The public modules of a file: where the line begins, and the name.
+fn module_lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
+    let starts = text.split_inclusive('\n').scan(0, |start, line| {
+        *start += line.len();
+        Some((*start - line.len(), line))
+    });
+    starts.filter_map(|(start, line)| Some((start, line.trim_end().strip_prefix("pub mod ")?.strip_suffix(';')?)))
+}
+
+/// With the module's line in its place in the alphabet.
+fn with_module(text: &str, module: &str) -> Option<String> {
+    let last = module_lines(text).last()?;
+    let at = match module_lines(text).find(|(_, other)| *other > module) {
+        // Attributes and remarks before a module belong to it.
+        Some((start, _)) => {
+            let before = text[..start].split_inclusive('\n').rev();
+            start - before.take_while(|line| line.starts_with("#[") || line.starts_with("// ")).map(str::len).sum::<usize>()
+        }
+        None => last.0 + text[last.0..].find('\n')? + 1,
+    };
+    Some(format!("{}pub mod {module};\n{}", &text[..at], &text[at..]))
+}
+
+/// With the entry before the controls, or before the table's end.
+fn with_line(text: &str, entry: &str) -> Option<String> {
+    let begin = text.find("pub static TABLE: &[Entry] = &[\n")?;
+    let end = begin + text[begin..].find("\n];\n")? + 1;
+    let controls = text[begin..end].find("    Entry {\n        name: \"nothing\",\n").map(|at| begin + at);
+    let at = controls.unwrap_or(end);
+    Some(format!("{}{entry}{}", &text[..at], &text[at..]))
+}
+
+/// The table line.
+fn entry(Names { name, module, kind }: &Names) -> String {
+    let kind = format!("super::{module}::{kind}");
+    let mut constructor = format!("        constructor: Both::<{kind}, {kind}>::boxed,\n");
+    // As rustfmt breaks it.
+    if constructor.len() > 141 {
+        constructor = format!("        constructor: Both::<\n            {kind},\n            {kind},\n        >::boxed,\n");
+    }
+    format!(
+        "    Entry {{\n        name: \"{name}\",\n        role: Role::Detector,\n        summary: \"sorts along x, tests what is within reach\",\n        \
+         cost: \"N log N key comparisons, N^(2 - 1/D) bound tests in a box\",\n        memory: \"16N\",\n        limits: \"the memory limit\",\n        \
+         threads: false,\n{constructor}    }},\n"
+    )
+}
+
+/// Writes all files, or leaves all as they were.
+fn write_all(changes: &[Change]) -> anyhow::Result<()> {
+    for (k, change) in changes.iter().enumerate() {
+        if let Err(error) = write(change) {
+            let (mut left, done) = (Vec::new(), &changes[..k]);
+            for change in done.iter().rev() {
+                let undone = match &change.before {
+                    Some(before) => put(&change.path, before),
+                    None => std::fs::remove_file(&change.path),
+                };
+                left.extend(undone.err().map(|_| change.path.display().to_string()));
+            }
+            let state = if left.is_empty() { "nothing was changed".into() } else { format!("could not undo {}", left.join(", ")) };
+            return Err(error).with_context(|| format!("cannot write {}; {state}", change.path.display()));
+        }
+    }
+    Ok(())
+}
+
+fn write(change: &Change) -> std::io::Result<()> {
+    if change.before.is_none() {
+        // Not over a file that has come in the meantime.
+        std::fs::File::create_new(&change.path)?;
+    }
+    put(&change.path, &change.after).inspect_err(|_| {
+        if change.before.is_none() {
+            let _ = std::fs::remove_file(&change.path);
+        }
+    })
+}
+
+/// A file is as it was or as it will be, never half of it.
+fn put(path: &Path, text: &str) -> std::io::Result<()> {
+    let mut file = tempfile::NamedTempFile::new_in(path.parent().unwrap_or(Path::new(".")))?;
+    file.write_all(text.as_bytes())?;
+    if let Ok(metadata) = std::fs::metadata(path) {
+        file.as_file().set_permissions(metadata.permissions())?;
+    }
+    file.persist(path).map(drop).map_err(|error| error.error)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_cannot_be_finished_is_undone() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        std::fs::write(at("old"), "before").unwrap();
+        let change = |path: PathBuf, before: Option<&str>| Change { path, before: before.map(String::from), after: "after".into() };
+        let whole = [change(at("new"), None), change(at("old"), Some("before"))];
+        let mut half = Vec::from(whole);
+        half.push(change(at("no-folder/file"), Some("before")));
+        let error = format!("{:#}", write_all(&half).unwrap_err());
+        assert!(error.contains("no-folder") && error.contains("nothing was changed"), "{error}");
+        assert!(!at("new").exists() && std::fs::read_to_string(at("old")).unwrap() == "before");
+        half.pop();
+        write_all(&half).unwrap();
+        assert_eq!(["new", "old"].map(|name| std::fs::read_to_string(at(name)).unwrap()), ["after", "after"]);
+        // A file that has come in the meantime is not written over.
+        assert!(write_all(&half[..1]).is_err() && at("new").exists());
+    }
+}

@@ -1,0 +1,54 @@
+//! `contactbench trace`.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use anyhow::Context;
+
+use super::scene::Source;
+use crate::trace::{Algorithm, example, page, still, trace as run};
+
+/// Options of `trace`.
+#[derive(clap::Args)]
+pub struct Trace {
+    /// The detector
+    #[arg(value_enum)]
+    detector: Algorithm,
+    #[command(flatten)]
+    source: Source,
+    /// The folder for the page and the pictures, made if it is not there
+    #[arg(short, long, default_value = "trace")]
+    output: PathBuf,
+    /// Only the page, without a picture of each step
+    #[arg(long)]
+    page_only: bool,
+}
+
+/// Writes the page and the pictures, and says on standard error where.
+pub fn trace(options: &Trace) -> anyhow::Result<ExitCode> {
+    let algorithm = options.detector;
+    let (name, scene) = match options.source.get()? {
+        Some((name, scene)) => (name, Some(scene)),
+        None => (example::of(algorithm).name.to_string(), None),
+    };
+    let trace = run(algorithm, scene.as_ref())?;
+    let folder = &options.output;
+    let failed = || format!("cannot write to {}; choose another folder with -o", folder.display());
+    std::fs::create_dir_all(folder).with_context(failed)?;
+    let page = folder.join(format!("{}.html", algorithm.name()));
+    std::fs::write(&page, page::html(&trace, &name)).with_context(failed)?;
+    let last = trace.steps.len() - 1;
+    let mut pictures = String::new();
+    if !options.page_only {
+        let stills = still::Stills::new(&trace, &name);
+        let digits = last.to_string().len().max(3);
+        for (k, svg) in (0..=last).filter_map(|k| Some((k, stills.svg(k)?))) {
+            let path = folder.join(format!("{}-{k:0digits$}.svg", algorithm.name()));
+            std::fs::write(&path, svg).with_context(failed)?;
+        }
+        pictures = format!(" and {} pictures", last + 1);
+    }
+    let contacts = trace.contacts.len();
+    eprintln!("{name}: N = {}, {contacts} contacts, {last} steps of {}; {}{pictures}", trace.discs.len(), algorithm.name(), page.display());
+    Ok(ExitCode::SUCCESS)
+}
