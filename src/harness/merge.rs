@@ -94,8 +94,9 @@ pub fn merge(parts: &[Part]) -> anyhow::Result<Merged> {
         same_experiments(first, part)?;
     }
     let (mut labels, mut rows) = (Labels::default(), Vec::new());
-    let (mut known, mut scenes, mut last): (HashMap<String, Row>, HashMap<String, (String, usize)>, HashMap<String, u32>) =
-        Default::default();
+    let (mut known, mut last) = (HashMap::<String, Row>::new(), HashMap::<String, u32>::new());
+    // The fingerprint of each scene, and the first folder with it.
+    let mut scenes: HashMap<String, (String, usize)> = HashMap::new();
     let (mut seen, mut repeated, mut renumbered) = (HashSet::new(), 0, 0);
     for (k, part) in parts.iter().enumerate() {
         let mut fresh = Vec::new();
