@@ -3,7 +3,9 @@
 use std::process::ExitCode;
 
 use clap::Parser;
-use contactbench::cli::{Cli, Verb, check, compare, detect, draw, list, merge, new_detector, recommend, run, runner, shell, trace};
+use contactbench::cli::{
+    Cli, Verb, check, compare, detect, draw, inspect, list, merge, new_detector, recommend, run, runner, shell, trace, verify, write,
+};
 use contactbench::harness::alloc::Counting;
 
 #[global_allocator]
@@ -21,6 +23,9 @@ fn main() -> ExitCode {
         Some(Verb::Detect(options)) => detect::detect(&options),
         Some(Verb::NewDetector(options)) => new_detector::new_detector(&options),
         Some(Verb::Recommend(options)) => recommend::recommend(&options),
+        Some(Verb::Inspect(options)) => inspect::inspect(&options),
+        Some(Verb::Verify(options)) => verify::verify(&options),
+        Some(Verb::Scene(options)) => write::write(&options),
         Some(Verb::Draw(options)) => draw::draw(&options),
         Some(Verb::Trace(options)) => trace::trace(&options),
         Some(Verb::Completions(options)) => shell::completions(&options),

@@ -82,7 +82,7 @@ fn bad_options_are_refused_with_the_remedy() {
     file(folder, "r.csv", "x,y,r\n0,0,1\n");
     let names = DETECTORS.join(", ");
     refused(folder, &["a.csv", "--radius", "1", "--detector", "nsb"], &["there is no detector 'nsb'", &names]);
-    refused(folder, &["a.csv", "--radius", "1", "-o", "pairs.txt"], &["pairs.txt", "must be .csv or .npy"]);
+    refused(folder, &["a.csv", "--radius", "1", "-o", "pairs.txt"], &["pairs.txt", "must be .csv, .npy or .vtk"]);
     refused(folder, &["a.csv", "--radius", "1", "-o", "no/such/pairs.csv"], &["cannot write no/such/pairs.csv"]);
     refused(folder, &["a.csv", "--radius=-1"], &["the radius given is -1; it must be finite and not negative"]);
     refused(folder, &["a.csv", "--radius", "nan"], &["the radius given is NaN; it must be finite"]);

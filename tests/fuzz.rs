@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use contactbench::check::bytes::{fuzz_one, fuzz_reader, scene_from_bytes};
+use contactbench::check::bytes::{fuzz_one, fuzz_reader, fuzz_reader_of, reader, scene_from_bytes};
 use contactbench::contact::Arithmetic;
 use contactbench::oracle;
 use rand::{Rng, RngExt, SeedableRng};
@@ -52,6 +52,18 @@ fn detectors_are_right_on_any_bytes() {
 #[test]
 fn readers_take_any_bytes() {
     inputs("files", 20_000).for_each(|bytes| fuzz_reader(&bytes));
+}
+
+/// Every reader has seeds of its own, and is given the others' as well.
+#[test]
+fn every_reader_takes_any_bytes() {
+    for name in ["npy", "npz", "dump", "lammps-data", "mercury", "vtk", "vtp", "ply", "xyz", "csv", "gzip", "pairs"] {
+        let number = reader(name).unwrap();
+        let own = seeds("files").iter().filter(|(_, bytes)| bytes[0] & 15 == number || name == "gzip" && bytes[0] & 15 == 10).count();
+        assert!(own > 0, "no seeds for {name}");
+        inputs("files", 1000).for_each(|bytes| fuzz_reader_of(number, &bytes));
+    }
+    assert_eq!(reader("zip"), None);
 }
 
 /// What fuzzing is worth: inputs make scenes with contacts, with exact ties, with both kinds of radii, in both dimensions.

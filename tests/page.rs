@@ -201,12 +201,12 @@ fn charts(browser: &Browser) {
     for detector in ["nbs", "sorting", EVIL] {
         same(&shown[detector], &expected("packed", 3, detector, "exact", true));
     }
-    browser.click("#legend button:nth-child(1)");
+    browser.click("#legend button:nth-child(2)");
     assert!(!series(browser).contains_key("nbs"));
-    assert_eq!(browser.run("return document.querySelector('#legend button').getAttribute('aria-pressed')"), "false");
+    assert_eq!(browser.run("return document.querySelector('#legend button:nth-child(2)').getAttribute('aria-pressed')"), "false");
     browser.choose("#by-dim", "2D");
     assert!(!series(browser).contains_key("nbs"), "what is hidden stays hidden");
-    browser.click("#legend button:nth-child(1)");
+    browser.click("#legend button:nth-child(2)");
     same(&series(browser)["nbs"], &expected("packed", 2, "nbs", "exact", true));
     browser.choose("#by-arithmetic", "all");
     same(&series(browser)["sorting (f64)"], &expected("packed", 2, "sorting", "f64", true));

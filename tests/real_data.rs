@@ -8,9 +8,8 @@ use contactbench::detect::Options;
 use contactbench::detect::table::TABLE;
 use contactbench::oracle;
 use contactbench::read;
-use contactbench::scene::{AnyScene, Radii, Scene};
+use contactbench::scene::AnyScene;
 use contactbench::sink::Digest;
-use nalgebra::Point;
 
 fn data(file: &str) -> Option<PathBuf> {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/data").join(file);
@@ -31,7 +30,7 @@ fn all_find(name: &str, scene: &AnyScene<'static>, expected: u64) {
 }
 
 fn read(file: &str, radius: Option<f64>) -> Option<AnyScene<'static>> {
-    data(file).map(|path| read::scene(&path, read::Options { radius, dim: None }).unwrap())
+    data(file).map(|path| read::scene(&path, read::Options { radius, dim: None, ..read::Options::NONE }).unwrap())
 }
 
 #[test]
@@ -70,17 +69,19 @@ fn craters() {
     }
 }
 
-/// The file is VTK legacy, which this program does not read: its points are big-endian f32 behind the line `POINTS`.
 #[test]
-fn sph_points_after_conversion() {
-    let Some(path) = data("sph_knot/knot.vtk") else { return };
-    let bytes = std::fs::read(path).unwrap();
-    let marker = b"POINTS 19539 float\n";
-    let start = bytes.windows(marker.len()).position(|window| window == marker).unwrap() + marker.len();
-    let number = |b: &[u8]| f64::from(f32::from_be_bytes([b[0], b[1], b[2], b[3]]));
-    let points: Vec<Point<f64, 3>> =
-        bytes[start..start + 19_539 * 12].chunks_exact(12).map(|p| Point::from([number(p), number(&p[4..]), number(&p[8..])])).collect();
+fn sph_points() {
     for (radius, pairs) in [(0.05, 306_458), (0.025, 18_977)] {
-        all_find("SPH points", &Scene::new(points.clone(), Radii::Uniform(radius)).unwrap().into(), pairs);
+        if let Some(scene) = read("sph_knot/knot.vtk", Some(radius)) {
+            all_find("SPH points", &scene, pairs);
+        }
+    }
+}
+
+/// The dump has twelve columns, the CSV that was made of it four: the same scene to the bit.
+#[test]
+fn a_dump_is_the_same_scene_as_its_csv() {
+    if let (Some(dump), Some(csv)) = (read("liggghts_packing/packing.dump", None), read("liggghts_packing/packing.csv", None)) {
+        assert_eq!(dump, csv);
     }
 }

@@ -261,7 +261,7 @@ fn what_cannot_work_is_said_before_the_run() {
     refused(
         folder,
         &["beyond.toml", "--out", "beyond"],
-        &["in experiment t, scene t: pack-c 2D N=100 s=1", "leave the range of f64; take parameters nearer to 1"],
+        &["in experiment t, scene t: pack-c 2D N=100 diameter=1.0 s=1e+308: ", "leave the range of f64; take parameters nearer to 1"],
     );
     assert!(!folder.join("beyond").exists(), "nothing was begun");
     let (head, runners) = text.split_once("[[scene]]").unwrap();

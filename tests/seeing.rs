@@ -88,6 +88,34 @@ fn the_books_ten_elements_are_shown_as_printed() {
     }
 }
 
+/// While cells are checked, the list of every cell holds the elements of that cell, and those of all cells are there.
+#[test]
+fn the_lists_that_are_shown_hold_the_elements_of_their_cells() {
+    for (algorithm, link, letters) in [(Algorithm::Nbs, 'X', &['A', 'a'][..]), (Algorithm::Screening, 'E', &['C'])] {
+        for given in [None, Some(scene("packed:n=40")), Some(scene("clustered:n=30"))] {
+            let trace = trace(algorithm, given.as_ref()).unwrap();
+            let (nx, mut seen) = (trace.cells.count[0], 0);
+            for step in trace.steps.iter().filter(|step| trace.parts[step.part].ends_with("are checked")) {
+                for &letter in letters {
+                    for (list, head) in (0..).zip(step.state.heads_of(letter)) {
+                        let cell = match letter {
+                            'A' => [list, step.marks.row.unwrap()],
+                            'a' => [list, step.marks.row.unwrap() - 1],
+                            _ => [list % nx, list / nx],
+                        };
+                        let mut shown = step.state.chain(link, head.first);
+                        shown.sort_unstable();
+                        let there: Vec<u32> = (0..).zip(&trace.discs).filter(|(_, disc)| disc.cell == cell).map(|(k, _)| k).collect();
+                        assert_eq!(shown, there, "{algorithm:?} {letter} {cell:?}: {}", step.words);
+                        seen += there.len();
+                    }
+                }
+            }
+            assert!(seen > 0);
+        }
+    }
+}
+
 /// G2 (p90-91), G3 (p95-98) and the tree of the ten elements.
 #[test]
 fn the_other_examples_are_shown_as_printed() {
@@ -279,7 +307,7 @@ fn the_verbs_write_what_they_say() {
         (&["draw"], "name a particle file, or a scene such as"),
         (&["draw", "packed:n=2", "--pairs", "pairs.csv"], "the pair 0,2: the scene has 2 elements"),
         (&["draw", "packed:n=2", "-o", "nowhere/a.svg"], "cannot write nowhere/a.svg; choose another place"),
-        (&["draw", "packed:n=2", "--radius", "1"], "--radius and --dim belong to files"),
+        (&["draw", "packed:n=2", "--radius", "1"], "--radius, --dim, --frame and --format belong to files"),
         (&["trace", "nbs", "packed:n=100"], "100 elements; the steps of at most 60"),
         (&["trace", "nbs", "-o", "a<b>.csv/t"], "cannot write to a<b>.csv/t"),
         (&["trace", "kd-tree"], "nbs"),

@@ -273,16 +273,54 @@ fn the_truth_is_exact(scene: &AnyScene<'_>) {
     assert!(pairs == truth.pairs, "the filter of the exact test is wrong on\n{}", as_csv(scene));
 }
 
-/// Reads the bytes as a particle file; the first says of which kind. Whatever they are, there is a scene or an error, and a scene
-/// reads back from the CSV that is made of it.
+/// The number under which [`fuzz_reader`] knows a reader: a format's place in the table, or of what is beside it.
+pub fn reader(name: &str) -> Option<u8> {
+    match name {
+        "gzip" => Some(14),
+        "pairs" => Some(15),
+        _ => name.parse().ok().and_then(|format| read::FORMATS.iter().position(|entry| entry.format == format)).map(|k| k as u8),
+    }
+}
+
+/// As [`fuzz_reader`], with one reader whatever the bytes say.
+pub fn fuzz_reader_of(reader: u8, data: &[u8]) {
+    let mut data = data.to_vec();
+    if let Some(kind) = data.first_mut() {
+        *kind = *kind & 0xf0 | reader & 15;
+    }
+    fuzz_reader(&data);
+}
+
+/// Reads the bytes as a particle file: the first says of which format, the second with which options; every sixteenth format is a
+/// contact list. Whatever they are, there is a scene or an error of one clear line, and a scene reads back from the CSV that is made of it.
 pub fn fuzz_reader(data: &[u8]) {
-    let Some((&kind, data)) = data.split_first() else { return };
-    let ending = ["csv", "xyz", "extxyz", "npy", "", "tsv", "txt", "csv"][usize::from(kind % 8)];
-    let options = read::Options {
-        radius: [None, None, Some(0.5), Some(f64::NAN)][usize::from(kind >> 3) % 4],
-        dim: [None, None, Some(2), Some(3), None, Some(2), Some(3), Some(4)][usize::from(kind >> 5)],
+    let Some((&[kind, how], data)) = data.split_first_chunk() else { return };
+    let frame = [read::Frame::Only, read::Frame::Last, read::Frame::Number(1), read::Frame::Number(0)][usize::from(how >> 6)];
+    let clear = |error: anyhow::Error| {
+        let message = format!("{error:#}");
+        assert!(message.len() < 2000 && !message.contains(char::is_control), "not one clear line: {message:?}");
     };
-    let Ok(scene) = read::from(data, "bytes", ending, options) else { return };
+    let format = match usize::from(kind & 15) {
+        15 => {
+            let columns = (how & 1 == 1).then_some(["i", "j"]);
+            read::pairs::from(data, "bytes", columns, frame).map_or_else(clear, drop);
+            return;
+        }
+        k => read::FORMATS.get(k).map(|entry| entry.format),
+    };
+    let options = read::Options {
+        radius: [None, None, Some(0.5), Some(f64::NAN)][usize::from(how) % 4],
+        dim: [None, None, Some(2), Some(3), None, Some(2), Some(3), Some(4)][usize::from(how >> 2) % 8],
+        ids: how & 32 != 0,
+        frame,
+        format,
+        survey: kind & 16 != 0,
+    };
+    let ending = ["", "csv", "xyz", "txt"][usize::from(kind >> 6)];
+    let scene = match read::from(data, "bytes", ending, options) {
+        Ok(scene) => scene,
+        Err(error) => return clear(error),
+    };
     // An empty file has no place for the radius of all.
     if !scene.is_empty() {
         let again = read::from(as_csv(&scene).as_bytes(), "again", "csv", read::Options::default());

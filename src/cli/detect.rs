@@ -16,17 +16,13 @@ use crate::sink::normalise;
 /// Options of `detect`.
 #[derive(clap::Args)]
 pub struct Detect {
-    /// The particles: CSV (x,y[,z][,r]), XYZ, extended XYZ, or NumPy npy
+    /// The particles: CSV, XYZ, LAMMPS, MercuryDPM, YADE, NumPy, VTK or PLY, also compressed with gzip
     file: PathBuf,
     /// The detector
     #[arg(long, default_value = "nbs")]
     detector: String,
-    /// The radius of all particles, for files without radii
-    #[arg(long, allow_negative_numbers = true)]
-    radius: Option<f64>,
-    /// 2 or 3, where the file leaves it open (an npy array of three columns)
-    #[arg(long)]
-    dim: Option<u32>,
+    #[command(flatten)]
+    input: super::input::Input,
     /// How contacts are decided
     #[arg(long, value_enum, default_value_t)]
     arithmetic: Arithmetic,
@@ -36,7 +32,7 @@ pub struct Detect {
     /// Most bytes for the detector's arrays
     #[arg(long, default_value_t = Options::default().memory_limit)]
     memory_limit: u64,
-    /// Where the pairs go: a .csv or .npy file (default: CSV to standard output)
+    /// Where the pairs go: a .csv or .npy file, or .vtk to see them in ParaView (default: CSV to standard output)
     #[arg(short, long)]
     output: Option<PathBuf>,
 }
@@ -55,8 +51,9 @@ pub fn detect(options: &Detect) -> anyhow::Result<ExitCode> {
         read::write::format(path)?;
     }
     super::use_threads(threads);
-    let scene = read::scene(&options.file, read::Options { radius: options.radius, dim: options.dim })?;
-    let scene = scene.stored(options.arithmetic).with_context(|| format!("{} in {}", options.file.display(), options.arithmetic.name()))?;
+    let scene = read::scene(&options.file, options.input.options())?;
+    let given = scene;
+    let scene = given.stored(options.arithmetic).with_context(|| format!("{} in {}", options.file.display(), options.arithmetic.name()))?;
     let mut detector = entry.make(Options { memory_limit: options.memory_limit, threads });
     let mut pairs = Vec::new();
     let started = Instant::now();
@@ -67,7 +64,7 @@ pub fn detect(options: &Detect) -> anyhow::Result<ExitCode> {
     let memory = usage.map(|usage| usage.live_bytes.saturating_sub(pairs.capacity() as u64 * 8));
     normalise(&mut pairs);
     match &options.output {
-        Some(path) => read::write::pairs(path, &pairs)?,
+        Some(path) => read::write::pairs_of(path, &pairs, &given)?,
         None => {
             let mut out = std::io::BufWriter::new(std::io::stdout().lock());
             read::write::csv(&mut out, &pairs).and_then(|()| out.flush()).context("cannot write the pairs to standard output")?;

@@ -5,6 +5,8 @@ pub mod ci;
 pub mod compare;
 pub mod detect;
 pub mod draw;
+pub mod input;
+pub mod inspect;
 pub mod list;
 pub mod merge;
 pub mod new_detector;
@@ -15,6 +17,8 @@ pub mod runner;
 pub mod scene;
 pub mod shell;
 pub mod trace;
+pub mod verify;
+pub mod write;
 
 use anyhow::anyhow;
 use clap::{Parser, Subcommand};
@@ -77,6 +81,17 @@ pub enum Verb {
     /// Writes a new detector that works, as a file to be changed, and its line in the table: in a checkout
     #[command(after_help = "Example: contactbench new-detector quad-tree --in ~/contactbench")]
     NewDetector(new_detector::NewDetector),
+    /// Says what is understood of a particle file, and warns of the usual mistakes
+    #[command(after_help = "Example: contactbench inspect packing.dump\nExample: contactbench inspect centres.npy --radius 0.5 --json")]
+    Inspect(inspect::Inspect),
+    /// Compares a contact list of another code with the exact truth
+    #[command(after_help = "Example: contactbench verify packing.csv --pairs theirs.csv --base 1\nExit code 1 if the lists differ.")]
+    Verify(verify::Verify),
+    /// Writes a scene to a file, for use in your own code
+    #[command(
+        after_help = "Example: contactbench scene packed:dim=3,n=1000,seed=1 -o packed.csv\nExample: contactbench scene packing.dump --frame last -o packing.xyz"
+    )]
+    Scene(write::Write),
     /// Draws a scene with its contacts, or a slice through spheres, as SVG or PNG
     #[command(
         after_help = "Example: contactbench draw packing.csv\nExample: contactbench draw packed:dim=3,n=2000 --slice z=4 -o slice.png\nExample: contactbench draw packing.csv --pairs theirs.csv"

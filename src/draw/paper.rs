@@ -81,7 +81,7 @@ mod tests {
 
     #[test]
     fn numbers_are_short_and_text_is_safe() {
-        assert_eq!([0.0, -0.001, 1.0, 12.5, 100.0, -3.14159].map(px), ["0", "0", "1", "12.5", "100", "-3.14"]);
+        assert_eq!([0.0, -0.001, 1.0, 12.5, 100.0, -4.25999].map(px), ["0", "0", "1", "12.5", "100", "-4.26"]);
         assert_eq!(escaped("<a href=\"x\">&'\u{1}\n"), "&lt;a href=&quot;x&quot;&gt;&amp;&#39;\u{fffd} ");
     }
 

@@ -44,7 +44,7 @@ fn write_scene<T: crate::contact::Real, const D: usize>(path: &Path, scene: &Sce
 
 /// Reads what [`write()`] wrote.
 pub fn read(path: &Path, dim: u32, n: u64, radius: Option<f64>) -> anyhow::Result<AnyScene<'static>> {
-    let scene = read::scene(path, read::Options { radius, dim: Some(dim) })?;
+    let scene = read::scene(path, read::Options { radius, dim: Some(dim), ..read::Options::NONE })?;
     ensure!(
         scene.dim() as u32 == dim && scene.len() as u64 == n,
         "{} holds {} elements in {}D, not {n} in {dim}D",

@@ -65,6 +65,8 @@ fn measure(cell: &Cell, name: &str) -> Option<f64> {
         "time_low" => Some(cell.time()?.low),
         "time_high" => Some(cell.time()?.high),
         "blocks" => Some(cell.time()?.count as f64),
+        // Runners that count nothing say nothing, and their counts are empty.
+        "operations" | "contact_test" if cell.counts.as_ref().is_none_or(|counts| counts.is_empty()) => None,
         "operations" => Op::ALL.iter().map(|op| cell.variable(op.name(), None)).sum(),
         "error_rate" => errors::rate(cell),
         // Of a scene whose answers were compared with the truth.

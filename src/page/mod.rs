@@ -21,6 +21,7 @@ use crate::analyse::value::Cell;
 use crate::analyse::{price, speed, summary, text};
 use crate::figure::style::{Styles, rank};
 use crate::harness::experiment::Experiment;
+use crate::harness::record::Outcome;
 use markup::{data_uri, escape, markdown};
 
 const TEMPLATE: &str = include_str!("../../assets/report/page.html");
@@ -128,13 +129,21 @@ impl Page<'_> {
         let count = |wanted: &dyn Fn(&Cell) -> bool| own().filter(|cell| wanted(cell)).count();
         let good = count(&|cell| cell.overall().0.is_good());
         let off = count(&|cell| cell.overall().0.is_good() && cell.errors.is_some_and(|errors| errors.wrong() > 0));
-        let defects = count(&|cell| cell.overall().0 == crate::harness::record::Outcome::Wrong);
+        let defects = count(&|cell| cell.overall().0 == Outcome::Wrong);
         let (all, without) = (count(&|_| true), count(&|cell| !cell.overall().0.is_good()) - defects);
         let mut right = match defects {
             0 => {
                 format!("<strong>No detector was wrong</strong>: {good} of {} ended well, every answer checked.", text::plural(all, "cell"))
             }
-            _ => format!("<strong>WRONG answers in {}</strong> of {all}.", text::plural(defects, "cell")),
+            _ => {
+                let wrong = own().filter(|cell| cell.overall().0 == Outcome::Wrong).map(|cell| cell.key.detector.as_str());
+                let names: BTreeSet<&str> = wrong.collect();
+                let names = escape(&names.into_iter().collect::<Vec<_>>().join(", "));
+                format!(
+                    "<strong>Wrong in {} of {all}</strong>: {names}. Such times are compared with nothing.",
+                    text::plural(defects, "cell")
+                )
+            }
         };
         if off > 0 {
             let _ = write!(right, " In {} rounding lost or added pairs against exact arithmetic.", text::plural(off, "cell"));

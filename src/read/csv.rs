@@ -1,82 +1,74 @@
-//! CSV: one particle per line, columns named by a header.
+//! CSV: one particle per line, columns named by a header. YADE's text files are of this kind, too.
 //!
 //! * The header names the columns: `x,y[,z][,r]`, with `r`, `radius`, `d` or `diameter`, in any order and any case; other columns are
 //!   skipped. Names and numbers may stand in quotes; a quoted text may not hold the separator.
 //! * The separator is that of the first line: semicolon, else comma, else tab, else any run of blanks.
 //! * Blank lines and lines that begin with `#` are skipped. A `#` line is the header where the data begin without one and it names as
 //!   many columns as the data have (`# x y z r`, as many programs write).
+//! * YADE's `#format x_y_z_r` names the columns likewise; `#format x_y_z_r_attrs` has any number of others behind them.
 //! * Without a header, columns that are all numbers are taken as x,y (two), x,y,z,r (four), and x,y,z (three, where the options give a
 //!   radius or three dimensions) or x,y,r (three, where they give two dimensions). Anything else is refused.
 
-use std::io::BufRead;
+use anyhow::bail;
 
-use anyhow::{bail, ensure};
+use super::lines::{Lines, Separator, Source, number, words};
+use super::particles::{Columns, Particles, loaded};
+use super::{About, Options};
 
-use super::{Column, Columns, Lines, Options, Particles};
-
-pub(super) fn read(reader: impl BufRead, name: &str, options: Options) -> anyhow::Result<Particles> {
-    let mut lines = Lines::new(reader, name);
-    let mut commented = None;
-    let (line, place) = loop {
-        match lines.next()? {
-            Some((line, place)) if line.trim_start().starts_with('#') => {
-                let columns = named(line.trim_start().trim_start_matches('#').trim());
-                if columns.particles(&place).is_ok() {
-                    commented = Some(columns);
-                }
-            }
-            Some((line, _)) if line.trim().is_empty() => {}
-            Some(first) => break first,
+pub(super) fn read(source: Source<'_>, options: Options) -> anyhow::Result<(Particles, About)> {
+    let mut lines = Lines::new(source);
+    let (mut commented, mut yade) = (None, false);
+    loop {
+        if !lines.advance_over_blanks()? {
             // A comment that names columns is the header of a file without particles.
-            None => match commented {
-                Some(columns) => return columns.particles(name),
-                None => bail!("{name} is empty; a particle file has at least a header such as x,y,r"),
-            },
+            let Some(columns) = commented else {
+                bail!("{} is empty; a particle file has at least a header such as x,y,r", lines.source.name)
+            };
+            let columns: Columns = columns;
+            return Ok(loaded("CSV", columns.particles(lines.source.name, options)?, columns.radius()));
         }
-    };
-    let separator = Separator::of(&line);
-    let numeric = separator.split(&line).all(|cell| cell.parse::<f64>().is_ok());
-    let columns = if numeric {
-        let count = separator.split(&line).count();
-        match commented.filter(|columns| columns.meaning.len() == count) {
-            Some(columns) => columns,
-            None => unnamed(count, options, &place)?,
+        if !lines.line().starts_with(b"#") {
+            break;
         }
-    } else {
-        named(&line)
-    };
-    let mut particles = columns.particles(&place)?;
-    let mut next = if numeric { Some((line, place)) } else { lines.next()? };
-    while let Some((line, place)) = next {
-        if !line.trim().is_empty() && !line.trim_start().starts_with('#') {
-            let (count, wanted) = (separator.split(&line).count(), columns.meaning.len());
-            ensure!(
-                count == wanted,
-                "{place}: {count} columns where {wanted} are expected, separated by {}; mend or remove the line",
-                separator.name()
-            );
-            columns.push(&mut particles, separator.split(&line), &place)?;
+        let text = lines.text();
+        let text = text.trim_start_matches('#').trim();
+        let columns = match text.strip_prefix("format ") {
+            Some(format) => {
+                yade = true;
+                let names: Vec<&str> = format.trim().split('_').take_while(|name| *name != "attrs").collect();
+                Columns { or_more: format.ends_with("attrs"), ..Columns::named(names) }
+            }
+            None => named(text.as_bytes()),
+        };
+        if columns.particles("", options).is_ok() && !(yade && commented.is_some()) {
+            commented = Some(columns);
         }
-        next = lines.next()?;
     }
-    Ok(particles)
+    let separator = Separator::of(lines.line());
+    let count = separator.cells(lines.line()).count();
+    let numeric = separator.cells(lines.line()).all(|cell| number(cell).is_some());
+    let of_comment = commented.filter(|columns| columns.meaning.len() == count || columns.or_more && columns.meaning.len() < count);
+    let (columns, is_header) = match of_comment {
+        // Beside the numbers, YADE writes names of materials and the like.
+        Some(columns) if numeric || yade => (columns, false),
+        _ if numeric => (unnamed(count, options, &lines.place())?, false),
+        _ => (named(lines.line()), true),
+    };
+    let mut particles = columns.particles(&lines.place(), options)?;
+    let mut more = !is_header || lines.advance()?;
+    let between = || format!(", separated by {}; mend or remove the line", separator.name());
+    while more {
+        let line = lines.line();
+        if !line.is_empty() && !line.starts_with(b"#") {
+            columns.push(&mut particles, separator.cells(line), || lines.place(), between)?;
+        }
+        more = lines.advance()?;
+    }
+    Ok(loaded(if yade { "YADE text" } else { "CSV" }, particles, columns.radius()))
 }
 
-fn named(header: &str) -> Columns {
-    let names: Vec<String> = Separator::of(header).split(header).map(str::to_string).collect();
-    Columns { meaning: names.iter().map(|name| meaning(name)).collect(), names }
-}
-
-/// What a column of that name holds.
-pub(super) fn meaning(name: &str) -> Column {
-    match name.to_ascii_lowercase().as_str() {
-        "x" => Column::Axis(0),
-        "y" => Column::Axis(1),
-        "z" => Column::Axis(2),
-        "r" | "radius" => Column::Radius,
-        "d" | "diameter" => Column::Diameter,
-        _ => Column::Other,
-    }
+fn named(header: &[u8]) -> Columns {
+    Columns::named(Separator::of(header).cells(header).map(|cell| String::from_utf8_lossy(cell).into_owned()))
 }
 
 /// The columns of numbers that no header names.
@@ -89,33 +81,5 @@ fn unnamed(count: usize, options: Options, place: &str) -> anyhow::Result<Column
         (3, _) => bail!("{place}: three columns without a header may be x,y,z or x,y,r; put a header line before them"),
         _ => bail!("{place}: {count} columns without a header; put a header line such as x,y,z,r before them"),
     };
-    Ok(named(names))
-}
-
-#[derive(Clone, Copy)]
-enum Separator {
-    One(char),
-    Blanks,
-}
-
-impl Separator {
-    fn of(line: &str) -> Separator {
-        [';', ',', '\t'].into_iter().find(|&c| line.contains(c)).map_or(Separator::Blanks, Separator::One)
-    }
-
-    fn split(self, line: &str) -> impl Iterator<Item = &str> {
-        let (by_char, by_blanks) = match self {
-            Separator::One(c) => (Some(line.split(c)), None),
-            Separator::Blanks => (None, Some(line.split_whitespace())),
-        };
-        by_char.into_iter().flatten().chain(by_blanks.into_iter().flatten()).map(|cell| cell.trim().trim_matches('"').trim())
-    }
-
-    fn name(self) -> String {
-        match self {
-            Separator::One('\t') => "tabs".into(),
-            Separator::One(c) => format!("'{c}'"),
-            Separator::Blanks => "blanks".into(),
-        }
-    }
+    Ok(Columns::named(words(names.as_bytes()).map(|word| String::from_utf8_lossy(word).into_owned())))
 }

@@ -3,11 +3,13 @@
 //! Shape N x 2: x, y. N x 3: x, y, z, or x, y, radius where the options ask for two dimensions. N x 4: x, y, z, radius.
 //! f32 widens without error. Format: <https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html>.
 
-use std::io::Read;
-
 use anyhow::{Context, bail, ensure};
+use nalgebra::Point;
 
-use super::{Options, Particles, short};
+use super::lines::{Source, short};
+use super::particles::{Centres, Column, Particles, loaded, room};
+use super::scalars::Kind;
+use super::{About, Options, RadiusSource};
 
 /// The first bytes of every npy file.
 pub const MAGIC: &[u8] = b"\x93NUMPY";
@@ -15,12 +17,22 @@ pub const MAGIC: &[u8] = b"\x93NUMPY";
 /// Longest header read; NumPy's own default limit is 10,000.
 const LONGEST_HEADER: usize = 1 << 20;
 
-pub(super) fn read(mut reader: impl Read, name: &str, options: Options) -> anyhow::Result<Particles> {
-    let header = header(&mut reader, name)?;
-    let Header { rows, columns, .. } = header;
+pub(super) fn read(mut source: Source<'_>, options: Options) -> anyhow::Result<(Particles, About)> {
+    let header = header(&mut source)?;
+    let (particles, radius) = particles(&mut source, &header, options)?;
+    source.end(&header)?;
+    Ok(loaded("NumPy npy", particles, radius))
+}
+
+/// The particles of an array of two dimensions.
+pub(super) fn particles(source: &mut Source<'_>, header: &Header, options: Options) -> anyhow::Result<(Particles, RadiusSource)> {
+    let name = source.name;
+    let rows = header.rows;
+    let Some(columns @ 2..=4) = header.columns else {
+        bail!("{name}: the shape is ({}); it must be (N, 2), (N, 3) or (N, 4): x, y, z, and the radius last", header.shape)
+    };
+    ensure!(header.is_real(), "{name}: the type {} is not read; convert with .astype('f8')", header.descr);
     ensure!(rows <= u64::from(u32::MAX), "{name}: {rows} particles; at most 2^32 - 1 = {} can be numbered: split the file", u32::MAX);
-    let rows = usize::try_from(rows).with_context(|| format!("{name}: {rows} particles are more than this machine can address"))?;
-    let values = values(&mut reader, &header, rows.saturating_mul(columns), name)?;
     let (dim, has_radii) = match (columns, options.dim) {
         (2, _) => (2, false),
         (3, Some(2)) => (2, true),
@@ -28,76 +40,166 @@ pub(super) fn read(mut reader: impl Read, name: &str, options: Options) -> anyho
         _ => (3, true),
     };
     let mut particles = Particles::new(dim, has_radii);
-    particles.coordinates.reserve_exact(rows * dim);
-    for row in 0..rows {
-        for column in 0..columns {
-            let value = values[if header.fortran { column * rows + row } else { row * columns + column }];
-            let axis = || if column == dim { "radius" } else { ["x", "y", "z"][column.min(2)] };
-            ensure!(value.is_finite(), "{name}: particle {row} (from 0): {} is {value}; it must be finite: mend or remove the row", axis());
-            if column < dim {
-                particles.coordinates.push(value);
-            } else {
-                ensure!(value >= 0.0, "{name}: particle {row} (from 0): the radius {value} is negative; mend or remove the row");
-                particles.radii.get_or_insert_default().push(value);
+    let checked = |value: f64, row: u64, column: usize| {
+        let axis = if column == dim { "radius" } else { ["x", "y", "z"][column.min(2)] };
+        ensure!(value.is_finite(), "{name}: particle {row} (from 0): {axis} is {value}; it must be finite: mend or remove the row");
+        let negative = column == dim && value < 0.0;
+        ensure!(!negative, "{name}: particle {row} (from 0): the radius {value} is negative; mend or remove the row");
+        Ok(value)
+    };
+    let radius = if has_radii { RadiusSource::Column(format!("last of {columns} columns")) } else { RadiusSource::Missing };
+    if header.fortran {
+        // The first column brings the particles, the others fill them up.
+        header.values(source, rows, |row, x| particles.push([checked(x, row, 0)?, 0.0, 0.0], 0.0, 0))?;
+        for column in 1..columns {
+            header.values(source, rows, |row, value| {
+                let (value, row) = (checked(value, row, column)?, row as usize);
+                match (&mut particles.centres, &mut particles.radii) {
+                    (_, Some(radii)) if column == dim => radii[row] = value,
+                    (Centres::Plane(points), _) => points[row][column] = value,
+                    (Centres::Space(points), _) => points[row][column] = value,
+                }
+                Ok(())
+            })?;
+        }
+        return Ok((particles, radius));
+    }
+    let (mut point, mut column, mut row) = ([0.0; 3], 0, 0);
+    header.values(source, rows.saturating_mul(columns as u64), |_, value| {
+        // The last of a row's numbers is still at hand when the row is complete.
+        let value = checked(value, row, column)?;
+        if column < dim {
+            point[column] = value;
+        }
+        column += 1;
+        if column == columns {
+            particles.push(point, value, 0)?;
+            (column, row) = (0, row + 1);
+        }
+        Ok(())
+    })?;
+    Ok((particles, radius))
+}
+
+/// The numbers of an array of one dimension: a coordinate of every particle, or its size.
+pub(super) fn list(source: &mut Source<'_>, header: &Header, label: &str, column: Column) -> anyhow::Result<Vec<f64>> {
+    let mut list = Vec::new();
+    let name = source.name;
+    header.values(source, header.rows, |row, value| {
+        let value = match column {
+            Column::Axis(_) if value.is_finite() => Ok(value),
+            Column::Axis(_) => Err("is not a finite number"),
+            _ => column.size(value),
+        };
+        let value =
+            value.map_err(|why| anyhow::anyhow!("{name}: particle {row} (from 0): a number of '{label}' {why}; mend or remove it"))?;
+        room(&mut list)?;
+        list.push(value);
+        Ok(())
+    })?;
+    Ok(list)
+}
+
+/// Particles of coordinates that came one axis after the other.
+pub(super) fn zip(axes: [Option<Vec<f64>>; 3], radii: Option<Vec<f64>>, name: &str) -> anyhow::Result<Particles> {
+    let [Some(x), Some(y), z] = axes else { bail!("{name}: arrays x and y of the same length are needed") };
+    let lengths = [Some(y.len()), z.as_ref().map(Vec::len), radii.as_ref().map(Vec::len)];
+    ensure!(lengths.into_iter().flatten().all(|n| n == x.len()), "{name}: the arrays x, y, z and r are not of the same length");
+    let centres = match z {
+        None => Centres::Plane(x.into_iter().zip(y).map(|(x, y)| Point::from([x, y])).collect()),
+        Some(z) => Centres::Space(x.into_iter().zip(y).zip(z).map(|((x, y), z)| Point::from([x, y, z])).collect()),
+    };
+    Ok(Particles { centres, radii, ids: None })
+}
+
+impl Source<'_> {
+    /// Nothing may follow an array.
+    pub(super) fn end(&mut self, header: &Header) -> anyhow::Result<()> {
+        let more = self.fill(&mut [0])?;
+        ensure!(!more, "{} goes on after the {} numbers that its header announces; write it again", self.name, header.shape_in_words());
+        Ok(())
+    }
+}
+
+/// What the header of an array says.
+#[derive(Debug)]
+pub(super) struct Header {
+    pub kind: Kind,
+    pub descr: String,
+    pub big: bool,
+    pub fortran: bool,
+    pub rows: u64,
+    /// None for an array of one dimension.
+    pub columns: Option<usize>,
+    pub shape: String,
+}
+
+impl Header {
+    /// Are these the numbers of particles, in a type that is read?
+    pub fn is_real(&self) -> bool {
+        matches!(self.kind, Kind::F64 | Kind::F32)
+    }
+
+    fn shape_in_words(&self) -> String {
+        self.columns.map_or(format!("{}", self.rows), |columns| format!("{} x {columns}", self.rows))
+    }
+
+    /// The next `count` numbers in file order, with their places. They are read in pieces, so that a false shape cannot ask for more
+    /// memory than the file has bytes.
+    pub fn values(&self, source: &mut Source<'_>, count: u64, mut then: impl FnMut(u64, f64) -> anyhow::Result<()>) -> anyhow::Result<()> {
+        let width = self.kind.width();
+        let mut piece = vec![0; 1 << 16];
+        let mut at = 0;
+        while at < count {
+            let bytes = (count - at).min((piece.len() / width) as u64) as usize * width;
+            if !source.fill(&mut piece[..bytes])? {
+                bail!("{} ends before the {} numbers that its header announces; write it again", source.name, self.shape_in_words());
+            }
+            match (self.kind, self.big) {
+                (Kind::F64, false) => {
+                    for word in piece[..bytes].as_chunks().0 {
+                        then(at, f64::from_le_bytes(*word))?;
+                        at += 1;
+                    }
+                }
+                (kind, big) => {
+                    for word in piece[..bytes].chunks_exact(width) {
+                        then(at, kind.get(word, big))?;
+                        at += 1;
+                    }
+                }
             }
         }
+        Ok(())
     }
-    Ok(particles)
 }
 
-/// The numbers in file order. They are read in pieces, so that a false shape cannot ask for more memory than the file has bytes.
-fn values(reader: &mut impl Read, header: &Header, count: usize, name: &str) -> anyhow::Result<Vec<f64>> {
-    let mut values = Vec::new();
-    let mut piece = vec![0; 1 << 16];
-    while values.len() < count {
-        let wanted = ((count - values.len()).saturating_mul(header.width)).min(piece.len());
-        let piece = &mut piece[..wanted];
-        if let Err(error) = reader.read_exact(piece) {
-            ensure!(error.kind() == std::io::ErrorKind::UnexpectedEof, "cannot read {name}: {error}");
-            bail!("{name} ends before the {} x {} numbers that its header announces; write it again", header.rows, header.columns);
-        }
-        match (header.width, header.big) {
-            (8, false) => values.extend(piece.as_chunks().0.iter().map(|&bytes| f64::from_le_bytes(bytes))),
-            (8, true) => values.extend(piece.as_chunks().0.iter().map(|&bytes| f64::from_be_bytes(bytes))),
-            (_, false) => values.extend(piece.as_chunks().0.iter().map(|&bytes| f64::from(f32::from_le_bytes(bytes)))),
-            (_, true) => values.extend(piece.as_chunks().0.iter().map(|&bytes| f64::from(f32::from_be_bytes(bytes)))),
-        }
-    }
-    let more = reader.read(&mut piece[..1]).with_context(|| format!("cannot read {name}"))?;
-    ensure!(more == 0, "{name} goes on after the {} x {} numbers that its header announces; write it again", header.rows, header.columns);
-    Ok(values)
-}
-
-#[derive(Debug)]
-struct Header {
-    /// Bytes per number: 4 or 8.
-    width: usize,
-    big: bool,
-    fortran: bool,
-    rows: u64,
-    columns: usize,
-}
-
-fn header(reader: &mut impl Read, name: &str) -> anyhow::Result<Header> {
-    let torn = || format!("{name}: the npy header is cut off; write the file again");
+pub(super) fn header(source: &mut Source<'_>) -> anyhow::Result<Header> {
+    let name = source.name;
+    let mut need = |bytes: &mut [u8]| match source.fill(bytes) {
+        Ok(true) => Ok(()),
+        Ok(false) => bail!("{name}: the npy header is cut off; write the file again"),
+        Err(error) => Err(error),
+    };
     let mut start = [0; 8];
-    reader.read_exact(&mut start).with_context(torn)?;
+    need(&mut start)?;
+    ensure!(start.starts_with(MAGIC), "{name} is not a NumPy file: it does not begin with \\x93NUMPY; write it with numpy.save");
     let length = match start[6] {
         1 => {
             let mut length = [0; 2];
-            reader.read_exact(&mut length).with_context(torn)?;
+            need(&mut length)?;
             usize::from(u16::from_le_bytes(length))
         }
         2 | 3 => {
             let mut length = [0; 4];
-            reader.read_exact(&mut length).with_context(torn)?;
+            need(&mut length)?;
             u32::from_le_bytes(length) as usize
         }
         version => bail!("{name} is npy version {version}; versions 1 to 3 are read: write it with numpy.save"),
     };
     ensure!(length <= LONGEST_HEADER, "{name}: the npy header has {length} bytes; at most {LONGEST_HEADER} are read");
     let mut text = vec![0; length];
-    reader.read_exact(&mut text).with_context(torn)?;
+    need(&mut text)?;
     let text = String::from_utf8_lossy(&text).to_string();
     parse(&text).with_context(|| format!("{name}: npy header {}", short(text.trim())))
 }
@@ -109,22 +211,32 @@ fn parse(text: &str) -> anyhow::Result<Header> {
         let rest = text[at.with_context(|| format!("it has no '{key}'"))?..].trim_start();
         Ok(rest.strip_prefix(':').with_context(|| format!("'{key}' has no value"))?.trim_start())
     };
-    let descr = value("descr")?;
-    let (width, big) = match descr.get(..5).map(|descr| descr.replace('"', "'")).as_deref() {
-        Some("'<f8'") => (8, false),
-        Some("'<f4'") => (4, false),
-        Some("'>f8'") => (8, true),
-        Some("'>f4'") => (4, true),
-        _ => bail!("the type {} is not read; convert with .astype('f8')", short(descr.split(',').next().unwrap_or_default())),
+    let descr = short(value("descr")?.split(',').next().unwrap_or_default());
+    let inner = descr.trim_matches(['\'', '"']);
+    let kind = match inner.get(1..) {
+        Some("f8") => Kind::F64,
+        Some("f4") => Kind::F32,
+        Some("u4") => Kind::U32,
+        Some("i4") => Kind::I32,
+        Some("u8") => Kind::U64,
+        Some("i8") => Kind::I64,
+        _ => bail!("the type {descr} is not read; convert with .astype('f8')"),
+    };
+    let big = match inner.as_bytes().first() {
+        Some(b'<') => false,
+        Some(b'>') => true,
+        _ => bail!("the type {descr} is not read; convert with .astype('f8')"),
     };
     let order = value("fortran_order")?;
     let fortran = order.starts_with("True");
     ensure!(fortran || order.starts_with("False"), "fortran_order is neither True nor False");
     let shape = value("shape")?.strip_prefix('(').and_then(|rest| rest.split_once(')')).map(|(shape, _)| shape);
-    let shape = shape.context("the shape is not of the form (N, 3)")?;
+    let shape = short(shape.context("the shape is not of the form (N, 3)")?);
     let sizes: Option<Vec<u64>> = shape.split(',').map(str::trim).filter(|size| !size.is_empty()).map(|size| size.parse().ok()).collect();
-    match sizes.as_deref() {
-        Some(&[rows, columns @ 2..=4]) => Ok(Header { width, big, fortran, rows, columns: columns as usize }),
-        _ => bail!("the shape is ({}); it must be (N, 2), (N, 3) or (N, 4): x, y, z, and the radius last", short(shape)),
-    }
+    let (rows, columns) = match sizes.as_deref() {
+        Some(&[rows]) => (rows, None),
+        Some(&[rows, columns @ 1..=1000]) => (rows, Some(columns as usize)),
+        _ => bail!("the shape is ({shape}); it must be (N, 2), (N, 3) or (N, 4): x, y, z, and the radius last"),
+    };
+    Ok(Header { kind, descr, big, fortran, rows, columns, shape })
 }

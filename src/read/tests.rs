@@ -6,8 +6,8 @@ use super::*;
 use crate::contact::Real;
 use crate::with_scene;
 
-const NONE: Options = Options { radius: None, dim: None };
-const HALF: Options = Options { radius: Some(0.5), dim: None };
+const NONE: Options = Options::NONE;
+const HALF: Options = Options { radius: Some(0.5), ..NONE };
 
 fn read(bytes: &[u8], ending: &str, options: Options) -> Result<AnyScene<'static>, String> {
     from(bytes, "p", ending, options).map_err(|error| format!("{error:#}"))
@@ -53,7 +53,7 @@ fn csv_headers_decide() {
 
 #[test]
 fn csv_without_a_header_is_read_where_it_has_one_meaning() {
-    let with = |radius, dim| Options { radius, dim };
+    let with = |radius, dim| Options { radius, dim, ..NONE };
     assert_eq!(rows(&read(b"1 2\n3 4\n", "txt", HALF).unwrap()), [[1.0, 2.0, 0.5], [3.0, 4.0, 0.5]]);
     assert_eq!(rows(&read(b"1,2,3,4\n", "", NONE).unwrap()), [[1.0, 2.0, 3.0, 4.0]]);
     assert_eq!(rows(&read(b"1,2,3\n", "csv", HALF).unwrap()), [[1.0, 2.0, 3.0, 0.5]]);
@@ -105,7 +105,7 @@ fn npy_of_both_widths_byte_orders_and_layouts() {
     }
     let three = npy("<f8", "False", "(1, 3)", &doubles(&[1.0, 2.0, 3.0]));
     assert_eq!(rows(&read(&three, "npy", HALF).unwrap()), [[1.0, 2.0, 3.0, 0.5]]);
-    assert_eq!(rows(&read(&three, "npy", Options { radius: None, dim: Some(2) }).unwrap()), [[1.0, 2.0, 3.0]]);
+    assert_eq!(rows(&read(&three, "npy", Options { radius: None, dim: Some(2), ..NONE }).unwrap()), [[1.0, 2.0, 3.0]]);
     let two = npy("<f8", "False", "(1, 2)", &doubles(&[1.0, 2.0]));
     assert_eq!(rows(&read(&two, "npy", HALF).unwrap()), [[1.0, 2.0, 0.5]]);
     assert_eq!(read(&npy("<f8", "False", "(0, 3)", &[]), "npy", HALF).unwrap().len(), 0);
@@ -119,7 +119,7 @@ fn npy_of_both_widths_byte_orders_and_layouts() {
 fn dimension_and_radii_follow_the_rules() {
     let flat = b"x,y,z,r\n1,2,0,1\n3,4,-0,1\n";
     assert_eq!(read(flat, "csv", NONE).unwrap().dim(), 3);
-    let plane = read(flat, "csv", Options { radius: None, dim: Some(2) }).unwrap();
+    let plane = read(flat, "csv", Options { radius: None, dim: Some(2), ..NONE }).unwrap();
     assert_eq!(rows(&plane), [[1.0, 2.0, 1.0], [3.0, 4.0, 1.0]]);
     assert!(plane.uniform(), "equal radii are one radius");
     assert!(!read(b"x,y,r\n1,2,1\n3,4,2\n", "csv", NONE).unwrap().uniform());
@@ -129,8 +129,8 @@ fn dimension_and_radii_follow_the_rules() {
 
 #[test]
 fn bad_files_are_refused_with_place_and_remedy() {
-    let plane = Options { radius: None, dim: Some(2) };
-    let space = Options { radius: Some(1.0), dim: Some(3) };
+    let plane = Options { radius: None, dim: Some(2), ..NONE };
+    let space = Options { radius: Some(1.0), dim: Some(3), ..NONE };
     let long = [b"x,y,r\n1,2,3".as_slice(), &vec![b' '; LONGEST_LINE], b"\n"].concat();
     let shape = |shape| npy("<f8", "False", shape, &doubles(&[1.0; 4]));
     let nan = npy("<f8", "False", "(2, 2)", &doubles(&[1.0, 2.0, 3.0, f64::NAN]));
@@ -148,7 +148,7 @@ fn bad_files_are_refused_with_place_and_remedy() {
         (b"x,y,r\n1,,3\n", "csv", NONE, "p:2: column 'y': '' is not a number; mend or remove the line"),
         (b"x,y,r\n\n1,nan,3\n", "csv", NONE, "p:3: column 'y': 'nan' is not a finite number; mend or remove the line"),
         (b"x,y,r\n1,2,1e999\n", "csv", NONE, "p:2: column 'r': '1e999' is not a finite number; mend or remove the line"),
-        (b"x,y,D\n1,2,-3\n", "csv", NONE, "p:2: column 'D': -3 is negative; mend or remove the line"),
+        (b"x,y,D\n1,2,-3\n", "csv", NONE, "p:2: column 'D': '-3' is negative; mend or remove the line"),
         (b"x,y,x\n", "csv", NONE, "p:1: the column 'x' stands twice; remove one"),
         (b"x,y,r,d\n", "csv", NONE, "p:1: there are a radius and a diameter column; remove one"),
         (
@@ -162,20 +162,15 @@ fn bad_files_are_refused_with_place_and_remedy() {
         (
             b"x,y,r\n1,2,3\n",
             "csv",
-            Options { radius: None, dim: Some(3) },
+            Options { radius: None, dim: Some(3), ..NONE },
             "p holds plane points (x and y only); it cannot be read as 3D: add a column z",
         ),
         (b"x,y,z,r\n1,2,0,3\n1,2,5,3\n", "csv", plane, "p: particle 1 has z = 5; only particles with z = 0 can be read as 2D"),
-        (b"x,y\n", "csv", Options { radius: Some(-1.0), dim: None }, "the radius given is -1; it must be finite and not negative"),
-        (b"x,y\n", "csv", Options { radius: None, dim: Some(4) }, "the dimension given is 4; it must be 2 or 3"),
+        (b"x,y\n", "csv", Options { radius: Some(-1.0), dim: None, ..NONE }, "the radius given is -1; it must be finite and not negative"),
+        (b"x,y\n", "csv", Options { radius: None, dim: Some(4), ..NONE }, "the dimension given is 4; it must be 2 or 3"),
         (&long, "csv", NONE, "p:2: the line is longer than 1048576 bytes; this is not a particle file"),
-        (
-            b"ITEM: TIMESTEP\n",
-            "dump",
-            NONE,
-            "p is a LAMMPS dump, which is not read; write its x, y, z and radius columns as CSV with a header x,y,z,r",
-        ),
-        (b"# vtk DataFile\n", "vtk", NONE, "p is a VTK file, which is not read; write its points as CSV with a header x,y,z,r, or as npy"),
+        (b"ITEM: TIMESTEP\n", "dump", NONE, "p is cut off in a header; write it again"),
+        (b"# vtk DataFile\n", "vtk", NONE, "p is cut off in its header; write it again"),
         (b"two\n", "xyz", HALF, "p:1: 'two' is not the number of particles, which is the first line of an XYZ file"),
         (b"5000000000\n", "xyz", HALF, "p:1: 5000000000 particles; at most 2^32 - 1 = 4294967295 can be numbered: split the file"),
         (b"2\n\nA 1 2 3\n", "xyz", HALF, "p ends after 1 of the 2 particles that its first line announces; mend the number or the file"),
@@ -183,7 +178,7 @@ fn bad_files_are_refused_with_place_and_remedy() {
             b"1\n\nA 1 2 3\n1\n\n",
             "xyz",
             HALF,
-            "p:4: there is more after the 1 particles announced; only one frame is read: remove the others",
+            "p:4: a second frame begins; say which one is to be read, with --frame 0 (the first) to --frame last, or remove the others",
         ),
         (b"1\n\nA 1 2\n", "xyz", HALF, "p:3: 3 columns where 4 are expected (species x y z)"),
         (b"1\n\nA 1 2 x\n", "xyz", HALF, "p:3: column 'z': 'x' is not a number; mend or remove the line"),
@@ -209,7 +204,7 @@ fn bad_files_are_refused_with_place_and_remedy() {
         (b"1\nProperties=pos:R:4\n", "xyz", HALF, "p:2: Properties=pos:R:4: pos has 4 columns; it must have 2 or 3"),
         (b"1\nProperties=pos:R:0\n", "xyz", HALF, "p:2: Properties=pos:R:0: '0' is not a number of columns from 1 to 1000"),
         (b"x,y\n", "npy", HALF, "p is not a NumPy file: it does not begin with \\x93NUMPY; write it with numpy.save"),
-        (b"\x93NUMPY", "npy", HALF, "p: the npy header is cut off; write the file again: failed to fill whole buffer"),
+        (b"\x93NUMPY", "npy", HALF, "p: the npy header is cut off; write the file again"),
         (b"\x93NUMPY\x04\0\0\0", "npy", HALF, "p is npy version 4; versions 1 to 3 are read: write it with numpy.save"),
         (b"\x93NUMPY\x02\0\0\0\0\x80", "npy", HALF, "p: the npy header has 2147483648 bytes; at most 1048576 are read"),
         (&short_data, "npy", HALF, "p: 1000000000000 particles; at most 2^32 - 1 = 4294967295 can be numbered: split the file"),
@@ -254,7 +249,7 @@ fn damaged_bytes_never_panic() {
     let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(1);
     let (mut good, mut bad) = (0, 0);
     for (bytes, ending) in files {
-        let options = [NONE, HALF, Options { radius: None, dim: Some(2) }, Options { radius: Some(1.0), dim: Some(3) }];
+        let options = [NONE, HALF, Options { radius: None, dim: Some(2), ..NONE }, Options { radius: Some(1.0), dim: Some(3), ..NONE }];
         let mut see = |bytes: &[u8], options| match read(bytes, ending, options) {
             Ok(_) => good += 1,
             Err(message) => {
@@ -303,7 +298,7 @@ fn pairs_are_written_as_csv_and_npy() {
         assert_eq!(words, list.as_flattened());
     }
     let message = write::pairs(Path::new("pairs.txt"), &list).unwrap_err().to_string();
-    assert_eq!(message, "pairs.txt: the ending of a file of pairs must be .csv or .npy");
+    assert_eq!(message, "pairs.txt: the ending of a file of pairs must be .csv, .npy or .vtk");
     assert!(
         format!("{:#}", write::pairs(Path::new("/nowhere/pairs.csv"), &list).unwrap_err()).starts_with("cannot write /nowhere/pairs.csv: ")
     );
@@ -331,7 +326,7 @@ fn real_files_have_their_number_of_particles() {
         ("galaxies/xyz.npy", Some(1.0), 84_383, 3),
         ("craters/craters.csv", None, 24_520, 2),
     ] {
-        let scene = scene(&data.join(file), Options { radius, dim: None }).unwrap_or_else(|error| panic!("{error:#}"));
+        let scene = scene(&data.join(file), Options { radius, dim: None, ..NONE }).unwrap_or_else(|error| panic!("{error:#}"));
         assert_eq!((scene.len(), scene.dim(), scene.uniform()), (n, dim, radius.is_some()), "{file}");
     }
 }

@@ -1,4 +1,4 @@
-//! XYZ and extended XYZ: the number of particles, a comment line, then one particle per line; one frame.
+//! XYZ and extended XYZ: the number of particles, a comment line, then one particle per line; frames follow each other.
 //!
 //! * Extended: the comment holds `Properties=species:S:1:pos:R:3:radius:R:1` (the value may be quoted): names, types and numbers of
 //!   columns. `pos` gives two or three coordinates; `r`, `radius`, `d` or `diameter` the size; the rest is skipped, as are `Lattice` and
@@ -6,57 +6,74 @@
 //! * Plain: `species x y z`. What further columns mean, nobody knows: it may be a radius, a charge or a velocity. So a plain file with
 //!   more columns is refused, unless the options give the radius: then the columns are skipped.
 
-use std::io::BufRead;
-
 use anyhow::{Context, bail, ensure};
 
-use super::csv::meaning;
-use super::{Column, Columns, Lines, Options, Particles, short};
+use super::frames::{Frames, Step};
+use super::lines::{Lines, Source, short, words};
+use super::particles::{Column, Columns, Particles};
+use super::{About, Options};
 
 const MOST_COLUMNS: usize = 10_000;
 
-pub(super) fn read(reader: impl BufRead, name: &str, options: Options) -> anyhow::Result<Particles> {
-    let mut lines = Lines::new(reader, name);
-    let (first, place) = lines.next()?.with_context(|| format!("{name} is empty"))?;
-    let n: u64 = match first.trim().parse() {
-        Ok(n) => n,
-        Err(_) => bail!("{place}: '{}' is not the number of particles, which is the first line of an XYZ file", short(first.trim())),
-    };
-    ensure!(n <= u64::from(u32::MAX), "{place}: {n} particles; at most 2^32 - 1 = {} can be numbered: split the file", u32::MAX);
-    // A file of no particles may end before its comment line.
-    let (comment, place) = lines.next()?.unwrap_or((String::new(), place));
-    let extended =
-        properties(&comment).map(|text| columns(&text).with_context(|| format!("{place}: Properties={}", short(&text)))).transpose()?;
-    let plain = extended.is_none();
-    let columns = extended.unwrap_or_else(|| Columns {
-        meaning: vec![Column::Other, Column::Axis(0), Column::Axis(1), Column::Axis(2)],
-        names: ["species", "x", "y", "z"].map(String::from).to_vec(),
-    });
-    let mut particles = columns.particles(&place)?;
-    let wanted = columns.meaning.len();
-    for k in 0..n {
-        let Some((line, place)) = lines.next()? else {
-            bail!("{name} ends after {k} of the {n} particles that its first line announces; mend the number or the file");
-        };
-        let count = line.split_whitespace().count();
-        if plain && count > wanted {
-            ensure!(
-                options.radius.is_some(),
-                "{place}: {count} columns in a plain XYZ file: it is not known whether the others are radii; \
-                 give --radius R to skip them, or name them in line 2 as in Properties=species:S:1:pos:R:3:radius:R:1"
-            );
-        } else {
-            ensure!(count == wanted, "{place}: {count} columns where {wanted} are expected ({})", columns.names.join(" "));
+pub(super) fn read(source: Source<'_>, options: Options) -> anyhow::Result<(Particles, About)> {
+    let mut lines = Lines::new(source);
+    let mut frames = Frames::new(options);
+    let mut result: Option<(Particles, About)> = None;
+    lines.advance()?;
+    loop {
+        let n = lines.count(lines.line(), "the number of particles, which is the first line of an XYZ file")?;
+        let step = frames.begin(|| lines.place())?;
+        if step == Step::Stop {
+            break;
         }
-        columns.push(&mut particles, line.split_whitespace(), &place)?;
+        // A file of no particles may end before its comment line.
+        let comment = if lines.advance()? { lines.text() } else { String::new() };
+        let short_of = |k: u64, name: &str| {
+            anyhow::anyhow!("{name} ends after {k} of the {n} particles that its first line announces; mend the number or the file")
+        };
+        if step == Step::Keep {
+            let columns = columns(&comment).with_context(|| lines.place())?;
+            let mut particles = columns.particles(&lines.place(), options)?;
+            let between = || format!(" ({})", super::lines::listed(&columns.names));
+            for k in 0..n {
+                if !lines.advance()? {
+                    return Err(short_of(k, lines.source.name));
+                }
+                let line = lines.line();
+                if columns.or_more && options.radius.is_none() {
+                    let count = words(line).count();
+                    ensure!(
+                        count <= columns.names.len(),
+                        "{}: {count} columns in a plain XYZ file: it is not known whether the others are radii; \
+                         give --radius R to skip them, or name them in line 2 as in Properties=species:S:1:pos:R:3:radius:R:1",
+                        lines.place()
+                    );
+                }
+                columns.push(&mut particles, super::lines::Separator::Blanks.cells(line), || lines.place(), between)?;
+            }
+            let format = if columns.or_more { "XYZ" } else { "extended XYZ" };
+            result = Some(super::particles::loaded(format, particles, columns.radius()));
+        } else {
+            for k in 0..n {
+                if !lines.advance()? {
+                    return Err(short_of(k, lines.source.name));
+                }
+            }
+        }
+        if !lines.advance_over_blanks()? {
+            break;
+        }
     }
-    while let Some((line, place)) = lines.next()? {
-        ensure!(
-            line.trim().is_empty(),
-            "{place}: there is more after the {n} particles announced; only one frame is read: remove the others"
-        );
+    let (particles, about) = result.unwrap_or_else(|| (Particles::new(3, false), About::default()));
+    Ok((particles, frames.end(lines.source.name, about)?))
+}
+
+/// The columns that the comment line announces, or those of a plain file.
+fn columns(comment: &str) -> anyhow::Result<Columns> {
+    match properties(comment) {
+        Some(text) => announced(&text).with_context(|| format!("Properties={}", short(&text))),
+        None => Ok(Columns { or_more: true, ..Columns::named(["species", "x", "y", "z"]) }),
     }
-    Ok(particles)
 }
 
 /// The value of `Properties` in a comment of `key=value` and `key="some value"` pairs.
@@ -82,22 +99,22 @@ fn properties(comment: &str) -> Option<String> {
 }
 
 /// The columns that `name:type:number` triples announce.
-fn columns(properties: &str) -> anyhow::Result<Columns> {
+fn announced(properties: &str) -> anyhow::Result<Columns> {
     let parts: Vec<&str> = properties.split(':').map(str::trim).collect();
-    let mut columns = Columns { meaning: Vec::new(), names: Vec::new() };
+    let mut columns = Columns { meaning: Vec::new(), names: Vec::new(), or_more: false };
     ensure!(parts.len().is_multiple_of(3), "it must be triples name:type:number, as in species:S:1:pos:R:3:radius:R:1");
     for triple in parts.chunks_exact(3) {
         let (name, count) = (triple[0], triple[2].parse::<usize>().ok().filter(|count| (1..=1000).contains(count)));
-        let count = count.with_context(|| format!("'{}' is not a number of columns from 1 to 1000", short(triple[2])))?;
+        let Some(count) = count else { bail!("'{}' is not a number of columns from 1 to 1000", short(triple[2])) };
         // Else a line of a million letters could ask for gigabytes of columns.
         ensure!(columns.names.len() + count <= MOST_COLUMNS, "it announces more than {MOST_COLUMNS} columns; remove what is not needed");
         for k in 0..count {
-            let (meaning, name) = match (name.to_ascii_lowercase().as_str(), meaning(name)) {
+            let (meaning, name) = match (name.to_ascii_lowercase().as_str(), Column::named(name)) {
                 ("pos", _) => {
                     ensure!(count == 2 || count == 3, "pos has {count} columns; it must have 2 or 3");
                     (Column::Axis(k), ["x", "y", "z"][k].to_string())
                 }
-                (_, Column::Radius | Column::Diameter) if count == 1 => (meaning(name), name.to_string()),
+                (_, meaning @ (Column::Radius | Column::Diameter | Column::Id)) if count == 1 => (meaning, name.to_string()),
                 _ => (Column::Other, name.to_string()),
             };
             columns.meaning.push(meaning);

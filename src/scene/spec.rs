@@ -134,7 +134,7 @@ fn json(value: &toml::Value) -> Value {
 /// A value of the command line: whole number, number or text; paths and names of cases are text whatever they look like.
 fn scalar(key: &str, value: &str) -> toml::Value {
     match (key, value.parse::<i64>(), value.parse::<f64>()) {
-        ("path" | "case", ..) => value.into(),
+        ("path" | "case" | "frame" | "format", ..) => value.into(),
         (_, Ok(whole), _) => whole.into(),
         (_, _, Ok(number)) => number.into(),
         _ => value.into(),

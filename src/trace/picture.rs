@@ -54,7 +54,7 @@ impl Scene {
     pub fn ground(&self, trace: &Trace) -> String {
         let inside = |at: i64, axis: usize| at > 0 && at < i64::from(trace.cells.count[axis]) - 1;
         let cells = trace.shown(1).flat_map(|row| trace.shown(0).map(move |column| [column, row]));
-        let border = cells.filter(|&[column, row]| !trace.names.book && !(inside(column, 0) && inside(row, 1)));
+        let border = cells.filter(|&[column, row]| !(trace.names.book || inside(column, 0) && inside(row, 1)));
         border.map(|cell| self.cell(cell, "border")).collect()
     }
 

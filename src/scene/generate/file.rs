@@ -23,7 +23,7 @@ pub const NAME: &str = "file";
 pub const GENERATOR: Generator = Generator {
     name: NAME,
     dims: &[2, 3],
-    summary: "a particle file: CSV, XYZ, extended XYZ or NumPy npy",
+    summary: "a particle file: CSV, XYZ, LAMMPS, MercuryDPM, YADE, NumPy, VTK or PLY",
     own_n: true,
     params: &[
         Parameter { name: "path", kind: Kind::Text, default: [Preset::Required; 2], meaning: "the file's name" },
@@ -39,10 +39,31 @@ pub const GENERATOR: Generator = Generator {
             default: [Preset::Absent; 2],
             meaning: "2 or 3, where the file leaves it open: three columns without names, or z = 0",
         },
+        Parameter {
+            name: "frame",
+            kind: Kind::Text,
+            default: [Preset::Absent; 2],
+            meaning: "which frame, of a file that has several: a number from 0, or last",
+        },
+        Parameter {
+            name: "format",
+            kind: Kind::Text,
+            default: [Preset::Absent; 2],
+            meaning: "the format, where content and ending do not tell",
+        },
     ],
     make: |inputs| {
         let path = Path::new(inputs.text("path")?);
-        let options = read::Options { radius: inputs.number("radius").ok(), dim: inputs.whole("file-dim").ok().map(|dim| dim as u32) };
+        let frame = match inputs.text("frame") {
+            Ok(text) => text.parse().map_err(|must| anyhow::anyhow!("file: frame is '{text}'; {must}"))?,
+            Err(_) => read::Frame::default(),
+        };
+        let format = match inputs.text("format") {
+            Ok(text) => Some(text.parse().map_err(|must| anyhow::anyhow!("file: format is '{text}'; {must}"))?),
+            Err(_) => None,
+        };
+        let dim = inputs.whole("file-dim").ok().map(|dim| dim as u32);
+        let options = read::Options { radius: inputs.number("radius").ok(), dim, frame, format, ..read::Options::NONE };
         let scene = read::scene(path, options)?;
         let (n, found) = (inputs.n, scene.len());
         ensure!(n == 0 || n == found as u64, "{} holds {found} particles, but n = {n} was asked for; leave n out", path.display());

@@ -1,0 +1,140 @@
+//! `contactbench inspect`.
+
+use std::io::Write;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use serde_json::{Value, json};
+
+use super::input::Input;
+use crate::read::{self, About, Frame, Particles, RadiusSource};
+use crate::scene::stats::stats;
+
+mod contacts;
+use contacts::Contacts;
+
+/// Options of `inspect`.
+#[derive(clap::Args)]
+pub struct Inspect {
+    /// The particles: CSV, XYZ, LAMMPS, MercuryDPM, YADE, NumPy, VTK or PLY, also compressed with gzip
+    file: PathBuf,
+    #[command(flatten)]
+    input: Input,
+    /// Print the same as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// A label, its value for people, and its values for programs.
+struct Line(&'static str, String, Vec<(&'static str, Value)>);
+
+/// Reads the file, looks for contacts, prints what was found, and warns.
+pub fn inspect(options: &Inspect) -> anyhow::Result<ExitCode> {
+    let frame = options.input.frame.unwrap_or(Frame::Last);
+    let reading = read::Options { frame, survey: true, ..options.input.options() };
+    let (particles, about) = read::load(&options.file, reading)?;
+    let (mut lines, mut warnings) = (Vec::new(), Vec::new());
+    of_file(options, &particles, &about, &mut lines, &mut warnings);
+    of_centres(&particles, &mut lines, &mut warnings);
+    if about.radius != RadiusSource::Missing {
+        let source = about.radius.clone();
+        let scene = particles.scene(&options.file.display().to_string(), options.input.radius)?;
+        let contacts = Contacts::of(&scene);
+        contacts::report(&scene, &source, &contacts, &mut lines, &mut warnings);
+        if let Some(count) = contacts.exact() {
+            let stats = stats(&scene, count);
+            lines.push(Line(
+                "packing fraction",
+                format!("{:.4} of the box around the bodies", stats.packing_fraction),
+                vec![("packing_fraction", json!(stats.packing_fraction))],
+            ));
+            lines.push(Line("fingerprint", stats.scene_hash.clone(), vec![("scene_hash", json!(stats.scene_hash))]));
+        }
+    }
+    let mut out = std::io::stdout().lock();
+    if options.json {
+        let mut all = serde_json::Map::new();
+        for (key, value) in lines.into_iter().flat_map(|Line(_, _, values)| values) {
+            all.insert(key.into(), value);
+        }
+        all.insert("warnings".into(), json!(warnings));
+        writeln!(out, "{:#}", Value::Object(all))?;
+    } else {
+        for Line(label, text, _) in &lines {
+            writeln!(out, "{label:<17} {text}")?;
+        }
+        for warning in &warnings {
+            writeln!(out, "warning: {warning}")?;
+        }
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// What the reader says.
+fn of_file(options: &Inspect, particles: &Particles, about: &About, lines: &mut Vec<Line>, warnings: &mut Vec<String>) {
+    let name = options.file.display().to_string();
+    lines.push(Line("file", name.clone(), vec![("file", json!(name))]));
+    let gzip = if about.gzip { ", compressed with gzip" } else { "" };
+    lines.push(Line("format", format!("{}{gzip}", about.format), vec![("format", json!(about.format)), ("gzip", json!(about.gzip))]));
+    let (n, dim) = (particles.len(), particles.dim());
+    let what = if dim == 2 { "discs (2D)" } else { "spheres (3D)" };
+    lines.push(Line("particles", format!("{n} {what}"), vec![("n", json!(n)), ("dim", json!(dim))]));
+    let which = if about.frames == 1 { String::new() } else { format!("; read: frame {}, counted from 0", about.frame) };
+    lines.push(Line("frames", format!("{}{which}", about.frames), vec![("frames", json!(about.frames)), ("frame", json!(about.frame))]));
+    if about.frames > 1 {
+        warnings.push(format!("the file has {} frames; the other verbs want to know which: --frame {}", about.frames, about.frame));
+    }
+    let (text, kind, column) = match &about.radius {
+        RadiusSource::Column(name) => (format!("'{name}' in the file"), "column", Some(name.clone())),
+        RadiusSource::Halved(name) => (format!("'{name}' in the file, a diameter, halved"), "diameter", Some(name.clone())),
+        RadiusSource::Given => ("the option --radius".into(), "option", None),
+        RadiusSource::Missing => ("none in the file; contacts need --radius R (half the diameter)".into(), "missing", None),
+    };
+    lines.push(Line("radius from", text, vec![("radius_source", json!(kind)), ("radius_column", json!(column))]));
+    if let Some(bounds) = &about.bounds {
+        let text: Vec<String> = bounds.iter().map(|[lo, hi]| format!("{lo} to {hi}")).collect();
+        lines.push(Line("box in the file", text.join(", "), vec![("declared_box", json!(bounds))]));
+    }
+    for note in &about.notes {
+        warnings.push(note.clone());
+    }
+}
+
+/// What the centres say.
+fn of_centres(particles: &Particles, lines: &mut Vec<Line>, warnings: &mut Vec<String>) {
+    let (n, dim) = (particles.len(), particles.dim());
+    if n == 0 {
+        warnings.push("there are no particles".into());
+        return;
+    }
+    let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+    for k in 0..n {
+        for (axis, x) in particles.centre(k).into_iter().enumerate() {
+            (low[axis], high[axis]) = (low[axis].min(x), high[axis].max(x));
+        }
+    }
+    let text: Vec<String> = (0..dim).map(|k| format!("{} {} to {}", ["x", "y", "z"][k], low[k], high[k])).collect();
+    lines.push(Line("centres", text.join(", "), vec![("low", json!(low[..dim])), ("high", json!(high[..dim]))]));
+    if dim == 3 && low[2] == 0.0 && high[2] == 0.0 && n > 1 {
+        warnings.push("z is 0 for all: these may be discs; then give --dim 2".into());
+    }
+    if (0..dim).all(|k| low[k] >= 0.0 && high[k] <= 1.0 && high[k] - low[k] > 0.9) && n > 100 {
+        warnings.push("all coordinates are from 0 to 1, and fill that range: are they scaled by a box?".into());
+    }
+    // -0 is where 0 is.
+    let key = |k: u32| particles.centre(k as usize).map(|x| (x + 0.0).to_bits());
+    let mut order: Vec<u32> = (0..n as u32).collect();
+    order.sort_unstable_by_key(|&k| key(k));
+    let duplicates = order.windows(2).filter(|pair| key(pair[0]) == key(pair[1])).count();
+    lines.push(Line(
+        "coincident",
+        format!("{duplicates} centres stand where another does"),
+        vec![("coincident_centres", json!(duplicates))],
+    ));
+    if duplicates > 0 {
+        let first = order.windows(2).find(|pair| key(pair[0]) == key(pair[1])).map_or(0, |pair| pair[0]);
+        warnings.push(format!(
+            "{duplicates} particles have the centre of another, such as particle {first} (from 0): was something written twice?"
+        ));
+    }
+}

@@ -1,0 +1,208 @@
+//! What radii and contacts say.
+
+use serde_json::json;
+
+use super::Line;
+use crate::contact::depth::depth;
+use crate::contact::{Arithmetic, Real, Test, array};
+use crate::detect::{Options, table};
+use crate::oracle;
+use crate::read::RadiusSource;
+use crate::scene::{AnyScene, Radii, Scene};
+use crate::sink::{Visit, normalise};
+use crate::with_scene;
+
+/// Couples whose distance differs from the sum of their radii by less than this share of it are near tangent.
+const NEAR: f64 = 1e-9;
+/// Where more contacts than this are to be expected, they are not looked for.
+const MOST: f64 = 5e7;
+/// So many particles are compared with all others to know what to expect.
+const SAMPLE: usize = 100;
+/// Copes with sizes and places of every kind.
+const DETECTOR: &str = "bvh";
+
+/// The contacts of a scene.
+pub(super) enum Contacts {
+    Found {
+        pairs: Vec<[u32; 2]>,
+        /// Near tangent couples, those just apart included.
+        near: u64,
+        /// The sum of the overlaps in mean radii.
+        overlap: f64,
+    },
+    /// Estimated contacts per particle: they are too many to be looked for.
+    TooMany(f64),
+    /// No detector takes the scene.
+    Refused(String),
+}
+
+impl Contacts {
+    pub fn of(scene: &AnyScene<'static>) -> Contacts {
+        match scene {
+            AnyScene::PlaneF64(scene) => of(scene),
+            AnyScene::SpaceF64(scene) => of(scene),
+            // Readers give doubles.
+            _ => Contacts::Refused("not in f64".into()),
+        }
+    }
+
+    /// Their number, where it is known.
+    pub fn exact(&self) -> Option<u64> {
+        if let Contacts::Found { pairs, .. } = self { Some(pairs.len() as u64) } else { None }
+    }
+}
+
+fn of<const D: usize>(scene: &Scene<'static, f64, D>) -> Contacts
+where
+    AnyScene<'static>: From<Scene<'static, f64, D>>,
+{
+    let n = scene.len();
+    let overlap = |i: usize, j: usize| depth(array(&scene.centres()[i]), array(&scene.centres()[j]), scene.radius(i), scene.radius(j));
+    // All of a small scene, some of a large one.
+    let step = (n / SAMPLE).max(1);
+    let (mut touching, mut asked) = (0u64, 0u64);
+    for i in (0..n).step_by(step) {
+        let reach = |j: usize| {
+            let square: f64 = (0..D).map(|k| (scene.centres()[i][k] - scene.centres()[j][k]).powi(2)).sum();
+            square <= (scene.radius(i) + scene.radius(j)).powi(2)
+        };
+        touching += (0..n).filter(|&j| j != i && reach(j)).count() as u64;
+        asked += 1;
+    }
+    let each = touching as f64 / asked.max(1) as f64;
+    if 0.5 * each * n as f64 > MOST {
+        return Contacts::TooMany(each);
+    }
+    // Bodies a little larger find those couples, too, that are just apart.
+    let larger = |r: f64| (r * (1.0 + 2.0 * NEAR)).min(f64::MAX);
+    let radii = match scene.radii() {
+        Radii::Uniform(r) => Radii::Uniform(larger(*r)),
+        Radii::Each(radii) => Radii::Each(radii.iter().map(|&r| larger(r)).collect()),
+    };
+    let swollen = match Scene::new(scene.centres().to_vec(), radii) {
+        Ok(scene) => AnyScene::from(scene),
+        Err(error) => return Contacts::Refused(error.to_string()),
+    };
+    let (mut pairs, mut near, mut sum) = (Vec::new(), 0, 0.0);
+    let mut sink = Visit(|i: u32, j: u32| {
+        let depth = overlap(i as usize, j as usize);
+        // In mean radii: twice the share of the sum.
+        near += u64::from(depth.abs() < 2.0 * NEAR);
+        if depth >= 0.0 {
+            pairs.push([i, j]);
+            sum += depth;
+        }
+    });
+    let Some(entry) = table::find(DETECTOR) else { return Contacts::Refused(format!("there is no {DETECTOR}")) };
+    if let Err(refusal) = entry.make(Options::default()).visit(&swollen, Test::Exact, &mut sink) {
+        return Contacts::Refused(refusal.to_string());
+    }
+    normalise(&mut pairs);
+    Contacts::Found { pairs, near, overlap: sum }
+}
+
+/// Prints radii, contacts, and what rounding would do.
+pub(super) fn report(
+    scene: &AnyScene<'static>,
+    source: &RadiusSource,
+    contacts: &Contacts,
+    lines: &mut Vec<Line>,
+    warnings: &mut Vec<String>,
+) {
+    let n = scene.len();
+    if n == 0 {
+        return;
+    }
+    let radius = |k: usize| with_scene!(scene, scene => scene.radius(k).wide());
+    let (mut least, mut most, mut mean) = (f64::INFINITY, 0.0f64, 0.0);
+    for r in (0..n).map(radius) {
+        (least, most, mean) = (least.min(r), most.max(r), mean + r / n as f64);
+    }
+    // Where all are the same, their mean is not to show the rounding of a sum.
+    mean = if least == most { least } else { mean };
+    lines.push(Line(
+        "radii",
+        format!("smallest {least}, mean {mean}, largest {most}"),
+        vec![("radius_min", json!(least)), ("radius_mean", json!(mean)), ("radius_max", json!(most))],
+    ));
+    if least == 0.0 {
+        warnings.push("there are radii of 0: points".into());
+    }
+    let each = match contacts {
+        Contacts::Refused(reason) => {
+            warnings.push(format!("contacts were not looked for: {reason}"));
+            return;
+        }
+        Contacts::TooMany(each) => {
+            lines.push(Line(
+                "contacts",
+                format!("about {each:.0} per particle, too many to look for"),
+                vec![("coordination", json!(each))],
+            ));
+            *each
+        }
+        Contacts::Found { pairs, near, overlap } => {
+            let (count, each) = (pairs.len(), 2.0 * pairs.len() as f64 / n as f64);
+            let mean = if count == 0 { 0.0 } else { overlap / count as f64 };
+            let text =
+                format!("{count} (exact; bodies that just touch are in contact), {each:.3} per particle, mean overlap {mean:.3e} radii");
+            lines.push(Line(
+                "contacts",
+                text,
+                vec![("contacts", json!(count)), ("coordination", json!(each)), ("mean_overlap", json!(mean))],
+            ));
+            lines.push(Line(
+                "near tangent",
+                format!("{near} couples whose distance is the sum of their radii to within 1e-9 of it"),
+                vec![("near_tangent", json!(near))],
+            ));
+            if count == 0 && n > 1 {
+                warnings.push("nothing touches: are the radii in the units of the coordinates, and not too small by a half?".into());
+            }
+            if *near > 0 && 10 * near > count as u64 {
+                warnings.push(format!(
+                    "{near} couples are within 1e-9 of just touching: codes that round in different ways will disagree about them"
+                ));
+            }
+            each
+        }
+    };
+    // Equal bodies that do not overlap have at most 12 neighbours, or 6.
+    let crowded = if scene.dim() == 2 { 9.0 } else { 18.0 };
+    if each > crowded {
+        let what = match source {
+            RadiusSource::Column(name) => format!("'{name}' may hold diameters: name the column d then"),
+            RadiusSource::Given => "--radius may have been given a diameter".into(),
+            _ => "the sizes may be too large, or in other units".into(),
+        };
+        warnings.push(format!("{each:.1} contacts per particle are more than a packing of hard bodies has; {what}"));
+    }
+    offset(scene, mean, contacts, lines, warnings);
+}
+
+/// How far from the origin the scene is, and what f32 would make of it.
+fn offset(scene: &AnyScene<'static>, mean: f64, contacts: &Contacts, lines: &mut Vec<Line>, warnings: &mut Vec<String>) {
+    let largest = with_scene!(scene, scene => scene.centres().iter().flat_map(array).fold(0.0f64, |most, x| most.max(x.wide().abs())));
+    let diameters = largest / (2.0 * mean);
+    if !diameters.is_finite() {
+        return;
+    }
+    // The spacing of f32 at that place, against the radius.
+    let spacing = largest * 2f64.powi(-23) / mean;
+    let mut text =
+        format!("{diameters:.4e} mean diameters from the origin at most; numbers of f32 are up to {spacing:.1e} radii apart there");
+    let mut values = vec![("offset_diameters", json!(diameters)), ("f32_spacing_radii", json!(spacing))];
+    if let (Contacts::Found { pairs, .. }, Ok(stored), Some(entry)) = (contacts, scene.stored(Arithmetic::F32), table::find(DETECTOR)) {
+        let mut rounded = Vec::new();
+        if entry.make(Options::default()).list(&stored, Test::Rounded, &mut rounded).is_ok() {
+            let errors = oracle::compare(&rounded, pairs, scene);
+            text += &format!("; f32 would miss {} contacts and add {}", errors.missed, errors.spurious);
+            values.extend([("f32_missed", json!(errors.missed)), ("f32_spurious", json!(errors.spurious))]);
+        }
+    }
+    lines.push(Line("offset", text, values));
+    if spacing > 1e-3 {
+        warnings
+            .push(format!("the scene is so far from the origin that f32 places bodies only to {spacing:.1e} radii: shift it, or use f64"));
+    }
+}

@@ -1,0 +1,43 @@
+//! `contactbench scene`: writes one.
+
+use std::io::Write as _;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use anyhow::Context;
+
+use super::input::Input;
+use crate::read::write;
+
+/// Options of `scene`.
+#[derive(clap::Args)]
+pub struct Write {
+    /// A generator such as packed:dim=3,n=1000,seed=1 (see contactbench list scenes), or a particle file
+    scene: String,
+    #[command(flatten)]
+    input: Input,
+    /// Where the scene goes: a .csv, .xyz (extended XYZ) or .npy file (default: CSV to standard output)
+    #[arg(short, long)]
+    output: Option<PathBuf>,
+}
+
+/// Makes or reads the scene and writes it, in numbers that read back to the same bits.
+pub fn write(options: &Write) -> anyhow::Result<ExitCode> {
+    if let Some(path) = &options.output {
+        write::scene_format(path)?;
+    }
+    let scene = options.input.scene(&options.scene)?;
+    match &options.output {
+        Some(path) => {
+            write::scene(path, &scene)?;
+            eprintln!("{}: N = {}, {}D", path.display(), scene.len(), scene.dim());
+        }
+        None => {
+            let mut out = std::io::BufWriter::new(std::io::stdout().lock());
+            write::scene_to(&mut out, write::SceneFormat::Csv, &scene)
+                .and_then(|()| out.flush())
+                .context("cannot write the scene to standard output")?;
+        }
+    }
+    Ok(ExitCode::SUCCESS)
+}
