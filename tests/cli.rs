@@ -54,7 +54,7 @@ fn bad_files_are_refused_with_place_and_remedy() {
         ("nan.csv", "x,y,r\n0,0,1\n1,NaN,1\n", ["nan.csv:3", "column 'y'", "'NaN' is not a finite number; mend or remove the line"]),
         ("inf.csv", "x,y,r\n0,0,1\n-inf,0,1\n", ["inf.csv:3", "column 'x'", "'-inf' is not a finite number; mend or remove"]),
         ("huge.csv", "x,y,r\n0,0,1\n1e999,0,1\n", ["huge.csv:3", "column 'x'", "'1e999' is not a finite number; mend or remove"]),
-        ("negative.csv", "x,y,r\n0,0,1\n0,0,-2\n", ["negative.csv:3", "column 'r'", "-2 is negative; mend or remove the line"]),
+        ("negative.csv", "x,y,r\n0,0,1\n0,0,-2\n", ["negative.csv:3", "column 'r'", "'-2' is negative; mend or remove the line"]),
         ("word.csv", "x,y,r\n0,0,1\n0,left,1\n", ["word.csv:3", "column 'y'", "'left' is not a number; mend or remove the line"]),
         ("empty.csv", "", ["empty.csv", "is empty", "a header such as x,y,r"]),
         ("blank.csv", "\n\n", ["blank.csv", "is empty", "a header such as x,y,r"]),

@@ -385,7 +385,8 @@ fn errors_say_where() {
     assert!(refusal(&gz(&gz(b"x,y,r\n1,2,3\n")), "", NONE).contains("compressed twice"));
     let mut damaged = gz(format!("x,y,r\n{}", "1,2,3\n".repeat(1000)).as_bytes());
     damaged.truncate(damaged.len() / 2);
-    assert!(refusal(&damaged, "", NONE).starts_with("cannot read p"));
+    let found = refusal(&damaged, "", NONE);
+    assert!(found.starts_with("cannot read p"), "{found}");
 }
 
 /// What a file promises costs nothing: memory follows the bytes that are there.

@@ -55,11 +55,7 @@ fn scenes_are_written_and_read_back_to_the_bit() {
     assert_eq!(std::fs::read_to_string(folder.join("one.csv")).unwrap(), "x,y,r\n4.0,5.0,6.0\n");
     let refused = |arguments: &[&str], words: &str| {
         let ended = run(folder, arguments);
-        assert!(
-            ended.code == Some(2) && ended.stderr.contains(words) && ended.stderr.lines().count() == 1,
-            "{arguments:?}: {}",
-            ended.stderr
-        );
+        assert!(ended.code == Some(2) && ended.stderr.contains(words), "{arguments:?}: {}", ended.stderr);
     };
     refused(&["scene", "packed:n=10", "-o", "scene.vtk"], "the ending of a file of a scene must be .csv, .xyz or .npy");
     refused(&["scene", "packed:n=10", "--dim", "3"], "write dim=3 and the like into the scene");

@@ -61,7 +61,7 @@ fn a_row_has_the_fields_of_the_format() {
     let published = "experiment scene params dim n seed order detector arithmetic threads pass block time_ns outcome reason contacts digest \
         counts peak_bytes live_bytes allocations formula_bytes stats";
     // What the format has beyond the fields promised.
-    let more = "calls elapsed_ns warm_allocations errors causes";
+    let more = "calls elapsed_ns warm_allocations errors causes schema machine";
     let expected: BTreeSet<String> = published.split_whitespace().chain(more.split_whitespace()).map(String::from).collect();
     for line in text.lines() {
         let row: Value = serde_json::from_str(line).unwrap();

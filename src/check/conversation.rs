@@ -125,7 +125,9 @@ impl Talk<'_> {
 
     fn sample(&mut self, right: Digest) -> anyhow::Result<()> {
         let request = json(&Request::Sample { min_ns: SAMPLE_NS })?;
-        for when in ["asked for a sample", "asked for a second sample"] {
+        // The number of detections is found at the first, and kept: the second may be shorter.
+        const FIRST: &str = "asked for a sample";
+        for when in [FIRST, "asked for a second sample"] {
             let started = Instant::now();
             let Some(reply) = self.say(when, &request)? else { return Ok(()) };
             let waited = started.elapsed().as_nanos() as u64;
@@ -146,7 +148,7 @@ impl Talk<'_> {
                 self.breaks(format!(
                     "{when}, it says elapsed_ns {elapsed_ns}, but its answer was there after {waited} ns: are these nanoseconds?"
                 ));
-            } else if elapsed_ns < SAMPLE_NS / 10 {
+            } else if when == FIRST && elapsed_ns < SAMPLE_NS / 10 {
                 self.breaks(format!(
                     "{when} of {SAMPLE_NS} ns, it measured only {elapsed_ns} ns: repeat the detection until min_ns are over"
                 ));

@@ -58,7 +58,7 @@ impl Default for Limits {
             time: Duration::from_secs(6),
             deadline: Duration::from_secs(20),
             effort: Effort { trials: 20_000, time: Duration::from_secs(3) },
-            options: Options::default(),
+            options: Options { memory_limit: MOST_BYTES, ..Options::default() },
         }
     }
 }
@@ -290,8 +290,8 @@ fn truth(scene: &AnyScene<'_>, arithmetic: Arithmetic) -> Result<(Arc<AnyScene<'
     Ok((stored, truth))
 }
 
-/// Candidates of the shrinker need no more than this, and a small machine has it.
-const SHRINKING_BYTES: u64 = 256 << 20;
+/// No scene of the battery needs more than this if it is not to be refused, and a small machine has it. To fill much more takes as long as a hang.
+const MOST_BYTES: u64 = 256 << 20;
 /// A candidate that hangs is given up, and after some of them the shrinking, since each leaves a thread behind.
 const SHRINKING_DEADLINE: Duration = Duration::from_secs(1);
 const SHRINKING_HANGS: u32 = 2;
@@ -314,7 +314,7 @@ fn simplest(
     };
     let mut patient = candidate.subject(limits.options, limits.deadline)?;
     let Some(first) = wrong(&mut *patient, scene, true)? else { return Ok((scene.clone(), None)) };
-    let options = Options { memory_limit: limits.options.memory_limit.min(SHRINKING_BYTES), ..limits.options };
+    let options = Options { memory_limit: limits.options.memory_limit.min(MOST_BYTES), ..limits.options };
     let mut subject = candidate.subject(options, limits.deadline.min(SHRINKING_DEADLINE))?;
     let mut hangs = 0;
     let mut smaller = |fresh: bool| {

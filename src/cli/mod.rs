@@ -73,14 +73,6 @@ pub enum Verb {
         after_help = "Example: contactbench detect packing.csv --detector nbs -o pairs.csv\nExample: contactbench detect centres.npy --radius 0.5 --arithmetic f64 > pairs.csv"
     )]
     Detect(detect::Detect),
-    /// Says which detector to use for a scene: measures all of them on it
-    #[command(
-        after_help = "Example: contactbench recommend packing.csv\nExample: contactbench recommend clustered:dim=3,n=100000 --threads 2"
-    )]
-    Recommend(recommend::Recommend),
-    /// Writes a new detector that works, as a file to be changed, and its line in the table: in a checkout
-    #[command(after_help = "Example: contactbench new-detector quad-tree --in ~/contactbench")]
-    NewDetector(new_detector::NewDetector),
     /// Says what is understood of a particle file, and warns of the usual mistakes
     #[command(after_help = "Example: contactbench inspect packing.dump\nExample: contactbench inspect centres.npy --radius 0.5 --json")]
     Inspect(inspect::Inspect),

@@ -30,7 +30,7 @@ mod tests {
         let head = "name = \"t\"\ntitle = \"t\"\nquestion = \"?\"\nreading = \"-\"\ndetectors = []\n";
         for (tail, place, words) in [
             ("blocks = ", "line 6, column 10", ""),
-            ("blocks = 3 4\n", "line 6, column 12", ""),
+            ("blocks = 3 4\n", "line 6, column 10", ""),
             ("[[scene]\nname = 1\n", "line 6,", ""),
             ("block = 3\nscene = []\n", "line 6, column 1", "unknown field `block`"),
             ("blocks = \"three\"\nscene = []\n", "line 6, column 10", "expected u32"),
