@@ -57,7 +57,7 @@ fn run_commands_of(page: &str, folder: &Path) -> usize {
 #[test]
 fn the_commands_work_as_written() {
     let folder = tempfile::tempdir().unwrap();
-    assert_eq!(run_commands_of(README, folder.path()), 7, "commands of README");
+    assert_eq!(run_commands_of(README, folder.path()), 14, "commands of README");
     assert_eq!(std::fs::read_to_string(folder.path().join("pairs.csv")).unwrap(), "i,j\n0,1\n2,3\n");
     assert!(folder.path().join("mine/report.md").exists());
 }

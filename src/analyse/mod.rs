@@ -10,6 +10,7 @@ pub mod cost;
 pub mod crossover;
 pub mod csv;
 pub mod errors;
+pub mod expression;
 #[cfg(test)]
 pub(crate) mod fake;
 pub mod filter;

@@ -1,9 +1,9 @@
 //! The race: who is slower by far drops out early, the others run blocks until the time is over.
 //!
 //! 1. A probe of each detector, one process at a time: the scene is loaded, one sample is taken, its answer is checked. It may take
-//!    [`PATIENCE`] times as long as the fastest so far. Who takes over [`FAR`] times the time of the fastest is out, but for the second.
+//!    `PATIENCE` times as long as the fastest so far. Who takes over `FAR` times the time of the fastest is out, but for the second.
 //! 2. The memory of those left.
-//! 3. Blocks: a sample of each in random order. After [`FEWEST`] blocks those whose interval is above [`BEHIND`] times the fastest are out; two remain,
+//! 3. Blocks: a sample of each in random order. After `FEWEST` blocks those whose interval is above `BEHIND` times the fastest are out; two remain,
 //!    so that the margin between them is measured.
 
 use std::collections::BTreeMap;

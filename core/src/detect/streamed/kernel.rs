@@ -17,11 +17,9 @@
 //! together, and of the test's slack: a pair with d > s + grow is refused by the contact test, and one with d <= s - grow is accepted. The others, some
 //! in ten thousand contacts, are asked of the test itself.
 //!
-//! **Unchecked access**, the reason of every `unsafe` here. Bounds checks cost 7% on 10^6 packed spheres, so only builds with debug assertions have them,
-//! as tests are. What holds instead: places are below the slab's `len`, and arrays over elements are a vector longer ([`Slab::prepare`]); a range ends at
-//! `len` or before, so a vector may begin at any place in it; cells of elements are no borders, so cells beside them and in the rows beside them have
-//! numbers ([`Plan`]); in [`Scratch`] an element keeps fewer than [`KEPT`] of a vector, of five at the most, and there is room for five vectors beyond a block.
+//! Arrays are read without bounds checks: see `access.rs`.
 
+use super::access::{Both, From, Source, chunk, chunk_mut, element};
 use super::grid::{Grid, STEPS_OFF, reach_of};
 use super::slab::{Plan, Slab};
 use crate::contact::{Bodies, Real};
@@ -192,48 +190,6 @@ struct Found {
     odd: u32,
     /// All numbers of ids, or-ed.
     counts: u32,
-}
-
-/// Sixteen elements of slabs.
-trait Source<const D: usize>: Copy {
-    /// One number of each.
-    fn load<W: Wide>(&self, w: W, lane: impl Fn(&Slab<D>) -> &[f32]) -> W::Floats;
-    /// See [`Wide::pack`].
-    fn pack<W: Wide>(&self, w: W, mask: u32, to: &mut [u32; HALF]);
-}
-
-/// The elements from a place on.
-#[derive(Clone, Copy)]
-struct From<'a, const D: usize>(&'a Slab<D>, usize);
-
-impl<const D: usize> Source<D> for From<'_, D> {
-    #[inline(always)]
-    fn load<W: Wide>(&self, w: W, lane: impl Fn(&Slab<D>) -> &[f32]) -> W::Floats {
-        w.load(unsafe { chunk(lane(self.0), self.1) })
-    }
-
-    #[inline(always)]
-    fn pack<W: Wide>(&self, w: W, mask: u32, to: &mut [u32; HALF]) {
-        w.pack(unsafe { chunk(&self.0.ids, self.1) }, mask, to);
-    }
-}
-
-/// Eight from one place on, eight from another.
-#[derive(Clone, Copy)]
-struct Both<'a, const D: usize>([From<'a, D>; 2]);
-
-impl<const D: usize> Source<D> for Both<'_, D> {
-    #[inline(always)]
-    fn load<W: Wide>(&self, w: W, lane: impl Fn(&Slab<D>) -> &[f32]) -> W::Floats {
-        let [low, high] = self.0;
-        unsafe { w.load_two(chunk(lane(low.0), low.1), chunk(lane(high.0), high.1)) }
-    }
-
-    #[inline(always)]
-    fn pack<W: Wide>(&self, w: W, mask: u32, to: &mut [u32; HALF]) {
-        let [low, high] = self.0;
-        unsafe { w.pack_two(chunk(&low.0.ids, low.1), chunk(&high.0.ids, high.1), mask, to) }
-    }
 }
 
 impl<F: Find, const D: usize, const EACH: bool> Kernel for Sweep<'_, F, D, EACH> {
@@ -434,34 +390,4 @@ impl<F: Find, const D: usize, const EACH: bool> Kernel for Careful<'_, '_, F, D,
         }
         sweep.take.sure(&sweep.scratch.pairs[..found]);
     }
-}
-
-/// `N` numbers from place `at` on.
-///
-/// # Safety
-/// They must be in the array.
-#[inline(always)]
-unsafe fn chunk<A, const N: usize>(array: &[A], at: usize) -> &[A; N] {
-    debug_assert!(at + N <= array.len());
-    unsafe { &*array.as_ptr().add(at).cast() }
-}
-
-/// As [`chunk`], to be written.
-///
-/// # Safety
-/// They must be in the array.
-#[inline(always)]
-unsafe fn chunk_mut<A, const N: usize>(array: &mut [A], at: usize) -> &mut [A; N] {
-    debug_assert!(at + N <= array.len());
-    unsafe { &mut *array.as_mut_ptr().add(at).cast() }
-}
-
-/// One of them.
-///
-/// # Safety
-/// It must be in the array.
-#[inline(always)]
-unsafe fn element<A: Copy>(array: &[A], at: usize) -> A {
-    debug_assert!(at < array.len());
-    unsafe { *array.get_unchecked(at) }
 }

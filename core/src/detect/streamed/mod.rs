@@ -22,6 +22,7 @@
 //! * Threads: by cells, from 20,000 elements on.
 //! * In `textbook` arithmetic its filters are as safe as in f64: the book prints none for it.
 
+mod access;
 mod grid;
 mod kernel;
 mod lists;
