@@ -9,8 +9,9 @@ use std::sync::LazyLock;
 
 use contactbench::check::bytes;
 
-static READER: LazyLock<Option<u8>> =
-    LazyLock::new(|| std::env::var("READER").ok().map(|name| bytes::reader(&name).unwrap_or_else(|| panic!("there is no reader '{name}'"))));
+static READER: LazyLock<Option<u8>> = LazyLock::new(|| {
+    std::env::var("READER").ok().map(|name| bytes::reader(&name).unwrap_or_else(|| panic!("there is no reader '{name}'")))
+});
 
 libfuzzer_sys::fuzz_target!(|data: &[u8]| match *READER {
     Some(reader) => bytes::fuzz_reader_of(reader, data),
