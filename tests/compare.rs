@@ -127,6 +127,12 @@ fn a_merge_keeps_machines_apart_and_rows_once() {
     assert_eq!(more.iter().map(|row| row.block).max(), Some(10));
     good(folder, &["merge", "a", "b", "b", "--out", "no-more"]);
     assert_eq!(rows(folder, "no-more"), more);
+    // What was merged before is known again, under whatever number.
+    for (k, parts) in [["more", "b"], ["b", "more"]].into_iter().enumerate() {
+        let name = format!("known-{k}");
+        good(folder, &["merge", parts[0], parts[1], "--out", &name]);
+        assert_eq!(rows(folder, &name).len(), more.len(), "{parts:?}");
+    }
     // Another machine, and one that only has the same name.
     let slower = |row: &mut Value| {
         if let Some(time) = row["time_ns"].as_u64() {
@@ -256,15 +262,34 @@ fn counts_bytes_and_digests_are_gated_and_times_are_not() {
     assert_eq!(json(&["--gate-time", "--band", "1000"]).0, Some(0));
     // Another machine: shown, not judged, unless against a detector of both.
     changed(folder, "a", "slower", |row| (slower(row), row["machine"] = "other".into()).1, |fields| fields["machine"] = "other".into());
-    let (code, all) = json(&["--gate-time"]);
+    let (code, all) = json(&[]);
     assert_eq!((code, &sweep(&all)["time"]["verdict"]), (Some(0), &"not-judged".into()));
+    // A gate that judges nothing is not passed.
+    refused(folder, &["compare", "a", "slower", "--gate-time"], &["no time could be judged", "two machines"]);
     assert!(all["times"].as_str().unwrap().contains("two machines: "), "{}", all["times"]);
     assert_eq!(json(&["--gate-time", "--same-machine"]).0, Some(1));
     let (code, all) = json(&["--gate-time", "--against", "nbs"]);
     assert_eq!((code, &sweep(&all)["time"]["verdict"]), (Some(1), &"slower".into()));
     changed(folder, "a", "slower", slower, |fields| fields["profile"] = "another".into());
-    let (code, all) = json(&["--gate-time", "--against", "nbs"]);
+    let (code, all) = json(&["--against", "nbs"]);
     assert_eq!((code, &sweep(&all)["time"]["verdict"]), (Some(0), &"not-judged".into()), "{}", all["times"]);
+}
+
+/// A run that was cut short has not passed what it has not measured.
+#[test]
+fn what_one_has_not_measured_is_lacking() {
+    let folder = started();
+    let folder = folder.path();
+    changed(folder, "a", "cut", |_| (), |_| ());
+    let record = folder.join("cut").join(record::FILE);
+    let text = std::fs::read_to_string(&record).unwrap();
+    let kept: String = text.lines().filter(|line| !line.contains("\"pass\":\"time\"")).map(|line| format!("{line}\n")).collect();
+    assert!(kept.len() < text.len());
+    std::fs::write(&record, kept).unwrap();
+    let ended = good(folder, &["compare", "a", "cut"]);
+    assert!(ended.stdout.contains("21 measured in part in one"), "{}", ended.stdout);
+    let ended = run(folder, &["compare", "a", "cut", "--strict"]);
+    assert!(ended.code == Some(1) && ended.stdout.contains("the time pass only in A"), "{}", ended.stdout);
 }
 
 /// Test cases and failures of a file that is well-formed.

@@ -133,7 +133,7 @@ fn a_run_killed_at_twenty_random_moments_is_completed() {
 fn waits() -> String {
     let loaded = say(r#"{"reply":"loaded"}"#);
     let unsupported = say(r#"{"reply":"unsupported"}"#);
-    let sample = "echo $$ >> pids; [ -e go ] || sleep 60; exit 3";
+    let sample = "[ -e go ] || { sleep 60 & echo $$ >> pids; echo $! >> pids; wait; }; exit 3";
     let script = fake(&[("load", &loaded), ("count", &unsupported), ("memory", &unsupported), ("sample", sample)]);
     experiment() + &runner("waits", "sh", &script)
 }
@@ -144,7 +144,7 @@ fn hanging(folder: &Path) -> std::process::Child {
     let mut program = common::program(folder, &["run", "t.toml", "--out", "result"]);
     let child = program.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
     let began = Instant::now();
-    while !folder.join("pids").exists() {
+    while std::fs::read_to_string(folder.join("pids")).unwrap_or_default().lines().count() < 2 {
         assert!(began.elapsed() < Duration::from_secs(120), "the run does not come to the detector that hangs");
         std::thread::sleep(Duration::from_millis(20));
     }
@@ -158,9 +158,13 @@ fn signal(child: &std::process::Child, signal: Signal) {
 /// All processes of the detector that hangs have ended.
 fn runners_ended(folder: &Path) {
     let pids = std::fs::read_to_string(folder.join("pids")).unwrap();
+    let began = Instant::now();
     for pid in pids.lines() {
-        let state = std::fs::read_to_string(format!("/proc/{pid}/stat")).unwrap_or_default();
-        assert!(state.is_empty() || state.contains(") Z"), "a runner is left: {state}");
+        let state = || std::fs::read_to_string(format!("/proc/{pid}/stat")).unwrap_or_default();
+        while !(state().is_empty() || state().contains(") Z")) {
+            assert!(began.elapsed() < Duration::from_secs(10), "a runner is left, or what it has started: {}", state());
+            std::thread::sleep(Duration::from_millis(20));
+        }
     }
 }
 
@@ -197,12 +201,18 @@ fn ctrl_c_ends_a_run_with_its_record_and_a_report() {
 #[test]
 fn a_second_ctrl_c_ends_at_once() {
     let folder = tempfile::tempdir().unwrap();
-    let child = hanging(folder.path());
+    let mut child = hanging(folder.path());
+    // After the first signal the report waits for a reader who never comes.
+    assert!(Command::new("mkfifo").arg(folder.path().join("result/report.md")).status().unwrap().success());
     signal(&child, Signal::INT);
-    signal(&child, Signal::INT);
-    std::thread::sleep(Duration::from_millis(20));
-    // Two of a kind may arrive as one.
-    let _ = kill_process(Pid::from_child(&child), Signal::INT);
+    std::thread::sleep(Duration::from_millis(500));
+    let began = Instant::now();
+    while child.try_wait().unwrap().is_none() {
+        assert!(began.elapsed() < Duration::from_secs(30), "a second signal does not end it");
+        // Two of a kind may arrive as one.
+        let _ = kill_process(Pid::from_child(&child), Signal::INT);
+        std::thread::sleep(Duration::from_millis(100));
+    }
     assert_eq!(common::ended(child.wait_with_output().unwrap()).code, Some(130));
     assert!(!record::read(&folder.path().join("result/samples.jsonl")).unwrap().rows.is_empty());
     std::thread::sleep(Duration::from_millis(200));

@@ -68,11 +68,13 @@ function choice(label, name, options, chosen, changed) {
 
 (() => {
   const ALL = Symbol("all");
+  // What a wrong answer took says nothing, as in the figures.
+  const right = (read) => (c) => (c.outcome === "wrong" ? null : read(c));
   const METRICS = {
     time: { label: "Time", unit: "ns", per: true, value: (c) => c.time_ns, low: (c) => c.time_low, high: (c) => c.time_high },
-    memory: { label: "Memory (peak)", unit: "bytes", per: true, value: (c) => c.peak_bytes },
-    operations: { label: "Operations (all)", unit: "operations", per: true, value: (c) => c.operations },
-    tests: { label: "Contact tests", unit: "contact tests", per: true, value: (c) => c.contact_test },
+    memory: { label: "Memory (peak)", unit: "bytes", per: true, value: right((c) => c.peak_bytes) },
+    operations: { label: "Operations (all)", unit: "operations", per: true, value: right((c) => c.operations) },
+    tests: { label: "Contact tests", unit: "contact tests", per: true, value: right((c) => c.contact_test) },
     error: { label: "Error", unit: "wrong pairs per true contact", per: false, value: (c) => c.error_rate },
   };
   const NAMES = { n: "N", dim: "dimension", experiment: "experiment" };

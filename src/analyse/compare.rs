@@ -89,6 +89,8 @@ pub struct Compared {
     pub changes: Vec<Change>,
     /// Why there is nothing to compare, if so: it stands in one record only, or was not available.
     pub absent: Option<String>,
+    /// What only one of them has measured of the cell: a run was cut short.
+    pub lacks: Vec<String>,
     /// The times, where both have some.
     pub timing: Option<Timing>,
 }
@@ -126,13 +128,15 @@ pub fn compare(a: &[Row], b: &[Row], options: &Options) -> Vec<Compared> {
     let keys: BTreeSet<&Key> = a.cells.keys().chain(b.cells.keys()).collect();
     let swept = swept(&keys);
     let compared = |key: &Key| {
-        let mut cell = Compared { place: place(key, &swept), key: key.clone(), changes: Vec::new(), absent: None, timing: None };
+        let mut cell =
+            Compared { place: place(key, &swept), key: key.clone(), changes: Vec::new(), absent: None, lacks: Vec::new(), timing: None };
         let (Some(of_a), Some(of_b)) = (a.cells.get(key), b.cells.get(key)) else {
             cell.absent = Some(format!("only in {}", if a.cells.contains_key(key) { "A" } else { "B" }));
             return cell;
         };
-        let missing = [("A", of_a), ("B", of_b)].into_iter().find(|(_, side)| side.overall().0 == Outcome::Unavailable);
-        if let Some((name, side)) = missing {
+        let mut missing = [("A", of_a), ("B", of_b)].into_iter().filter(|(_, side)| side.overall().0 == Outcome::Unavailable);
+        // Of what was available in neither, nothing is missing.
+        if let (Some((name, side)), None) = (missing.next(), missing.next()) {
             cell.absent = Some(format!("unavailable in {name}: {}", side.overall().1));
             return cell;
         }
@@ -150,6 +154,10 @@ pub fn compare(a: &[Row], b: &[Row], options: &Options) -> Vec<Compared> {
             cell.changes.push(Change { what: "digest".into(), a: text(of_a), b: text(of_b) });
         }
         cell.timing = timing(&a, of_a, &b, of_b, options);
+        // What an outcome explains is said by the outcome.
+        if cell.changes.is_empty() {
+            cell.lacks = lacks(of_a, of_b, cell.timing.is_some());
+        }
         cell
     };
     keys.into_iter().map(compared).collect()
@@ -198,6 +206,28 @@ fn changes(a: &Cell, b: &Cell) -> Vec<Change> {
         if let Some(of_b) = b.memory.get(name) {
             note(name, of_a.to_string(), of_b.to_string());
         }
+    }
+    found
+}
+
+/// What one side has measured and the other has not.
+fn lacks(a: &Cell, b: &Cell, timed: bool) -> Vec<String> {
+    let mut found = Vec::new();
+    let mut see = |what: &str, a: bool, b: bool| {
+        if a != b {
+            found.push(format!("{what} only in {}", if a { "A" } else { "B" }));
+        }
+    };
+    for pass in Pass::ALL {
+        see(&format!("the {} pass", format!("{pass:?}").to_lowercase()), a.passes.contains_key(&pass), b.passes.contains_key(&pass));
+    }
+    see("times", a.time().is_some(), b.time().is_some());
+    see("contacts", a.contacts.is_some(), b.contacts.is_some());
+    see("counts", a.counts.is_some(), b.counts.is_some());
+    let names: BTreeSet<&str> = a.memory.keys().chain(b.memory.keys()).copied().collect();
+    names.into_iter().for_each(|name| see(name, a.memory.contains_key(name), b.memory.contains_key(name)));
+    if !timed && a.time().is_some() && b.time().is_some() {
+        found.push("no times in blocks of both".into());
     }
     found
 }

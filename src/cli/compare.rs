@@ -10,6 +10,7 @@ use serde_json::{Value, json};
 
 use super::ci::{Case, Outcome, Outputs};
 use crate::analyse::compare::{self, Compared, Judgement, Options};
+use crate::analyse::interval::COVERAGE;
 use crate::analyse::text;
 use crate::harness::merge::Part;
 use crate::harness::record::Row;
@@ -76,6 +77,12 @@ pub fn compare(options: &Compare) -> anyhow::Result<ExitCode> {
         "{} and {} have no cell in common: they are results of different experiments or scenes",
         options.a.display(),
         options.b.display()
+    );
+    let judged = |timing: &compare::Timing| timing.judgement != Judgement::NotJudged && timing.ratio.coverage >= COVERAGE;
+    ensure!(
+        !options.gate_time || cells.iter().filter_map(|cell| cell.timing.as_ref()).any(judged),
+        "--gate-time: no time could be judged ({}; an interval needs four blocks on either side); leave it out, or measure what can be compared",
+        pairing(&how)
     );
     let cases: Vec<Case> = cells.iter().map(|cell| case(cell, options)).collect();
     let failed = cases.iter().filter(|case| matches!(case.result, Outcome::Failed(_))).count();
@@ -156,6 +163,9 @@ fn case(cell: &Compared, options: &Compare) -> Case {
         Outcome::Failed(format!("changed: {}", changes.join("; ")))
     } else if let Some(why) = &cell.absent {
         if options.strict { Outcome::Failed(why.clone()) } else { Outcome::Skipped(why.clone()) }
+    } else if !cell.lacks.is_empty() {
+        let why = cell.lacks.join("; ");
+        if options.strict { Outcome::Failed(why) } else { Outcome::Noted(why) }
     } else if let Some(timing) = slower {
         if options.gate_time { Outcome::Failed(words(timing)) } else { Outcome::Noted(words(timing)) }
     } else {
@@ -218,6 +228,9 @@ fn print(
         if let Some(why) = &cell.absent {
             writeln!(out, "absent   {}: {why}", cell.place)?;
         }
+        if !cell.lacks.is_empty() {
+            writeln!(out, "lacking  {}: {}", cell.place, cell.lacks.join("; "))?;
+        }
     }
     let shown = |judgement| options.all || matches!(judgement, Judgement::Slower | Judgement::Faster);
     let mut rows = vec![["", "B / A", "A ns", "B ns", "cell"].map(String::from).to_vec()];
@@ -234,9 +247,11 @@ fn print(
     }
     let (changed, absent, judged) = counts(cells);
     let verdict = if changed == 0 { "the same everywhere".into() } else { format!("CHANGED in {}", text::plural(changed, "cell")) };
+    let lacking = cells.iter().filter(|cell| !cell.lacks.is_empty()).count();
+    let lacking = if lacking == 0 { String::new() } else { format!(", {lacking} measured in part in one: see --all") };
     writeln!(
         out,
-        "pairs, counts, bytes, outcomes: {verdict} ({} compared, {absent} in one only)",
+        "pairs, counts, bytes, outcomes: {verdict} ({} compared, {absent} in one only{lacking})",
         text::plural(cells.len() - absent, "cell")
     )?;
     let judged: Vec<String> = judged.iter().map(|(judgement, count)| format!("{count} {}", judgement.name())).collect();
@@ -260,7 +275,7 @@ fn as_json(options: &Compare, parts: &(Part, Part), how: &Options, cells: &[Comp
         });
         let names = cell.key.names().filter_map(|name| Some((name, cell.key.field(name)?)));
         let key: serde_json::Map<String, Value> = names.map(|(name, value)| (name.to_string(), value.json())).collect();
-        json!({"cell": cell.place, "key": key, "changes": cell.changes, "absent": cell.absent, "time": timing})
+        json!({"cell": cell.place, "key": key, "changes": cell.changes, "absent": cell.absent, "lacks": cell.lacks, "time": timing})
     };
     let (changed, absent, judged) = counts(cells);
     let judged: serde_json::Map<String, Value> =

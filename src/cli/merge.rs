@@ -49,10 +49,18 @@ pub fn merge(options: &Merge) -> anyhow::Result<ExitCode> {
             write(options.out.join(format!("provenance-part-{}.json", k + 1)), &serde_json::to_string_pretty(fields)?)?;
         }
     }
-    let mut record = Writer::append(&path).with_context(|| format!("cannot write {}; {other}", path.display()))?;
+    // Half a record would look like a whole one.
+    let half = options.out.join(".samples.jsonl.part");
+    let cannot = || format!("cannot write {}; {other}", path.display());
+    if half.exists() {
+        std::fs::remove_file(&half).with_context(cannot)?;
+    }
+    let mut record = Writer::append(&half).with_context(cannot)?;
     for row in &merged.rows {
         record.write(row)?;
     }
+    drop(record);
+    std::fs::rename(&half, &path).with_context(cannot)?;
     let mut out = std::io::stdout();
     for warning in parts.iter().flat_map(|part| &part.warnings) {
         writeln!(out, "note:    {warning}")?;

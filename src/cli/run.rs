@@ -95,18 +95,23 @@ fn run_named(options: &Run, name: &str) -> anyhow::Result<ExitCode> {
         .with_context(|| format!("cannot make the result folder {}; choose another with --out", folder.display()))?;
     ready.room(&folder)?;
     let mut record = Writer::append(&path).with_context(|| format!("cannot write {}; choose another folder with --out", path.display()))?;
+    ensure!(record.rows() == done.rows.len() as u64, "{} has grown while this run began: another writes to it", path.display());
+    interrupt::install().context("cannot listen to Ctrl-C")?;
     for (experiment, text) in &found {
         write(&copy(&folder, experiment), text.as_bytes())?;
     }
     let names: Vec<String> = experiments.iter().map(|experiment| experiment.name.clone()).collect();
-    let bandwidth = if options.resume { Vec::new() } else { bandwidths(&experiments) };
-    let provenance_file = if options.resume { format!("provenance-resumed-{}.json", provenance::date()) } else { provenance::FILE.into() };
+    // Also where what is resumed has not come so far.
+    let first = !folder.join(provenance::FILE).exists();
+    let bandwidth = if first { bandwidths(&experiments) } else { Vec::new() };
+    let provenance_file = if first { provenance::FILE.into() } else { format!("provenance-resumed-{}.json", provenance::date()) };
     let provenance = provenance::gather(&names, options.quick, options.shard, &bandwidth);
     write(&folder.join(provenance_file), serde_json::to_string_pretty(&provenance)?.as_bytes())?;
-    interrupt::install().context("cannot listen to Ctrl-C")?;
     match ready.run(&mut record, &mut Terminal::default()) {
         Ok(()) if ready.scenes() == 0 => {
-            writeln!(std::io::stdout(), "there are more shards than scenes: nothing is to be run in this one")?;
+            let mut out = std::io::stdout();
+            writeln!(out, "there are more shards than scenes: nothing is to be run in this one")?;
+            options.ci.write("run", &[], &mut out)?;
             Ok(ExitCode::SUCCESS)
         }
         Ok(()) => finish(&folder, &options.ci),

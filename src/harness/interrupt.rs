@@ -27,8 +27,13 @@ pub fn end_runners_too() -> std::io::Result<()> {
 pub fn install() -> std::io::Result<()> {
     #[cfg(unix)]
     {
-        use signal_hook::consts::{SIGINT, SIGTERM};
-        let mut signals = signal_hook::iterator::Signals::new([SIGINT, SIGTERM])?;
+        use signal_hook::consts::{SIGHUP, SIGINT, SIGQUIT, SIGTERM};
+        let mut wanted = vec![SIGINT, SIGTERM, SIGQUIT];
+        // A terminal that is closed ends its programs, but not the runners, which are groups of their own. Under nohup it ends nothing.
+        if !ignored(SIGHUP) {
+            wanted.push(SIGHUP);
+        }
+        let mut signals = signal_hook::iterator::Signals::new(wanted)?;
         std::thread::Builder::new().name("signals".into()).spawn(move || {
             for signal in signals.forever() {
                 if SIGNAL.swap(signal, Ordering::Relaxed) != 0 || AT_ONCE.load(Ordering::Relaxed) {
@@ -40,6 +45,14 @@ pub fn install() -> std::io::Result<()> {
         })?;
     }
     Ok(())
+}
+
+/// Was this process started with the signal ignored?
+#[cfg(unix)]
+fn ignored(signal: i32) -> bool {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let mask = status.lines().find_map(|line| u64::from_str_radix(line.strip_prefix("SigIgn:")?.trim(), 16).ok());
+    mask.is_some_and(|mask| mask >> (signal - 1) & 1 == 1)
 }
 
 /// Has a signal come?

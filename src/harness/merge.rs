@@ -61,6 +61,8 @@ impl Part {
         let fields = own.or_else(listed);
         let field = |field: &str| fields.and_then(|fields| fields.get(field));
         let cpu = field("cpu").and_then(Value::as_str).map(String::from);
+        // In a merged folder its own name may stand behind a label.
+        let name = field("name").and_then(Value::as_str).unwrap_or(name);
         Machine { name: name.into(), cpu, cores: field("cores").and_then(Value::as_u64) }
     }
 }
@@ -98,11 +100,14 @@ pub fn merge(parts: &[Part]) -> anyhow::Result<Merged> {
     // The fingerprint of each scene, and the first folder with it.
     let mut scenes: HashMap<String, (String, usize)> = HashMap::new();
     let (mut seen, mut repeated, mut renumbered) = (HashSet::new(), 0, 0);
+    // Samples of the folders before: one that was merged before calls their blocks by other numbers.
+    let mut samples: HashSet<String> = HashSet::new();
     for (k, part) in parts.iter().enumerate() {
         let mut fresh = Vec::new();
         for row in &part.rows {
             let row = Row { machine: labels.of(part, &row.machine), ..row.clone() };
-            if seen.insert(serde_json::to_string(&row)?) {
+            let known = sample(&row)?.is_some_and(|sample| samples.contains(&sample));
+            if seen.insert(serde_json::to_string(&row)?) && !known {
                 fresh.push(row);
             } else {
                 repeated += 1;
@@ -136,6 +141,7 @@ pub fn merge(parts: &[Part]) -> anyhow::Result<Merged> {
             let block = last.entry(scene(row)).or_default();
             *block = row.block.max(*block);
             known.insert(key(row), row.clone());
+            samples.extend(sample(row)?);
         }
         rows.extend(here);
     }
@@ -151,6 +157,12 @@ fn key(row: &Row) -> String {
 /// A scene on a machine: the unit of blocks.
 fn scene(row: &Row) -> String {
     format!("{}|{}", row.machine, Index::scene(row))
+}
+
+/// A timed row, whatever the number of its block.
+fn sample(row: &Row) -> anyhow::Result<Option<String>> {
+    let timed = is_block(row) && row.elapsed_ns.is_some();
+    Ok(if timed { Some(serde_json::to_string(&Row { block: 0, ..row.clone() })?) } else { None })
 }
 
 fn is_block(row: &Row) -> bool {
@@ -207,7 +219,10 @@ struct Labels(Vec<(Machine, String)>);
 impl Labels {
     fn of(&mut self, part: &Part, name: &str) -> String {
         let machine = part.machine(name);
-        if let Some((_, label)) = self.0.iter().find(|(known, _)| known.may_be(&machine)) {
+        if let Some((known, label)) = self.0.iter_mut().find(|(known, _)| known.may_be(&machine)) {
+            // What is learnt of it tells later ones from it.
+            known.cpu = known.cpu.take().or(machine.cpu);
+            known.cores = known.cores.or(machine.cores);
             return label.clone();
         }
         let taken = |label: &str| self.0.iter().any(|(_, known)| known == label);
@@ -222,7 +237,9 @@ impl Labels {
         let mut all = match &self.0[..] {
             [] | [_] => parts.iter().find_map(|part| part.provenance.clone()).filter(Value::is_object).unwrap_or_else(|| json!({})),
             several => {
-                let machines = several.iter().map(|(machine, label)| (label.clone(), json!({"cpu": machine.cpu, "cores": machine.cores})));
+                let machines = several
+                    .iter()
+                    .map(|(machine, label)| (label.clone(), json!({"name": machine.name, "cpu": machine.cpu, "cores": machine.cores})));
                 json!({"machines": machines.collect::<serde_json::Map<_, _>>()})
             }
         };

@@ -269,13 +269,22 @@ pub struct Writer {
 }
 
 impl Writer {
-    /// Opens a record for appending. A torn last line (of a killed run) is cut off.
+    /// Opens a record for appending. A torn last line (of a killed run) is cut off. Fails where another process is writing to it.
     pub fn append(path: &Path) -> io::Result<Writer> {
         let mut file = OpenOptions::new().create(true).read(true).write(true).truncate(false).open(path)?;
+        // Two would write over each other. Where a file system knows no locks, nothing can be said.
+        if let Err(std::fs::TryLockError::WouldBlock) = file.try_lock() {
+            return Err(io::Error::new(io::ErrorKind::WouldBlock, "another run is writing to it"));
+        }
         let (end, rows) = whole_lines(&file)?;
         file.set_len(end)?;
         file.seek(SeekFrom::Start(end))?;
         Ok(Writer { file, path: path.to_path_buf(), end, rows })
+    }
+
+    /// Whole rows in the record.
+    pub fn rows(&self) -> u64 {
+        self.rows
     }
 
     /// Writes one row. Where that fails (the disk is full), what was written of it is taken back.
