@@ -338,7 +338,7 @@ fn errors_say_where() {
         ),
         (DATA.replace("4 5 6", "4 5 a"), "p:16: column 'z': 'a' is not a number; mend or remove the line"),
         (DATA.replace("# sphere", "# wavepacket"), "p:13: the atom style 'wavepacket' is not read, only"),
-        (DATA.replace(" # sphere", ""), "p:15: 7 columns, and no atom style behind 'Atoms': it may be sphere or full"),
+        (DATA.replace(" # sphere", ""), "p:15: 7 columns, and no atom style behind 'Atoms': several are possible"),
         (MERCURY.replace("4 5 6", "4 5 x"), "p:3: column 'z': 'x' is not a number; mend or remove the line"),
         (MERCURY.replacen("2 ", "3 ", 1), "p ends after 2 of the 3 particles that the frame's first line announces"),
         (MERCURY.replacen("2 ", "1 ", 1), "p:3: a line 'N time xmin ymin zmin xmax ymax zmax' is expected"),

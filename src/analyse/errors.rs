@@ -151,13 +151,13 @@ pub fn table(cells: &[&Cell]) -> Option<String> {
     let compared = |cell: &&&Cell| cell.errors.is_some() && cell.overall().0 != Outcome::Control;
     let cells: Vec<&Cell> = cells.iter().filter(compared).copied().collect();
     let swept = place::swept(&cells);
-    type Place<'a> = (&'a str, u32, &'a str);
+    type Place<'a> = (String, u32, &'a str);
     type Params = Vec<(String, Param)>;
     let mut scenes: BTreeMap<Place, BTreeMap<Params, Vec<&Cell>>> = BTreeMap::new();
     for &cell in &cells {
-        let Key { scene, dim, arithmetic, params, .. } = &cell.key;
-        let params = params.iter().filter(|(name, _)| swept.contains(name)).cloned().collect();
-        scenes.entry((scene, *dim, arithmetic)).or_default().entry(params).or_default().push(cell);
+        let Key { dim, arithmetic, params, .. } = &cell.key;
+        let params = params.iter().filter(|(name, _)| swept.contains(name) && name != "path").cloned().collect();
+        scenes.entry((place::scene(&cell.key), *dim, arithmetic)).or_default().entry(params).or_default().push(cell);
     }
     let mut rows = Vec::new();
     for ((scene, dim, arithmetic), places) in &scenes {

@@ -1,12 +1,29 @@
 //! Naming cells: what must be said of a cell to tell it from the others at hand, and no more.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
 
+use super::keyed::MACHINE;
 use super::text;
 use super::value::{Cell, FIELDS, Key, Num, Param};
 
 fn differ<'a>(cells: impl Iterator<Item = &'a Cell>, name: &str) -> bool {
     cells.map(|cell| cell.key.field(name)).collect::<BTreeSet<_>>().len() > 1
+}
+
+/// What may be swept together: a scene in its dimension. Two files are two scenes, and what two machines measured is not one.
+pub fn family(key: &Key) -> (&str, u32, [Option<String>; 2]) {
+    (&key.scene, key.dim, ["path", MACHINE].map(|name| key.field(name).map(|value| value.to_string())))
+}
+
+/// The scene's name: of a file its own, without folders; where there are several machines, with the machine.
+pub fn scene(key: &Key) -> String {
+    let path = key.field("path").map(|path| path.to_string());
+    let name = path.as_deref().and_then(|path| Path::new(path).file_name()).map_or(key.scene.clone(), |name| name.to_string_lossy().into());
+    match key.field(MACHINE) {
+        Some(machine) => format!("{name} on {machine}"),
+        None => name,
+    }
 }
 
 /// The parameters that differ within one scene and dimension.

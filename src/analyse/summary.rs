@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::interval::{Interval, ratio};
+use super::keyed::MACHINE;
 use super::value::{Cell, Key};
 use super::{fit, place, text};
 use crate::detect::table::{self, Role};
@@ -44,17 +45,18 @@ pub fn group(names: &[&str], all: &[&str]) -> String {
 
 /// `packed, 2D, N = 1000, s = 20`: of the parameters those that are swept; other fields where they are not the usual ones.
 pub fn title(key: &Key, swept: &[String]) -> String {
-    let params = key.params.iter().filter(|(name, _)| swept.contains(name));
+    // Those of the scene's name are said by it.
+    let params = key.params.iter().filter(|(name, _)| swept.contains(name) && !["path", MACHINE].contains(&name.as_str()));
     let params: String = params.map(|(name, value)| format!(", {name} = {value}")).collect();
     let order = if key.order == "shuffled" { String::new() } else { format!(", {}", key.order) };
-    format!("{}, {}D, N = {}{params}{order}", key.scene, key.dim, key.n)
+    format!("{}, {}D, N = {}{params}{order}", place::scene(key), key.dim, key.n)
 }
 
 /// One table per scene and dimension, at its largest N (and the last parameters and the first seed there).
 pub fn largest(cells: &[&Cell]) -> Vec<Table> {
-    let mut scenes: BTreeMap<(&str, u32), Vec<&Cell>> = BTreeMap::new();
+    let mut scenes: BTreeMap<_, Vec<&Cell>> = BTreeMap::new();
     for cell in cells {
-        scenes.entry((&cell.key.scene, cell.key.dim)).or_default().push(cell);
+        scenes.entry(place::family(&cell.key)).or_default().push(cell);
     }
     scenes.values().filter_map(|cells| at_largest(cells)).collect()
 }
@@ -62,9 +64,9 @@ pub fn largest(cells: &[&Cell]) -> Vec<Table> {
 /// Who won where: per scene and dimension, at its largest N, the fastest detector and by how much; undecided where the interval holds 1 or
 /// the ratio is within the noise floor. `None` without times.
 pub fn winners(cells: &[&Cell]) -> Option<String> {
-    let mut scenes: BTreeMap<(&str, u32), Vec<&Cell>> = BTreeMap::new();
+    let mut scenes: BTreeMap<_, Vec<&Cell>> = BTreeMap::new();
     for cell in cells.iter().filter(|cell| !is_control(&cell.key.detector) && cell.time().is_some()) {
-        scenes.entry((&cell.key.scene, cell.key.dim)).or_default().push(cell);
+        scenes.entry(place::family(&cell.key)).or_default().push(cell);
     }
     let (floor, mut rows) = (floor(cells), Vec::new());
     for cells in scenes.values() {
@@ -192,7 +194,7 @@ pub fn not_ok(cells: &[&Cell]) -> Option<String> {
     for cell in cells {
         let (outcome, reason) = cell.overall();
         if !outcome.is_good() {
-            let scene = format!("{} {}D", cell.key.scene, cell.key.dim);
+            let scene = format!("{} {}D", place::scene(&cell.key), cell.key.dim);
             groups.entry((named(cell), scene, outcome.name())).or_default().push((cell.key.n, reason));
         }
     }

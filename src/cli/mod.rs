@@ -32,7 +32,8 @@ use crate::detect::table::{self, Entry};
     version,
     about,
     after_help = "Without a verb the standard reproduction is run: the book's scaling figures, on this machine, in minutes.\n\n\
-        Exit codes: 0 all is well; 1 a detector was wrong, or a machine-independent claim failed; 2 bad arguments or input."
+        Exit codes: 0 all is well; 1 a detector was wrong, a machine-independent claim failed, or two lists or records differ; 2 bad arguments or input; \
+        130 ended by Ctrl-C."
 )]
 pub struct Cli {
     /// What to do.

@@ -49,6 +49,7 @@ pub fn recommend(options: &Recommend) -> anyhow::Result<ExitCode> {
     let Some((name, scene)) = options.source.get()? else {
         bail!("name a particle file, or a scene such as packed:n=20000 (contactbench list scenes)");
     };
+    ensure!(!scene.is_empty(), "{name}: the scene has no elements; there is nothing to recommend");
     let history = history(&name)?;
     interrupt::end_runners_too().context("cannot listen to Ctrl-C")?;
     let program = std::env::current_exe().context("cannot find this program to start it as runner")?;

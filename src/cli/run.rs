@@ -80,6 +80,8 @@ fn run_named(options: &Run, name: &str) -> anyhow::Result<ExitCode> {
     let done = previous(&path, options.resume)?;
     for (experiment, text) in &found {
         // Rows of two different experiments must not end in one record.
+        let begun = done.rows.is_empty() || copy(&folder, experiment).exists();
+        ensure!(begun, "{} holds another experiment than {}; choose another folder with --out", path.display(), experiment.name);
         let before = std::fs::read_to_string(copy(&folder, experiment)).unwrap_or_else(|_| text.clone());
         ensure!(
             before == *text,

@@ -96,7 +96,7 @@ pub fn verify(options: &Verify) -> anyhow::Result<ExitCode> {
     let naming = match (options.base, ids) {
         (Some(base), _) => Naming::Base(base),
         (None, Some(ids)) if options.ids || list.ids => Naming::Ids(ids.context("the ids of the particles cannot be used")?),
-        (None, None) if options.ids => bail!("{} has no column 'id'; give --base 0 or --base 1", options.file.display()),
+        (None, None) if options.ids => bail!("{} has no column 'id' of whole numbers; give --base 0 or --base 1", options.file.display()),
         (None, _) => Naming::Base(i64::from(list.ids)),
     };
     let other_ids = particles.ids().and_then(|ids| by_id(ids).ok()).filter(|_| matches!(naming, Naming::Base(_)));

@@ -77,7 +77,7 @@ fn read(path: &str) -> String {
     std::fs::read_to_string(path).unwrap_or_default()
 }
 
-/// The commit that this program was built from, as far as that can be known.
+/// The commit of the folder that this program was built from, as it is now: that of the program, if it was built after the last commit.
 pub fn revision() -> Option<String> {
     git(&["rev-parse", "HEAD"])
 }

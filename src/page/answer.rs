@@ -37,9 +37,9 @@ const SURE: f64 = 0.9;
 
 /// The scenes in which someone was timed.
 pub fn scenes<'a>(cells: &[&'a Cell]) -> Vec<Scene<'a>> {
-    let mut groups: BTreeMap<(&str, u32), Vec<&'a Cell>> = BTreeMap::new();
+    let mut groups: BTreeMap<_, Vec<&'a Cell>> = BTreeMap::new();
     for &cell in cells.iter().filter(|cell| !is_control(&cell.key.detector) && cell.time().is_some()) {
-        groups.entry((&cell.key.scene, cell.key.dim)).or_default().push(cell);
+        groups.entry(place::family(&cell.key)).or_default().push(cell);
     }
     let floor = summary::floor(cells);
     groups.values().filter_map(|group| scene(group, floor)).collect()

@@ -19,11 +19,14 @@ pub(super) fn read(source: Source<'_>, options: Options) -> anyhow::Result<(Part
     let mut frames = Frames::new(options);
     let mut result = None;
     let (mut n, mut bounds) = (None, None);
+    // The header of a frame has begun, and its atoms have not come.
+    let mut open = false;
     while lines.advance_over_blanks()? {
         let text = lines.text();
         let Some(item) = text.strip_prefix("ITEM:").map(str::trim) else {
             bail!("{}: '{}' stands where a line 'ITEM: ...' is expected; mend the file", lines.place(), short(&text));
         };
+        open = !item.starts_with("ATOMS");
         if item == "NUMBER OF ATOMS" {
             next(&mut lines)?;
             n = Some(lines.count(lines.line(), "the number of atoms")?);
@@ -36,7 +39,9 @@ pub(super) fn read(source: Source<'_>, options: Options) -> anyhow::Result<(Part
             if step == Step::Stop {
                 break;
             }
-            let atoms = if step == Step::Keep { Some(Atoms::new(names, bounds.take(), &place, options)?) } else { None };
+            // The box of a frame is for that frame only.
+            let bounds = bounds.take();
+            let atoms = if step == Step::Keep { Some(Atoms::new(names, bounds, &place, options)?) } else { None };
             let kept = section(&mut lines, n, atoms)?;
             result = kept.or(result);
         } else if item.starts_with("ENTRIES") || item.starts_with("NUMBER OF ENTRIES") {
@@ -53,6 +58,7 @@ pub(super) fn read(source: Source<'_>, options: Options) -> anyhow::Result<(Part
     };
     let about = frames.end(name, about)?;
     ensure!(about.frames > 0, "{name} ends before a section 'ITEM: ATOMS'; write it again");
+    ensure!(!open, "{name} is cut off in the header of a frame; write it again, or take an earlier --frame");
     Ok((particles, about))
 }
 
@@ -107,6 +113,10 @@ impl Atoms {
         let mut notes = Vec::new();
         let kind = ["", "u", "s", "su"].into_iter().find(|kind| has(&format!("x{kind}"))).unwrap_or_default();
         let axes = ["x", "y", "z"].map(|axis| format!("{axis}{kind}"));
+        let of_another_kind = ["z", "zu", "zs", "zsu"].into_iter().find(|z| has(z) && !has(&axes[2]));
+        if let Some(z) = of_another_kind {
+            bail!("{place}: the columns are '{}' and '{z}', which are not of one kind; write x y z", axes[0]);
+        }
         for (meaning, name) in columns.meaning.iter_mut().zip(&columns.names) {
             match axes.iter().position(|axis| axis == name) {
                 Some(k) => *meaning = Column::Axis(k),
@@ -128,8 +138,8 @@ impl Atoms {
         } else {
             None
         };
-        if kind == "u" {
-            notes.push("unwrapped coordinates (xu): bodies that touch across a periodic boundary do not touch here".into());
+        if kind.ends_with('u') {
+            notes.push("unwrapped coordinates: bodies that touch across a periodic boundary do not touch here".into());
         }
         if bounds.as_ref().is_some_and(|bounds| bounds.periodic) {
             notes.push("the box is periodic; boundaries are open here, and contacts across them are not found".into());

@@ -113,12 +113,11 @@ fn styled(style: &str) -> anyhow::Result<Columns> {
     Ok(Columns { or_more: true, ..Columns::named(names.split(' ')) })
 }
 
-/// Three more columns are image flags.
 fn unstyled(count: usize) -> anyhow::Result<Columns> {
     let names = match count {
-        5 | 8 => "id type x y z",
-        6 | 9 => "id other type x y z",
-        _ => bail!("{count} columns, and no atom style behind 'Atoms': it may be sphere or full; write it there, as in 'Atoms # sphere'"),
+        5 => "id type x y z",
+        6 => "id other type x y z",
+        _ => bail!("{count} columns, and no atom style behind 'Atoms': several are possible; write it there, as in 'Atoms # sphere'"),
     };
     Ok(Columns { or_more: true, ..Columns::named(names.split(' ')) })
 }

@@ -62,7 +62,9 @@ fn local(source: &mut Source<'_>) -> anyhow::Result<Option<Local>> {
     let torn = || format!("{name}: the zip archive is cut off; write it again");
     let mut start = [0; 4];
     // The list of contents begins where the files end.
-    if !source.fill(&mut start)? || matches!(&start, b"PK\x01\x02" | b"PK\x05\x06" | b"PK\x06\x06") {
+    // Every archive has a list of contents: one without is cut off, and arrays may be missing.
+    ensure!(source.fill(&mut start)?, torn());
+    if matches!(&start, b"PK\x01\x02" | b"PK\x05\x06" | b"PK\x06\x06") {
         return Ok(None);
     }
     ensure!(&start == b"PK\x03\x04", "{name}: no file begins where the zip archive should have one; write it again");

@@ -74,7 +74,9 @@ fn push(list: &mut List, pair: [i64; 2]) -> anyhow::Result<()> {
 /// A whole number; some programs write it as 12.0.
 fn whole(cell: &[u8]) -> Option<i64> {
     let text = std::str::from_utf8(cell).ok()?;
-    text.parse().ok().or_else(|| number(cell).filter(|x| x.fract() == 0.0 && x.abs() < 9e15).map(|x| x as i64))
+    // An exponent is the mark of %g, which keeps six digits of a number.
+    let plain = !cell.iter().any(|c| matches!(c, b'e' | b'E'));
+    text.parse().ok().or_else(|| number(cell).filter(|x| plain && x.fract() == 0.0 && x.abs() < 9e15).map(|x| x as i64))
 }
 
 fn cell(lines: &Lines<'_>, cells: &[&[u8]], k: usize) -> anyhow::Result<i64> {
@@ -116,16 +118,22 @@ fn csv(mut lines: Lines<'_>, columns: Option<[&str; 2]>) -> anyhow::Result<List>
         let separator = layout.map_or_else(|| Separator::of(line), |(separator, _)| separator);
         let cells: Vec<&[u8]> = separator.cells(line).collect();
         let Some((_, [i, j])) = layout else {
-            let header = cells.iter().any(|cell| number(cell).is_none());
             let named = |label: &str| cells.iter().position(|cell| cell.eq_ignore_ascii_case(label.as_bytes()));
+            let by_name = named("i").zip(named("j"));
+            let header = columns.is_some() || by_name.is_some() || cells.iter().take(2).any(|cell| number(cell).is_none());
             let found = match columns {
                 Some([i, j]) => {
                     let missing = |label: &str| format!("{}: there is no column '{label}'", lines.place());
                     [named(i).with_context(|| missing(i))?, named(j).with_context(|| missing(j))?]
                 }
-                None => named("i").zip(named("j")).map_or([0, 1], |(i, j)| [i, j]),
+                None => by_name.map_or([0, 1], |(i, j)| [i, j]),
             };
             ensure!(cells.len() >= 2, "{}: a pair needs two columns; write i,j", lines.place());
+            ensure!(
+                !header || columns.is_some() || by_name.is_some() || cells.len() == 2,
+                "{}: which columns hold the numbers of a pair? Name them with --columns I,J",
+                lines.place()
+            );
             if !header {
                 push(&mut list, [cell(&lines, &cells, 0)?, cell(&lines, &cells, 1)?])?;
             }
@@ -161,7 +169,8 @@ fn fstat(mut lines: Lines<'_>, frame: Frame) -> anyhow::Result<List> {
         if step != Step::Keep {
             continue;
         }
-        let cells: Vec<&[u8]> = super::lines::words(lines.line()).take(3).collect();
+        let cells: Vec<&[u8]> = super::lines::words(lines.line()).collect();
+        ensure!(cells.len() >= 13, "{}: {} columns; lines of an .fstat file have 14: is it cut off?", lines.place(), cells.len());
         let pair = [cell(&lines, &cells, 1)?, cell(&lines, &cells, 2)?];
         if pair.iter().any(|&k| k < 0) {
             list.walls += 1;
@@ -188,12 +197,14 @@ fn fstat(mut lines: Lines<'_>, frame: Frame) -> anyhow::Result<List> {
 fn dump_local(mut lines: Lines<'_>, columns: Option<[&str; 2]>, frame: Frame) -> anyhow::Result<List> {
     let mut frames = Frames::new(super::Options { frame, ..super::Options::default() });
     let mut list = List { format: "LAMMPS dump local", ids: true, ..List::default() };
-    let mut n = None;
+    let (mut n, mut open) = (None, false);
     while lines.advance_over_blanks()? {
         let (text, place) = (lines.text(), lines.place());
         let Some(item) = text.strip_prefix("ITEM:").map(str::trim) else {
             bail!("{place}: '{}' stands where a line 'ITEM: ...' is expected; mend the file", super::lines::short(&text));
         };
+        // The header of a frame has begun, and its entries have not come.
+        open = !item.starts_with("ENTRIES");
         if item.starts_with("NUMBER OF") {
             ensure!(lines.advance()?, "{} is cut off in a header; write it again", lines.source.name);
             n = Some(lines.count(lines.line(), "the number of entries")?);
@@ -225,9 +236,10 @@ fn dump_local(mut lines: Lines<'_>, columns: Option<[&str; 2]>, frame: Frame) ->
             lines.advance()?;
         }
     }
-    if let Frame::Number(_) = frame {
-        frames.end(lines.source.name, super::About::default())?;
-    }
+    let name = lines.source.name;
+    let about = frames.end(name, super::About::default())?;
+    ensure!(about.frames > 0, "{name} ends before a section 'ITEM: ENTRIES'; write it again");
+    ensure!(!open, "{name} is cut off in the header of a frame; write it again, or take an earlier --pairs-frame");
     Ok(list)
 }
 

@@ -247,7 +247,8 @@ impl Columns {
                 Column::Id if particles.ids.is_none() => continue,
                 Column::Id => match std::str::from_utf8(cell).ok().and_then(|cell| cell.parse().ok()) {
                     Some(value) => id = value,
-                    None => bad = Some((k, "is not a whole number")),
+                    // Nobody may need them; whoever does is told that there are none.
+                    None => particles.ids = None,
                 },
                 Column::Axis(axis) => match number(cell) {
                     Some(value) if value.is_finite() => point[*axis] = value,

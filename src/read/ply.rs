@@ -56,7 +56,7 @@ pub(super) fn read(source: Source<'_>, options: Options) -> anyhow::Result<(Part
         if !lines.source.fill(&mut row)? {
             return Err(torn(k));
         }
-        let (mut point, mut radius, mut at) = ([0.0; 3], 0.0, 0);
+        let (mut point, mut radius, mut id, mut at) = ([0.0; 3], 0.0, k as i64, 0);
         for ((kind, column), label) in vertex.kinds.iter().zip(&columns.meaning).zip(&columns.names) {
             let value = kind.get(&row[at..], big);
             at += kind.width();
@@ -70,10 +70,15 @@ pub(super) fn read(source: Source<'_>, options: Options) -> anyhow::Result<(Part
                         column.size(value).map_err(|why| anyhow::anyhow!("{name}: vertex {k} (from 0): '{label}': {value} {why}"))?;
                     radius = size;
                 }
+                Column::Id if particles.ids().is_some() => {
+                    let whole = value.fract() == 0.0 && value.abs() < 9e15;
+                    ensure!(whole, "{name}: vertex {k} (from 0): '{label}': {value} is not a whole number");
+                    id = value as i64;
+                }
                 Column::Id | Column::Other => {}
             }
         }
-        particles.push(point, radius, k as i64)?;
+        particles.push(point, radius, id)?;
     }
     Ok(loaded("PLY, binary", particles, columns.radius()))
 }

@@ -30,9 +30,10 @@ impl Kind {
             "uchar" | "uint8" | "unsigned_char" => Kind::U8,
             "short" | "int16" => Kind::I16,
             "ushort" | "uint16" | "unsigned_short" => Kind::U16,
-            "int" | "int32" => Kind::I32,
+            // VTK writes its ids as int in legacy files, whatever they are in memory.
+            "int" | "int32" | "vtkidtype" => Kind::I32,
             "uint" | "uint32" | "unsigned_int" => Kind::U32,
-            "long" | "int64" | "vtktypeint64" | "vtkidtype" => Kind::I64,
+            "long" | "int64" | "vtktypeint64" => Kind::I64,
             "ulong" | "uint64" | "unsigned_long" | "vtktypeuint64" => Kind::U64,
             "float" | "float32" => Kind::F32,
             "double" | "float64" => Kind::F64,

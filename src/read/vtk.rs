@@ -11,7 +11,7 @@ use super::scalars::{Arrays, Kind, Target};
 use super::{About, Options};
 
 pub(super) fn read(source: Source<'_>, _: Options) -> anyhow::Result<(Particles, About)> {
-    let mut file = Vtk { lines: Lines::new(source), binary: false, points: 0 };
+    let mut file = Vtk { lines: Lines::new(source), binary: false, points: 0, tuples: 0 };
     let mut arrays = Arrays::default();
     file.lines.advance()?;
     // A title, whatever it says.
@@ -37,15 +37,19 @@ pub(super) fn read(source: Source<'_>, _: Options) -> anyhow::Result<(Particles,
             ("POINTS", [n, kind, ..]) => {
                 let n = file.lines.count(n.as_bytes(), "the number of points")?;
                 let kind = file.kind(kind)?;
-                file.points = n;
+                (file.points, file.tuples) = (n, n);
                 let points = file.array(Target::points(), kind, 3 * n, "POINTS")?;
                 arrays.keep(points, file.lines.source.name)?;
             }
             ("POINT_DATA", [n, ..]) => {
                 of_points = true;
                 file.same_number(n)?;
+                file.tuples = file.points;
             }
-            ("CELL_DATA", _) => break,
+            // VTK writes it before POINT_DATA; behind that, nothing of it is needed.
+            ("CELL_DATA", _) if of_points => break,
+            ("CELL_DATA", [n, ..]) => file.tuples = file.lines.count(n.as_bytes(), "the number of cells")?,
+            ("GLOBAL_IDS" | "PEDIGREE_IDS", [name, kind]) => drop(file.skip(kind, 1, name)?),
             ("SCALARS", [name, kind, rest @ ..]) => {
                 let components = rest.first().map_or(Some(1), |text| text.parse().ok().filter(|k| (1..=4).contains(k)));
                 let components = components.with_context(|| format!("{}: SCALARS have 1 to 4 components", file.lines.place()))?;
@@ -57,7 +61,7 @@ pub(super) fn read(source: Source<'_>, _: Options) -> anyhow::Result<(Particles,
                     "{}: a line LOOKUP_TABLE is expected behind SCALARS",
                     file.lines.place()
                 );
-                let sizes = file.array(target, kind, components * file.points, name)?;
+                let sizes = file.array(target, kind, components.saturating_mul(file.tuples), name)?;
                 arrays.keep(sizes, file.lines.source.name)?;
             }
             ("VECTORS" | "NORMALS", [name, kind, ..]) => drop(file.skip(kind, 3, name)?),
@@ -96,6 +100,8 @@ struct Vtk<'a> {
     lines: Lines<'a>,
     binary: bool,
     points: u64,
+    /// What arrays have a tuple for: points, or cells.
+    tuples: u64,
 }
 
 impl Vtk<'_> {

@@ -37,7 +37,7 @@ pub(super) fn read(source: Source<'_>, _: Options) -> anyhow::Result<(Particles,
     let mut xml = Xml { source, line: 1 };
     let mut layout = Layout { big: false, header: 4, zlib: false };
     let (mut arrays, mut appended) = (Arrays::default(), Vec::new());
-    let (mut within, mut points, mut known) = (String::new(), None, false);
+    let (mut within, mut points, mut known, mut ended) = (String::new(), None, false, false);
     while let Some(tag) = xml.tag()? {
         let place = xml.place();
         match (tag.name.as_str(), tag.closing) {
@@ -52,6 +52,10 @@ pub(super) fn read(source: Source<'_>, _: Options) -> anyhow::Result<(Particles,
                 layout = of_file(&tag).with_context(|| place)?;
             }
             _ if !known => bail!("{place}: '<{}' begins what is no VTK XML file", short(&tag.name)),
+            ("VTKFile", true) => {
+                ended = true;
+                break;
+            }
             ("Piece", false) => {
                 let n = tag.get("NumberOfPoints").and_then(|n| n.parse::<u64>().ok());
                 let n = n.with_context(|| format!("{place}: the piece does not say its NumberOfPoints"))?;
@@ -96,12 +100,14 @@ pub(super) fn read(source: Source<'_>, _: Options) -> anyhow::Result<(Particles,
                 let raw = tag.get("encoding") == Some("raw");
                 appended.sort_by_key(|array| array.offset);
                 behind(&mut xml, raw, layout, std::mem::take(&mut appended), &mut arrays)?;
+                ended = true;
                 break;
             }
             _ => {}
         }
     }
     ensure!(appended.is_empty(), "{name} ends before its AppendedData; write it again");
+    ensure!(ended, "{name} ends before </VTKFile>; write it again");
     let (particles, radius) = arrays.particles(name)?;
     ensure!(
         points == Some(particles.len() as u64),

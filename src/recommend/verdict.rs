@@ -29,7 +29,7 @@ pub fn of(race: &Race) -> Option<Verdict> {
     let (behind, mut near): (Vec<usize>, Vec<usize>) = others.into_iter().partition(slower);
     near.push(best);
     let choice = near.iter().copied().min_by_key(|&k| (entrants[k].peak_bytes.unwrap_or(u64::MAX), k != best))?;
-    let next = behind.into_iter().filter_map(|k| Some((k, against(k, choice)?)));
+    let next = behind.into_iter().filter_map(|k| Some((k, against(k, choice)?))).filter(|(_, ratio)| sure(*ratio));
     let next = next.min_by(|a, b| a.1.median.total_cmp(&b.1.median));
     let tied = near.into_iter().filter(|&k| k != choice).map(|k| (k, against(k, choice))).collect();
     Some(Verdict { choice, next, tied })
