@@ -231,8 +231,8 @@ pub(super) fn short(text: &str) -> String {
 
 /// The first names of a list, for messages.
 pub(super) fn listed<S: AsRef<str>>(names: &[S]) -> String {
-    let shown: Vec<String> = names.iter().take(20).map(|name| short(name.as_ref())).collect();
-    shown.join(" ") + if names.len() > 20 { " …" } else { "" }
+    let shown: Vec<String> = names.iter().take(8).map(|name| short(name.as_ref())).collect();
+    shown.join(" ") + if names.len() > 8 { " …" } else { "" }
 }
 
 /// [`short`] for bytes.
