@@ -207,7 +207,7 @@ impl Columns {
             ensure!(
                 count(Column::Axis(axis)) == 1,
                 "{place}: there is no column '{name}' among {}; name the columns x,y[,z][,r], with r, radius, d or diameter",
-                self.names.iter().map(|name| format!("'{}'", short(name))).take(20).collect::<Vec<_>>().join(", ")
+                self.names.iter().map(|name| format!("'{}'", short(name))).take(8).collect::<Vec<_>>().join(", ")
             );
         }
         let sizes = count(Column::Radius) + count(Column::Diameter);
