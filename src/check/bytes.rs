@@ -298,7 +298,7 @@ pub fn fuzz_reader(data: &[u8]) {
     let frame = [read::Frame::Only, read::Frame::Last, read::Frame::Number(1), read::Frame::Number(0)][usize::from(how >> 6)];
     let clear = |error: anyhow::Error| {
         let message = format!("{error:#}");
-        assert!(message.len() < 2000 && !message.contains(char::is_control), "not one clear line: {message:?}");
+        assert!(message.chars().count() < 2000 && !message.contains(char::is_control), "not one clear line: {message:?}");
     };
     let format = match usize::from(kind & 15) {
         15 => {
