@@ -3,21 +3,24 @@
 //! 1. The elements are sorted along x.
 //! 2. Each is tested against those after it, as long as they are within reach along x.
 //!
-//! * Cost: N log N key comparisons for N elements, and a bound test for every pair within reach along x: N^(2 - 1/D) in a box.
+//! * Cost: N log N key comparisons for N elements, and a bound test for every pair within reach
+//!   along x: N^(2 - 1/D) in a box.
 //! * Memory: `16N` bytes.
 //! * Refuses scenes over the memory limit.
 //! * Deviations from the source: say here what differs, and why.
 
 use super::{Declare, Detector, Options, Refusal, within};
-use crate::contact::{Bodies, Real};
+use crate::contact::Bodies;
 use crate::filter;
 use crate::probe::{Op, Probe};
+use crate::scene::Real;
 use crate::sink::Sink;
 
 /// Sorts along x, and tests what is within reach: a place to begin.
 pub struct NewDetector {
     options: Options,
-    /// x and number of each element, by x. Kept from call to call: a second detection of a scene allocates nothing.
+    /// x and number of each element, by x. Kept from call to call: a second detection of a scene
+    /// allocates nothing.
     order: Vec<(f64, u32)>,
 }
 
@@ -37,7 +40,12 @@ impl Declare for NewDetector {
 }
 
 impl<T: Real, const D: usize> Detector<T, D> for NewDetector {
-    fn detect<B: Bodies<T, D>, P: Probe, S: Sink>(&mut self, bodies: B, probe: &mut P, sink: &mut S) -> Result<(), Refusal> {
+    fn detect<B: Bodies<T, D>, P: Probe, S: Sink>(
+        &mut self,
+        bodies: B,
+        probe: &mut P,
+        sink: &mut S,
+    ) -> Result<(), Refusal> {
         let n = bodies.len();
         // Before anything is allocated or reported.
         within(&self.options, "new-detector", bytes(n), || format!("{n} elements"))?;
@@ -51,7 +59,8 @@ impl<T: Real, const D: usize> Detector<T, D> for NewDetector {
         for (k, &(x, i)) in self.order.iter().enumerate() {
             for &(further, j) in &self.order[k + 1..] {
                 probe.count(Op::BoundTest);
-                // Loses no touching pair to rounding; crate::filter has the same for cells, boxes and keys, and the proofs.
+                // Loses no touching pair to rounding; crate::filter has the same for cells, boxes
+                // and keys, and the proofs.
                 if filter::beyond(x, further, bodies.reach()) {
                     break;
                 }
@@ -72,13 +81,15 @@ mod tests {
     use crate::probe::Tally;
     use crate::scene::{Radii, Scene};
 
-    /// Four discs in a row, each touching the next exactly, and one far away. (Every test that loops over
-    /// the table has the detector, too: here is the place for what holds for it alone.)
+    /// Four discs in a row, each touching the next exactly, and one far away. (Every test that
+    /// loops over the table has the detector, too: here is the place for what holds for it alone.)
     #[test]
     fn a_row_of_discs() {
-        let centres: Vec<_> = [3.0, 0.0, 1.0, 1e6, 2.0].map(|x| nalgebra::Point::from([x, 0.5])).into();
+        let centres: Vec<_> =
+            [3.0, 0.0, 1.0, 1e6, 2.0].map(|x| nalgebra::Point::from([x, 0.5])).into();
         let scene = Scene::new(centres, Radii::Uniform(0.5)).unwrap();
-        let (mut detector, mut tally, mut pairs) = (NewDetector::with(Options::default()), Tally::default(), Vec::<[u32; 2]>::new());
+        let (mut detector, mut tally, mut pairs) =
+            (NewDetector::with(Options::default()), Tally::default(), Vec::<[u32; 2]>::new());
         any::run(&mut detector, &scene, Test::Exact, &mut tally, &mut pairs).unwrap();
         pairs.iter_mut().for_each(|pair| pair.sort_unstable());
         pairs.sort_unstable();

@@ -1,28 +1,34 @@
-//! Time of one detection, from raw coordinates to the complete list of pairs in a reused buffer: dense pack of spheres, shuffled.
+//! Time of one detection, from raw coordinates to the complete list of pairs in a reused buffer:
+//! dense pack of spheres, shuffled.
 //!
-//! `cargo bench --bench detectors` prints nanoseconds per detection and elements per second, up to a million elements. The paired
-//! comparison with intervals is the experiment `million`; a time here is of this machine and gates nothing.
-
-use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+//! `cargo bench --bench detectors` prints nanoseconds per detection and elements per second, up to
+//! a million elements. The paired comparison with intervals is the experiment `million`; a time
+//! here is of this machine and gates nothing.
 
 use contactbench::contact::Test;
 use contactbench::detect::Options;
 use contactbench::detect::table::{Role, TABLE};
 use contactbench::scene::spec::Spec;
+use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 
 fn detectors(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("packed spheres");
     group.sample_size(10);
     for n in [10_000u64, 1_000_000] {
-        let scene =
-            Spec::parse(&format!("packed:dim=3,n={n}")).and_then(|spec| spec.make()).expect("the scene is a constant of this bench");
+        let scene = Spec::parse(&format!("packed:dim=3,n={n}"))
+            .and_then(|spec| spec.make())
+            .expect("the scene is a constant of this bench");
         group.throughput(Throughput::Elements(n));
-        for entry in TABLE.iter().filter(|entry| entry.role == Role::Detector && entry.name != "direct") {
+        for entry in
+            TABLE.iter().filter(|entry| entry.role == Role::Detector && entry.name != "direct")
+        {
             let (mut detector, mut pairs) = (entry.make(Options::default()), Vec::new());
             group.bench_with_input(BenchmarkId::new(entry.name, n), &scene, |bencher, scene| {
                 bencher.iter(|| {
                     pairs.clear();
-                    detector.list(scene, Test::Exact, &mut pairs).expect("a dense pack fits the default limit");
+                    detector
+                        .list(scene, Test::Exact, &mut pairs)
+                        .expect("a dense pack fits the default limit");
                     pairs.len()
                 });
             });

@@ -1,7 +1,8 @@
-//! `streamed-nbs` on every instruction set of this processor, in turn on the same scenes: nanoseconds per element, medians, and the ratio to the
-//! widest, block by block.
+//! `streamed-nbs` on every instruction set of this processor, in turn on the same scenes:
+//! nanoseconds per element, medians, and the ratio to the widest, block by block.
 //!
-//! `cargo bench --bench levels -- [N] [scene ...]`, by default 1000000 and six scenes. Gates nothing.
+//! `cargo bench --bench levels -- [N] [scene ...]`, by default 1000000 and six scenes. Gates
+//! nothing.
 
 use std::time::Instant;
 
@@ -10,12 +11,19 @@ use contactbench::detect::Options;
 use contactbench::detect::any::run;
 use contactbench::detect::streamed::Streamed;
 use contactbench::probe::Silent;
-use contactbench::scene::AnyScene;
 use contactbench::scene::spec::Spec;
+use contactbench::scene::{AnyScene, Stored};
 use contactbench::wide::Level;
 
 const BLOCKS: usize = 15;
-const SCENES: [&str; 6] = ["packed:dim=3", "loose:dim=3", "clustered:dim=3", "packed:dim=2", "loose:dim=2", "clustered:dim=2"];
+const SCENES: [&str; 6] = [
+    "packed:dim=3",
+    "loose:dim=3",
+    "clustered:dim=3",
+    "packed:dim=2",
+    "loose:dim=2",
+    "clustered:dim=2",
+];
 
 fn main() -> anyhow::Result<()> {
     let mut arguments = std::env::args().skip(1).filter(|argument| argument != "--bench");
@@ -25,21 +33,30 @@ fn main() -> anyhow::Result<()> {
         scenes = SCENES.map(String::from).to_vec();
     }
     let levels = Level::all();
-    println!("N = {n}, one thread, exact, {BLOCKS} blocks: ns per element (ratio to {})", levels[0].name());
+    println!(
+        "N = {n}, one thread, exact, {BLOCKS} blocks: ns per element (ratio to {})",
+        levels[0].name()
+    );
     for text in scenes {
         let scene = Spec::parse(&format!("{text},n={n}"))?.make()?;
         let mut times = vec![Vec::new(); levels.len()];
         let mut pairs = Vec::new();
-        let mut plane: Vec<_> = levels.iter().map(|&level| Streamed::<2>::on(level, Options::default())).collect();
-        let mut space: Vec<_> = levels.iter().map(|&level| Streamed::<3>::on(level, Options::default())).collect();
+        let mut plane: Vec<_> =
+            levels.iter().map(|&level| Streamed::<2>::on(level, Options::default())).collect();
+        let mut space: Vec<_> =
+            levels.iter().map(|&level| Streamed::<3>::on(level, Options::default())).collect();
         // Once more than counted: the first block warms the buffers.
         for _ in 0..=BLOCKS {
             for k in 0..levels.len() {
                 pairs.clear();
                 let start = Instant::now();
                 match &scene {
-                    AnyScene::PlaneF64(scene) => run(&mut plane[k], scene, Test::Exact, &mut Silent, &mut pairs)?,
-                    AnyScene::SpaceF64(scene) => run(&mut space[k], scene, Test::Exact, &mut Silent, &mut pairs)?,
+                    AnyScene::Plane(Stored::F64(scene)) => {
+                        run(&mut plane[k], scene, Test::Exact, &mut Silent, &mut pairs)?
+                    }
+                    AnyScene::Space(Stored::F64(scene)) => {
+                        run(&mut space[k], scene, Test::Exact, &mut Silent, &mut pairs)?
+                    }
                     _ => unreachable!("generated scenes are in f64"),
                 }
                 times[k].push(start.elapsed().as_secs_f64() * 1e9 / n as f64);
@@ -52,7 +69,12 @@ fn main() -> anyhow::Result<()> {
         print!("{text:16} {:>9} pairs", pairs.len());
         for (k, level) in levels.iter().enumerate() {
             let ratio = (1..=BLOCKS).map(|block| times[k][block] / times[0][block]).collect();
-            print!("   {} {:6.1} ({:.2})", level.name(), median(times[k][1..].to_vec()), median(ratio));
+            print!(
+                "   {} {:6.1} ({:.2})",
+                level.name(),
+                median(times[k][1..].to_vec()),
+                median(ratio)
+            );
         }
         println!();
     }

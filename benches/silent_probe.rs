@@ -1,20 +1,21 @@
-//! A silent probe costs nothing: direct checking with [`Silent`] executes as many instructions as a twin written by hand without any
-//! probe.
+//! A silent probe costs nothing: direct checking with [`Silent`] executes as many instructions as a
+//! twin written by hand without any probe.
 //!
-//! `cargo bench --bench silent_probe` runs both under `valgrind --tool=callgrind`, which counts instructions repeatably whatever else
-//! the machine does, takes off what the program needs without either, and fails if the counts differ by more than 1%. The
-//! same with [`Tally`] shows that the comparison could fail. Without valgrind it says so and compares nothing.
+//! `cargo bench --bench silent_probe` runs both under `valgrind --tool=callgrind`, which counts
+//! instructions repeatably whatever else the machine does, takes off what the program needs without
+//! either, and fails if the counts differ by more than 1%. The same with [`Tally`] shows that the
+//! comparison could fail. Without valgrind it says so and compares nothing.
 
 use std::hint::black_box;
 use std::process::{Command, ExitCode};
 
-use contactbench::contact::{Test, array};
+use contactbench::contact::Test;
 use contactbench::detect::any::run;
-use contactbench::detect::direct::Direct;
+use contactbench::detect::book::direct::Direct;
 use contactbench::detect::{Declare, Options};
 use contactbench::probe::{Silent, Tally};
 use contactbench::scene::spec::Spec;
-use contactbench::scene::{AnyScene, Radii, Scene};
+use contactbench::scene::{AnyScene, Radii, Scene, Stored, array};
 
 /// Direct checking, by hand: rounded arithmetic, one radius.
 #[inline(never)]
@@ -34,16 +35,20 @@ fn twin(scene: &Scene<'_, f64, 3>, pairs: &mut Vec<[u32; 2]>) {
 }
 
 fn work(what: &str) -> usize {
-    let scene = Spec::parse("packed:dim=3,n=2000").and_then(|spec| spec.make()).expect("the scene is a constant of this bench");
-    let AnyScene::SpaceF64(scene) = &scene else { return 0 };
+    let scene = Spec::parse("packed:dim=3,n=2000")
+        .and_then(|spec| spec.make())
+        .expect("the scene is a constant of this bench");
+    let AnyScene::Space(Stored::F64(scene)) = &scene else { return 0 };
     let mut pairs = Vec::with_capacity(20_000);
     let mut direct = Direct::with(Options::default());
     match what {
         "twin" => twin(scene, &mut pairs),
-        "silent" => run(&mut direct, scene, Test::Rounded, &mut Silent, &mut pairs).expect("direct refuses nothing here"),
+        "silent" => run(&mut direct, scene, Test::Rounded, &mut Silent, &mut pairs)
+            .expect("direct refuses nothing here"),
         "tally" => {
             let mut tally = Tally::default();
-            run(&mut direct, scene, Test::Rounded, &mut tally, &mut pairs).expect("direct refuses nothing here");
+            run(&mut direct, scene, Test::Rounded, &mut tally, &mut pairs)
+                .expect("direct refuses nothing here");
             black_box(tally);
         }
         _ => {}
@@ -73,10 +78,16 @@ fn main() -> ExitCode {
     }
     let counts = ["nothing", "twin", "silent", "tally"].map(instructions);
     let [Some(nothing), Some(twin), Some(silent), Some(tally)] = counts else {
-        println!("silent_probe: skipped, valgrind is not installed (Debian: apt-get install valgrind)");
+        println!(
+            "silent_probe: skipped, valgrind is not installed (Debian: apt-get install valgrind)"
+        );
         return ExitCode::SUCCESS;
     };
-    let (silent, tally) = ((silent - nothing) / (twin - nothing), (tally - nothing) / (twin - nothing));
-    println!("silent_probe: instructions of direct checking against a hand-written twin: silent {silent:.5}, tally {tally:.5}");
+    let (silent, tally) =
+        ((silent - nothing) / (twin - nothing), (tally - nothing) / (twin - nothing));
+    println!(
+        "silent_probe: instructions of direct checking against a hand-written twin: silent \
+         {silent:.5}, tally {tally:.5}"
+    );
     if (silent - 1.0).abs() <= 0.01 && tally > 1.01 { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }

@@ -1,20 +1,21 @@
-//! A new detector, from its first line to agreement with the truth. README shows the marked parts.
+//! A new detector, from its first line to agreement with the truth. docs/DETECTORS.md shows the
+//! marked parts.
 //!
 //! `cargo run --release --example add_a_detector`
 
 use anyhow::ensure;
 use contactbench::check::{self, Limits};
-use contactbench::contact::{Arithmetic, Bodies, Real, Test};
+use contactbench::contact::{Arithmetic, Bodies, Test};
 use contactbench::detect::any::{self, Both};
-use contactbench::detect::table::{Entry, Role};
+use contactbench::detect::table::{Entry, Group, Role};
 use contactbench::detect::{Declare, Detector, Options, Refusal, within};
 use contactbench::probe::{Op, Probe, Tally};
-use contactbench::scene::AnyScene;
 use contactbench::scene::spec::Spec;
+use contactbench::scene::{AnyScene, Real, Stored};
 use contactbench::sink::{Digest, Sink};
 use contactbench::{filter, oracle};
 
-// README: detector
+// PAGE: detector
 /// Sorts the elements by x and tests each against those that follow within reach.
 pub struct SweepX(Options, Vec<u32>);
 
@@ -29,7 +30,12 @@ impl Declare for SweepX {
 }
 
 impl<T: Real, const D: usize> Detector<T, D> for SweepX {
-    fn detect<B: Bodies<T, D>, P: Probe, S: Sink>(&mut self, bodies: B, probe: &mut P, sink: &mut S) -> Result<(), Refusal> {
+    fn detect<B: Bodies<T, D>, P: Probe, S: Sink>(
+        &mut self,
+        bodies: B,
+        probe: &mut P,
+        sink: &mut S,
+    ) -> Result<(), Refusal> {
         let (n, x, order) = (bodies.len() as u32, |i: u32| bodies.position(i)[0], &mut self.1);
         within(&self.0, "sweep-x", 4 * u64::from(n), || format!("{n} elements"))?;
         order.clear();
@@ -53,35 +59,53 @@ impl<T: Real, const D: usize> Detector<T, D> for SweepX {
         Ok(())
     }
 }
-// README: end
+// PAGE: end
 
 static TABLE: &[Entry] = &[
-    // README: table
+    // PAGE: table
     Entry {
         name: "sweep-x",
         role: Role::Detector,
+        group: Group::Modern,
         summary: "sorts along x, tests what follows within reach",
         cost: "N log N key comparisons; contact tests grow as N^(2 - 1/D) in a box",
         memory: "4N",
         limits: "many elements at the same x are N^2",
         threads: false,
+        parameters: &[],
         constructor: Both::<SweepX, SweepX>::boxed,
     },
-    // README: end
+    // PAGE: end
 ];
 
 fn main() -> anyhow::Result<()> {
     // One scene, by hand: what a library user writes.
-    let AnyScene::SpaceF64(scene) = Spec::parse("packed:dim=3,n=5000")?.make()? else { unreachable!("dim=3 is made in space, in f64") };
+    let AnyScene::Space(Stored::F64(scene)) = Spec::parse("packed:dim=3,n=5000")?.make()? else {
+        unreachable!("dim=3 is made in space, in f64")
+    };
     let (mut tally, mut found) = (Tally::default(), Digest::default());
     any::run(&mut SweepX::with(Options::default()), &scene, Test::Exact, &mut tally, &mut found)?;
     let truth = oracle::truth(&AnyScene::from(scene), Arithmetic::Exact)?;
-    ensure!(found == truth.digest, "sweep-x finds {} contacts, there are {}", found.contacts, truth.digest.contacts);
-    println!("sweep-x: {} contacts, as the oracle finds; {} contact tests", found.contacts, tally.get(Op::ContactTest));
+    ensure!(
+        found == truth.digest,
+        "sweep-x finds {} contacts, there are {}",
+        found.contacts,
+        truth.digest.contacts
+    );
+    println!(
+        "sweep-x: {} contacts, as the oracle finds; {} contact tests",
+        found.contacts,
+        tally.get(Op::ContactTest)
+    );
 
-    // All generators, dimensions and arithmetics: what `contactbench check` does with every line of the table.
-    let report = check::check(&[&TABLE[0]], &Arithmetic::SAFE, &Limits { seeds: 1, ..Limits::default() })?;
-    ensure!(report.failures.is_empty() && report.refused.is_empty(), "sweep-x disagrees with the truth, or refuses");
+    // All generators, dimensions and arithmetics: what `contactbench check` does with every line of
+    // the table.
+    let report =
+        check::check(&[&TABLE[0]], &Arithmetic::SAFE, &Limits { seeds: 1, ..Limits::default() })?;
+    ensure!(
+        report.failures.is_empty() && report.refused.is_empty(),
+        "sweep-x disagrees with the truth, or refuses"
+    );
     println!("sweep-x: {} detections agree with all pairs tested", report.cases);
     Ok(())
 }

@@ -13,10 +13,10 @@
 
 #include "runner.hpp"
 
-// In D dimensions; the object keeps its buffers from call to call. Put your own detector here.
+// In D dimensions; the object keeps its buffers from call to call, and nothing else: it has nothing to reset. Put your own detector here.
 template <int D> class Grid {
     using Cell = std::array<std::int64_t, D>;
-    // Cells with their elements, sorted: those of a cell stand side by side.
+    // Cells with their particles, sorted: those of a cell stand side by side.
     std::vector<std::pair<Cell, std::uint32_t>> entries;
 
   public:
@@ -29,11 +29,11 @@ template <int D> class Grid {
                 high[k] = i == 0 ? scene.centres[i][k] : std::max(high[k], scene.centres[i][k]);
             }
         }
-        // Cells are a little wider than the largest distance of touching elements, squares that vanish included, so that rounding puts
+        // Cells are a little wider than the largest distance of touching particles, squares that vanish included, so that rounding puts
         // none of these two cells apart; and so wide that their numbers are below 2^31, with rounding errors far below 10^-6.
         double edge = scene.reach() * (1.0 + 1e-6) + 1e-150;
         for (int k = 0; k < D; k++) edge = std::max(edge, (high[k] - low[k]) / 1073741824.0);
-        if (!std::isfinite(edge)) throw runner::Refusal("the extent of the scene, or an element, is larger than the largest double; scale it down");
+        if (!std::isfinite(edge)) throw runner::Refusal("the extent of the scene, or a particle, is larger than the largest double; scale it down");
         entries.clear();
         for (std::size_t i = 0; i < n; i++) {
             Cell cell;

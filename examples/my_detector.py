@@ -1,4 +1,4 @@
-"""A contact detector in Python that joins contactbench: it speaks the runner protocol (docs/PROTOCOL.md) with the standard library alone.
+"""A contact detector in Python that joins contactbench: it speaks the runner protocol, version 2 (docs/PROTOCOL.md), with the standard library alone.
 
 contactbench check --runner "python3 examples/my_detector.py"
 """
@@ -24,8 +24,9 @@ def detect(centres, radii):
     return pairs
 
 
-def load(path, dim, n, radius):
-    """Centres and radii from an npy file: bytes 8 and 9 give the length of the header, then come rows of little-endian doubles."""
+def load(frames, dim, n, radius):
+    """Centres and radii of a scene at rest: one npy file. Its bytes 8 and 9 give the length of the header, then come rows of little-endian doubles."""
+    (path,) = frames
     with open(path, "rb") as file:
         file.seek(10 + struct.unpack("<8sH", file.read(10))[1])
         columns = dim + (radius is None)
@@ -47,9 +48,9 @@ def digest(pairs):
 
 def answer(scene, request, path=None, min_ns=1, **load_fields):
     if request == "load":
-        scene[:] = load(path, *(load_fields[key] for key in ("dim", "n", "radius")))
+        scene[:] = load(*(load_fields[key] for key in ("frames", "dim", "n", "radius")))
         return {"reply": "loaded"}
-    if request == "sample":
+    if request == "sample":  # nothing is kept from one detection to the next: there is nothing to reset
         pairs, calls, start = detect(*scene), 0, time.perf_counter_ns()  # the first detection is outside the clock
         while calls == 0 or time.perf_counter_ns() - start < min_ns:
             pairs, calls = detect(*scene), calls + 1
@@ -65,7 +66,7 @@ def answer(scene, request, path=None, min_ns=1, **load_fields):
     return {"reply": "unsupported"}
 
 
-print(json.dumps({"reply": "hello", "protocol": 1, "detector": "my-detector", "arithmetic": "f64"}), flush=True)
+print(json.dumps({"reply": "hello", "protocol": 2, "detector": "my-detector", "arithmetic": "f64"}), flush=True)
 scene = []
 for line in sys.stdin:
     try:

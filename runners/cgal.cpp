@@ -1,4 +1,4 @@
-// CGAL: all pairs of overlapping boxes, by streamed segment trees (`box_self_intersection_d`). Boxes are closed, and each element's has its own radius.
+// CGAL: all pairs of overlapping boxes, by streamed segment trees (`box_self_intersection_d`). Boxes are closed, and each particle's has its own radius.
 //
 // In 2D the library's own planar boxes are used. It reports each pair once.
 
@@ -13,9 +13,9 @@ namespace {
 template <int D> struct Box : CGAL::Box_intersection_d::Box_d<double, D, CGAL::Box_intersection_d::ID_NONE> {
     using Base = CGAL::Box_intersection_d::Box_d<double, D, CGAL::Box_intersection_d::ID_NONE>;
     using ID = std::uint32_t;
-    std::uint32_t element;
-    Box(double low[D], double high[D], std::uint32_t i) : Base(low, high), element(i) {}
-    ID id() const { return element; }
+    std::uint32_t particle;
+    Box(double low[D], double high[D], std::uint32_t i) : Base(low, high), particle(i) {}
+    ID id() const { return particle; }
 };
 
 template <int D> void detect(const runner::Scene<D>& scene, runner::Pairs& pairs) {
@@ -31,7 +31,7 @@ template <int D> void detect(const runner::Scene<D>& scene, runner::Pairs& pairs
         boxes.emplace_back(low, high, i);
     }
     CGAL::box_self_intersection_d(boxes.begin(), boxes.end(), [&](const Box<D>& a, const Box<D>& b) {
-        if (scene.touch(a.element, b.element)) pairs.push_back({a.element, b.element});
+        if (scene.touch(a.particle, b.particle)) pairs.push_back({a.particle, b.particle});
     });
 }
 

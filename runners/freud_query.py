@@ -2,7 +2,7 @@
 
 The library computes in single precision, in a periodic box: here larger than the scene by three times the distance, so that no image is near. In 2D its
 box is flat. Coordinates are shifted to its middle and converted to f32 once, outside the clock. Its neighbour list has each pair twice; one of them is kept.
-Its other method, LinkCell, took 250 us per element at N = 10^4, a hundred times as long, and is left out.
+Its other method, LinkCell, took 250 us per particle at N = 10^4, a hundred times as long, and is left out.
 """
 
 from runner import Refusal, np, serve, unavailable

@@ -1,6 +1,6 @@
 """MDAnalysis.lib.distances.self_capped_distance: all pairs of points within a distance, by cells ('nsgrid').
 
-The library computes in single precision: wrong answers are to be expected where elements nearly touch. It knows only space: in 2D z is 0. It is given a periodic
+The library computes in single precision: wrong answers are to be expected where particles nearly touch. It knows only space: in 2D z is 0. It is given a periodic
 box, larger than the scene by three times the distance, so that no image is near: without one it makes one of its own, which has no depth in 2D and then
 takes a thousand times as long. Coordinates are shifted into the box and converted to f32 once, outside the clock.
 """

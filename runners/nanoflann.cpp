@@ -1,4 +1,4 @@
-// nanoflann: a k-d tree, and for each element, in the order of the tree, all others within a distance, unsorted.
+// nanoflann: a k-d tree, and for each particle, in the order of the tree, all others within a distance, unsorted.
 //
 // The library compares squares, and its bound is open: the search is wider by 2^-40, and `touch` decides.
 

@@ -1,5 +1,8 @@
-// The runner protocol (docs/PROTOCOL.md) for detectors in C++17: a detection is a function from a scene to a list of pairs in a reused buffer.
-// `examples/my_detector.cpp` shows all that is needed: include this file, write the function, hand it to `serve`.
+// The runner protocol, version 2 (docs/PROTOCOL.md), for detectors in C++17: a detection is a function from a scene to a list of pairs in a
+// reused buffer. `examples/my_detector.cpp` shows all that is needed: include this file, write the function, hand it to `serve`.
+//
+// A detector that keeps more than buffers for its next detection has a member function `reset()`, which drops it: a sample is passes over the
+// trajectory, and each pass begins with a reset. These runners take scenes at rest, trajectories of one frame.
 #pragma once
 
 #include <algorithm>
@@ -22,18 +25,18 @@ namespace runner {
 
 using Pairs = std::vector<std::array<std::uint32_t, 2>>;
 
-// Thrown by a detection that will not work on the scene: one sentence with the numbers and the remedy.
+// Thrown by a detection that does not work on the scene: one sentence with the numbers and the remedy.
 struct Refusal : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
 template <int D> struct Scene {
     std::vector<std::array<double, D>> centres;
-    // One, or one for each element.
+    // One, or one for each particle.
     std::vector<double> radii;
 
     double radius(std::size_t i) const { return radii.size() == 1 ? radii[0] : radii[i]; }
-    // The largest distance at which two elements touch.
+    // The largest distance at which two particles touch.
     double reach() const { return radii.empty() ? 0.0 : 2.0 * *std::max_element(radii.begin(), radii.end()); }
     // Decided in f64; the order of the sum is that of the axes.
     bool touch(std::size_t i, std::size_t j) const {
@@ -44,19 +47,43 @@ template <int D> struct Scene {
     }
 };
 
-// The value of a field of a message on one line, as text: what follows its name, without quotes; empty if it is not there. Backslashes in paths are undone.
-inline std::string field(const std::string& line, const std::string& name) {
+// The place in a message after a field's name; npos if it is not there.
+inline std::size_t value_of(const std::string& line, const std::string& name) {
     auto at = line.find("\"" + name + "\":");
-    if (at == std::string::npos) return "";
+    if (at == std::string::npos) return at;
     at += name.size() + 3;
     while (at < line.size() && line[at] == ' ') at++;
-    if (at >= line.size() || line[at] != '"') return line.substr(at, line.find_first_of(",}", at) - at);
+    return at;
+}
+
+// A string whose quote is at this place, which moves behind it. Backslashes in paths are undone.
+inline std::string quoted(const std::string& line, std::size_t& at) {
     std::string value;
     for (at++; at < line.size() && line[at] != '"'; at++) {
         if (line[at] == '\\' && at + 1 < line.size()) at++;
         value += line[at];
     }
+    at++;
     return value;
+}
+
+// The value of a field of a message on one line, as text: a string without quotes; empty if it is not there.
+inline std::string field(const std::string& line, const std::string& name) {
+    auto at = value_of(line, name);
+    if (at == std::string::npos) return "";
+    if (at >= line.size() || line[at] != '"') return line.substr(at, line.find_first_of(",}", at) - at);
+    return quoted(line, at);
+}
+
+// The value of a field that is a list of strings.
+inline std::vector<std::string> strings(const std::string& line, const std::string& name) {
+    std::vector<std::string> values;
+    auto at = value_of(line, name);
+    while (at < line.size() && line[at] != ']') {
+        if (line[at] == '"') values.push_back(quoted(line, at));
+        else at++;
+    }
+    return values;
 }
 
 inline std::string escaped(const std::string& text) {
@@ -81,8 +108,11 @@ template <int D> Scene<D> load(const std::string& line) {
     Scene<D> scene;
     const std::size_t n = std::stoull(field(line, "n"));
     const std::string radius = field(line, "radius");
+    const auto frames = strings(line, "frames");
+    if (frames.size() != 1)
+        throw Refusal("this runner takes scenes at rest, trajectories of one frame; this one has " + std::to_string(frames.size()));
     const bool each = radius == "null";
-    const auto data = numbers(field(line, "path"), n * (D + each));
+    const auto data = numbers(frames[0], n * (D + each));
     scene.centres.resize(n);
     // Not stod, to which numbers below the normal ones are an error.
     if (!each) scene.radii = {std::strtod(radius.c_str(), nullptr)};
@@ -118,21 +148,27 @@ inline void write(const std::string& path, const Pairs& pairs) {
     if (!file) throw std::runtime_error("cannot write " + path);
 }
 
-template <int D, class Detect> std::uint64_t timed(Detect& detect, const Scene<D>& scene, std::uint64_t calls, Pairs& pairs) {
+// The member function `reset`, if there is one.
+template <class Detect> auto reset(Detect& detect, int) -> decltype(detect.reset()) { return detect.reset(); }
+template <class Detect> void reset(Detect&, long) {}
+
+// Nanoseconds of so many passes.
+template <int D, class Detect> std::uint64_t timed(Detect& detect, const Scene<D>& scene, std::uint64_t passes, Pairs& pairs) {
     const auto start = std::chrono::steady_clock::now();
-    for (std::uint64_t k = 0; k < calls; k++) {
+    for (std::uint64_t k = 0; k < passes; k++) {
         pairs.clear();
+        reset(detect, 0);
         detect(scene, pairs);
     }
     return static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now() - start).count());
 }
 
 // Answers requests until `quit`. `Plane` and `Space` are called with a scene and a cleared list of pairs: one detection, from raw coordinates on.
-// `arithmetic` is the truth that the answers are held to: `exact`, `f64` (as `Scene::touch` decides), `textbook` or `f32`.
+// `arithmetic` is the one in which the answers are right: `exact`, `f64` (as `Scene::touch` decides), `textbook` or `f32`.
 template <class Plane, class Space>
 void serve(const std::string& name, const std::string& version, Plane plane, Space space, const std::string& arithmetic = "exact") {
     std::ios::sync_with_stdio(false);
-    say("{\"reply\":\"hello\",\"protocol\":1,\"detector\":\"" + name + "\",\"arithmetic\":\"" + arithmetic + "\",\"version\":\"" + version + "\"}");
+    say("{\"reply\":\"hello\",\"protocol\":2,\"detector\":\"" + name + "\",\"arithmetic\":\"" + arithmetic + "\",\"version\":\"" + version + "\"}");
     std::optional<Scene<2>> flat;
     std::optional<Scene<3>> solid;
     std::uint64_t calls = 0;
@@ -160,8 +196,9 @@ void serve(const std::string& name, const std::string& version, Plane plane, Spa
                         calls = std::max(calls + 1, std::min(10 * calls, least * calls / std::max<std::uint64_t>(took, 1) * 9 / 8));
                 }
                 const std::uint64_t took = detect(calls);
+                const std::uint64_t each = (took + calls / 2) / calls;
                 std::ostringstream reply;
-                reply << "{\"reply\":\"sample\",\"time_ns\":" << (took + calls / 2) / calls << ",\"calls\":" << calls << ",\"elapsed_ns\":" << took << "," << digest(pairs) << "}";
+                reply << "{\"reply\":\"sample\",\"time_ns\":" << each << ",\"calls\":" << calls << ",\"elapsed_ns\":" << took << ",\"step_ns\":[" << each << "]," << digest(pairs) << "}";
                 say(reply.str());
             } else if (asked == "pairs") {
                 detect(1);

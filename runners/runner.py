@@ -1,7 +1,11 @@
-"""The runner protocol (docs/PROTOCOL.md) for libraries with a Python interface.
+"""The runner protocol, version 2 (docs/PROTOCOL.md), for libraries with a Python interface.
 
-A library is a function that is given a scene and returns a function without arguments: one detection, from raw coordinates to the array of
-pairs. What that array is (one of shape (pairs, 2), or two of indices) is left to the library; i and j of a pair in any order, each pair once.
+A library is a function that is given a scene and returns a function without arguments: one
+detection, from raw coordinates to the array of pairs. That array is one of shape (pairs, 2) or two
+of indices; i and j of a pair stand in any order, each pair once. A detection that keeps more than
+buffers for the next one has an attribute `reset`, a function that drops it: a sample is passes over
+the trajectory, and each pass begins with a reset. These runners take scenes at rest, trajectories
+of one frame.
 """
 
 import json
@@ -36,19 +40,21 @@ class Refusal(Exception):
 
 
 class Scene:
-    """Centres (n, dim), the radius of all or None, radii (n,), and the largest distance at which two elements touch."""
+    """Centres (n, dim), the radius of all or None, radii (n,), and the largest distance at which two
+    particles touch."""
 
     def __init__(self, path, dim, n, radius):
         data = np.load(path)
         if data.shape != (n, dim + (radius is None)):
-            raise ValueError(f"{path} has the shape {data.shape}, not {n} elements in {dim}D")
+            raise ValueError(f"{path} has the shape {data.shape}, not {n} particles in {dim}D")
         self.dim, self.n, self.radius = dim, n, radius
         self.centres = np.ascontiguousarray(data[:, :dim])
         self.radii = np.ascontiguousarray(data[:, dim]) if radius is None else None
         self.reach = 2.0 * (radius if radius is not None else float(self.radii.max(initial=0.0)))
 
     def in_space(self):
-        """The centres with z = 0 in 2D, for libraries that know only space; made once, outside the clock."""
+        """The centres with z = 0 in 2D, for libraries that know only space; made once, outside the
+        clock."""
         return np.pad(self.centres, ((0, 0), (0, 3 - self.dim)))
 
     def touching(self, i, j):
@@ -76,16 +82,28 @@ def digest(pairs):
     return {"contacts": len(i), "digest": f"{total:#018x}"}
 
 
-def timed(detect, calls):
+def timed(detect, passes):
+    """Nanoseconds of so many passes, and the pairs of the last."""
+    reset = getattr(detect, "reset", None)
     start = time.perf_counter_ns()
-    for _ in range(calls):
+    for _ in range(passes):
+        if reset:
+            reset()
         pairs = detect()
     return time.perf_counter_ns() - start, pairs
 
 
+def at_rest(frames, dim, n, radius):
+    """The scene of a trajectory of one frame."""
+    if len(frames) != 1:
+        raise Refusal(f"this runner takes scenes at rest, trajectories of one frame; this one has {len(frames)}")
+    return Scene(frames[0], dim, n, radius)
+
+
 def serve(name, version, prepare, arithmetic="exact"):
-    """Answers requests until `quit`. `prepare(scene)` is outside the clock: for what does not depend on coordinates, and for conversions."""
-    say("hello", protocol=1, detector=name, arithmetic=arithmetic, version=version)
+    """Answers requests until `quit`. `prepare(scene)` is outside the clock: for what does not depend
+    on coordinates, and for conversions."""
+    say("hello", protocol=2, detector=name, arithmetic=arithmetic, version=version)
     detect, calls = None, None
     for line in sys.stdin:
         request = json.loads(line)
@@ -95,7 +113,7 @@ def serve(name, version, prepare, arithmetic="exact"):
                 return
             if asked == "load":
                 detect, calls = None, None
-                detect = prepare(Scene(*(request[key] for key in ("path", "dim", "n", "radius"))))
+                detect = prepare(at_rest(*(request[key] for key in ("frames", "dim", "n", "radius"))))
                 say("loaded")
             elif asked in ("count", "memory"):
                 say("unsupported")
@@ -108,9 +126,10 @@ def serve(name, version, prepare, arithmetic="exact"):
                     while (elapsed := timed(detect, calls)[0]) < least:
                         calls = max(calls + 1, min(10 * calls, least * calls * 9 // (8 * max(elapsed, 1))))
                 elapsed, pairs = timed(detect, calls)
-                say("sample", time_ns=(elapsed + calls // 2) // calls, calls=calls, elapsed_ns=elapsed, **digest(pairs))
+                each = (elapsed + calls // 2) // calls
+                say("sample", time_ns=each, calls=calls, elapsed_ns=elapsed, step_ns=[each], **digest(pairs))
             elif asked == "pairs":
-                pairs = np.stack(columns(detect()), axis=1).astype("<u4")
+                pairs = np.stack(columns(timed(detect, 1)[1]), axis=1).astype("<u4")
                 with open(request["path"], "wb") as file:
                     np.lib.format.write_array(file, pairs, version=(1, 0))
                 say("pairs", contacts=len(pairs))

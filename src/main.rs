@@ -4,9 +4,10 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use contactbench::cli::{
-    Cli, Verb, check, compare, detect, draw, inspect, list, merge, new_detector, recommend, run, runner, shell, trace, verify, write,
+    Cli, Verb, check, compare, detect, draw, inspect, list, merge, new_detector, recommend, run,
+    runner, scene, shell, trace, verify,
 };
-use contactbench::harness::alloc::Counting;
+use contactbench::run::alloc::Counting;
 
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
@@ -23,13 +24,12 @@ fn main() -> ExitCode {
         Some(Verb::Detect(options)) => detect::detect(&options),
         Some(Verb::Inspect(options)) => inspect::inspect(&options),
         Some(Verb::Verify(options)) => verify::verify(&options),
-        Some(Verb::Scene(options)) => write::write(&options),
+        Some(Verb::Scene(options)) => scene::scene(&options),
         Some(Verb::NewDetector(options)) => new_detector::new_detector(&options),
         Some(Verb::Recommend(options)) => recommend::recommend(&options),
         Some(Verb::Draw(options)) => draw::draw(&options),
         Some(Verb::Trace(options)) => trace::trace(&options),
         Some(Verb::Completions(options)) => shell::completions(&options),
-        Some(Verb::Man(options)) => shell::man(&options),
         Some(Verb::Runner(options)) => runner::serve(&options),
     };
     match result {
@@ -44,5 +44,9 @@ fn main() -> ExitCode {
 
 /// Whoever read our output has seen enough.
 fn broken_pipe(error: &anyhow::Error) -> bool {
-    error.chain().any(|cause| cause.downcast_ref::<std::io::Error>().is_some_and(|e| e.kind() == std::io::ErrorKind::BrokenPipe))
+    error.chain().any(|cause| {
+        cause
+            .downcast_ref::<std::io::Error>()
+            .is_some_and(|e| e.kind() == std::io::ErrorKind::BrokenPipe)
+    })
 }

@@ -1,27 +1,29 @@
 //! What a detector does, step by step, for probes that show it ([`crate::probe::Probe::note`]).
 //!
-//! The detectors of the book tell it: `nbs` for discs, `screening`, `sorting` and `binary-tree`. An event is made by the very statement that does what
-//! it tells, and only where a probe asks for it: with [`crate::probe::Silent`] and [`crate::probe::Tally`] nothing of this is compiled.
+//! The detectors of the book tell it: `nbs` for discs, `screening`, `sorting` and `binary-tree`. An
+//! event is made by the very statement that does what it tells, and only where a probe asks for it:
+//! with [`crate::probe::Silent`] and [`crate::probe::Tally`] nothing of this is compiled.
 //!
-//! Elements, lists, places and nodes count from 0, cells from 1 as in [`crate::filter::cells`]. Of cells in space the first two axes are told.
+//! Particles, lists, places and nodes count from 0, cells from 1 as in [`crate::filter::cells`]. Of
+//! cells in space the first two axes are told.
 
 /// Something that happened.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Event {
     /// A part of the algorithm begins.
     Begin(Part),
-    /// A loop over elements has come to this one.
+    /// A loop over particles has come to this one.
     Visit {
-        /// The element.
+        /// The particle.
         element: u32,
     },
-    /// The element was put on a list, before the one that was first.
+    /// The particle was put on a list, before the one that was first.
     Push {
         /// The letter of the array of heads.
         heads: char,
         /// The number of the list in it.
         list: usize,
-        /// The element.
+        /// The particle.
         element: u32,
         /// The one that was first.
         next: Option<u32>,
@@ -53,9 +55,9 @@ pub enum Event {
         /// The number of the list in it.
         list: usize,
     },
-    /// An element's link was set back to empty.
+    /// A particle's link was set back to empty.
     Unlink {
-        /// The element.
+        /// The particle.
         element: u32,
     },
     /// This cell is to be checked against itself and its contact mask.
@@ -63,7 +65,7 @@ pub enum Event {
         /// Column and row.
         cell: [u32; 2],
     },
-    /// Two elements were tested for contact.
+    /// Two particles were tested for contact.
     Test {
         /// One.
         i: u32,
@@ -76,7 +78,7 @@ pub enum Event {
     Key {
         /// The axis.
         axis: usize,
-        /// The element, and its place before the sort.
+        /// The particle, and its place before the sort.
         element: u32,
         /// The integerised coordinate.
         key: u32,
@@ -92,7 +94,7 @@ pub enum Event {
         /// Keys below go left.
         mid: u32,
     },
-    /// What stands at two places was exchanged, keys of this axis and later ones and elements.
+    /// What stands at two places was exchanged, keys of this axis and later ones and particles.
     Swap {
         /// The axis whose keys are compared.
         axis: usize,
@@ -113,7 +115,7 @@ pub enum Event {
         /// The place.
         place: usize,
     },
-    /// The places of a cell's elements are known.
+    /// The places of a cell's particles are known.
     Found {
         /// Column and row.
         cell: [u32; 2],
@@ -136,7 +138,7 @@ pub enum Event {
         /// Which half of it.
         half: usize,
     },
-    /// The element was put on the list of a leaf, before the one that was first.
+    /// The particle was put on the list of a leaf, before the one that was first.
     Leaf {
         /// The node that holds the head.
         node: u32,
@@ -144,7 +146,7 @@ pub enum Event {
         half: usize,
         /// Column and row.
         cell: [u32; 2],
-        /// The element.
+        /// The particle.
         element: u32,
         /// The one that was first.
         next: Option<u32>,
@@ -153,7 +155,7 @@ pub enum Event {
     Descended {
         /// Column and row.
         cell: [u32; 2],
-        /// The first element there.
+        /// The first particle there.
         first: Option<u32>,
     },
 }
@@ -161,20 +163,20 @@ pub enum Event {
 /// A part of an algorithm.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
-    /// All elements are put on y-lists.
+    /// All particles are put on y-lists.
     Rows,
-    /// This row is central: its elements, and those of the row below, are put on x-lists.
+    /// This row is central: its particles, and those of the row below, are put on x-lists.
     CentralRow {
         /// The row.
         row: u32,
     },
-    /// A loop over the elements of the central row finds its cells.
+    /// A loop over the particles of the central row finds its cells.
     Columns,
     /// Both sets of x-lists are emptied.
     RemoveColumns,
     /// The y-lists are emptied.
     RemoveRows,
-    /// All elements are put on the lists of their cells.
+    /// All particles are put on the lists of their cells.
     Cells,
     /// The cells that are not empty are found and checked.
     Search,
@@ -184,7 +186,7 @@ pub enum Part {
     Fill,
     /// They are sorted.
     Sort,
-    /// All elements are put into the tree.
+    /// All particles are put into the tree.
     Tree {
         /// How often each axis is halved.
         halvings: u32,

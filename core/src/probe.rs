@@ -1,8 +1,9 @@
 //! Operation counters that cost nothing when nobody listens.
 //!
-//! A detector reports its elementary operations to a [`Probe`]. With [`Silent`] every report compiles to nothing (shown by
-//! `benches/silent_probe.rs`: the same number of instructions as a hand-written twin); with [`Tally`] the counts are exact
-//! and the same on every machine. The words are the same for all detectors, so that their counts can be compared.
+//! A detector reports its elementary operations to a [`Probe`]. With [`Silent`] every report
+//! compiles to nothing (shown by `benches/silent_probe.rs`: the same number of instructions as a
+//! hand-written twin); with [`Tally`] the counts are exact and the same on every machine. The words
+//! are the same for all detectors, so that their counts can be compared.
 
 use crate::event::Event;
 
@@ -10,11 +11,11 @@ use crate::event::Event;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(usize)]
 pub enum Op {
-    /// One coordinate of one element turned into a cell index.
+    /// One coordinate of one particle turned into a cell index.
     Integerise,
-    /// An element put on a list.
+    /// A particle put on a list.
     ListPush,
-    /// A step from one element of a list to the next (the step that finds the end is not counted).
+    /// A step from one particle of a list to the next (the step that finds the end is not counted).
     ListStep,
     /// A head or a link set back to "empty".
     ListReset,
@@ -24,13 +25,14 @@ pub enum Op {
     KeyCompare,
     /// A visit to a node of a tree.
     NodeVisit,
-    /// An element moved by a sort.
+    /// A particle moved by a sort.
     Move,
     /// A test of two bounding volumes other than the bodies' own.
     BoundTest,
     /// A contact test of two bodies.
     ContactTest,
-    /// A contact test that floating point could not decide and exact arithmetic did (also counted as a contact test).
+    /// A contact test that floating point could not decide and exact arithmetic did (also counted
+    /// as a contact test).
     ExactTest,
 }
 
@@ -70,7 +72,8 @@ impl Op {
 
 /// Listens to the operations of a detector.
 pub trait Probe {
-    /// True if the probe hears nothing; lets a detector choose a form that cannot be counted (threads).
+    /// True if the probe hears nothing; lets a detector choose a form that cannot be counted
+    /// (threads).
     const SILENT: bool;
     /// `n` operations of kind `op` happened.
     fn add(&mut self, op: Op, n: u64);

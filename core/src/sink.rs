@@ -1,14 +1,14 @@
 //! Where contacts go: a list, a count, a digest, a closure.
 //!
-//! A detector names every touching pair once, as two element indices in any order. The digest does not depend on the order of
-//! the pairs nor on the order within a pair, so that two detectors agree exactly when count and digest agree (up to a
-//! collision of 64-bit sums).
+//! A detector names every touching pair once, as two particle indices in any order. The digest does
+//! not depend on the order of the pairs nor on the order within a pair, so that two detectors agree
+//! exactly when count and digest agree (up to a collision of 64-bit sums).
 
-use rayon::prelude::*;
+use crate::parallel;
 
 /// Takes the contacts that a detector finds.
 pub trait Sink {
-    /// Elements `i` and `j` touch.
+    /// Particles `i` and `j` touch.
     fn contact(&mut self, i: u32, j: u32);
 
     /// Many at once, for detectors that find them so.
@@ -19,7 +19,7 @@ pub trait Sink {
         }
     }
 
-    /// What several threads have found.
+    /// What several threads have found, each in a list of its own.
     fn gather(&mut self, lists: &[&[[u32; 2]]]) {
         for list in lists {
             self.contacts(list);
@@ -61,15 +61,17 @@ impl Sink for Vec<[u32; 2]> {
             pieces.push((piece, list));
             room = rest;
         }
-        pieces.into_par_iter().for_each(|(piece, list)| {
+        parallel::for_each(&mut pieces, |_, (piece, list)| {
             piece.write_copy_of_slice(list);
         });
-        // SAFETY: the pieces are the first `total` places of the room, one after the other, and all were written.
+        // SAFETY: the pieces are the first `total` places of the room, one after the other, and all
+        // were written.
         unsafe { self.set_len(self.len() + total) };
     }
 }
 
-/// Counts contacts and keeps nothing: for memory measurements, where the output must not be charged to the detector.
+/// Counts contacts and keeps nothing: for memory measurements, where the output must not be charged
+/// to the detector.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Count(pub u64);
 
@@ -130,7 +132,8 @@ pub fn key(i: u32, j: u32) -> u64 {
     u64::from(i) << 32 | u64::from(j)
 }
 
-/// Each pair with the smaller index first, the pairs in ascending order: the form in which lists are written and compared.
+/// Each pair with the smaller index first, the pairs in ascending order: the form in which lists
+/// are written and compared.
 pub fn normalise(pairs: &mut [[u32; 2]]) {
     for pair in pairs.iter_mut() {
         pair.sort_unstable();
@@ -138,7 +141,8 @@ pub fn normalise(pairs: &mut [[u32; 2]]) {
     pairs.sort_unstable();
 }
 
-/// The finaliser of the SplitMix64 generator (Steele, Lea and Flood 2014, doi:10.1145/2660193.2660195), after one step of it.
+/// The finaliser of the SplitMix64 generator (Steele, Lea and Flood 2014,
+/// doi:10.1145/2660193.2660195), after one step of it.
 #[inline(always)]
 pub fn splitmix64(x: u64) -> u64 {
     let mut z = x.wrapping_add(0x9e37_79b9_7f4a_7c15);
@@ -153,8 +157,10 @@ mod tests {
 
     #[test]
     fn splitmix64_gives_the_published_sequence() {
-        // The first outputs of the generator seeded with 0, as listed with the reference implementation.
-        let outputs: Vec<u64> = (0..3u64).map(|k| splitmix64(k.wrapping_mul(0x9e37_79b9_7f4a_7c15))).collect();
+        // The first outputs of the generator seeded with 0, as listed with the reference
+        // implementation.
+        let outputs: Vec<u64> =
+            (0..3u64).map(|k| splitmix64(k.wrapping_mul(0x9e37_79b9_7f4a_7c15))).collect();
         assert_eq!(outputs, [0xe220_a839_7b1d_cdaf, 0x6e78_9e6a_a1b9_65f4, 0x06c4_5d18_8009_454f]);
     }
 

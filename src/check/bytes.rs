@@ -1,28 +1,28 @@
 //! Fuzzing: any bytes make a scene, and often one that is hard; every detector must be right on it.
 //!
-//! Random doubles are never tangent, hardly ever near, and mostly refused by grids. So bytes are instructions: most elements stand in a
-//! lattice of small whole numbers, or exactly a diameter from an earlier one, or some units in the last place beside such a place; few are
-//! raw doubles, subnormal or huge. The first four bytes say what holds for all elements:
+//! Random doubles are never tangent, hardly ever near, and mostly refused by grids. So bytes are
+//! instructions: most elements stand in a lattice of small whole numbers, or exactly a diameter
+//! from an earlier one, or some units in the last place beside such a place; few are raw doubles,
+//! subnormal or huge. The first four bytes say what holds for all elements:
 //!
 //! | byte | says |
 //! |---|---|
-//! | 0 | bit 0: 3D; bit 1: a radius each; bit 2: detectors keep their buffers from call to call, and there are more calls |
+//! | 0 | bit 0: 3D; bit 1: a radius each; bit 2: several calls, in which detectors keep buffers |
 //! | 1 | the unit, a power of two: mostly 2^-8 to 2^7, else any |
 //! | 2 | the offset of lattices from the origin, up to 15·2^60 units |
 //! | 3 | the radius: 1/2 to 16 halves of a unit, one of some odd lengths, or 0 |
 //!
-//! Then each element takes a byte that says how its place is found, and what that needs. Where the bytes end, so does the scene.
+//! Then each element takes a byte that says how its place is found, and what that needs. Where the
+//! bytes end, so does the scene.
 
-use super::as_csv;
-use super::numbers::Numbers;
-use super::subject::{Answer, Expected, answer};
-use crate::check::Wrong;
+use crate::check::contender::{Answer, Expected, answer};
+use crate::check::numbers::Numbers;
+use crate::check::{Wrong, as_csv};
 use crate::contact::{Arithmetic, exact};
 use crate::detect::table::TABLE;
 use crate::detect::{Options, Refusal};
-use crate::oracle;
-use crate::read;
 use crate::scene::{AnyScene, Radii, Scene, SceneError};
+use crate::{io, oracle};
 
 /// Elements at most.
 const MOST: usize = 64;
@@ -72,8 +72,10 @@ struct Maker<'a> {
 impl<'a> Maker<'a> {
     fn new(data: &'a [u8]) -> Option<Maker<'a>> {
         let mut bytes = Bytes(data);
-        let (form, unit, offset, radius) = (bytes.next()?, bytes.next()?, bytes.next()?, bytes.next()?);
-        let unit = if unit < 200 { i32::from(unit % 16) - 8 } else { (i32::from(unit) - 200) * 38 - 1060 };
+        let (form, unit, offset, radius) =
+            (bytes.next()?, bytes.next()?, bytes.next()?, bytes.next()?);
+        let unit =
+            if unit < 200 { i32::from(unit % 16) - 8 } else { (i32::from(unit) - 200) * 38 - 1060 };
         let unit = libm::scalbn(1.0, unit);
         let offset = unit * libm::scalbn(f64::from(offset & 15), i32::from(offset >> 4) * 4);
         let radius = match radius {
@@ -121,7 +123,8 @@ impl<'a> Maker<'a> {
             1 => {
                 place = beside;
                 let code = self.bytes.next()?;
-                place[usize::from(code / 2) % dim] += if code & 1 == 0 { contact } else { -contact };
+                place[usize::from(code / 2) % dim] +=
+                    if code & 1 == 0 { contact } else { -contact };
             }
             2 => {
                 let code = usize::from(self.bytes.next()?);
@@ -129,7 +132,8 @@ impl<'a> Maker<'a> {
                 for axis in 0..dim {
                     // In the plane 0 or 1 is swapped, in space the legs take turns.
                     let step = legs[(axis + code / 64) % dim] * (contact / hypotenuse);
-                    place[axis] = beside[axis] + if code >> (3 + axis) & 1 == 0 { step } else { -step };
+                    place[axis] =
+                        beside[axis] + if code >> (3 + axis) & 1 == 0 { step } else { -step };
                 }
             }
             3 => {
@@ -146,21 +150,27 @@ impl<'a> Maker<'a> {
             5 => {
                 for x in &mut place[..dim] {
                     let code = self.bytes.next()?;
-                    let size = f64::from_bits(u64::from(code / 2)) * libm::scalbn(1.0, i32::from(how >> 3) * 4);
+                    let size = f64::from_bits(u64::from(code / 2))
+                        * libm::scalbn(1.0, i32::from(how >> 3) * 4);
                     *x = if code & 1 == 0 { size } else { -size };
                 }
             }
             6 if how >= 128 => {
                 for x in &mut place[..dim] {
                     let code = self.bytes.next()?;
-                    let size = if code >= 252 { f64::MAX } else { libm::scalbn(1.0 + f64::from(code % 4), i32::from(code / 4) * 18 - 110) };
+                    let size = if code >= 252 {
+                        f64::MAX
+                    } else {
+                        libm::scalbn(1.0 + f64::from(code % 4), i32::from(code / 4) * 18 - 110)
+                    };
                     *x = if how & 8 == 0 { size } else { -size };
                 }
             }
             7 => {
                 // Where cells of the book end: whole diameters from another element.
                 for axis in 0..dim {
-                    place[axis] = beside[axis] + f64::from(self.bytes.next()? as i8) * (2.0 * self.radius);
+                    place[axis] =
+                        beside[axis] + f64::from(self.bytes.next()? as i8) * (2.0 * self.radius);
                 }
             }
             _ => {
@@ -171,7 +181,8 @@ impl<'a> Maker<'a> {
         }
         if matches!(how % 8, 0 | 1 | 2 | 7) {
             let axis = usize::from(how >> 6) % dim;
-            place[axis] = nudged(place[axis], [0, 0, 0, 1, -1, 2, -2, 3][usize::from(how >> 3) % 8]);
+            place[axis] =
+                nudged(place[axis], [0, 0, 0, 1, -1, 2, -2, 3][usize::from(how >> 3) % 8]);
         }
         self.numbers.values.extend_from_slice(&place[..dim]);
         self.numbers.values.push(radius);
@@ -180,7 +191,11 @@ impl<'a> Maker<'a> {
 
     fn scene(&self) -> Result<AnyScene<'static>, SceneError> {
         // Not as a file is read: a radius each, even where all are equal, is code of its own.
-        let radii = if self.mixed { Radii::Each(self.numbers.radii().collect::<Vec<_>>().into()) } else { Radii::Uniform(self.radius) };
+        let radii = if self.mixed {
+            Radii::Each(self.numbers.radii().collect::<Vec<_>>().into())
+        } else {
+            Radii::Uniform(self.radius)
+        };
         Ok(if self.numbers.dim == 2 {
             AnyScene::from(Scene::<f64, 2>::new(self.numbers.centres(), radii)?)
         } else {
@@ -194,21 +209,25 @@ fn nudged(x: f64, steps: i32) -> f64 {
     (0..steps.abs()).fold(x, |x, _| if steps > 0 { x.next_up() } else { x.next_down() })
 }
 
-/// The scene that the bytes describe; none if they are too few, or describe numbers that no scene may have, which `Scene::new` must
-/// have found: it panics if a valid scene is refused or an invalid one is not.
+/// The scene that the bytes describe; none if they are too few, or describe numbers that no scene
+/// may have, which `Scene::new` must have found: it panics if a valid scene is refused or an
+/// invalid one is not.
 pub fn scene_from_bytes(data: &[u8]) -> Option<AnyScene<'static>> {
     let mut maker = Maker::new(data)?;
     while maker.numbers.len() < MOST && maker.element().is_some() {}
     let numbers = &maker.numbers;
-    let valid = |(k, x): (usize, &f64)| x.is_finite() && (k % numbers.stride() != numbers.dim || *x >= 0.0);
-    let valid = (maker.mixed || maker.radius.is_finite()) && numbers.values.iter().enumerate().all(valid);
+    let valid =
+        |(k, x): (usize, &f64)| x.is_finite() && (k % numbers.stride() != numbers.dim || *x >= 0.0);
+    let valid =
+        (maker.mixed || maker.radius.is_finite()) && numbers.values.iter().enumerate().all(valid);
     let scene = maker.scene();
     assert!(scene.is_ok() == valid, "valid: {valid}, but {:?} for {numbers:?}", scene.err());
     scene.ok()
 }
 
-/// Holds every detector to the truth on the scene that the bytes describe, in every safe arithmetic; with textbook filters, a detector may
-/// lose pairs, and nothing else. Panics with the scene where one is wrong.
+/// Holds every detector to the truth on the scene that the bytes describe, in every safe
+/// arithmetic; with textbook filters, a detector may lose pairs, and nothing else. Panics with the
+/// scene where one is wrong.
 pub fn fuzz_one(data: &[u8]) {
     let Some(scene) = scene_from_bytes(data) else { return };
     the_truth_is_exact(&scene);
@@ -221,7 +240,11 @@ pub fn fuzz_one(data: &[u8]) {
         let others = scenes[0].reordered(&(n / 3..n).rev().collect::<Vec<_>>());
         scenes = vec![some, scenes[0].clone(), others, scenes[0].clone()];
     }
-    let mut detectors: Vec<_> = TABLE.iter().filter(|entry| entry.must_be_right()).map(|entry| (entry, entry.make(OPTIONS))).collect();
+    let mut detectors: Vec<_> = TABLE
+        .iter()
+        .filter(|entry| entry.must_be_right())
+        .map(|entry| (entry, entry.make(OPTIONS)))
+        .collect();
     for scene in &scenes {
         for arithmetic in Arithmetic::ALL {
             let Ok(stored) = scene.stored(arithmetic) else { continue };
@@ -233,20 +256,39 @@ pub fn fuzz_one(data: &[u8]) {
                 let expected = truth.as_ref().map_or(Expected::default(), Expected::from);
                 let answer = answer(&mut **detector, &stored, arithmetic.test(), expected);
                 if let (Answer::Refused(refusal, _), Ok(_)) = (&answer, &truth) {
-                    let promised =
-                        matches!(refusal, Refusal::Domain { .. } | Refusal::Extent { .. } | Refusal::Memory { .. }) || !entry.is_ours();
-                    assert!(promised && entry.name != "direct", "{} refuses: {refusal}\n{}", entry.name, as_csv(scene));
+                    let promised = matches!(
+                        refusal,
+                        Refusal::Domain { .. } | Refusal::Extent { .. } | Refusal::Memory { .. }
+                    ) || !entry.is_ours();
+                    assert!(
+                        promised && entry.name != "direct",
+                        "{} refuses: {refusal}\n{}",
+                        entry.name,
+                        as_csv(scene)
+                    );
                 }
                 let wrong = match (answer, &truth) {
-                    (answer, Ok(truth)) => answer.wrong(truth).filter(|wrong| arithmetic.is_safe() || !only_loses(wrong)),
+                    (answer, Ok(truth)) => answer
+                        .wrong(truth)
+                        .filter(|wrong| arithmetic.is_safe() || !only_loses(wrong)),
                     // Where there is no truth because a square overflows, no detector may say more.
                     (Answer::Refused(_, 0), Err(_)) => None,
                     (_, Err(error)) => {
-                        panic!("{} with {} arithmetic answers, but {error}:\n{}", entry.name, arithmetic.name(), as_csv(scene))
+                        panic!(
+                            "{} with {} arithmetic answers, but {error}:\n{}",
+                            entry.name,
+                            arithmetic.name(),
+                            as_csv(scene)
+                        )
                     }
                 };
                 if let Some(wrong) = wrong {
-                    panic!("{} with {} arithmetic: {wrong}\n{}", entry.name, arithmetic.name(), as_csv(scene));
+                    panic!(
+                        "{} with {} arithmetic: {wrong}\n{}",
+                        entry.name,
+                        arithmetic.name(),
+                        as_csv(scene)
+                    );
                 }
             }
         }
@@ -255,30 +297,45 @@ pub fn fuzz_one(data: &[u8]) {
 
 /// What textbook filters may do.
 fn only_loses(wrong: &Wrong) -> bool {
-    matches!(wrong, Wrong::Pairs(pairs) if pairs.spurious.is_empty() && pairs.selves.is_empty() && pairs.duplicate.is_empty())
+    let Wrong::Pairs(pairs) = wrong else { return false };
+    pairs.spurious.is_empty() && pairs.selves.is_empty() && pairs.duplicate.is_empty()
 }
 
 /// The contact test's filter decides as integers do.
 fn the_truth_is_exact(scene: &AnyScene<'_>) {
-    let Ok(truth) = oracle::truth(scene, Arithmetic::Exact) else { panic!("exact arithmetic refuses:\n{}", as_csv(scene)) };
+    let Ok(truth) = oracle::truth(scene, Arithmetic::Exact) else {
+        panic!("exact arithmetic refuses:\n{}", as_csv(scene))
+    };
     let numbers = Numbers::of(scene);
     let elements: Vec<([f64; 3], f64)> = numbers
         .values
         .chunks_exact(numbers.stride())
-        .map(|element| (std::array::from_fn(|k| if k < numbers.dim { element[k] } else { 0.0 }), element[numbers.dim]))
+        .map(|element| {
+            (
+                std::array::from_fn(|k| if k < numbers.dim { element[k] } else { 0.0 }),
+                element[numbers.dim],
+            )
+        })
         .collect();
     let all = (0..elements.len()).flat_map(|i| (i + 1..elements.len()).map(move |j| (i, j)));
-    let touching = all.filter(|&(i, j)| exact::compare(&elements[i].0, &elements[j].0, elements[i].1, elements[j].1).is_le());
+    let touching = all.filter(|&(i, j)| {
+        exact::compare(&elements[i].0, &elements[j].0, elements[i].1, elements[j].1).is_le()
+    });
     let pairs: Vec<[u32; 2]> = touching.map(|(i, j)| [i as u32, j as u32]).collect();
     assert!(pairs == truth.pairs, "the filter of the exact test is wrong on\n{}", as_csv(scene));
 }
 
-/// The number under which [`fuzz_reader`] knows a reader: a format's place in the table, or of what is beside it.
+/// The number under which [`fuzz_reader`] knows a reader: a format's place in the table, or of what
+/// is beside it.
 pub fn reader(name: &str) -> Option<u8> {
     match name {
         "gzip" => Some(14),
         "pairs" => Some(15),
-        _ => name.parse().ok().and_then(|format| read::FORMATS.iter().position(|entry| entry.format == format)).map(|k| k as u8),
+        _ => name
+            .parse()
+            .ok()
+            .and_then(|format| io::FORMATS.iter().position(|entry| entry.format == format))
+            .map(|k| k as u8),
     }
 }
 
@@ -291,39 +348,45 @@ pub fn fuzz_reader_of(reader: u8, data: &[u8]) {
     fuzz_reader(&data);
 }
 
-/// Reads the bytes as a particle file: the first says of which format, the second with which options; every sixteenth format is a
-/// contact list. Whatever they are, there is a scene or an error of one clear line, and a scene reads back from the CSV that is made of it.
+/// Reads the bytes as a particle file: the first says of which format, the second with which
+/// options; every sixteenth format is a contact list. Whatever they are, there is a scene or an
+/// error of one clear line, and a scene reads back from the CSV that is made of it.
 pub fn fuzz_reader(data: &[u8]) {
     let Some((&[kind, how], data)) = data.split_first_chunk() else { return };
-    let frame = [read::Frame::Only, read::Frame::Last, read::Frame::Number(1), read::Frame::Number(0)][usize::from(how >> 6)];
+    let frame = [io::Frame::Only, io::Frame::Last, io::Frame::Number(1), io::Frame::Number(0)]
+        [usize::from(how >> 6)];
     let clear = |error: anyhow::Error| {
         let message = format!("{error:#}");
-        assert!(message.chars().count() < 2000 && !message.contains(char::is_control), "not one clear line: {message:?}");
+        assert!(
+            message.chars().count() < 2000 && !message.contains(char::is_control),
+            "not one clear line: {message:?}"
+        );
     };
     let format = match usize::from(kind & 15) {
         15 => {
             let columns = (how & 1 == 1).then_some(["i", "j"]);
-            read::pairs::from(data, "bytes", columns, frame).map_or_else(clear, drop);
+            io::pairs::from(data, "bytes", columns, frame).map_or_else(clear, drop);
             return;
         }
-        k => read::FORMATS.get(k).map(|entry| entry.format),
+        k => io::FORMATS.get(k).map(|entry| entry.format),
     };
-    let options = read::Options {
+    let options = io::Options {
         radius: [None, None, Some(0.5), Some(f64::NAN)][usize::from(how) % 4],
-        dim: [None, None, Some(2), Some(3), None, Some(2), Some(3), Some(4)][usize::from(how >> 2) % 8],
+        dim: [None, None, Some(2), Some(3), None, Some(2), Some(3), Some(4)]
+            [usize::from(how >> 2) % 8],
         ids: how & 32 != 0,
         frame,
         format,
         survey: kind & 16 != 0,
     };
     let ending = ["", "csv", "xyz", "txt"][usize::from(kind >> 6)];
-    let scene = match read::from(data, "bytes", ending, options) {
+    let scene = match io::from(data, "bytes", ending, options) {
         Ok(scene) => scene,
         Err(error) => return clear(error),
     };
     // An empty file has no place for the radius of all.
     if !scene.is_empty() {
-        let again = read::from(as_csv(&scene).as_bytes(), "again", "csv", read::Options::default());
+        let again = io::from(as_csv(&scene).as_bytes(), "again", "csv", io::Options::default());
         assert!(again.as_ref().is_ok_and(|again| *again == scene), "{scene:?} became {again:?}");
     }
 }

@@ -1,4 +1,5 @@
-//! The generated scenes of the check: every generator, in 2D and 3D, small, with parameters that make it hard.
+//! The generated scenes of the check: every generator, in 2D and 3D, small, with parameters that
+//! make it hard.
 
 use std::collections::BTreeMap;
 
@@ -12,16 +13,27 @@ pub(super) struct Case {
     lattice: [&'static str; 2],
 }
 
-const fn case(generator: &'static str, dims: &'static [u32], params: &'static [(&'static str, f64)]) -> Case {
+const fn case(
+    generator: &'static str,
+    dims: &'static [u32],
+    params: &'static [(&'static str, f64)],
+) -> Case {
     Case { generator, dims, params, lattice: [""; 2] }
 }
 
-/// Lattices at spacing 1 without jitter have neighbours exactly one diameter apart, or as near to it as rounding allows.
+/// Lattices at spacing 1 without jitter have neighbours exactly one diameter apart, or as near to
+/// it as rounding allows.
 pub(super) const CASES: &[Case] = &[
     case("packed", &[2, 3], &[]),
     case("packed", &[2, 3], &[("spacing", 1.0), ("jitter", 0.0)]),
-    Case { lattice: ["square", "cubic"], ..case("packed", &[2, 3], &[("spacing", 1.0), ("jitter", 0.0)]) },
-    Case { lattice: ["square", "cubic"], ..case("packed", &[2, 3], &[("spacing", 1.0), ("jitter", 0.0), ("diameter", 0.1)]) },
+    Case {
+        lattice: ["square", "cubic"],
+        ..case("packed", &[2, 3], &[("spacing", 1.0), ("jitter", 0.0)])
+    },
+    Case {
+        lattice: ["square", "cubic"],
+        ..case("packed", &[2, 3], &[("spacing", 1.0), ("jitter", 0.0), ("diameter", 0.1)])
+    },
     case("packed", &[2, 3], &[("size-ratio", 3.0)]),
     case("loose", &[2, 3], &[]),
     case("loose", &[2, 3], &[("fraction", 0.6), ("size-ratio", 20.0)]),
@@ -42,7 +54,10 @@ impl Case {
         let mut params: BTreeMap<String, toml::Value> = BTreeMap::new();
         for &(name, value) in self.params {
             let whole = name == "per-cluster";
-            params.insert(name.into(), if whole { toml::Value::Integer(value as i64) } else { toml::Value::Float(value) });
+            params.insert(
+                name.into(),
+                if whole { toml::Value::Integer(value as i64) } else { toml::Value::Float(value) },
+            );
         }
         let lattice = self.lattice[dim as usize - 2];
         if !lattice.is_empty() {

@@ -1,17 +1,18 @@
-//! How a runner keeps to the protocol, apart from the pairs that it finds: errors without an end, fields of later versions, fingerprints,
-//! the clock, and what it can measure.
+//! How a runner keeps to the protocol, apart from the pairs that it finds: errors without an end,
+//! fields of later versions, fingerprints, the clock, and what it can measure.
 
 use std::path::Path;
 use std::time::{Duration, Instant};
 
 use anyhow::Context;
 
-use super::Wrong;
-use super::process::{Foreign, broken, digest, word};
-use crate::harness::bake;
-use crate::harness::child::Runner;
-use crate::harness::protocol::{Reply, Request};
-use crate::harness::record::Outcome;
+use crate::check::Wrong;
+use crate::check::contender::Answer;
+use crate::check::process::{Foreign, Stop, broken, digest, word};
+use crate::record::row::Outcome;
+use crate::run::client::Client;
+use crate::run::protocol::{Reply, Request};
+use crate::run::trajectory::Trajectory;
 use crate::scene::{AnyScene, Radii, Scene};
 use crate::sink::Digest;
 
@@ -30,59 +31,78 @@ const SAMPLE_NS: u64 = 2_000_000;
 struct Talk<'a> {
     foreign: &'a Foreign,
     deadline: Duration,
-    runner: Option<Runner>,
+    client: Option<Client>,
     manners: Manners,
 }
 
 /// Talks with a runner about a row of four discs of which three touch.
 pub fn hold(foreign: &Foreign, deadline: Duration) -> anyhow::Result<Manners> {
-    let folder = tempfile::tempdir().context("cannot make a temporary folder for scenes; set TMPDIR to a writable place")?;
+    let folder = tempfile::tempdir()
+        .context("cannot make a temporary folder for scenes; set TMPDIR to a writable place")?;
     let row = [0.0, 1.0, 2.0, 10.0].map(|x| nalgebra::Point::from([x, 0.0]));
     let scene = AnyScene::from(Scene::<f64, 2>::new(row.to_vec(), Radii::Uniform(0.5))?);
     let right = Digest::of(&[[0, 1], [1, 2]]);
-    let load = bake::load(&folder.path().join("row.npy"), &scene)?;
-    let mut talk = Talk { foreign, deadline, runner: None, manners: Manners::default() };
+    let row = Trajectory::write_at_rest(&folder.path().join("row.npy"), &scene)?;
+    let mut talk = Talk { foreign, deadline, client: None, manners: Manners::default() };
     talk.early(&folder.path().join("not-there.npy"))?;
-    talk.load(&load)?;
+    talk.load(row)?;
     talk.sample(right)?;
     for (ability, request) in [("count", Request::Count), ("memory", Request::Memory)] {
         talk.measure(ability, &request, right)?;
     }
     let path = folder.path().join("pairs.npy");
-    if let Some(Reply::Pairs { .. }) = talk.say("asked for the pairs", &json(&Request::Pairs { path })?)? {
+    if let Some(Reply::Pairs { .. }) = talk.say("asked for the pairs", &Request::Pairs { path })? {
         talk.manners.abilities.push("pairs");
     }
     Ok(talk.manners)
 }
 
-fn json(request: &Request) -> anyhow::Result<String> {
-    Ok(serde_json::to_string(request)?)
-}
-
 impl Talk<'_> {
     /// The reply; none, and a finding, if there is none.
-    fn say(&mut self, when: &str, line: &str) -> anyhow::Result<Option<Reply>> {
-        let mut runner = match self.runner.take() {
-            Some(runner) => runner,
-            None => match self.foreign.start(self.deadline)? {
-                Ok(runner) => runner,
-                Err(wrong) => {
-                    self.manners.broken.push(wrong);
+    fn say(&mut self, when: &str, request: &Request) -> anyhow::Result<Option<Reply>> {
+        self.say_with(when, request, &[])
+    }
+
+    /// The same of a request with further fields.
+    fn say_with(
+        &mut self,
+        when: &str,
+        request: &Request,
+        fields: &[(&str, &str)],
+    ) -> anyhow::Result<Option<Reply>> {
+        let mut client = match self.client.take() {
+            Some(client) => client,
+            None => match self.foreign.start(self.deadline) {
+                Ok(client) => client,
+                Err(Stop::Failed(error)) => return Err(error),
+                Err(Stop::Answer(answer)) => {
+                    if let Answer::Wrong(wrong) = answer {
+                        self.manners.broken.push(wrong);
+                    }
                     return Ok(None);
                 }
             },
         };
-        match runner.exchange(&format!("{line}\n")) {
+        let answer = client.message(request).and_then(|mut message| {
+            for (name, value) in fields {
+                message[name] = (*value).into();
+            }
+            client.exchange(&message)
+        });
+        match answer {
             Ok(reply) => {
-                self.runner = Some(runner);
+                self.client = Some(client);
                 Ok(Some(reply))
             }
             Err(failure) => {
-                let wrong = match broken(&runner, failure.clone()) {
-                    _ if failure.outcome == Outcome::Timeout => {
-                        Wrong::Breaks(format!("{when}, it does not answer within {} s", self.deadline.as_secs_f64()))
+                let wrong = match broken(&client, failure.clone()) {
+                    _ if failure.outcome == Outcome::Timeout => Wrong::Breaks(format!(
+                        "{when}, it does not answer within {} s",
+                        self.deadline.as_secs_f64()
+                    )),
+                    Wrong::Dies { how, errors } => {
+                        Wrong::Dies { how: format!("{when}: {how}"), errors }
                     }
-                    Wrong::Dies { how, errors } => Wrong::Dies { how: format!("{when}: {how}"), errors },
                     Wrong::Breaks(what) => Wrong::Breaks(format!("{when}: {what}")),
                     other => other,
                 };
@@ -98,33 +118,38 @@ impl Talk<'_> {
 
     /// Requests that cannot be done: an error, and life goes on.
     fn early(&mut self, missing: &Path) -> anyhow::Result<()> {
-        let nowhere = Request::Load { path: missing.to_path_buf(), dim: 2, n: 4, radius: Some(0.5) };
-        for (when, request) in
-            [("asked for a sample before any scene", Request::Sample { min_ns: 1 }), ("given a file that is not there", nowhere)]
-        {
-            match self.say(when, &json(&request)?)? {
+        let frames = vec![missing.to_path_buf()];
+        let nowhere = Request::Load(Trajectory { frames, dim: 2, n: 4, radius: Some(0.5) });
+        for (when, request) in [
+            ("asked for a sample before any scene", Request::Sample { min_ns: 1 }),
+            ("given a file that is not there", nowhere),
+        ] {
+            match self.say(when, &request)? {
                 None | Some(Reply::Error { .. } | Reply::Refused { .. }) => {}
-                Some(other) => self.breaks(format!("{when}, it answers {}; it should answer error, and go on", word(&other))),
+                Some(other) => self.breaks(format!(
+                    "{when}, it answers {}; it should answer error, and go on",
+                    word(&other)
+                )),
             }
         }
         Ok(())
     }
 
     /// With a field that no version has.
-    fn load(&mut self, load: &Request) -> anyhow::Result<()> {
-        let mut value = serde_json::to_value(load)?;
-        value["remark"] = "of a later version".into();
+    fn load(&mut self, row: Trajectory) -> anyhow::Result<()> {
         let when = "given a load with a field that it does not know";
-        match self.say(when, &value.to_string())? {
+        match self.say_with(when, &Request::Load(row), &[("remark", "of a later version")])? {
             None | Some(Reply::Loaded | Reply::Refused { .. }) => {}
-            Some(Reply::Error { reason }) => self.breaks(format!("{when}, it answers with the error: {reason}")),
+            Some(Reply::Error { reason }) => {
+                self.breaks(format!("{when}, it answers with the error: {reason}"))
+            }
             Some(other) => self.breaks(format!("{when}, it answers {}, not loaded", word(&other))),
         }
         Ok(())
     }
 
     fn sample(&mut self, right: Digest) -> anyhow::Result<()> {
-        let request = json(&Request::Sample { min_ns: SAMPLE_NS })?;
+        let request = Request::Sample { min_ns: SAMPLE_NS };
         // The number of detections is found at the first, and kept: the second may be shorter.
         const FIRST: &str = "asked for a sample";
         for when in [FIRST, "asked for a second sample"] {
@@ -135,22 +160,31 @@ impl Talk<'_> {
             if matches!(reply, Reply::Refused { .. }) {
                 return Ok(());
             }
-            let Reply::Sample { time_ns, calls, elapsed_ns, contacts, digest: text } = reply else {
+            let Reply::Sample { time_ns, calls, elapsed_ns, step_ns, contacts, digest } = reply
+            else {
                 self.breaks(format!("{when}, it answers {}", word(&reply)));
                 return Ok(());
             };
-            self.judge(when, contacts, &text, right);
-            if calls == 0 || time_ns.saturating_mul(calls).abs_diff(elapsed_ns) > calls {
+            self.digest(when, contacts, &digest, right);
+            if step_ns.iter().any(|&ns| ns != time_ns) || step_ns.len() > 1 {
                 self.breaks(format!(
-                    "{when}, it says time_ns {time_ns}, calls {calls}, elapsed_ns {elapsed_ns}: time_ns is elapsed_ns / calls, rounded"
+                    "{when} of one frame, it says time_ns {time_ns} and step_ns {step_ns:?}: \
+                     step_ns has one number for each frame"
+                ));
+            } else if calls == 0 || time_ns.saturating_mul(calls).abs_diff(elapsed_ns) > calls {
+                self.breaks(format!(
+                    "{when}, it says time_ns {time_ns}, calls {calls}, elapsed_ns {elapsed_ns}: \
+                     time_ns is elapsed_ns / calls, rounded"
                 ));
             } else if elapsed_ns > waited {
                 self.breaks(format!(
-                    "{when}, it says elapsed_ns {elapsed_ns}, but its answer was there after {waited} ns: are these nanoseconds?"
+                    "{when}, it says elapsed_ns {elapsed_ns}, but its answer was there after \
+                     {waited} ns: are these nanoseconds?"
                 ));
             } else if when == FIRST && elapsed_ns < SAMPLE_NS / 10 {
                 self.breaks(format!(
-                    "{when} of {SAMPLE_NS} ns, it measured only {elapsed_ns} ns: repeat the detection until min_ns are over"
+                    "{when} of {SAMPLE_NS} ns, it measured only {elapsed_ns} ns: repeat the \
+                     detection until min_ns are over"
                 ));
             } else {
                 continue;
@@ -160,31 +194,42 @@ impl Talk<'_> {
         Ok(())
     }
 
-    fn measure(&mut self, ability: &'static str, request: &Request, right: Digest) -> anyhow::Result<()> {
+    fn measure(
+        &mut self,
+        ability: &'static str,
+        request: &Request,
+        right: Digest,
+    ) -> anyhow::Result<()> {
         let when = format!("asked to {ability}");
-        match self.say(&when, &json(request)?)? {
+        match self.say(&when, request)? {
             Some(Reply::Count { contacts, digest, .. }) if *request == Request::Count => {
                 self.manners.abilities.push(ability);
-                self.judge(&when, contacts, &digest, right);
+                self.digest(&when, contacts, &digest, right);
             }
             Some(Reply::Memory { contacts, digest, .. }) if *request == Request::Memory => {
                 self.manners.abilities.push(ability);
-                self.judge(&when, contacts, &digest, right);
+                self.digest(&when, contacts, &digest, right);
             }
             None | Some(Reply::Unsupported | Reply::Refused { .. }) => {}
-            Some(other) => self.breaks(format!("{when}, it answers {}; one that cannot do it says unsupported", word(&other))),
+            Some(other) => self.breaks(format!(
+                "{when}, it answers {}; one that cannot do it says unsupported",
+                word(&other)
+            )),
         }
         Ok(())
     }
 
-    /// The pairs of the row are known.
-    fn judge(&mut self, when: &str, contacts: u64, text: &str, right: Digest) {
+    /// The pairs of the row are known: is their digest computed as it should be?
+    fn digest(&mut self, when: &str, contacts: u64, text: &str, right: Digest) {
         match digest(contacts, text) {
             Err(wrong) => self.manners.broken.push(wrong),
             // Other pairs are found in the scenes, and shown.
             Ok(said) if said.contacts == right.contacts && said != right => {
                 let sample = "of the pairs 0,1 and 1,2";
-                self.breaks(format!("{when}, it says 2 contacts and digest {text}; {sample} the digest is {}", right.hex()));
+                self.breaks(format!(
+                    "{when}, it says 2 contacts and digest {text}; {sample} the digest is {}",
+                    right.hex()
+                ));
             }
             Ok(_) => {}
         }

@@ -1,18 +1,24 @@
-//! Cross-checks: every detector against all pairs tested, on every generator, in 2D and 3D, in the arithmetics asked for, with many seeds and small
-//! N; and, in a [`battery`], on the hard cases, committed regressions and random bytes; or on given scenes. A detector keeps its buffers from scene to scene, so that what one call leaves behind is checked, too. It
-//! works in a thread of its own ([`subject`]), so that one that hangs is found like any other. When one is wrong, the scene is
-//! made as small and simple as it can be ([`shrink`](mod@shrink)) while a fresh detector is still wrong, and written as a [`regression`] file.
+//! Cross-checks: every detector against all pairs tested, on every generator, in 2D and 3D, in the
+//! arithmetics asked for, with many seeds and small N; and, in a [`battery`], on the hard cases,
+//! committed regressions and random bytes; or on given scenes. A detector keeps its buffers from
+//! scene to scene, so that what one call leaves behind is checked, too. It works in a thread of its
+//! own ([`contender`]), so that one that hangs is found like any other. When one is wrong, the
+//! scene is made as small and simple as it can be ([`shrink`](mod@shrink)) while a fresh detector
+//! is still wrong, and written as a [`regression`] file.
 //!
-//! A detector in another language is a [`process`], which is asked the same questions over the runner protocol.
+//! A detector in another language is a [`process`], which is asked the same questions over the
+//! runner protocol. A contact list of another code is compared with the
+//! truth in [`listed`].
 
 pub mod bytes;
 mod cases;
+pub mod contender;
 pub mod conversation;
+pub mod listed;
 pub mod numbers;
 pub mod process;
 pub mod regression;
 pub mod shrink;
-pub mod subject;
 mod wrong;
 
 use std::collections::BTreeMap;
@@ -20,20 +26,20 @@ use std::mem::discriminant;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use cases::{CASES, SIZES};
+use contender::{Contender, Question, Respondent};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+pub use regression::as_csv;
+use shrink::{Effort, shrink};
+pub use wrong::{Differences, Wrong};
 
 use crate::contact::Arithmetic;
 use crate::detect::Options;
 use crate::detect::table::Entry;
+use crate::io;
 use crate::oracle::{self, NoTruth, Truth};
-use crate::read;
 use crate::scene::{AnyScene, hard};
-use cases::{CASES, SIZES};
-pub use regression::as_csv;
-use shrink::{Effort, shrink};
-use subject::{Candidate, Question, Subject};
-pub use wrong::{Differences, Wrong};
 
 /// How far a check goes.
 #[derive(Clone, Copy, Debug)]
@@ -88,16 +94,23 @@ pub struct Failure {
     pub found_on: String,
     /// In which way, there.
     pub found: Wrong,
-    /// The smallest scene found on which a fresh detector is still wrong; the one it was noticed on, if a fresh one is right or hangs.
+    /// The smallest scene found on which a fresh detector is still wrong; the one it was noticed
+    /// on, if a fresh one is right or hangs.
     pub smallest: AnyScene<'static>,
-    /// In which way, there; `None` if a fresh detector is right there: what earlier scenes left in its buffers makes it wrong.
+    /// In which way, there; `None` if a fresh detector is right there: what earlier scenes left in
+    /// its buffers makes it wrong.
     pub wrong: Option<Wrong>,
 }
 
-/// Checks `detectors` in the given arithmetics on generated scenes, with seeds 1, 2, ... until a limit is reached.
-pub fn check(detectors: &[&'static Entry], arithmetics: &[Arithmetic], limits: &Limits) -> anyhow::Result<Report> {
-    let candidates: Vec<Candidate> = detectors.iter().copied().map(Candidate::Detector).collect();
-    let mut checker = Checker::new(&candidates, limits)?;
+/// Checks `detectors` in the given arithmetics on generated scenes, with seeds 1, 2, ... until a
+/// limit is reached.
+pub fn check(
+    detectors: &[&'static Entry],
+    arithmetics: &[Arithmetic],
+    limits: &Limits,
+) -> anyhow::Result<Report> {
+    let contenders: Vec<Contender> = detectors.iter().copied().map(Contender::from).collect();
+    let mut checker = Checker::new(&contenders, limits)?;
     for seed in 1..=limits.seeds {
         if !checker.generated(seed, arithmetics)? {
             break;
@@ -106,23 +119,31 @@ pub fn check(detectors: &[&'static Entry], arithmetics: &[Arithmetic], limits: &
     Ok(checker.report)
 }
 
-/// Checks candidates on all there is: generated scenes of the first seed (always completed); every hard case with its history; the
-/// regressions that the tests keep; then scenes of random bytes, and generated ones with further seeds, until a limit is reached.
-pub fn battery(candidates: &[Candidate], arithmetics: &[Arithmetic], limits: &Limits) -> anyhow::Result<Report> {
-    let mut checker = Checker::new(candidates, limits)?;
+/// Checks contenders on all there is: generated scenes of the first seed (always completed); every
+/// hard case with its history; the regressions that the tests keep; then scenes of random bytes,
+/// and generated ones with further seeds, until a limit is reached.
+pub fn battery(
+    contenders: &[Contender],
+    arithmetics: &[Arithmetic],
+    limits: &Limits,
+) -> anyhow::Result<Report> {
+    let mut checker = Checker::new(contenders, limits)?;
     checker.generated(1, arithmetics)?;
     checker.hard_cases(arithmetics)?;
     checker.regressions(arithmetics)?;
     checker.report.cut = checker.over();
     for seed in 1..=limits.seeds {
-        if !checker.random_bytes(seed, arithmetics)? || seed > 1 && !checker.generated(seed, arithmetics)? {
+        if !checker.random_bytes(seed, arithmetics)?
+            || seed > 1 && !checker.generated(seed, arithmetics)?
+        {
             break;
         }
     }
     Ok(checker.report)
 }
 
-/// Checks `detectors` in the given arithmetics on one scene. An arithmetic that cannot hold it counts as a refusal.
+/// Checks `detectors` in the given arithmetics on one scene. An arithmetic that cannot hold it
+/// counts as a refusal.
 pub fn check_scene(
     scene: &AnyScene<'static>,
     name: &str,
@@ -130,19 +151,19 @@ pub fn check_scene(
     arithmetics: &[Arithmetic],
     limits: &Limits,
 ) -> anyhow::Result<Report> {
-    let candidates: Vec<Candidate> = detectors.iter().copied().map(Candidate::Detector).collect();
-    one_scene(scene, name, &candidates, arithmetics, limits)
+    let contenders: Vec<Contender> = detectors.iter().copied().map(Contender::from).collect();
+    one_scene(scene, name, &contenders, arithmetics, limits)
 }
 
-/// The same of any candidates.
+/// The same of any contenders.
 pub fn one_scene(
     scene: &AnyScene<'static>,
     name: &str,
-    candidates: &[Candidate],
+    contenders: &[Contender],
     arithmetics: &[Arithmetic],
     limits: &Limits,
 ) -> anyhow::Result<Report> {
-    let mut checker = Checker::new(candidates, limits)?;
+    let mut checker = Checker::new(contenders, limits)?;
     checker.scene("given", scene, || name.into(), arithmetics)?;
     Ok(checker.report)
 }
@@ -155,27 +176,30 @@ const REGRESSIONS: [(&str, &str); 4] = [
     ("three-discs.csv", include_str!("../../tests/regressions/three-discs.csv")),
 ];
 
-/// Scenes of random bytes for each seed, and the lengths of the bytes: in longer ones elements are too far apart for cells.
+/// Scenes of random bytes for each seed, and the lengths of the bytes: in longer ones elements are
+/// too far apart for cells.
 const RANDOM: u64 = 200;
 const LENGTHS: std::ops::Range<usize> = 4..64;
 
 struct Checker<'a> {
     limits: &'a Limits,
     started: Instant,
-    seats: Vec<(&'a Candidate, Box<dyn Subject>)>,
+    contenders: Vec<(&'a Contender, Box<dyn Respondent>)>,
     report: Report,
 }
 
 impl<'a> Checker<'a> {
-    fn new(candidates: &'a [Candidate], limits: &'a Limits) -> anyhow::Result<Checker<'a>> {
-        let seat = |candidate: &'a Candidate| Ok((candidate, candidate.subject(limits.options, limits.deadline)?));
-        let seats = candidates.iter().map(seat).collect::<anyhow::Result<_>>()?;
-        Ok(Checker { limits, started: Instant::now(), seats, report: Report::default() })
+    fn new(contenders: &'a [Contender], limits: &'a Limits) -> anyhow::Result<Checker<'a>> {
+        let entered = |contender: &'a Contender| {
+            Ok((contender, contender.respondent(limits.options, limits.deadline)?))
+        };
+        let contenders = contenders.iter().map(entered).collect::<anyhow::Result<_>>()?;
+        Ok(Checker { limits, started: Instant::now(), contenders, report: Report::default() })
     }
 
     /// There is nobody left to check.
     fn decided(&self) -> bool {
-        self.report.failures.len() == self.seats.len()
+        self.report.failures.len() == self.contenders.len()
     }
 
     /// The time is over, or there is nobody left to check.
@@ -192,8 +216,22 @@ impl<'a> Checker<'a> {
                         return Ok(false);
                     }
                     let spec = case.spec(dim, n, seed)?;
-                    let params = || spec.params.iter().map(|(name, value)| format!(" {name}={value}")).collect::<String>();
-                    let name = || format!("{} dim={} n={} seed={}{}", spec.name, spec.dim, spec.n, spec.seed, params());
+                    let params = || {
+                        spec.params
+                            .iter()
+                            .map(|(name, value)| format!(" {name}={value}"))
+                            .collect::<String>()
+                    };
+                    let name = || {
+                        format!(
+                            "{} dim={} n={} seed={}{}",
+                            spec.name,
+                            spec.dim,
+                            spec.n,
+                            spec.seed,
+                            params()
+                        )
+                    };
                     self.scene("generated", &spec.make()?, name, arithmetics)?;
                 }
             }
@@ -209,8 +247,17 @@ impl<'a> Checker<'a> {
                 }
                 let steps = case.steps(dim)?;
                 for (k, scene) in steps.iter().enumerate() {
-                    let step = if steps.len() == 1 { String::new() } else { format!(", step {} of {}", k + 1, steps.len()) };
-                    self.scene("hard cases", scene, || format!("hard case {} in {dim}D{step}", case.name), arithmetics)?;
+                    let step = if steps.len() == 1 {
+                        String::new()
+                    } else {
+                        format!(", step {} of {}", k + 1, steps.len())
+                    };
+                    self.scene(
+                        "hard cases",
+                        scene,
+                        || format!("hard case {} in {dim}D{step}", case.name),
+                        arithmetics,
+                    )?;
                 }
             }
         }
@@ -222,7 +269,7 @@ impl<'a> Checker<'a> {
             if self.decided() {
                 break;
             }
-            let scene = read::from(text.as_bytes(), name, "csv", read::Options::default())?;
+            let scene = io::from(text.as_bytes(), name, "csv", io::Options::default())?;
             self.scene("regressions", &scene, || format!("tests/regressions/{name}"), arithmetics)?;
         }
         Ok(())
@@ -238,7 +285,12 @@ impl<'a> Checker<'a> {
             let mut data = vec![0; random.random_range(LENGTHS)];
             random.fill_bytes(&mut data);
             if let Some(scene) = bytes::scene_from_bytes(&data) {
-                self.scene("random bytes", &scene, || format!("random bytes, seed {seed}, number {k}"), arithmetics)?;
+                self.scene(
+                    "random bytes",
+                    &scene,
+                    || format!("random bytes, seed {seed}, number {k}"),
+                    arithmetics,
+                )?;
             }
         }
         Ok(true)
@@ -256,26 +308,48 @@ impl<'a> Checker<'a> {
             let (stored, truth) = match truth(scene, arithmetic) {
                 Ok(found) => found,
                 Err(error @ (NoTruth::Refused(_) | NoTruth::Stored(_))) => {
-                    *self.report.refused.entry(format!("{}: {error}", arithmetic.name())).or_default() += 1;
+                    *self
+                        .report
+                        .refused
+                        .entry(format!("{}: {error}", arithmetic.name()))
+                        .or_default() += 1;
                     continue;
                 }
                 Err(error) => return Err(error.into()),
             };
-            for (candidate, subject) in &mut self.seats {
-                if self.report.failures.iter().any(|failure| failure.detector == candidate.name()) {
+            for (contender, respondent) in &mut self.contenders {
+                if self.report.failures.iter().any(|failure| failure.detector == contender.name()) {
                     continue;
                 }
-                let question = Question { given: scene, stored: &stored, arithmetic, fresh: false, truth: &truth };
-                let answer = subject.ask(&question)?;
+                let question = Question {
+                    given: scene,
+                    stored: &stored,
+                    arithmetic,
+                    fresh: false,
+                    truth: &truth,
+                };
+                let answer = respondent.ask(&question)?;
                 if let Some(reason) = answer.refusal() {
-                    *self.report.refused.entry(format!("{}: {reason}", candidate.name())).or_default() += 1;
+                    *self
+                        .report
+                        .refused
+                        .entry(format!("{}: {reason}", contender.name()))
+                        .or_default() += 1;
                 } else {
                     self.report.cases += 1;
                 }
                 if let Some(found) = answer.wrong(&truth) {
-                    let (smallest, wrong) = simplest(candidate, arithmetic, scene, &found, self.limits)?;
-                    let detector = candidate.name().to_string();
-                    self.report.failures.push(Failure { detector, arithmetic, found_on: name(), found, smallest, wrong });
+                    let (smallest, wrong) =
+                        simplest(contender, arithmetic, scene, &found, self.limits)?;
+                    let detector = contender.name().to_string();
+                    self.report.failures.push(Failure {
+                        detector,
+                        arithmetic,
+                        found_on: name(),
+                        found,
+                        smallest,
+                        wrong,
+                    });
                 }
             }
         }
@@ -284,21 +358,26 @@ impl<'a> Checker<'a> {
 }
 
 /// The scene as the arithmetic stores it, and the pairs to be found.
-fn truth(scene: &AnyScene<'_>, arithmetic: Arithmetic) -> Result<(Arc<AnyScene<'static>>, Truth), NoTruth> {
+fn truth(
+    scene: &AnyScene<'_>,
+    arithmetic: Arithmetic,
+) -> Result<(Arc<AnyScene<'static>>, Truth), NoTruth> {
     let stored = Arc::new(scene.stored(arithmetic)?);
     let truth = oracle::truth_as_stored(&stored, arithmetic.test())?;
     Ok((stored, truth))
 }
 
-/// No scene of the battery needs more than this if it is not to be refused, and a small machine has it. To fill much more takes as long as a hang.
+/// No scene of the battery needs more than this if it is not to be refused, and a small machine has
+/// it. To fill much more takes as long as a hang.
 const MOST_BYTES: u64 = 256 << 20;
-/// A candidate that hangs is given up, and after some of them the shrinking, since each leaves a thread behind.
+/// A contender that hangs is given up, and after some of them the shrinking, since each leaves a
+/// thread behind.
 const SHRINKING_DEADLINE: Duration = Duration::from_secs(1);
 const SHRINKING_HANGS: u32 = 2;
 
 /// The smallest scene found on which a fresh detector is wrong, and in which way.
 fn simplest(
-    candidate: &Candidate,
+    contender: &Contender,
     arithmetic: Arithmetic,
     scene: &AnyScene<'static>,
     found: &Wrong,
@@ -307,33 +386,42 @@ fn simplest(
     if matches!(found, Wrong::Hangs(_)) {
         return Ok((scene.clone(), Some(found.clone())));
     }
-    let wrong = |subject: &mut dyn Subject, scene: &AnyScene<'static>, fresh: bool| -> anyhow::Result<Option<Wrong>> {
+    let wrong = |respondent: &mut dyn Respondent,
+                 scene: &AnyScene<'static>,
+                 fresh: bool|
+     -> anyhow::Result<Option<Wrong>> {
         let Ok((stored, truth)) = truth(scene, arithmetic) else { return Ok(None) };
         let question = Question { given: scene, stored: &stored, arithmetic, fresh, truth: &truth };
-        Ok(subject.ask(&question)?.wrong(&truth))
+        Ok(respondent.ask(&question)?.wrong(&truth))
     };
-    let mut patient = candidate.subject(limits.options, limits.deadline)?;
+    let mut patient = contender.respondent(limits.options, limits.deadline)?;
     let Some(first) = wrong(&mut *patient, scene, true)? else { return Ok((scene.clone(), None)) };
-    let options = Options { memory_limit: limits.options.memory_limit.min(MOST_BYTES), ..limits.options };
-    let mut subject = candidate.subject(options, limits.deadline.min(SHRINKING_DEADLINE))?;
+    let options =
+        Options { memory_limit: limits.options.memory_limit.min(MOST_BYTES), ..limits.options };
+    let mut respondent = contender.respondent(options, limits.deadline.min(SHRINKING_DEADLINE))?;
     let mut hangs = 0;
     let mut smaller = |fresh: bool| {
         shrink(scene, limits.effort, |scene| {
             hangs < SHRINKING_HANGS
-                && match wrong(&mut *subject, scene, fresh) {
+                && match wrong(&mut *respondent, scene, fresh) {
                     Ok(Some(Wrong::Hangs(_))) | Err(_) => {
                         hangs += 1;
                         false
                     }
                     // In the same way, or another defect may take its place.
-                    Ok(wrong) => wrong.is_some_and(|wrong| discriminant(&wrong) == discriminant(&first)),
+                    Ok(wrong) => {
+                        wrong.is_some_and(|wrong| discriminant(&wrong) == discriminant(&first))
+                    }
                 }
         })
     };
-    if candidate.is_slow_to_make() {
-        // Most runners forget the scene before, and are a hundred times faster if they need not be started anew.
+    if contender.is_slow_to_make() {
+        // Most runners forget the scene before, and are a hundred times faster if they need not be
+        // started anew.
         let smallest = smaller(false);
-        if let Some(wrong) = wrong(&mut *patient, &smallest, true)?.filter(|wrong| discriminant(wrong) == discriminant(&first)) {
+        if let Some(wrong) = wrong(&mut *patient, &smallest, true)?
+            .filter(|wrong| discriminant(wrong) == discriminant(&first))
+        {
             return Ok((smallest, Some(wrong)));
         }
     }

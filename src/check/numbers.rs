@@ -2,8 +2,7 @@
 
 use nalgebra::Point;
 
-use crate::contact::{Real, array};
-use crate::scene::{AnyScene, Radii, Scene, SceneError};
+use crate::scene::{AnyScene, Radii, Real, Scene, SceneError, array};
 use crate::with_scene;
 
 /// The coordinates and the radius of every element, one after the other.
@@ -66,7 +65,10 @@ impl Numbers {
 
     /// The centres, in `D` = `dim` dimensions.
     pub fn centres<const D: usize>(&self) -> Vec<Point<f64, D>> {
-        self.values.chunks_exact(self.stride()).map(|element| Point::from(std::array::from_fn(|k| element[k]))).collect()
+        self.values
+            .chunks_exact(self.stride())
+            .map(|element| Point::from(std::array::from_fn(|k| element[k])))
+            .collect()
     }
 }
 
@@ -122,25 +124,44 @@ mod tests {
         for (x, count) in cases {
             assert_eq!(bits(x), count, "{x:e}");
             assert_eq!(rounded(x, 53), x, "{x:e}");
-            assert!((1..53).all(|k| bits(rounded(x, k)) <= k || rounded(x, k).is_infinite()), "{x:e}");
+            assert!(
+                (1..53).all(|k| bits(rounded(x, k)) <= k || rounded(x, k).is_infinite()),
+                "{x:e}"
+            );
         }
-        assert_eq!([rounded(0.1, 1), rounded(0.7, 1), rounded(-11.0, 3), rounded(f64::from_bits(5), 2)], [0.125, 0.5, -12.0, 3e-323]);
+        assert_eq!(
+            [rounded(0.1, 1), rounded(0.7, 1), rounded(-11.0, 3), rounded(f64::from_bits(5), 2)],
+            [0.125, 0.5, -12.0, 3e-323]
+        );
         assert_eq!(bits(f64::from_bits(0b1011)), 4);
     }
 
     #[test]
     fn only_exact_results_are_given() {
-        assert_eq!((difference(3.0, 1.0), difference(1e300, -1.0), difference(f64::MAX, -f64::MAX)), (Some(2.0), None, None));
-        assert_eq!((scaled(3.0, -2), scaled(f64::from_bits(3), -1), scaled(1.0, 1024)), (Some(0.75), None, None));
+        assert_eq!(
+            (difference(3.0, 1.0), difference(1e300, -1.0), difference(f64::MAX, -f64::MAX)),
+            (Some(2.0), None, None)
+        );
+        assert_eq!(
+            (scaled(3.0, -2), scaled(f64::from_bits(3), -1), scaled(1.0, 1024)),
+            (Some(0.75), None, None)
+        );
         assert_eq!(scaled(f64::from_bits(1), 1074), Some(1.0));
     }
 
     #[test]
     fn a_scene_is_its_numbers() {
-        for (dim, values) in [(2, vec![0.0, 1.0, 0.5, 2.0, 3.0, 0.5]), (3, vec![0.0, 1.0, 2.0, 0.5, 2.0, 3.0, 4.0, 0.25]), (2, vec![])] {
+        for (dim, values) in [
+            (2, vec![0.0, 1.0, 0.5, 2.0, 3.0, 0.5]),
+            (3, vec![0.0, 1.0, 2.0, 0.5, 2.0, 3.0, 4.0, 0.25]),
+            (2, vec![]),
+        ] {
             let numbers = Numbers { dim, values };
             let scene = numbers.scene().unwrap();
-            assert_eq!((Numbers::of(&scene), scene.uniform()), (numbers.clone(), dim == 2 && !numbers.is_empty()));
+            assert_eq!(
+                (Numbers::of(&scene), scene.uniform()),
+                (numbers.clone(), dim == 2 && !numbers.is_empty())
+            );
         }
     }
 }

@@ -1,9 +1,10 @@
-//! Regression files: a scene as CSV, with a comment that says on what it was found and how to see it again.
+//! Regression files: a scene as CSV, with a comment that says on what it was found and how to see
+//! it again.
 
 use std::path::Path;
 
-use super::Failure;
-use super::numbers::Numbers;
+use crate::check::Failure;
+use crate::check::numbers::Numbers;
 use crate::scene::AnyScene;
 
 /// A scene as CSV with a header, in numbers that read back to the same bits.
@@ -18,18 +19,22 @@ pub fn as_csv(scene: &AnyScene<'_>) -> String {
     text
 }
 
-/// The regression file of a failure; `path` is where it will stand, `who` the options of the check that say who was wrong.
+/// The regression file of a failure; `path` is where it will stand, `who` the options of the check
+/// that say who was wrong.
 pub fn file(failure: &Failure, path: &Path, who: &str) -> String {
     let Failure { detector, arithmetic, found_on, smallest, .. } = failure;
     let arithmetic = arithmetic.name();
     let how = match &failure.wrong {
         Some(wrong) => wrong.to_string(),
-        None => format!("wrong only after earlier scenes, something is left in its buffers: {}", failure.found),
+        None => format!(
+            "wrong only after earlier scenes, something is left in its buffers: {}",
+            failure.found
+        ),
     };
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let comment = format!(
-        "{detector}, {arithmetic} arithmetic: {how}\nfound on {found_on}\n\
-         contactbench check --scene {name} {who}"
+        "{detector}, {arithmetic} arithmetic: {how}\nfound on {found_on}\ncontactbench check \
+         --scene {name} {who}"
     );
     let comment: String = comment.lines().map(|line| format!("# {line}\n")).collect();
     comment + &as_csv(smallest)

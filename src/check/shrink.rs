@@ -1,16 +1,18 @@
 //! The smallest scene on which something still fails: few elements, few bits.
 //!
-//! Passes of simplifications, until none helps any more or the effort is spent: elements are taken away in ever smaller chunks (Zeller and Hildebrandt
-//! 2002, doi:10.1109/32.988498, without their complements); all elements get one radius, lose an axis, move towards the origin,
-//! are scaled by a power of two, are rounded; every number becomes 0, 1, or is rounded to ever more bits. A simplification stands if the
-//! scene costs less by it and still fails. The cost is, in this order: elements, more than one radius, significant bits of all numbers,
-//! their distance from 1 in binary places, minus signs. It falls with every step, so passes come to an end.
+//! Passes of simplifications, until none helps any more or the effort is spent: elements are taken
+//! away in ever smaller chunks (Zeller and Hildebrandt 2002, doi:10.1109/32.988498, without their
+//! complements); all elements get one radius, lose an axis, move towards the origin, are scaled by
+//! a power of two, are rounded; every number becomes 0, 1, or is rounded to ever more bits. A
+//! simplification stands if the scene costs less by it and still fails. The cost is, in this order:
+//! elements, more than one radius, significant bits of all numbers, their distance from 1 in binary
+//! places, minus signs. It falls with every step, so passes come to an end.
 //!
 //! Translation and scaling are tried only where they are exact, so that they keep all distances.
 
 use std::time::{Duration, Instant};
 
-use super::numbers::{Numbers, bits, difference, rounded, scaled};
+use crate::check::numbers::{Numbers, bits, difference, rounded, scaled};
 use crate::scene::AnyScene;
 
 /// How long to go on.
@@ -38,8 +40,13 @@ struct Shrinker<F> {
     until: Instant,
 }
 
-/// The smallest scene found on which `fails` holds, as a file of it is read; `scene` itself if it does not fail so.
-pub fn shrink(scene: &AnyScene<'static>, effort: Effort, mut fails: impl FnMut(&AnyScene<'static>) -> bool) -> AnyScene<'static> {
+/// The smallest scene found on which `fails` holds, as a file of it is read; `scene` itself if it
+/// does not fail so.
+pub fn shrink(
+    scene: &AnyScene<'static>,
+    effort: Effort,
+    mut fails: impl FnMut(&AnyScene<'static>) -> bool,
+) -> AnyScene<'static> {
     let best = Numbers::of(scene);
     if !best.scene().is_ok_and(|scene| fails(&scene)) {
         return scene.clone();
@@ -59,8 +66,15 @@ pub fn shrink(scene: &AnyScene<'static>, effort: Effort, mut fails: impl FnMut(&
 
 fn cost(numbers: &Numbers) -> Cost {
     let sum = |of: fn(f64) -> u64| numbers.values.iter().map(|&x| of(x)).sum();
-    let places = |x: f64| if x == 0.0 { 0 } else { 1 + u64::from((libm::frexp(x).1 - 1).unsigned_abs()) };
-    (numbers.len(), numbers.mixed(), sum(|x| bits(x).into()), sum(places), sum(|x| x.is_sign_negative().into()))
+    let places =
+        |x: f64| if x == 0.0 { 0 } else { 1 + u64::from((libm::frexp(x).1 - 1).unsigned_abs()) };
+    (
+        numbers.len(),
+        numbers.mixed(),
+        sum(|x| bits(x).into()),
+        sum(places),
+        sum(|x| x.is_sign_negative().into()),
+    )
 }
 
 impl<F: FnMut(&AnyScene<'static>) -> bool> Shrinker<F> {
@@ -83,9 +97,11 @@ impl<F: FnMut(&AnyScene<'static>) -> bool> Shrinker<F> {
         true
     }
 
-    /// The scene with its k-th number replaced by what `change` makes of it, for all k; none if that fails for one.
+    /// The scene with its k-th number replaced by what `change` makes of it, for all k; none if
+    /// that fails for one.
     fn changed(&self, change: impl Fn(usize, f64) -> Option<f64>) -> Option<Numbers> {
-        let values: Option<Vec<f64>> = self.best.values.iter().enumerate().map(|(k, &x)| change(k, x)).collect();
+        let values: Option<Vec<f64>> =
+            self.best.values.iter().enumerate().map(|(k, &x)| change(k, x)).collect();
         Some(Numbers { dim: self.best.dim, values: values? })
     }
 
@@ -100,7 +116,9 @@ impl<F: FnMut(&AnyScene<'static>) -> bool> Shrinker<F> {
             while start < self.best.len() && !self.spent() {
                 let mut fewer = self.best.clone();
                 let stride = fewer.stride();
-                fewer.values.drain(start * stride..((start + chunk) * stride).min(fewer.values.len()));
+                fewer
+                    .values
+                    .drain(start * stride..((start + chunk) * stride).min(fewer.values.len()));
                 if !self.keeps(fewer) {
                     start += chunk;
                 }
@@ -111,7 +129,8 @@ impl<F: FnMut(&AnyScene<'static>) -> bool> Shrinker<F> {
 
     fn change_all(&mut self) {
         let (dim, stride) = (self.best.dim, self.best.stride());
-        let extreme = |pick: fn(f64, f64) -> f64| move |numbers: &Numbers| numbers.radii().reduce(pick);
+        let extreme =
+            |pick: fn(f64, f64) -> f64| move |numbers: &Numbers| numbers.radii().reduce(pick);
         let (largest, smallest) = (extreme(f64::max)(&self.best), extreme(f64::min)(&self.best));
         for r in [Some(1.0), largest, smallest].into_iter().flatten() {
             self.keeps_changed(|k, x| Some(if k % stride == dim { r } else { x }));
@@ -120,7 +139,9 @@ impl<F: FnMut(&AnyScene<'static>) -> bool> Shrinker<F> {
             if !self.keeps_changed(|k, x| Some(if k % stride == axis { 0.0 } else { x })) {
                 for origin in 0..self.best.len().min(ORIGINS) {
                     let from = self.best.values[origin * stride + axis];
-                    self.keeps_changed(|k, x| if k % stride == axis { difference(x, from) } else { Some(x) });
+                    self.keeps_changed(|k, x| {
+                        if k % stride == axis { difference(x, from) } else { Some(x) }
+                    });
                 }
             }
         }

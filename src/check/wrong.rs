@@ -51,13 +51,17 @@ pub struct Differences {
 const SHOWN: usize = 4;
 
 impl Differences {
-    /// Compares what was reported, in any order, with the true pairs, each once and in ascending order.
+    /// Compares what was reported, in any order, with the true pairs, each once and in ascending
+    /// order.
     pub fn new(mut reported: Vec<[u32; 2]>, truth: &[[u32; 2]]) -> Differences {
         normalise(&mut reported);
-        let duplicate: Vec<[u32; 2]> = reported.windows(2).filter(|pair| pair[0] == pair[1]).map(|pair| pair[0]).collect();
+        let duplicate: Vec<[u32; 2]> =
+            reported.windows(2).filter(|pair| pair[0] == pair[1]).map(|pair| pair[0]).collect();
         reported.dedup();
         let without = |pairs: &[[u32; 2]], others: &[[u32; 2]]| {
-            let absent = |[i, j]: &[u32; 2]| others.binary_search_by_key(&key(*i, *j), |&[i, j]| key(i, j)).is_err();
+            let absent = |[i, j]: &[u32; 2]| {
+                others.binary_search_by_key(&key(*i, *j), |&[i, j]| key(i, j)).is_err()
+            };
             pairs.iter().copied().filter(absent).collect::<Vec<_>>()
         };
         let (selves, spurious) = without(&reported, truth).into_iter().partition(|[i, j]| i == j);
@@ -68,14 +72,31 @@ impl Differences {
 impl fmt::Display for Differences {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Differences { missed, spurious, selves, duplicate } = self;
-        write!(f, "{} missed, {} spurious, {} duplicate pairs", missed.len(), spurious.len(), duplicate.len())?;
+        write!(
+            f,
+            "{} missed, {} spurious, {} duplicate pairs",
+            missed.len(),
+            spurious.len(),
+            duplicate.len()
+        )?;
         if !selves.is_empty() {
             write!(f, ", {} of an element with itself", selves.len())?;
         }
-        for (kind, pairs) in [("missed", missed), ("spurious", spurious), ("itself", selves), ("duplicate", duplicate)] {
+        for (kind, pairs) in [
+            ("missed", missed),
+            ("spurious", spurious),
+            ("itself", selves),
+            ("duplicate", duplicate),
+        ] {
             if !pairs.is_empty() {
-                let shown: Vec<String> = pairs.iter().take(SHOWN).map(|[i, j]| format!("{i},{j}")).collect();
-                write!(f, "; {kind} {}{}", shown.join(" "), if pairs.len() > SHOWN { " ..." } else { "" })?;
+                let shown: Vec<String> =
+                    pairs.iter().take(SHOWN).map(|[i, j]| format!("{i},{j}")).collect();
+                write!(
+                    f,
+                    "; {kind} {}{}",
+                    shown.join(" "),
+                    if pairs.len() > SHOWN { " ..." } else { "" }
+                )?;
             }
         }
         Ok(())
@@ -86,16 +107,31 @@ impl fmt::Display for Wrong {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Wrong::Pairs(differences) => differences.fmt(f),
-            Wrong::RefusesLate(reported) => write!(f, "it refuses after it has reported {reported} pairs"),
-            Wrong::Panics(message) => write!(f, "it panics: {}", message.lines().next().unwrap_or_default()),
-            Wrong::Hangs(deadline) => write!(f, "it hangs: not ready after {} s", deadline.as_secs_f64()),
+            Wrong::RefusesLate(reported) => {
+                write!(f, "it refuses after it has reported {reported} pairs")
+            }
+            Wrong::Panics(message) => {
+                write!(f, "it panics: {}", message.lines().next().unwrap_or_default())
+            }
+            Wrong::Hangs(deadline) => {
+                write!(f, "it hangs: not ready after {} s", deadline.as_secs_f64())
+            }
             Wrong::Dies { how, .. } => write!(f, "it dies: {how}"),
             Wrong::Breaks(what) => write!(f, "it breaks the protocol: {what}"),
             Wrong::Counts { said, truth } if said.contacts == truth.contacts => {
-                write!(f, "it finds other pairs, as many as there are ({}); its runner does not say which", said.contacts)
+                write!(
+                    f,
+                    "it finds other pairs, as many as there are ({}); its runner does not say \
+                     which",
+                    said.contacts
+                )
             }
             Wrong::Counts { said, truth } => {
-                write!(f, "it finds {} pairs, there are {}; its runner does not say which", said.contacts, truth.contacts)
+                write!(
+                    f,
+                    "it finds {} pairs, there are {}; its runner does not say which",
+                    said.contacts, truth.contacts
+                )
             }
         }
     }

@@ -7,24 +7,26 @@ use std::time::Instant;
 
 use anyhow::{Context, ensure};
 
+use crate::cli::shared::arithmetic::arithmetic;
 use crate::contact::Arithmetic;
-use crate::detect::Options;
-use crate::harness::alloc;
-use crate::read;
+use crate::detect::{Options, table};
+use crate::io;
+use crate::run::alloc;
 use crate::sink::normalise;
 
 /// Options of `detect`.
 #[derive(clap::Args)]
 pub struct Detect {
-    /// The particles: CSV, XYZ, LAMMPS, MercuryDPM, YADE, NumPy, VTK or PLY, also compressed with gzip
+    /// The particles: CSV, XYZ, LAMMPS, MercuryDPM, YADE, NumPy, VTK or PLY, also compressed with
+    /// gzip
     file: PathBuf,
-    /// The detector
+    /// The detector, with parameters as in streamed-nbs:level=avx2
     #[arg(long, default_value = "nbs")]
     detector: String,
     #[command(flatten)]
-    input: super::input::Input,
+    input: crate::cli::shared::input::Input,
     /// How contacts are decided
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, value_parser = arithmetic(), default_value_t)]
     arithmetic: Arithmetic,
     /// Threads, for detectors that can use them
     #[arg(long, default_value_t = 1)]
@@ -32,42 +34,49 @@ pub struct Detect {
     /// Most bytes for the detector's arrays
     #[arg(long, default_value_t = Options::default().memory_limit)]
     memory_limit: u64,
-    /// Where the pairs go: a .csv or .npy file, or .vtk to see them in ParaView (default: CSV to standard output)
+    /// Where the pairs go: a .csv or .npy file, or .vtk to see them in ParaView (default: CSV to
+    /// standard output)
     #[arg(short, long)]
     output: Option<PathBuf>,
 }
 
 /// Reads, detects, writes the pairs, and says on standard error what was done.
 pub fn detect(options: &Detect) -> anyhow::Result<ExitCode> {
-    let entry = super::detector(&options.detector)?;
+    let spec = table::parse(&options.detector)?;
     let threads = options.threads;
     ensure!(threads >= 1, "--threads 0: at least one is needed");
     ensure!(
-        threads == 1 || entry.threads,
-        "{} is sequential and cannot use {threads} threads; leave out --threads, or use direct or cell-grid",
-        entry.name
+        threads == 1 || spec.entry.threads,
+        "{} is sequential and cannot use {threads} threads; leave out --threads, or use direct or \
+         cell-grid",
+        spec.entry.name
     );
     if let Some(path) = &options.output {
-        read::write::format(path)?;
+        io::write::format(path)?;
     }
-    super::use_threads(threads);
-    let scene = read::scene(&options.file, options.input.options())?;
+    crate::cli::use_threads(threads);
+    let scene = io::scene(&options.file, options.input.options())?;
     let given = scene;
-    let scene = given.stored(options.arithmetic).with_context(|| format!("{} in {}", options.file.display(), options.arithmetic.name()))?;
-    let mut detector = entry.make(Options { memory_limit: options.memory_limit, threads });
+    let scene = given
+        .stored(options.arithmetic)
+        .with_context(|| format!("{} in {}", options.file.display(), options.arithmetic.name()))?;
+    let mut detector = spec.make(Options { memory_limit: options.memory_limit, threads });
     let mut pairs = Vec::new();
     let started = Instant::now();
-    let (result, usage) = alloc::measure(|| detector.list(&scene, options.arithmetic.test(), &mut pairs));
+    let (result, usage) =
+        alloc::measure(|| detector.list(&scene, options.arithmetic.test(), &mut pairs));
     let seconds = started.elapsed().as_secs_f64();
     result?;
     // What is left on the heap is the list of pairs and the detector's buffers.
     let memory = usage.map(|usage| usage.live_bytes.saturating_sub(pairs.capacity() as u64 * 8));
     normalise(&mut pairs);
     match &options.output {
-        Some(path) => read::write::pairs_of(path, &pairs, &given)?,
+        Some(path) => io::write::pairs_of(path, &pairs, &given)?,
         None => {
             let mut out = std::io::BufWriter::new(std::io::stdout().lock());
-            read::write::csv(&mut out, &pairs).and_then(|()| out.flush()).context("cannot write the pairs to standard output")?;
+            io::write::csv(&mut out, &pairs)
+                .and_then(|()| out.flush())
+                .context("cannot write the pairs to standard output")?;
         }
     }
     eprintln!(
@@ -77,8 +86,8 @@ pub fn detect(options: &Detect) -> anyhow::Result<ExitCode> {
         scene.dim(),
         pairs.len(),
         seconds * 1e3,
-        memory.map_or("memory not measured".into(), super::bytes),
-        entry.name,
+        memory.map_or("memory not measured".into(), crate::cli::bytes),
+        spec,
         options.arithmetic.name()
     );
     Ok(ExitCode::SUCCESS)

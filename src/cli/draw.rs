@@ -5,8 +5,9 @@ use std::process::ExitCode;
 
 use anyhow::{Context, bail};
 
-use super::scene::Source;
-use crate::draw::{self, Highlighted, Look, Slice};
+use crate::cli::shared::scene::Source;
+use crate::present::draw;
+use crate::present::draw::{Highlighted, Look, Slice};
 
 /// Options of `draw`.
 #[derive(clap::Args)]
@@ -33,7 +34,12 @@ pub struct Draw {
 /// Draws the scene, and says on standard error what there is to see.
 pub fn draw(options: &Draw) -> anyhow::Result<ExitCode> {
     let place = options.output.display();
-    let png = match options.output.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase()).as_deref() {
+    let png = match options
+        .output
+        .extension()
+        .map(|ending| ending.to_string_lossy().to_ascii_lowercase())
+        .as_deref()
+    {
         Some("svg") => false,
         Some("png") => true,
         _ => bail!("{place}: the ending of a picture must be .svg or .png"),
@@ -43,18 +49,33 @@ pub fn draw(options: &Draw) -> anyhow::Result<ExitCode> {
     };
     let pairs = match &options.pairs {
         None => Highlighted::of(&scene)?,
-        Some(path) => Highlighted::compare(&scene, &draw::read(path)?).with_context(|| path.display().to_string())?,
+        Some(path) => Highlighted::compare(&scene, &draw::read(path)?)
+            .with_context(|| path.display().to_string())?,
     };
     let labels = options.labels;
-    let picture = draw::svg(&scene, &pairs, &Look { title: name.clone(), labels, grid: options.grid, slice: options.slice })?;
-    let bytes = if png { draw::png(&picture)? } else { picture.into_bytes() };
-    std::fs::write(&options.output, &bytes).with_context(|| format!("cannot write {place}; choose another place with -o"))?;
-    let size = super::bytes(bytes.len() as u64);
+    let picture = draw::svg(
+        &scene,
+        &pairs,
+        &Look { title: name.clone(), labels, grid: options.grid, slice: options.slice },
+    )?;
+    let bytes = if png { crate::present::svg::png(&picture)? } else { picture.into_bytes() };
+    std::fs::write(&options.output, &bytes)
+        .with_context(|| format!("cannot write {place}; choose another place with -o"))?;
+    let size = crate::cli::bytes(bytes.len() as u64);
     let wrong = match &options.pairs {
         None => String::new(),
-        Some(_) => format!(", {} missed, {} spurious, {} repeated", pairs.missed.len(), pairs.spurious.len(), pairs.duplicates.len()),
+        Some(_) => format!(
+            ", {} missed, {} spurious, {} repeated",
+            pairs.missed.len(),
+            pairs.spurious.len(),
+            pairs.duplicates.len()
+        ),
     };
     let contacts = pairs.contacts.len() + pairs.missed.len();
-    eprintln!("{name}: N = {}, {}D, {contacts} contacts{wrong}; {place} ({size})", scene.len(), scene.dim());
+    eprintln!(
+        "{name}: N = {}, {}D, {contacts} contacts{wrong}; {place} ({size})",
+        scene.len(),
+        scene.dim()
+    );
     Ok(ExitCode::SUCCESS)
 }

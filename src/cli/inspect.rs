@@ -6,8 +6,9 @@ use std::process::ExitCode;
 
 use serde_json::{Value, json};
 
-use super::input::Input;
-use crate::read::{self, About, Frame, Particles, RadiusSource};
+use crate::cli::shared::input::Input;
+use crate::io;
+use crate::io::{About, Frame, Particles, RadiusSource};
 use crate::scene::stats::stats;
 
 mod contacts;
@@ -16,7 +17,8 @@ use contacts::Contacts;
 /// Options of `inspect`.
 #[derive(clap::Args)]
 pub struct Inspect {
-    /// The particles: CSV, XYZ, LAMMPS, MercuryDPM, YADE, NumPy, VTK or PLY, also compressed with gzip
+    /// The particles: CSV, XYZ, LAMMPS, MercuryDPM, YADE, NumPy, VTK or PLY, also compressed with
+    /// gzip
     file: PathBuf,
     #[command(flatten)]
     input: Input,
@@ -31,8 +33,8 @@ struct Line(&'static str, String, Vec<(&'static str, Value)>);
 /// Reads the file, looks for contacts, prints what was found, and warns.
 pub fn inspect(options: &Inspect) -> anyhow::Result<ExitCode> {
     let frame = options.input.frame.unwrap_or(Frame::Last);
-    let reading = read::Options { frame, survey: true, ..options.input.options() };
-    let (particles, about) = read::load(&options.file, reading)?;
+    let reading = io::Options { frame, survey: true, ..options.input.options() };
+    let (particles, about) = io::load(&options.file, reading)?;
     let (mut lines, mut warnings) = (Vec::new(), Vec::new());
     of_file(options, &particles, &about, &mut lines, &mut warnings);
     of_centres(&particles, &mut lines, &mut warnings);
@@ -48,7 +50,11 @@ pub fn inspect(options: &Inspect) -> anyhow::Result<ExitCode> {
                 format!("{:.4} of the box around the bodies", stats.packing_fraction),
                 vec![("packing_fraction", json!(stats.packing_fraction))],
             ));
-            lines.push(Line("fingerprint", stats.scene_hash.clone(), vec![("scene_hash", json!(stats.scene_hash))]));
+            lines.push(Line(
+                "fingerprint",
+                stats.scene_hash.clone(),
+                vec![("scene_hash", json!(stats.scene_hash))],
+            ));
         }
     }
     let mut out = std::io::stdout().lock();
@@ -71,26 +77,63 @@ pub fn inspect(options: &Inspect) -> anyhow::Result<ExitCode> {
 }
 
 /// What the reader says.
-fn of_file(options: &Inspect, particles: &Particles, about: &About, lines: &mut Vec<Line>, warnings: &mut Vec<String>) {
+fn of_file(
+    options: &Inspect,
+    particles: &Particles,
+    about: &About,
+    lines: &mut Vec<Line>,
+    warnings: &mut Vec<String>,
+) {
     let name = options.file.display().to_string();
     lines.push(Line("file", name.clone(), vec![("file", json!(name))]));
     let gzip = if about.gzip { ", compressed with gzip" } else { "" };
-    lines.push(Line("format", format!("{}{gzip}", about.format), vec![("format", json!(about.format)), ("gzip", json!(about.gzip))]));
+    lines.push(Line(
+        "format",
+        format!("{}{gzip}", about.format),
+        vec![("format", json!(about.format)), ("gzip", json!(about.gzip))],
+    ));
     let (n, dim) = (particles.len(), particles.dim());
     let what = if dim == 2 { "discs (2D)" } else { "spheres (3D)" };
-    lines.push(Line("particles", format!("{n} {what}"), vec![("n", json!(n)), ("dim", json!(dim))]));
-    let which = if about.frames == 1 { String::new() } else { format!("; read: frame {}, counted from 0", about.frame) };
-    lines.push(Line("frames", format!("{}{which}", about.frames), vec![("frames", json!(about.frames)), ("frame", json!(about.frame))]));
+    lines.push(Line(
+        "particles",
+        format!("{n} {what}"),
+        vec![("n", json!(n)), ("dim", json!(dim))],
+    ));
+    let which = if about.frames == 1 {
+        String::new()
+    } else {
+        format!("; read: frame {}, counted from 0", about.frame)
+    };
+    lines.push(Line(
+        "frames",
+        format!("{}{which}", about.frames),
+        vec![("frames", json!(about.frames)), ("frame", json!(about.frame))],
+    ));
     if about.frames > 1 {
-        warnings.push(format!("the file has {} frames; the other verbs want to know which: --frame {}", about.frames, about.frame));
+        warnings.push(format!(
+            "the file has {} frames; the other verbs want to know which: --frame {}",
+            about.frames, about.frame
+        ));
     }
     let (text, kind, column) = match &about.radius {
-        RadiusSource::Column(name) => (format!("'{name}' in the file"), "column", Some(name.clone())),
-        RadiusSource::Halved(name) => (format!("'{name}' in the file, a diameter, halved"), "diameter", Some(name.clone())),
+        RadiusSource::Column(name) => {
+            (format!("'{name}' in the file"), "column", Some(name.clone()))
+        }
+        RadiusSource::Halved(name) => {
+            (format!("'{name}' in the file, a diameter, halved"), "diameter", Some(name.clone()))
+        }
         RadiusSource::Given => ("the option --radius".into(), "option", None),
-        RadiusSource::Missing => ("none in the file; contacts need --radius R (half the diameter)".into(), "missing", None),
+        RadiusSource::Missing => (
+            "none in the file; contacts need --radius R (half the diameter)".into(),
+            "missing",
+            None,
+        ),
     };
-    lines.push(Line("radius from", text, vec![("radius_source", json!(kind)), ("radius_column", json!(column))]));
+    lines.push(Line(
+        "radius from",
+        text,
+        vec![("radius_source", json!(kind)), ("radius_column", json!(column))],
+    ));
     if let Some(bounds) = &about.bounds {
         let text: Vec<String> = bounds.iter().map(|[lo, hi]| format!("{lo} to {hi}")).collect();
         lines.push(Line("box in the file", text.join(", "), vec![("declared_box", json!(bounds))]));
@@ -113,13 +156,21 @@ fn of_centres(particles: &Particles, lines: &mut Vec<Line>, warnings: &mut Vec<S
             (low[axis], high[axis]) = (low[axis].min(x), high[axis].max(x));
         }
     }
-    let text: Vec<String> = (0..dim).map(|k| format!("{} {} to {}", ["x", "y", "z"][k], low[k], high[k])).collect();
-    lines.push(Line("centres", text.join(", "), vec![("low", json!(low[..dim])), ("high", json!(high[..dim]))]));
+    let text: Vec<String> =
+        (0..dim).map(|k| format!("{} {} to {}", ["x", "y", "z"][k], low[k], high[k])).collect();
+    lines.push(Line(
+        "centres",
+        text.join(", "),
+        vec![("low", json!(low[..dim])), ("high", json!(high[..dim]))],
+    ));
     if dim == 3 && low[2] == 0.0 && high[2] == 0.0 && n > 1 {
         warnings.push("z is 0 for all: these may be discs; then give --dim 2".into());
     }
     if (0..dim).all(|k| low[k] >= 0.0 && high[k] <= 1.0 && high[k] - low[k] > 0.9) && n > 100 {
-        warnings.push("all coordinates are from 0 to 1, and fill that range: are they scaled by a box?".into());
+        warnings.push(
+            "all coordinates are from 0 to 1, and fill that range: are they scaled by a box?"
+                .into(),
+        );
     }
     // -0 is where 0 is.
     let key = |k: u32| particles.centre(k as usize).map(|x| (x + 0.0).to_bits());
@@ -132,9 +183,11 @@ fn of_centres(particles: &Particles, lines: &mut Vec<Line>, warnings: &mut Vec<S
         vec![("coincident_centres", json!(duplicates))],
     ));
     if duplicates > 0 {
-        let first = order.windows(2).find(|pair| key(pair[0]) == key(pair[1])).map_or(0, |pair| pair[0]);
+        let first =
+            order.windows(2).find(|pair| key(pair[0]) == key(pair[1])).map_or(0, |pair| pair[0]);
         warnings.push(format!(
-            "{duplicates} particles have the centre of another, such as particle {first} (from 0): was something written twice?"
+            "{duplicates} particles have the centre of another, such as particle {first} (from \
+             0): was something written twice?"
         ));
     }
 }

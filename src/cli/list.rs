@@ -3,16 +3,16 @@
 use std::io::Write;
 use std::process::ExitCode;
 
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 
-use crate::analyse::text::wrap;
+use crate::cli::shared::terminal;
 use crate::contact::Arithmetic;
 use crate::detect::peers::PEERS;
-use crate::detect::table::{Entry, TABLE};
-use crate::harness::builtin;
-use crate::harness::experiment::Experiment;
-use crate::scene::hard::{self, Expect};
-use crate::scene::spec::{GENERATORS, Generator, Parameter};
+use crate::detect::table::{self, TABLE};
+use crate::experiment::builtin;
+use crate::present::table::{Cell, Column, Table};
+use crate::scene::hard::{self, Case, Expect};
+use crate::scene::spec::{GENERATORS, Parameter};
 
 /// Options of `list`.
 #[derive(clap::Args)]
@@ -39,128 +39,218 @@ enum What {
     HardCases,
 }
 
+impl What {
+    /// A hundred hard cases would bury the rest: they are not among these.
+    const USUAL: [What; 4] = [What::Detectors, What::Arithmetics, What::Scenes, What::Experiments];
+
+    /// Its name in JSON.
+    fn name(self) -> &'static str {
+        match self {
+            What::Detectors => "detectors",
+            What::Arithmetics => "arithmetics",
+            What::Scenes => "scenes",
+            What::Experiments => "experiments",
+            What::HardCases => "hard_cases",
+        }
+    }
+
+    fn table(self) -> anyhow::Result<Table> {
+        Ok(match self {
+            What::Detectors => detectors(),
+            What::Arithmetics => arithmetics(),
+            What::Scenes => scenes(),
+            What::Experiments => experiments()?,
+            What::HardCases => hard_cases(),
+        })
+    }
+
+    fn json(self) -> anyhow::Result<Value> {
+        Ok(match self {
+            What::Detectors => TABLE.iter().map(detector_json).collect(),
+            What::Arithmetics => Arithmetic::ALL
+                .iter()
+                .map(|it| json!({ "name": it.name(), "summary": it.summary() }))
+                .collect(),
+            What::Scenes => scenes_json(),
+            What::Experiments => builtin::all()?
+                .iter()
+                .map(|it| {
+                    json!({
+                        "name": it.name,
+                        "title": it.title,
+                        "question": it.question,
+                        "standard": it.standard,
+                        "detectors": it.detectors,
+                    })
+                })
+                .collect(),
+            What::HardCases => hard::cases().map(hard_case_json).collect(),
+        })
+    }
+}
+
 /// Prints the tables.
 pub fn list(options: &List) -> anyhow::Result<ExitCode> {
     let mut out = std::io::stdout().lock();
-    let wanted = |what| options.what.is_none_or(|chosen| chosen == what);
+    let wanted = options.what.map_or(What::USUAL.to_vec(), |what| vec![what]);
     if options.json {
-        writeln!(out, "{}", serde_json::to_string_pretty(&as_json(options.what, wanted)?)?)?;
-        return Ok(ExitCode::SUCCESS);
-    }
-    if wanted(What::Detectors) {
-        writeln!(out, "DETECTORS (N elements; nx, ny, nz cells per axis; memory in bytes)\n")?;
-        for entry in TABLE {
-            writeln!(out, "  {:<12} {}", entry.name, entry.summary)?;
-            writeln!(out, "  {:<12} cost: {}; memory: {}", "", entry.cost, entry.memory)?;
-            writeln!(out, "  {:<12} limits: {}\n", "", entry.limits)?;
+        let mut all = Map::new();
+        for what in wanted {
+            all.insert(what.name().into(), what.json()?);
         }
-        if !cfg!(feature = "peers") {
-            let names = PEERS.map(|peer| peer.name).join(", ");
-            writeln!(out, "  with the cargo feature peers also libraries: {names}\n")?;
+        writeln!(out, "{:#}", Value::Object(all))?;
+    } else {
+        for what in wanted {
+            // Reasons are long: wrapped for the eye wherever they go.
+            let most = if what == What::HardCases { 100 } else { usize::MAX };
+            writeln!(out, "{}", what.table()?.plain(terminal::width().min(most)))?;
         }
-    }
-    if wanted(What::Arithmetics) {
-        writeln!(out, "ARITHMETICS\n")?;
-        for arithmetic in Arithmetic::ALL {
-            writeln!(out, "  {:<12} {}", arithmetic.name(), arithmetic.summary())?;
-        }
-        writeln!(out)?;
-    }
-    if wanted(What::Scenes) {
-        writeln!(out, "SCENES (parameters with their defaults in 2D, 3D; lengths in diameters)\n")?;
-        for generator in &GENERATORS {
-            let dims: Vec<String> = generator.dims.iter().map(|dim| format!("{dim}D")).collect();
-            writeln!(out, "  {:<12} {} ({})", generator.name, generator.summary, dims.join(", "))?;
-            for parameter in generator.params {
-                let mut defaults: Vec<String> = generator.dims.iter().map(|dim| parameter.default[*dim as usize - 2].to_string()).collect();
-                defaults.dedup();
-                writeln!(out, "  {:<12}   {:<12} {} [{}]", "", parameter.name, parameter.meaning, defaults.join(", "))?;
-            }
-            writeln!(out)?;
-        }
-    }
-    if wanted(What::Experiments) {
-        writeln!(out, "EXPERIMENTS (* part of the standard reproduction)\n")?;
-        for experiment in builtin::all()? {
-            writeln!(out, "  {}{:<20} {}", if experiment.standard { "*" } else { " " }, experiment.name, experiment.title)?;
-            writeln!(out, "   {:<20} {}\n", "", experiment.question)?;
-        }
-    }
-    // A hundred cases would bury the rest.
-    if options.what == Some(What::HardCases) {
-        hard_cases(&mut out)?;
     }
     Ok(ExitCode::SUCCESS)
 }
 
-/// The same as an object with a list for each table.
-fn as_json(what: Option<What>, wanted: impl Fn(What) -> bool) -> anyhow::Result<Value> {
-    let mut all = serde_json::Map::new();
-    if wanted(What::Detectors) {
-        let of = |entry: &Entry| {
-            json!({"name": entry.name, "summary": entry.summary, "cost": entry.cost, "memory": entry.memory, "limits": entry.limits,
-                "threads": entry.threads})
-        };
-        all.insert("detectors".into(), TABLE.iter().map(of).collect());
-    }
-    if wanted(What::Arithmetics) {
-        let of = |arithmetic: Arithmetic| json!({"name": arithmetic.name(), "summary": arithmetic.summary()});
-        all.insert("arithmetics".into(), Arithmetic::ALL.into_iter().map(of).collect());
-    }
-    if wanted(What::Scenes) {
-        let of = |generator: &Generator| {
-            let parameter = |parameter: &Parameter| {
-                let of = |dim: &u32| (format!("{dim}D"), Value::from(parameter.default[*dim as usize - 2].to_string()));
-                let defaults: serde_json::Map<String, Value> = generator.dims.iter().map(of).collect();
-                json!({"name": parameter.name, "meaning": parameter.meaning, "defaults": defaults})
-            };
-            let params: Vec<Value> = generator.params.iter().map(parameter).collect();
-            json!({"name": generator.name, "summary": generator.summary, "dims": generator.dims, "parameters": params})
-        };
-        all.insert("scenes".into(), GENERATORS.iter().map(of).collect());
-    }
-    if wanted(What::Experiments) {
-        let of = |experiment: Experiment| {
-            let Experiment { name, title, question, standard, detectors, .. } = experiment;
-            json!({"name": name, "title": title, "question": question, "standard": standard, "detectors": detectors})
-        };
-        all.insert("experiments".into(), builtin::all()?.into_iter().map(of).collect());
-    }
-    if what == Some(What::HardCases) {
-        let cases = hard::cases().map(|case| {
-            let expect = match case.expect {
-                Expect::Contacts(contacts) => {
-                    let of = |dim: &u32| (format!("{dim}D"), json!(contacts[usize::from(*dim == 3)]));
-                    Value::Object(case.dims.iter().map(of).collect())
-                }
-                Expect::Oracle => "all pairs tested tell".into(),
-                Expect::Invalid => "must be refused".into(),
-            };
-            json!({"name": case.name, "group": case.group.name(), "dims": case.dims, "contacts": expect, "reason": case.reason,
-                "source": case.source})
-        });
-        all.insert("hard_cases".into(), cases.collect());
-    }
-    Ok(Value::Object(all))
+/// A name and the lines on it, with an empty line after them.
+fn entry(name: impl Into<String>, lines: impl IntoIterator<Item = String>) -> Vec<Cell> {
+    let lines = lines.into_iter().chain([String::new()]).collect();
+    vec![Cell::from(name.into()), Cell::lines(lines)]
 }
 
-fn hard_cases(out: &mut impl Write) -> std::io::Result<()> {
-    writeln!(out, "HARD CASES (in experiments: name = \"hard\", case = \"NAME\")\n")?;
-    for case in hard::cases() {
-        let dims: Vec<String> = case.dims.iter().map(|dim| format!("{dim}D")).collect();
-        let answer = match case.expect {
+fn titled(title: &str, rows: impl IntoIterator<Item = Vec<Cell>>) -> Table {
+    let rows = std::iter::once(entry("", [])).chain(rows);
+    Table::new(title, ["", ""].map(Column::left).into()).with(rows)
+}
+
+fn dims(dims: &[u32]) -> String {
+    dims.iter().map(|dim| format!("{dim}D")).collect::<Vec<_>>().join(", ")
+}
+
+fn detectors() -> Table {
+    let row = |it: &table::Entry| {
+        let parameter = |it: &table::Parameter| {
+            format!("{} [{}]: {}", it.name, it.values.join(", "), it.meaning)
+        };
+        let about = [
+            it.summary.to_string(),
+            format!("cost: {}; memory: {}", it.cost, it.memory),
+            format!("limits: {}", it.limits),
+        ];
+        entry(it.name, about.into_iter().chain(it.parameters.iter().map(parameter)))
+    };
+    let names = PEERS.map(|peer| peer.name).join(", ");
+    let libraries = format!("libraries, with the cargo feature peers: {names}");
+    let more = (!cfg!(feature = "peers")).then(|| entry("", [libraries]));
+    titled(
+        "DETECTORS (N particles; nx, ny, nz cells per axis; memory in bytes; parameters with \
+         their values, the default first)",
+        TABLE.iter().map(row).chain(more),
+    )
+}
+
+fn detector_json(it: &table::Entry) -> Value {
+    let parameter = |it: &table::Parameter| {
+        json!({
+            "name": it.name,
+            "meaning": it.meaning,
+            "values": it.values,
+            "default": it.default(),
+        })
+    };
+    json!({
+        "name": it.name,
+        "summary": it.summary,
+        "cost": it.cost,
+        "memory": it.memory,
+        "limits": it.limits,
+        "threads": it.threads,
+        "parameters": it.parameters.iter().map(parameter).collect::<Vec<_>>(),
+    })
+}
+
+fn arithmetics() -> Table {
+    let row = |it: Arithmetic| entry(it.name(), [it.summary().to_string()]);
+    titled("ARITHMETICS", Arithmetic::ALL.into_iter().map(row))
+}
+
+/// The default of a generator's parameter in 2D or 3D.
+fn default(parameter: &Parameter, dim: u32) -> String {
+    parameter.default[dim as usize - 2].to_string()
+}
+
+fn scenes() -> Table {
+    let rows = GENERATORS.iter().map(|it| {
+        let parameter = |parameter: &Parameter| {
+            let mut defaults: Vec<String> =
+                it.dims.iter().map(|&dim| default(parameter, dim)).collect();
+            defaults.dedup();
+            format!("{} [{}]: {}", parameter.name, defaults.join(", "), parameter.meaning)
+        };
+        let summary = format!("{} ({})", it.summary, dims(it.dims));
+        entry(it.name, [summary].into_iter().chain(it.params.iter().map(parameter)))
+    });
+    titled("SCENES (parameters with their defaults in 2D, 3D; lengths in diameters)", rows)
+}
+
+fn scenes_json() -> Value {
+    let scene = GENERATORS.iter().map(|it| {
+        let parameter = |parameter: &Parameter| {
+            let defaults = it.dims.iter().map(|&dim| (format!("{dim}D"), default(parameter, dim)));
+            json!({
+                "name": parameter.name,
+                "meaning": parameter.meaning,
+                "defaults": defaults.collect::<std::collections::BTreeMap<_, _>>(),
+            })
+        };
+        json!({
+            "name": it.name,
+            "summary": it.summary,
+            "dims": it.dims,
+            "parameters": it.params.iter().map(parameter).collect::<Vec<_>>(),
+        })
+    });
+    scene.collect()
+}
+
+fn experiments() -> anyhow::Result<Table> {
+    let all = builtin::all()?;
+    let rows = all.iter().map(|it| {
+        let mark = if it.standard { "*" } else { "" };
+        entry(format!("{mark}{}", it.name), [it.title.clone(), it.question.clone()])
+    });
+    Ok(titled("EXPERIMENTS (* part of the standard reproduction)", rows))
+}
+
+fn hard_cases() -> Table {
+    let rows = hard::cases().map(|case| {
+        let contacts = match case.expect {
             Expect::Contacts(contacts) => {
-                let contacts: Vec<String> = case.dims.iter().map(|dim| contacts[usize::from(*dim == 3)].to_string()).collect();
-                format!("contacts: {}", contacts.join(", "))
+                let contacts =
+                    case.dims.iter().map(|&dim| contacts[usize::from(dim == 3)].to_string());
+                format!("contacts: {}", contacts.collect::<Vec<_>>().join(", "))
             }
-            Expect::Oracle => "contacts: all pairs tested tell".into(),
+            Expect::Oracle => "contacts: by the exact test of all pairs".into(),
             Expect::Invalid => "must be refused".into(),
         };
-        writeln!(out, "  {:<32} {:<12} {:<7} {answer}", case.name, case.group.name(), dims.join(", "))?;
-        for line in wrap(case.reason, 94) {
-            writeln!(out, "    {line}")?;
+        let about = format!("{}, {}; {contacts}", case.group.name(), dims(case.dims));
+        entry(case.name, [about, case.reason.into(), format!("source: {}", case.source)])
+    });
+    titled("HARD CASES (in experiments: name = \"hard\", case = \"NAME\")", rows)
+}
+
+fn hard_case_json(case: &Case) -> Value {
+    let contacts = match case.expect {
+        Expect::Contacts(contacts) => {
+            let of_dim = |dim: &u32| (format!("{dim}D"), contacts[usize::from(*dim == 3)].into());
+            Value::Object(case.dims.iter().map(of_dim).collect())
         }
-        writeln!(out, "    source: {}\n", case.source)?;
-    }
-    Ok(())
+        Expect::Oracle => "by the exact test of all pairs".into(),
+        Expect::Invalid => "must be refused".into(),
+    };
+    json!({
+        "name": case.name,
+        "group": case.group.name(),
+        "dims": case.dims,
+        "contacts": contacts,
+        "reason": case.reason,
+        "source": case.source,
+    })
 }

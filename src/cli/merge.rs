@@ -6,11 +6,12 @@ use std::process::ExitCode;
 
 use anyhow::{Context, ensure};
 
-use super::ci::Outputs;
-use super::run::finish;
-use crate::harness::merge::{self, Part};
-use crate::harness::record::{self, Writer};
-use crate::harness::{provenance, space};
+use crate::cli::run::finish;
+use crate::cli::shared::ci::Outputs;
+use crate::record::merge::Part;
+use crate::record::row::Writer;
+use crate::record::{merge, provenance, row};
+use crate::run::disk;
 
 /// Options of `merge`.
 #[derive(clap::Args)]
@@ -27,26 +28,44 @@ pub struct Merge {
 
 /// Merges, and writes the report of the whole.
 pub fn merge(options: &Merge) -> anyhow::Result<ExitCode> {
-    let path = options.out.join(record::FILE);
-    ensure!(!path.exists(), "{} holds a record already; choose another folder with --out", path.display());
-    let parts = options.folders.iter().map(|folder| Part::read(folder)).collect::<anyhow::Result<Vec<_>>>()?;
+    let path = options.out.join(row::FILE);
+    ensure!(
+        !path.exists(),
+        "{} holds a record already; choose another folder with --out",
+        path.display()
+    );
+    let parts = options
+        .folders
+        .iter()
+        .map(|folder| Part::read(folder))
+        .collect::<anyhow::Result<Vec<_>>>()?;
     let merged = merge::merge(&parts)?;
     ensure!(!merged.rows.is_empty(), "the records hold no rows yet; run the experiment first");
     let experiments = options.out.join("experiments");
     let other = "choose another folder with --out";
-    std::fs::create_dir_all(&experiments).with_context(|| format!("cannot make the folder {}; {other}", experiments.display()))?;
-    let bytes: u64 = parts.iter().filter_map(|part| Some(std::fs::metadata(part.folder.join(record::FILE)).ok()?.len())).sum();
-    space::ensure(&options.out, bytes, "the record", &format!("make room, or {other}"))?;
+    std::fs::create_dir_all(&experiments)
+        .with_context(|| format!("cannot make the folder {}; {other}", experiments.display()))?;
+    let bytes: u64 = parts
+        .iter()
+        .filter_map(|part| Some(std::fs::metadata(part.folder.join(row::FILE)).ok()?.len()))
+        .sum();
+    disk::ensure(&options.out, bytes, "the record", &format!("make room, or {other}"))?;
     for (name, text) in &parts[0].experiments {
         write(experiments.join(format!("{name}.toml")), text)?;
     }
     let mut provenance = merged.provenance;
-    provenance["command"] =
-        std::iter::once("contactbench".to_string()).chain(std::env::args().skip(1)).collect::<Vec<_>>().join(" ").into();
+    provenance["command"] = std::iter::once("contactbench".to_string())
+        .chain(std::env::args().skip(1))
+        .collect::<Vec<_>>()
+        .join(" ")
+        .into();
     write(options.out.join(provenance::FILE), &serde_json::to_string_pretty(&provenance)?)?;
     for (k, part) in parts.iter().enumerate() {
         if let Some(fields) = &part.provenance {
-            write(options.out.join(format!("provenance-part-{}.json", k + 1)), &serde_json::to_string_pretty(fields)?)?;
+            write(
+                options.out.join(format!("provenance-part-{}.json", k + 1)),
+                &serde_json::to_string_pretty(fields)?,
+            )?;
         }
     }
     // Half a record would look like a whole one.
@@ -65,9 +84,19 @@ pub fn merge(options: &Merge) -> anyhow::Result<ExitCode> {
     for warning in parts.iter().flat_map(|part| &part.warnings) {
         writeln!(out, "note:    {warning}")?;
     }
-    writeln!(out, "merged:  {} rows of {} folders; {} stood there twice", merged.rows.len(), parts.len(), merged.repeated)?;
+    writeln!(
+        out,
+        "merged:  {} rows of {} folders; {} stood there twice",
+        merged.rows.len(),
+        parts.len(),
+        merged.repeated
+    )?;
     if merged.renumbered > 0 {
-        writeln!(out, "note:    {} samples repeat those of the same machine: they became further blocks", merged.renumbered)?;
+        writeln!(
+            out,
+            "note:    {} samples repeat those of the same machine: they became further blocks",
+            merged.renumbered
+        )?;
     }
     finish(&options.out, &options.ci)
 }

@@ -1,39 +1,34 @@
 //! The command line: one file per verb.
 
 pub mod check;
-pub mod ci;
 pub mod compare;
 pub mod detect;
 pub mod draw;
-pub mod input;
 pub mod inspect;
 pub mod list;
 pub mod merge;
 pub mod new_detector;
-pub mod progress;
 pub mod recommend;
 pub mod run;
 pub mod runner;
 pub mod scene;
+mod shared;
 pub mod shell;
 pub mod trace;
 pub mod verify;
-pub mod write;
 
-use anyhow::anyhow;
 use clap::{Parser, Subcommand};
 
-use crate::detect::peers;
-use crate::detect::table::{self, Entry};
-
-/// Which contact detection algorithm, for which scene: how fast, how much memory, how many operations, and how wrong?
+/// Which contact detection algorithm, for which scene: how fast, how much memory, how many
+/// operations, and how wrong?
 #[derive(Parser)]
 #[command(
     version,
     about,
-    after_help = "Without a verb the standard reproduction is run: the book's scaling figures, on this machine, in minutes.\n\n\
-        Exit codes: 0 all is well; 1 a detector was wrong, a machine-independent claim failed, or two lists or records differ; 2 bad arguments or input; \
-        130 ended by Ctrl-C."
+    after_help = "Without a verb the standard reproduction is run: the book's scaling figures, on \
+                  this machine, in minutes.\n\nExit codes: 0 all is well; 1 a detector was wrong, \
+                  a machine-independent claim failed, or two lists or records differ; 2 bad \
+                  arguments or input; 130 ended by Ctrl-C."
 )]
 pub struct Cli {
     /// What to do.
@@ -45,18 +40,18 @@ pub struct Cli {
 #[derive(Subcommand)]
 pub enum Verb {
     /// Runs experiments: measures, checks every answer, writes record, report and figures
-    #[command(after_help = "Example: contactbench run scaling --quick\nExample: contactbench run my-experiment.toml --out results/mine")]
+    #[command(after_help = "Example: contactbench run scaling --quick\nExample: contactbench run \
+                            my-experiment.toml --out results/mine")]
     Run(run::Run),
     /// Makes report and figures of a result folder again, from its record alone
-    #[command(
-        after_help = "Example: contactbench report results/reference\nExample: contactbench report results/reference --table latex > table.tex"
-    )]
+    #[command(after_help = "Example: contactbench report results/reference\nExample: \
+                            contactbench report results/reference --table latex > table.tex")]
     Report(run::Report),
     /// Compares two result folders: of two revisions, or two machines
-    #[command(
-        after_help = "Example: contactbench compare results/before results/after\nExample: contactbench compare laptop server --against nbs\n\
-        Exit code 1 if pairs, counts, bytes or outcomes differ (with --gate-time, also if a cell is slower)."
-    )]
+    #[command(after_help = "Example: contactbench compare results/before results/after\nExample: \
+                            contactbench compare laptop server --against nbs\nExit code 1 if \
+                            pairs, counts, bytes or outcomes differ (with --gate-time, also if a \
+                            cell is slower).")]
     Compare(compare::Compare),
     /// Merges result folders of shards, or of several machines
     #[command(after_help = "Example: contactbench merge part-1 part-2 part-3 --out whole")]
@@ -65,63 +60,55 @@ pub enum Verb {
     #[command(after_help = "Example: contactbench list detectors")]
     List(list::List),
     /// Cross-checks detectors against all pairs tested: for your CI
-    #[command(
-        after_help = "Example: contactbench check --detector nbs\nExit code 1 if one disagrees; the smallest failing scene found is written as CSV."
-    )]
+    #[command(after_help = "Example: contactbench check --detector nbs\nExit code 1 if one \
+                            disagrees; the smallest failing scene found is written as CSV.")]
     Check(check::Check),
     /// Finds the touching pairs of a particle file
-    #[command(
-        after_help = "Example: contactbench detect packing.csv --detector nbs -o pairs.csv\nExample: contactbench detect centres.npy --radius 0.5 --arithmetic f64 > pairs.csv"
-    )]
+    #[command(after_help = "Example: contactbench detect packing.csv --detector nbs -o \
+                            pairs.csv\nExample: contactbench detect centres.npy --radius 0.5 \
+                            --arithmetic f64 > pairs.csv")]
     Detect(detect::Detect),
     /// Says what is understood of a particle file, and warns of the usual mistakes
-    #[command(after_help = "Example: contactbench inspect packing.dump\nExample: contactbench inspect centres.npy --radius 0.5 --json")]
+    #[command(after_help = "Example: contactbench inspect packing.dump\nExample: contactbench \
+                            inspect centres.npy --radius 0.5 --json")]
     Inspect(inspect::Inspect),
     /// Compares a contact list of another code with the exact truth
-    #[command(after_help = "Example: contactbench verify packing.csv --pairs theirs.csv --base 1\nExit code 1 if the lists differ.")]
+    #[command(after_help = "Example: contactbench verify packing.csv --pairs theirs.csv --base \
+                            1\nExit code 1 if the lists differ.")]
     Verify(verify::Verify),
     /// Writes a scene to a file, for use in your own code
-    #[command(
-        after_help = "Example: contactbench scene packed:dim=3,n=1000,seed=1 -o packed.csv\nExample: contactbench scene packing.dump --frame last -o packing.xyz"
-    )]
-    Scene(write::Write),
+    #[command(after_help = "Example: contactbench scene packed:dim=3,n=1000,seed=1 -o \
+                            packed.csv\nExample: contactbench scene packing.dump --frame last -o \
+                            packing.xyz")]
+    Scene(scene::Scene),
     /// Says which detector to use for a scene: measures all of them on it
-    #[command(
-        after_help = "Example: contactbench recommend packing.csv\nExample: contactbench recommend clustered:dim=3,n=100000 --threads 2"
-    )]
+    #[command(after_help = "Example: contactbench recommend packing.csv\nExample: contactbench \
+                            recommend clustered:dim=3,n=100000 --threads 2")]
     Recommend(recommend::Recommend),
-    /// Writes a new detector that works, as a file to be changed, and its line in the table: in a checkout
+    /// Writes a new detector that works, as a file to be changed, and its line in the table: in a
+    /// checkout
     #[command(after_help = "Example: contactbench new-detector quad-tree --in ~/contactbench")]
     NewDetector(new_detector::NewDetector),
     /// Draws a scene with its contacts, or a slice through spheres, as SVG or PNG
-    #[command(
-        after_help = "Example: contactbench draw packing.csv\nExample: contactbench draw packed:dim=3,n=2000 --slice z=4 -o slice.png\nExample: contactbench draw packing.csv --pairs theirs.csv"
-    )]
+    #[command(after_help = "Example: contactbench draw packing.csv\nExample: contactbench draw \
+                            packed:dim=3,n=2000 --slice z=4 -o slice.png\nExample: contactbench \
+                            draw packing.csv --pairs theirs.csv")]
     Draw(draw::Draw),
-    /// Shows a detector of the book step by step: one HTML page that steps with the arrow keys, and an SVG of each step
-    #[command(
-        after_help = "Example: contactbench trace nbs\nExample: contactbench trace screening packed:n=12 -o lecture\nWithout a scene the book's worked example is shown."
-    )]
+    /// Shows a detector of the book step by step: one HTML page that steps with the arrow keys, and
+    /// an SVG of each step
+    #[command(after_help = "Example: contactbench trace nbs\nExample: contactbench trace \
+                            screening packed:n=12 -o lecture\nWithout a scene the book's worked \
+                            example is shown.")]
     Trace(trace::Trace),
     /// Writes a completion script for your shell
-    #[command(
-        after_help = "Example: contactbench completions bash\nWrite it to a file such as ~/.local/share/bash-completion/completions/contactbench"
-    )]
+    #[command(after_help = "Example: contactbench completions bash\nWrite it to a file such as \
+                            ~/.local/share/bash-completion/completions/contactbench")]
     Completions(shell::Completions),
-    /// Writes the manual page, or all of them into a folder
-    #[command(after_help = "Example: contactbench man -o ~/.local/share/man/man1\nTo read the page at once: contactbench man | man -l -")]
-    Man(shell::Man),
     /// Serves one detector on standard input and output: see docs/PROTOCOL.md
-    #[command(after_help = "Example: echo '{\"request\":\"quit\"}' | contactbench runner --detector nbs")]
+    #[command(
+        after_help = "Example: echo '{\"request\":\"quit\"}' | contactbench runner --detector nbs"
+    )]
     Runner(runner::Serve),
-}
-
-/// The detector of a name given by the user.
-fn detector(name: &str) -> anyhow::Result<&'static Entry> {
-    table::find(name).ok_or_else(|| match peers::missing(name) {
-        Some(reason) => anyhow!(reason),
-        None => anyhow!("there is no detector '{name}'; the detectors are: {}", table::names()),
-    })
 }
 
 /// Bytes as people read them.
@@ -134,7 +121,8 @@ pub fn bytes(bytes: u64) -> String {
     }
 }
 
-/// Tells rayon how many threads there are. One thread needs no pool, and its worker would allocate while memory is measured.
+/// Tells rayon how many threads there are. One thread needs no pool, and its worker would allocate
+/// while memory is measured.
 fn use_threads(threads: usize) {
     if threads > 1 {
         // Fails only if there is a pool already; nothing before this call makes one.

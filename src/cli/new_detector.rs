@@ -1,4 +1,5 @@
-//! `contactbench new-detector`: a detector that works, as a file to be changed, and its lines in the table.
+//! `contactbench new-detector`: a detector that works, as a file to be changed, and its lines in
+//! the table.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -6,8 +7,7 @@ use std::process::ExitCode;
 
 use anyhow::{Context, bail, ensure};
 
-use crate::detect::peers;
-use crate::detect::table;
+use crate::detect::{peers, table};
 
 /// The detector that is written. The tests compile it and hold it to the truth.
 const TEMPLATE: &str = include_str!("../../assets/detector.rs");
@@ -20,10 +20,12 @@ const FOLDER: &str = "core/src/detect";
 
 /// Words that are no names in Rust, and some that would be confusing.
 const KEYWORDS: [&str; 60] = [
-    "abstract", "as", "async", "await", "become", "box", "break", "const", "continue", "crate", "do", "dyn", "else", "enum", "extern",
-    "false", "final", "fn", "for", "gen", "if", "impl", "in", "let", "loop", "macro", "match", "mod", "move", "mut", "override", "priv",
-    "pub", "raw", "ref", "return", "self", "static", "struct", "super", "trait", "true", "try", "type", "typeof", "union", "unsafe",
-    "unsized", "use", "virtual", "where", "while", "yield", "core", "std", "alloc", "test", "tests", "all", "none",
+    "abstract", "as", "async", "await", "become", "box", "break", "const", "continue", "crate",
+    "do", "dyn", "else", "enum", "extern", "false", "final", "fn", "for", "gen", "if", "impl",
+    "in", "let", "loop", "macro", "match", "mod", "move", "mut", "override", "priv", "pub", "raw",
+    "ref", "return", "self", "static", "struct", "super", "trait", "true", "try", "type", "typeof",
+    "union", "unsafe", "unsized", "use", "virtual", "where", "while", "yield", "core", "std",
+    "alloc", "test", "tests", "all", "none",
 ];
 
 /// Longer names do not fit into tables.
@@ -64,35 +66,70 @@ pub fn new_detector(options: &NewDetector) -> anyhow::Result<ExitCode> {
     write_all(&changes)?;
     let mut out = std::io::stdout().lock();
     for Change { path, before, .. } in &changes {
-        writeln!(out, "{} {}", if before.is_none() { "wrote  " } else { "changed" }, path.display())?;
+        writeln!(
+            out,
+            "{} {}",
+            if before.is_none() { "wrote  " } else { "changed" },
+            path.display()
+        )?;
     }
     let name = &names.name;
     writeln!(out, "It works as it is: it sorts along x. Change it, and hold it to the truth:")?;
     writeln!(
         out,
-        "  cargo run --release -- check --detector {name}     seconds, after the build: the smallest scene on which it is wrong"
+        "  cargo run --release -- check --detector {name}     seconds, after the build: the \
+         smallest scene on which it is wrong"
     )?;
-    writeln!(out, "  cargo run --release -- recommend packed:n=100000   how fast it is beside the others")?;
-    writeln!(out, "  cargo test                                         it is in every test that loops over the table")?;
+    writeln!(
+        out,
+        "  cargo run --release -- recommend packed:n=100000   how fast it is beside the others"
+    )?;
+    writeln!(
+        out,
+        "  cargo test                                         it is in every test that loops over \
+         the table"
+    )?;
     Ok(ExitCode::SUCCESS)
 }
 
 /// Checks a name.
 fn names(given: &str) -> anyhow::Result<Names> {
     let name = given.replace('_', "-");
-    let piece = |piece: &str| !piece.is_empty() && piece.bytes().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit());
+    let piece = |piece: &str| {
+        !piece.is_empty() && piece.bytes().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit())
+    };
     ensure!(
         name.split('-').all(piece) && name.starts_with(|c: char| c.is_ascii_lowercase()),
-        "'{given}' is no name for a detector: it must begin with a small letter and be of small letters, digits and single '-', as in quad-tree"
+        "'{given}' is no name for a detector: it must begin with a small letter and be of small \
+         letters, digits and single '-', as in quad-tree"
     );
-    ensure!(name.len() <= LONGEST, "'{given}' has {} letters; names have at most {LONGEST}, so that tables can be read", name.len());
+    ensure!(
+        name.len() <= LONGEST,
+        "'{given}' has {} letters; names have at most {LONGEST}, so that tables can be read",
+        name.len()
+    );
     let module = name.replace('-', "_");
-    ensure!(!KEYWORDS.contains(&&*module), "'{given}' is a word of the language, and can name no module: take another");
-    ensure!(table::find(&name).is_none(), "there is a detector '{name}' already; take another name");
-    ensure!(peers::missing(&name).is_none(), "'{name}' is the name of a library that is measured; take another name");
-    let kind: String = name.split('-').map(|piece| piece[..1].to_uppercase() + &piece[1..]).collect();
-    let used = TEMPLATE.split(|c: char| !c.is_ascii_alphanumeric() && c != '_').any(|word| word == kind);
-    ensure!(!used || kind == TYPE, "'{given}' would make a type {kind}, which every detector uses under that name; take another");
+    ensure!(
+        !KEYWORDS.contains(&&*module),
+        "'{given}' is a word of the language, and can name no module: take another"
+    );
+    ensure!(
+        table::find(&name).is_none(),
+        "there is a detector '{name}' already; take another name"
+    );
+    ensure!(
+        peers::missing(&name).is_none(),
+        "'{name}' is the name of a library that is measured; take another name"
+    );
+    let kind: String =
+        name.split('-').map(|piece| piece[..1].to_uppercase() + &piece[1..]).collect();
+    let used =
+        TEMPLATE.split(|c: char| !c.is_ascii_alphanumeric() && c != '_').any(|word| word == kind);
+    ensure!(
+        !used || kind == TYPE,
+        "'{given}' would make a type {kind}, which every detector uses under that name; take \
+         another"
+    );
     Ok(Names { name, module, kind })
 }
 
@@ -103,12 +140,15 @@ fn changes(root: &Path, names: &Names) -> anyhow::Result<Vec<Change>> {
     for path in [&modules, &lines] {
         ensure!(
             path.is_file(),
-            "{} is not the root of a checkout of contactbench: there is no {}; go there, or give it with --in",
+            "{} is not the root of a checkout of contactbench: there is no {}; go there, or give \
+             it with --in",
             root.display(),
             path.strip_prefix(root).unwrap_or(path).display()
         );
     }
-    let read = |path: &Path| std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()));
+    let read = |path: &Path| {
+        std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))
+    };
     let (module_text, table_text) = (read(&modules)?, read(&lines)?);
     let file = folder.join(format!("{}.rs", names.module));
     let taken = module_lines(&module_text).any(|(_, module)| module == names.module);
@@ -118,17 +158,24 @@ fn changes(root: &Path, names: &Names) -> anyhow::Result<Vec<Change>> {
         names.module
     );
     let quoted = format!("\"{}\"", names.name);
-    ensure!(!table_text.contains(&quoted), "{} has a line {quoted} already; take another name", lines.display());
+    ensure!(
+        !table_text.contains(&quoted),
+        "{} has a line {quoted} already; take another name",
+        lines.display()
+    );
     let by_hand = |path: &Path, text: &str| {
         format!(
-            "{} is not as this program knows it, and nothing was changed; write the detector by hand, and add there:\n{text}",
+            "{} is not as this program knows it, and nothing was changed; write the detector by \
+             hand, and add there:\n{text}",
             path.display()
         )
     };
     let Some(with_module) = with_module(&module_text, &names.module) else {
         bail!(by_hand(&modules, &format!("pub mod {};", names.module)));
     };
-    let Some(with_line) = with_line(&table_text, &entry(names)) else { bail!(by_hand(&lines, &entry(names))) };
+    let Some(with_line) = with_line(&table_text, &entry(names)) else {
+        bail!(by_hand(&lines, &entry(names)))
+    };
     let detector = TEMPLATE.replace(NAME, &names.name).replace(TYPE, &names.kind);
     Ok(vec![
         Change { path: file, before: None, after: detector },
@@ -143,7 +190,9 @@ fn module_lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
         *start += line.len();
         Some((*start - line.len(), line))
     });
-    starts.filter_map(|(start, line)| Some((start, line.trim_end().strip_prefix("pub mod ")?.strip_suffix(';')?)))
+    starts.filter_map(|(start, line)| {
+        Some((start, line.trim_end().strip_prefix("pub mod ")?.strip_suffix(';')?))
+    })
 }
 
 /// With the module's line in its place in the alphabet.
@@ -153,7 +202,11 @@ fn with_module(text: &str, module: &str) -> Option<String> {
         // Attributes and remarks before a module belong to it.
         Some((start, _)) => {
             let before = text[..start].split_inclusive('\n').rev();
-            start - before.take_while(|line| line.starts_with("#[") || line.starts_with("// ")).map(str::len).sum::<usize>()
+            start
+                - before
+                    .take_while(|line| line.starts_with("#[") || line.starts_with("// "))
+                    .map(str::len)
+                    .sum::<usize>()
         }
         None => last.0 + text[last.0..].find('\n')? + 1,
     };
@@ -164,7 +217,8 @@ fn with_module(text: &str, module: &str) -> Option<String> {
 fn with_line(text: &str, entry: &str) -> Option<String> {
     let begin = text.find("pub static TABLE: &[Entry] = &[\n")?;
     let end = begin + text[begin..].find("\n];\n")? + 1;
-    let controls = text[begin..end].find("    Entry {\n        name: \"nothing\",\n").map(|at| begin + at);
+    let controls =
+        text[begin..end].find("    Entry {\n        name: \"nothing\",\n").map(|at| begin + at);
     let at = controls.unwrap_or(end);
     Some(format!("{}{entry}{}", &text[..at], &text[at..]))
 }
@@ -174,13 +228,18 @@ fn entry(Names { name, module, kind }: &Names) -> String {
     let kind = format!("super::{module}::{kind}");
     let mut constructor = format!("        constructor: Both::<{kind}, {kind}>::boxed,\n");
     // As rustfmt breaks it.
-    if constructor.len() > 141 {
-        constructor = format!("        constructor: Both::<\n            {kind},\n            {kind},\n        >::boxed,\n");
+    if constructor.len() > 101 {
+        constructor = format!(
+            "        constructor: Both::<\n            {kind},\n            {kind},\n        \
+             >::boxed,\n"
+        );
     }
     format!(
-        "    Entry {{\n        name: \"{name}\",\n        role: Role::Detector,\n        summary: \"sorts along x, tests what is within reach\",\n        \
-         cost: \"N log N key comparisons, N^(2 - 1/D) bound tests in a box\",\n        memory: \"16N\",\n        limits: \"the memory limit\",\n        \
-         threads: false,\n{constructor}    }},\n"
+        "    Entry {{\n        name: \"{name}\",\n        role: Role::Detector,\n        \
+         group: Group::Modern,\n        summary: \
+         \"sorts along x, tests what is within reach\",\n        cost: \"N log N key comparisons, \
+         N^(2 - 1/D) bound tests in a box\",\n        memory: \"16N\",\n        limits: \"the \
+         memory limit\",\n        threads: false,\n        parameters: &[],\n{constructor}    }},\n"
     )
 }
 
@@ -196,8 +255,13 @@ fn write_all(changes: &[Change]) -> anyhow::Result<()> {
                 };
                 left.extend(undone.err().map(|_| change.path.display().to_string()));
             }
-            let state = if left.is_empty() { "nothing was changed".into() } else { format!("could not undo {}", left.join(", ")) };
-            return Err(error).with_context(|| format!("cannot write {}; {state}", change.path.display()));
+            let state = if left.is_empty() {
+                "nothing was changed".into()
+            } else {
+                format!("could not undo {}", left.join(", "))
+            };
+            return Err(error)
+                .with_context(|| format!("cannot write {}; {state}", change.path.display()));
         }
     }
     Ok(())
@@ -234,7 +298,11 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let at = |name: &str| folder.path().join(name);
         std::fs::write(at("old"), "before").unwrap();
-        let change = |path: PathBuf, before: Option<&str>| Change { path, before: before.map(String::from), after: "after".into() };
+        let change = |path: PathBuf, before: Option<&str>| Change {
+            path,
+            before: before.map(String::from),
+            after: "after".into(),
+        };
         let whole = [change(at("new"), None), change(at("old"), Some("before"))];
         let mut half = Vec::from(whole);
         half.push(change(at("no-folder/file"), Some("before")));
@@ -243,7 +311,10 @@ mod tests {
         assert!(!at("new").exists() && std::fs::read_to_string(at("old")).unwrap() == "before");
         half.pop();
         write_all(&half).unwrap();
-        assert_eq!(["new", "old"].map(|name| std::fs::read_to_string(at(name)).unwrap()), ["after", "after"]);
+        assert_eq!(
+            ["new", "old"].map(|name| std::fs::read_to_string(at(name)).unwrap()),
+            ["after", "after"]
+        );
         // A file that has come in the meantime is not written over.
         assert!(write_all(&half[..1]).is_err() && at("new").exists());
     }

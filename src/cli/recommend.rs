@@ -8,14 +8,17 @@ use std::time::Duration;
 use anyhow::{Context, bail, ensure};
 use serde_json::json;
 
-use super::scene::Source;
-use crate::analyse::text::{self, number};
+use crate::cli::shared::arithmetic::arithmetic;
+use crate::cli::shared::scene::Source;
+use crate::cli::shared::terminal;
 use crate::contact::Arithmetic;
 use crate::detect::Options;
-use crate::harness::interrupt;
-use crate::harness::record::Outcome;
-use crate::recommend::race::{self, Entrant, Question, Race};
+use crate::number::{number, plural};
+use crate::present::table::{Cell, Column, Table};
+use crate::recommend::race::{self, Question, Race, Standing};
 use crate::recommend::verdict::{self, Verdict};
+use crate::record::row::Outcome;
+use crate::run::interrupt;
 use crate::scene::AnyScene;
 use crate::scene::spec::Spec;
 
@@ -28,7 +31,7 @@ pub struct Recommend {
     #[arg(long, default_value_t = 10.0, allow_negative_numbers = true)]
     seconds: f64,
     /// How contacts are decided
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, value_parser = arithmetic(), default_value_t)]
     arithmetic: Arithmetic,
     /// Threads, for detectors that can use them
     #[arg(long, default_value_t = 1)]
@@ -52,10 +55,19 @@ pub fn recommend(options: &Recommend) -> anyhow::Result<ExitCode> {
     ensure!(!scene.is_empty(), "{name}: the scene has no elements; there is nothing to recommend");
     let history = history(&name)?;
     interrupt::end_runners_too().context("cannot listen to Ctrl-C")?;
-    let program = std::env::current_exe().context("cannot find this program to start it as runner")?;
+    let program =
+        std::env::current_exe().context("cannot find this program to start it as runner")?;
     let time = Duration::from_secs_f64(seconds);
     let Recommend { arithmetic, memory_limit, .. } = *options;
-    let question = Question { scene: &scene, history: &history, arithmetic, threads, memory_limit, time, program };
+    let question = Question {
+        scene: &scene,
+        history: &history,
+        arithmetic,
+        threads,
+        memory_limit,
+        time,
+        program,
+    };
     let terminal = std::io::stderr().is_terminal();
     let mut note = |text: &str| {
         if terminal {
@@ -64,14 +76,20 @@ pub fn recommend(options: &Recommend) -> anyhow::Result<ExitCode> {
     };
     let race = race::run(&question, &mut note)?;
     note("");
-    let verdict = verdict::of(&race);
+    let verdict = Verdict::new(&race);
     let n = scene.len();
     let mut out = std::io::stdout().lock();
     if options.json {
         let mut value = verdict::as_json(verdict.as_ref(), &race, n);
         let about = json!({
-            "scene": name, "dim": scene.dim(), "n": n, "contacts": race.contacts,
-            "arithmetic": arithmetic.name(), "threads": threads, "seconds": seconds, "memory_limit": memory_limit,
+            "scene": name,
+            "dim": scene.dim(),
+            "n": n,
+            "contacts": race.contacts,
+            "arithmetic": arithmetic.name(),
+            "threads": threads,
+            "seconds": seconds,
+            "memory_limit": memory_limit,
         });
         if let (Some(value), serde_json::Value::Object(about)) = (value.as_object_mut(), about) {
             value.extend(about);
@@ -80,44 +98,71 @@ pub fn recommend(options: &Recommend) -> anyhow::Result<ExitCode> {
     } else {
         let what = if scene.dim() == 2 { "discs" } else { "spheres" };
         let (contacts, decided) = (race.contacts, arithmetic.name());
-        let threads = text::plural(threads, "thread");
-        writeln!(out, "{name}: {n} {what}, {contacts} contacts, {decided} arithmetic, {threads}, {} blocks", race.blocks)?;
-        table(&race, verdict.as_ref(), n, &mut out)?;
+        let threads = plural(threads, "thread");
+        writeln!(
+            out,
+            "{name}: {n} {what}, {contacts} contacts, {decided} arithmetic, {threads}, {} blocks",
+            race.blocks
+        )?;
+        write!(out, "{}", table(&race, verdict.as_ref(), n).plain(terminal::width()))?;
         match &verdict {
             Some(verdict) => writeln!(out, "\nuse {}", verdict::sentence(verdict, &race, n))?,
-            None => writeln!(out, "\nuse none: no detector has given a right answer in time; the reasons stand above")?,
+            None => writeln!(
+                out,
+                "\nuse none: no detector has given a right answer in time; the reasons stand above"
+            )?,
         }
     }
-    let wrong = race.entrants.iter().any(|entrant| entrant.outcome == Outcome::Wrong && entrant.entry.is_ours());
+    let wrong = race
+        .standings
+        .iter()
+        .any(|standing| standing.outcome == Outcome::Wrong && standing.entry.is_ours());
     Ok(if wrong || verdict.is_none() { ExitCode::from(1) } else { ExitCode::SUCCESS })
 }
 
 /// Scenes that come before, where a hard case has some: a file has none.
 fn history(name: &str) -> anyhow::Result<Vec<AnyScene<'static>>> {
-    if Path::new(name).exists() { Ok(Vec::new()) } else { Spec::parse(name).map_or(Ok(Vec::new()), |spec| spec.history()) }
+    if Path::new(name).exists() {
+        Ok(Vec::new())
+    } else {
+        Spec::parse(name).map_or(Ok(Vec::new()), |spec| spec.history())
+    }
 }
 
 /// The detectors, fastest first; those without a time at the end.
-fn table(race: &Race, verdict: Option<&Verdict>, n: usize, out: &mut impl Write) -> anyhow::Result<()> {
-    let choice = verdict.map(|verdict| &race.entrants[verdict.choice]);
-    let mut entrants: Vec<&Entrant> = race.entrants.iter().collect();
-    let rank = |entrant: &Entrant| verdict::per_element(entrant, n).map_or(f64::INFINITY, |time| time.median);
-    let probe = |entrant: &Entrant| entrant.probe_ns.unwrap_or(u64::MAX);
-    entrants.sort_by(|a, b| rank(a).total_cmp(&rank(b)).then(probe(a).cmp(&probe(b))));
-    let width = entrants.iter().map(|entrant| entrant.entry.name.len()).max().unwrap_or_default();
-    writeln!(out, "{:width$}  {:>24}  {:>15}  error", "", "ns per element", "bytes / element")?;
-    for entrant in entrants {
-        let name = entrant.entry.name;
-        let mark = if choice.is_some_and(|choice| choice.entry.name == name) { "<" } else { "" };
-        match verdict::per_element(entrant, n) {
-            Some(time) => {
-                let range = format!("{} ({} to {})", number(time.median), number(time.low), number(time.high));
-                let bytes = verdict::bytes_per_element(entrant, n).map_or("not measured".into(), number);
-                writeln!(out, "{name:width$}  {range:>24}  {bytes:>15}  {} {mark}", verdict::error(entrant))?;
-            }
-            None if entrant.outcome.is_good() => writeln!(out, "{name:width$}  out: {}", entrant.reason)?,
-            None => writeln!(out, "{name:width$}  {}: {}", entrant.outcome.name(), entrant.reason)?,
-        }
-    }
-    Ok(())
+fn table(race: &Race, verdict: Option<&Verdict>, n: usize) -> Table {
+    let choice = verdict.map(|verdict| &race.standings[verdict.choice]);
+    let mut standings: Vec<&Standing> = race.standings.iter().collect();
+    let rank = |standing: &Standing| {
+        verdict::per_element(standing, n).map_or(f64::INFINITY, |time| time.median)
+    };
+    let probe = |standing: &Standing| standing.probe_ns.unwrap_or(u64::MAX);
+    standings.sort_by(|a, b| rank(a).total_cmp(&rank(b)).then(probe(a).cmp(&probe(b))));
+    let row = |standing: &Standing| {
+        let name = standing.entry.name;
+        let chosen = choice.is_some_and(|choice| choice.entry.name == name);
+        let time = verdict::per_element(standing, n);
+        let bytes = verdict::bytes_per_element(standing, n);
+        let said = match (&time, standing.outcome) {
+            (Some(_), _) => verdict::error(standing),
+            (None, outcome) if outcome.is_good() => format!("out: {}", standing.reason),
+            (None, outcome) => format!("{}: {}", outcome.name(), standing.reason),
+        };
+        vec![
+            Cell::from(if chosen { format!("{name} <") } else { name.to_string() }),
+            time.map_or_else(Cell::absent, |time| {
+                let [median, low, high] = [time.median, time.low, time.high].map(number);
+                format!("{median} ({low} to {high})").into()
+            }),
+            bytes.into(),
+            said.into(),
+        ]
+    };
+    let columns = vec![
+        Column::left("detector"),
+        Column::right("ns per element", ""),
+        Column::right("bytes / element", ""),
+        Column::left("error"),
+    ];
+    Table::new("", columns).with(standings.into_iter().map(row))
 }

@@ -4,18 +4,19 @@ use std::process::ExitCode;
 
 use anyhow::Context;
 
+use crate::cli::shared::arithmetic::arithmetic;
 use crate::contact::Arithmetic;
-use crate::detect::Options;
-use crate::harness::runner::Runner;
+use crate::detect::{Options, table};
+use crate::run::server::Server;
 
 /// Options of `runner`.
 #[derive(clap::Args)]
 pub struct Serve {
-    /// The detector
+    /// The detector, with parameters as in streamed-nbs:level=avx2
     #[arg(long)]
     detector: String,
     /// How contacts are decided
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, value_parser = arithmetic(), default_value_t)]
     arithmetic: Arithmetic,
     /// Threads, for detectors that can use them
     #[arg(long, default_value_t = 1)]
@@ -27,10 +28,12 @@ pub struct Serve {
 
 /// Serves until the end of the input.
 pub fn serve(options: &Serve) -> anyhow::Result<ExitCode> {
-    let entry = super::detector(&options.detector)?;
-    super::use_threads(options.threads);
+    let spec = table::parse(&options.detector)?;
+    crate::cli::use_threads(options.threads);
     let limits = Options { memory_limit: options.memory_limit, threads: options.threads };
-    let mut runner = Runner::new(entry, options.arithmetic, limits);
-    runner.serve(std::io::stdin().lock(), std::io::stdout().lock()).context("the harness is gone")?;
+    let mut server = Server::new(spec, options.arithmetic, limits);
+    server
+        .serve(std::io::stdin().lock(), std::io::stdout().lock())
+        .context("the harness is gone")?;
     Ok(ExitCode::SUCCESS)
 }

@@ -1,32 +1,45 @@
-//! A scene as named on the command line: a file, or a generator with its parameters.
+//! `contactbench scene`: writes one.
 
-use std::path::Path;
+use std::io::Write as _;
+use std::path::PathBuf;
+use std::process::ExitCode;
 
-use anyhow::ensure;
+use anyhow::Context;
 
-use super::input::Input;
-use crate::scene::AnyScene;
+use crate::cli::shared::input::Input;
+use crate::io::write;
 
-/// Where a scene comes from.
+/// Options of `scene`.
 #[derive(clap::Args)]
-pub struct Source {
-    /// A particle file, or a scene such as packed:n=200,seed=2 (see: contactbench list scenes)
-    pub scene: Option<String>,
-    /// What the file does not say
+pub struct Scene {
+    /// A generator such as packed:dim=3,n=1000,seed=1 (see contactbench list scenes), or a particle
+    /// file
+    scene: String,
     #[command(flatten)]
-    pub input: Input,
+    input: Input,
+    /// Where the scene goes: a .csv, .xyz (extended XYZ) or .npy file (default: CSV to standard
+    /// output)
+    #[arg(short, long)]
+    output: Option<PathBuf>,
 }
 
-impl Source {
-    /// Reads or makes it; its name and the scene, or none if none was named. A file goes before a generator of the same name.
-    pub fn get(&self) -> anyhow::Result<Option<(String, AnyScene<'static>)>> {
-        let Some(text) = &self.scene else {
-            ensure!(!self.input.given(), "--radius, --dim, --frame and --format belong to a particle file, and none is named");
-            return Ok(None);
-        };
-        let scene = self.input.scene(text)?;
-        // A file goes by its name without folders.
-        let file = Path::new(text).file_name().filter(|_| Path::new(text).exists());
-        Ok(Some((file.map_or_else(|| text.clone(), |name| name.to_string_lossy().into_owned()), scene)))
+/// Makes or reads the scene and writes it, in numbers that read back to the same bits.
+pub fn scene(options: &Scene) -> anyhow::Result<ExitCode> {
+    if let Some(path) = &options.output {
+        write::scene_format(path)?;
     }
+    let scene = options.input.scene(&options.scene)?;
+    match &options.output {
+        Some(path) => {
+            write::scene(path, &scene)?;
+            eprintln!("{}: N = {}, {}D", path.display(), scene.len(), scene.dim());
+        }
+        None => {
+            let mut out = std::io::BufWriter::new(std::io::stdout().lock());
+            write::scene_to(&mut out, write::SceneFormat::Csv, &scene)
+                .and_then(|()| out.flush())
+                .context("cannot write the scene to standard output")?;
+        }
+    }
+    Ok(ExitCode::SUCCESS)
 }

@@ -5,8 +5,8 @@ use std::process::ExitCode;
 
 use anyhow::Context;
 
-use super::scene::Source;
-use crate::trace::{Algorithm, example, page, still, trace as run};
+use crate::cli::shared::scene::Source;
+use crate::present::trace::{Algorithm, example, page, still, trace as run};
 
 /// Options of `trace`.
 #[derive(clap::Args)]
@@ -29,7 +29,7 @@ pub fn trace(options: &Trace) -> anyhow::Result<ExitCode> {
     let algorithm = options.detector;
     let (name, scene) = match options.source.get()? {
         Some((name, scene)) => (name, Some(scene)),
-        None => (example::of(algorithm).name.to_string(), None),
+        None => (example::example(algorithm).name.to_string(), None),
     };
     let trace = run(algorithm, scene.as_ref())?;
     let folder = &options.output;
@@ -49,6 +49,11 @@ pub fn trace(options: &Trace) -> anyhow::Result<ExitCode> {
         pictures = format!(" and {} pictures", last + 1);
     }
     let contacts = trace.contacts.len();
-    eprintln!("{name}: N = {}, {contacts} contacts, {last} steps of {}; {}{pictures}", trace.discs.len(), algorithm.name(), page.display());
+    eprintln!(
+        "{name}: N = {}, {contacts} contacts, {last} steps of {}; {}{pictures}",
+        trace.discs.len(),
+        algorithm.name(),
+        page.display()
+    );
     Ok(ExitCode::SUCCESS)
 }

@@ -1,8 +1,10 @@
-//! Which detector for this scene: all are measured on it, and the record of the race is read at once.
+//! Which detector for this scene: all are measured on it, and the record of the race is read at
+//! once.
 //!
-//! The parts are those of an experiment: runner processes ([`crate::harness::child`]), every answer held to the truth, samples in blocks
-//! in random order, medians with exact intervals and ratios within blocks ([`crate::analyse::interval`]). What differs is that time is
-//! short: a detector that is far behind after a first probe is not measured again ([`race`]).
+//! The parts are those of an experiment: runner processes ([`crate::run::client`]), every answer
+//! held to the truth, samples in blocks in random order, medians with exact intervals and ratios
+//! within blocks ([`crate::stats::interval`]). What differs is that time is short: a detector
+//! that is far behind after a first probe is not measured again ([`race`]).
 
 pub mod race;
 pub mod verdict;

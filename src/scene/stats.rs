@@ -1,20 +1,40 @@
 //! What a scene turned out to be: the statistics of [`Stats`] and a fingerprint.
 //!
-//! All numbers are finite for every valid scene: lengths are taken relative to the box, and differences of halved coordinates, so
-//! that the largest doubles do not overflow; a ratio beyond the largest double is absent. Where all is smaller than 10^-300, lengths
-//! may underflow to a box without extent.
+//! All numbers are finite for every valid scene: lengths are taken relative to the box, and
+//! differences of halved coordinates, so that the largest doubles do not overflow; a ratio beyond
+//! the largest double is absent. Where all is smaller than 10^-300, lengths may underflow to a box
+//! without extent.
 
-use super::{AnyScene, Radii, Scene};
-use crate::contact::{Real, array};
-use crate::harness::record::Stats;
+use serde::{Deserialize, Serialize};
+
+use crate::scene::{AnyScene, Radii, Real, Scene, array};
 use crate::sink::splitmix64;
 use crate::with_scene;
 
-/// A fingerprint of dimension, number, coordinates and radii, to the bit and in order: `0x` and 16 hexadecimal digits.
+/// What the scene turned out to be.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Stats {
+    /// Volume of the bodies over the volume of the box around them; overlaps count twice.
+    pub packing_fraction: f64,
+    /// Contacts per element: twice the number of touching pairs over the number of elements. Exact
+    /// arithmetic.
+    pub coordination: f64,
+    /// Largest over smallest radius; 1 when all are equal, absent when the smallest is zero.
+    pub radius_ratio: Option<f64>,
+    /// Edges of the box around the centres, in units of the largest diameter; absent when that is
+    /// zero.
+    pub box_diameters: Option<Vec<f64>>,
+    /// Fingerprint of the exact coordinates and radii, in order: `0x` and 16 hexadecimal digits.
+    pub scene_hash: String,
+}
+
+/// A fingerprint of dimension, number, coordinates and radii, to the bit and in order: `0x` and 16
+/// hexadecimal digits.
 ///
-/// The chain h = splitmix64(h xor v), from h = 0, over v = the dimension, the number of elements, the bits of all coordinates as
-/// doubles (x, y(, z) of element 0, then 1, ...), 0 or 1 for one radius or one per element, and the bits of the radius or radii. An
-/// f32 scene has the fingerprint of the equal f64 scene; 0.0 and -0.0 differ.
+/// The chain h = splitmix64(h xor v), from h = 0, over v = the dimension, the number of elements,
+/// the bits of all coordinates as doubles (x, y(, z) of element 0, then 1, ...), 0 or 1 for one
+/// radius or one per element, and the bits of the radius or radii. An f32 scene has the fingerprint
+/// of the equal f64 scene; 0.0 and -0.0 differ.
 pub fn scene_hash(scene: &AnyScene<'_>) -> String {
     fn of<T: Real, const D: usize>(scene: &Scene<'_, T, D>) -> u64 {
         let mut hash = 0;
@@ -42,7 +62,8 @@ pub fn scene_hash(scene: &AnyScene<'_>) -> String {
 /// The statistics of a scene in which `contacts` pairs touch.
 pub fn stats(scene: &AnyScene<'_>, contacts: u64) -> Stats {
     let n = scene.len();
-    let (packing_fraction, box_diameters) = with_scene!(scene, scene => (packing_fraction(scene), box_diameters(scene)));
+    let (packing_fraction, box_diameters) =
+        with_scene!(scene, scene => (packing_fraction(scene), box_diameters(scene)));
     Stats {
         packing_fraction,
         coordination: if n == 0 { 0.0 } else { 2.0 * contacts as f64 / n as f64 },
@@ -57,12 +78,15 @@ fn packing_fraction<T: Real, const D: usize>(scene: &Scene<'_, T, D>) -> f64 {
     let half = half_edges(scene, |k| scene.radius(k).wide());
     let most = half.iter().fold(0.0, |a: f64, &b| a.max(b));
     let shape = if D == 2 { std::f64::consts::PI } else { std::f64::consts::PI * 4.0 / 3.0 };
-    let volume: f64 = (0..scene.len()).map(|k| [0.5 * scene.radius(k).wide() / most; D].iter().product::<f64>()).sum();
+    let volume: f64 = (0..scene.len())
+        .map(|k| [0.5 * scene.radius(k).wide() / most; D].iter().product::<f64>())
+        .sum();
     let fraction = volume * shape / half.iter().map(|edge| edge / most).product::<f64>();
     if fraction.is_finite() { fraction } else { 0.0 }
 }
 
-/// Edges of the box around the centres in largest diameters; absent where the diameter is zero or the quotient overflows.
+/// Edges of the box around the centres in largest diameters; absent where the diameter is zero or
+/// the quotient overflows.
 fn box_diameters<T: Real, const D: usize>(scene: &Scene<'_, T, D>) -> Option<Vec<f64>> {
     let radius = scene.largest_radius().wide();
     // Half an edge over a radius is an edge over a diameter.
@@ -83,13 +107,20 @@ fn radius_ratio<T: Real, const D: usize>(scene: &Scene<'_, T, D>) -> Option<f64>
     }
 }
 
-/// Half the edges of the smallest box that holds all centres, each with an `extent` to every side. Zero without elements.
-fn half_edges<T: Real, const D: usize>(scene: &Scene<'_, T, D>, extent: impl Fn(usize) -> f64) -> [f64; D] {
+/// Half the edges of the smallest box that holds all centres, each with an `extent` to every side.
+/// Zero without elements.
+fn half_edges<T: Real, const D: usize>(
+    scene: &Scene<'_, T, D>,
+    extent: impl Fn(usize) -> f64,
+) -> [f64; D] {
     let mut bounds = [[f64::INFINITY, f64::NEG_INFINITY]; D];
     for (k, centre) in scene.centres().iter().enumerate() {
         for ([low, high], x) in bounds.iter_mut().zip(array(centre)) {
             // Quartered: neither end can overflow, nor half their difference.
-            (*low, *high) = (low.min(0.25 * x.wide() - 0.25 * extent(k)), high.max(0.25 * x.wide() + 0.25 * extent(k)));
+            (*low, *high) = (
+                low.min(0.25 * x.wide() - 0.25 * extent(k)),
+                high.max(0.25 * x.wide() + 0.25 * extent(k)),
+            );
         }
     }
     bounds.map(|[low, high]| if low <= high { (2.0 * (high - low)).min(f64::MAX) } else { 0.0 })
@@ -102,26 +133,45 @@ mod tests {
     use super::*;
 
     fn plane(points: &[[f64; 2]], radii: Radii<'static, f64>) -> AnyScene<'static> {
-        AnyScene::from(Scene::new(points.iter().map(|&p| Point::from(p)).collect::<Vec<_>>(), radii).unwrap())
+        AnyScene::from(
+            Scene::new(points.iter().map(|&p| Point::from(p)).collect::<Vec<_>>(), radii).unwrap(),
+        )
     }
 
     #[test]
     fn two_discs_side_by_side_by_hand() {
         let scene = plane(&[[0.0, 0.0], [2.0, 0.0]], Radii::Uniform(1.0));
         let stats = stats(&scene, 1);
-        assert!((stats.packing_fraction - std::f64::consts::PI / 4.0).abs() < 1e-15, "{}", stats.packing_fraction);
-        assert_eq!((stats.coordination, stats.radius_ratio, stats.box_diameters), (1.0, Some(1.0), Some(vec![1.0, 0.0])));
+        assert!(
+            (stats.packing_fraction - std::f64::consts::PI / 4.0).abs() < 1e-15,
+            "{}",
+            stats.packing_fraction
+        );
+        assert_eq!(
+            (stats.coordination, stats.radius_ratio, stats.box_diameters),
+            (1.0, Some(1.0), Some(vec![1.0, 0.0]))
+        );
         let scene = plane(&[[0.0, 0.0], [3.0, 0.0]], Radii::Each(vec![1.0, 2.0].into()));
         let stats = super::stats(&scene, 1);
-        assert!((stats.packing_fraction - 5.0 * std::f64::consts::PI / 24.0).abs() < 1e-15, "{}", stats.packing_fraction);
+        assert!(
+            (stats.packing_fraction - 5.0 * std::f64::consts::PI / 24.0).abs() < 1e-15,
+            "{}",
+            stats.packing_fraction
+        );
         assert_eq!((stats.radius_ratio, stats.box_diameters), (Some(2.0), Some(vec![0.75, 0.0])));
     }
 
     #[test]
     fn a_ball_in_its_cube() {
-        let scene = AnyScene::from(Scene::<f64, 3>::new(vec![Point::from([1.0, 2.0, 3.0])], Radii::Uniform(0.5)).unwrap());
+        let scene = AnyScene::from(
+            Scene::<f64, 3>::new(vec![Point::from([1.0, 2.0, 3.0])], Radii::Uniform(0.5)).unwrap(),
+        );
         let stats = stats(&scene, 0);
-        assert!((stats.packing_fraction - std::f64::consts::PI / 6.0).abs() < 1e-15, "{}", stats.packing_fraction);
+        assert!(
+            (stats.packing_fraction - std::f64::consts::PI / 6.0).abs() < 1e-15,
+            "{}",
+            stats.packing_fraction
+        );
         assert_eq!((stats.coordination, stats.box_diameters), (0.0, Some(vec![0.0; 3])));
     }
 
@@ -142,7 +192,11 @@ mod tests {
             let stats = stats(&plane(&points, radii), 3);
             let edges = stats.box_diameters.clone().unwrap_or_default();
             assert!(
-                edges.iter().chain(&stats.radius_ratio).chain([&stats.packing_fraction, &stats.coordination]).all(|x| x.is_finite()),
+                edges
+                    .iter()
+                    .chain(&stats.radius_ratio)
+                    .chain([&stats.packing_fraction, &stats.coordination])
+                    .all(|x| x.is_finite()),
                 "{stats:?}"
             );
             let text = serde_json::to_string(&stats).unwrap();

@@ -1,21 +1,25 @@
 //! How deep two bodies overlap, relative to their size, to full precision however small it is.
 //!
-//! The depth is (ra + rb - |a - b|) over the mean radius (ra + rb) / 2. Evaluated as it stands it loses every digit near tangency. With
-//! s = ra + rb and d = |a - b| we take 2(s² - d²) / (s(s + d)): the only difference is that of the squares, and those are exact integers
-//! (see [`exact`]).
+//! The depth is (ra + rb - |a - b|) over the mean radius (ra + rb) / 2. Evaluated as it stands it
+//! loses every digit near tangency. With s = ra + rb and d = |a - b| we take 2(s² - d²) / (s(s +
+//! d)): the only difference is that of the squares, and those are exact integers (see [`exact`]).
 //!
-//! **Error.** Let u = 2^-53. The integers s², d² and |s² - d²| become doubles with relative error at most u(1 + 2^-8) each (cut to 63 or
-//! 64 bits, then rounded). A root halves that of its argument and adds u: at most 1.51u for s and for d. The sum s + d adds u, the product
-//! with s adds 1.51u and u, the quotient adds that of s² - d² and u: in total at most 7.1u to first order, below 10^-15. Powers of two
-//! are kept apart, so nothing overflows or underflows before the last step, where a depth of magnitude below 2^-1022 is rounded to a multiple of 2^-1074.
+//! **Error.** Let u = 2^-53. The integers s², d² and |s² - d²| become doubles with relative error
+//! at most u(1 + 2^-8) each (cut to 63 or 64 bits, then rounded). A root halves that of its
+//! argument and adds u: at most 1.51u for s and for d. The sum s + d adds u, the product with s
+//! adds 1.51u and u, the quotient adds that of s² - d² and u: in total at most 7.1u to first order,
+//! below 10^-15. Powers of two are kept apart, so nothing overflows or underflows before the last
+//! step, where a depth of magnitude below 2^-1022 is rounded to a multiple of 2^-1074.
 
 use super::exact;
 
-/// The overlap of two bodies relative to their mean radius: positive for overlap, negative for a gap, 0 for exact tangency and only then.
+/// The overlap of two bodies relative to their mean radius: positive for overlap, negative for a
+/// gap, 0 for exact tangency and only then.
 ///
-/// The relative error is below 10^-15 (absolute 2^-1074 for subnormal depths), and the sign is always that of [`exact::compare`]. For two
-/// points (ra + rb = 0): 0 where they coincide, else minus infinity, as for gaps that overflow. All numbers must be finite; radii must
-/// not be negative.
+/// The relative error is below 10^-15 (absolute 2^-1074 for subnormal depths), and the sign is
+/// always that of [`exact::compare`]. For two points (ra + rb = 0): 0 where they coincide, else
+/// minus infinity, as for gaps that overflow. All numbers must be finite; radii must not be
+/// negative.
 pub fn depth<const D: usize>(a: &[f64; D], b: &[f64; D], ra: f64, rb: f64) -> f64 {
     if let Some((distance, reach)) = exact::short(a, b, ra, rb) {
         // Below 2^128, the reach at least 2^121: far from both ends of the range.
@@ -32,7 +36,8 @@ fn relative(distance: &[u64], reach: &[u64]) -> f64 {
     let mut rest = [0; exact::SQUARE_WORDS];
     let (large, small) = if order.is_lt() { (distance, reach) } else { (reach, distance) };
     exact::subtract(large, small, &mut rest);
-    let ((rest, rest_power), (d, d_power), (s, s_power)) = (leading(&rest), leading(distance), leading(reach));
+    let ((rest, rest_power), (d, d_power), (s, s_power)) =
+        (leading(&rest), leading(distance), leading(reach));
     let sign = if order.is_lt() { -1.0 } else { 1.0 };
     if rest == 0.0 {
         return 0.0;

@@ -1,25 +1,32 @@
 //! The sign of |a - b|² - (ra + rb)² in exact arithmetic, for all finite binary numbers.
 //!
-//! A binary floating-point number is an integer times a power of two. The numbers of one test are brought to one common power
-//! of two; then differences, sums and squares are integers and there is no rounding to argue about: no underflow, no
-//! overflow, no special case for subnormals. Three widths do the work:
+//! A binary floating-point number is an integer times a power of two. The numbers of one test are
+//! brought to one common power of two; then differences, sums and squares are integers and there is
+//! no rounding to argue about: no underflow, no overflow, no special case for subnormals. Three
+//! widths do the work:
 //!
-//! * *short*: the differences `a[k] - b[k]` and the sum ra + rb are integers below 2^62 in units of 2^-62 of the sum (nearly every
-//!   pair near tangency), their squares fit 128 bits. The proof is below;
-//! * *narrow*: all significant bits of the inputs lie within 124 binary places: differences fit an `i128`, their squares and the
-//!   sum of up to four of them fit 256 bits;
-//! * *wide*: anything else, in fixed point with unit 2^-1074 in 33 words, squares in 66 words. Every finite double fits.
+//! * *short*: the differences `a[k] - b[k]` and the sum ra + rb are integers below 2^62 in units of
+//!   2^-62 of the sum (nearly every pair near tangency), their squares fit 128 bits. The proof is
+//!   below;
+//! * *narrow*: all significant bits of the inputs lie within 124 binary places: differences fit an
+//!   `i128`, their squares and the sum of up to four of them fit 256 bits;
+//! * *wide*: anything else, in fixed point with unit 2^-1074 in 33 words, squares in 66 words.
+//!   Every finite double fits.
 //!
 //! Nothing here allocates.
 //!
-//! **The short form.** Let h = fl(x ± y) and l the error term of Knuth's two-sum (Dekker 1971, doi:10.1007/BF01397083; Shewchuk 1997,
-//! doi:10.1007/PL00009321, theorem 7): x ± y = h + l exactly, in any order of magnitudes, unless a sum overflows; the error of a sum is
-//! a multiple of the smallest subnormal, so it never underflows. Let s be the h of ra + rb, in [2^-900, 2^60), and c the power of
-//! two that brings it into [2^61, 2^62); so c lies in [2^2, 2^962) and is a double. As c > 1, the product c·x of a double x is exact
-//! or overflows to infinity. A value v = c·x passes if |v| < 2^62, so that `v as i64` truncates and never saturates, and if the integer converted back is v,
-//! so that nothing was truncated. NaN and infinities do not pass. Where the h and l of a sum pass, its integer is theirs added, at
-//! most 2^62 + 2^62 in magnitude and so no `i64` overflow. An l is at most half an ulp of its h, hence below 2^62 · 2^-53: the integers are below
-//! 2^62 + 2^9, their squares below 2^124 + 2^73, and the sum of up to 15 of them below 2^128. All of it is exact, so the comparison is.
+//! **The short form.** Let h = fl(x ± y) and l the error term of Knuth's two-sum (Dekker 1971,
+//! doi:10.1007/BF01397083; Shewchuk 1997, doi:10.1007/PL00009321, theorem 7): x ± y = h + l
+//! exactly, in any order of magnitudes, unless a sum overflows; the error of a sum is a multiple of
+//! the smallest subnormal, so it never underflows. Let s be the h of ra + rb, in [2^-900, 2^60),
+//! and c the power of two that brings it into [2^61, 2^62); so c lies in [2^2, 2^962) and is a
+//! double. As c > 1, the product c·x of a double x is exact or overflows to infinity. A value v =
+//! c·x passes if |v| < 2^62, so that `v as i64` truncates and never saturates, and if the integer
+//! converted back is v, so that nothing was truncated. NaN and infinities do not pass. Where the h
+//! and l of a sum pass, its integer is theirs added, at most 2^62 + 2^62 in magnitude and so no
+//! `i64` overflow. An l is at most half an ulp of its h, hence below 2^62 · 2^-53: the integers are
+//! below 2^62 + 2^9, their squares below 2^124 + 2^73, and the sum of up to 15 of them below 2^128.
+//! All of it is exact, so the comparison is.
 
 use std::cmp::Ordering;
 
@@ -53,7 +60,8 @@ impl Label {
     }
 }
 
-/// How the bodies of radii `ra` and `rb` at `a` and `b` lie to each other, for the numbers as given.
+/// How the bodies of radii `ra` and `rb` at `a` and `b` lie to each other, for the numbers as
+/// given.
 ///
 /// All numbers must be finite; radii must not be negative.
 pub fn label<const D: usize>(a: &[f64; D], b: &[f64; D], ra: f64, rb: f64) -> Label {
@@ -64,7 +72,8 @@ pub fn label<const D: usize>(a: &[f64; D], b: &[f64; D], ra: f64, rb: f64) -> La
     }
 }
 
-/// Compares |a - b|² with (ra + rb)² exactly: `Less` is overlap, `Equal` is tangency, `Greater` is apart.
+/// Compares |a - b|² with (ra + rb)² exactly: `Less` is overlap, `Equal` is tangency, `Greater` is
+/// apart.
 ///
 /// All numbers must be finite; radii must not be negative.
 #[cold]
@@ -77,7 +86,12 @@ pub fn compare<const D: usize>(a: &[f64; D], b: &[f64; D], ra: f64, rb: f64) -> 
 
 /// |a - b|² and (ra + rb)² as integers of one unit, where the short form holds them.
 #[inline(always)]
-pub(super) fn short<const D: usize>(a: &[f64; D], b: &[f64; D], ra: f64, rb: f64) -> Option<(u128, u128)> {
+pub(super) fn short<const D: usize>(
+    a: &[f64; D],
+    b: &[f64; D],
+    ra: f64,
+    rb: f64,
+) -> Option<(u128, u128)> {
     const MOST: f64 = (1u64 << 62) as f64;
     let (s, s_rest) = two_sum(ra, rb);
     let field = s.to_bits() >> 52;
@@ -124,8 +138,15 @@ fn long<const D: usize>(a: &[f64; D], b: &[f64; D], ra: f64, rb: f64) -> Orderin
     with_squares(a, b, ra, rb, compare_words)
 }
 
-/// Hands |a - b|² and (ra + rb)² to `then`: integers of one unit, as words of which the lowest is the first; equally many in both.
-pub(super) fn with_squares<O, const D: usize>(a: &[f64; D], b: &[f64; D], ra: f64, rb: f64, then: impl FnOnce(&[u64], &[u64]) -> O) -> O {
+/// Hands |a - b|² and (ra + rb)² to `then`: integers of one unit, as words of which the lowest is
+/// the first; equally many in both.
+pub(super) fn with_squares<O, const D: usize>(
+    a: &[f64; D],
+    b: &[f64; D],
+    ra: f64,
+    rb: f64,
+    then: impl FnOnce(&[u64], &[u64]) -> O,
+) -> O {
     let (mut lowest, mut highest) = (i32::MAX, i32::MIN);
     for &x in a.iter().chain(b).chain([&ra, &rb]) {
         let Parts { mantissa, exponent, .. } = parts(x);
@@ -151,7 +172,8 @@ fn words((high, low): (u128, u128)) -> [u64; 4] {
     [low as u64, (low >> 64) as u64, high as u64, (high >> 64) as u64]
 }
 
-/// A double as sign, integer mantissa and power of two: value = ±mantissa · 2^exponent, exponent >= -1074.
+/// A double as sign, integer mantissa and power of two: value = ±mantissa · 2^exponent, exponent >=
+/// -1074.
 struct Parts {
     negative: bool,
     mantissa: u64,
@@ -162,15 +184,22 @@ fn parts(x: f64) -> Parts {
     let bits = x.to_bits();
     let field = (bits >> 52 & 0x7ff) as i32;
     let fraction = bits & ((1 << 52) - 1);
-    let (mantissa, exponent) = if field == 0 { (fraction, -1074) } else { (fraction | 1 << 52, field - 1075) };
+    let (mantissa, exponent) =
+        if field == 0 { (fraction, -1074) } else { (fraction | 1 << 52, field - 1075) };
     Parts { negative: x.is_sign_negative(), mantissa, exponent }
 }
 
 /// |a - b|² and (ra + rb)² in units of 2^(2·lowest), as (high, low).
 ///
-/// Magnitudes are below 2^124, so differences and the sum of radii are below 2^125, squares below 2^250, and their sum over at
-/// most four dimensions below 2^252.
-fn narrow<const D: usize>(a: &[f64; D], b: &[f64; D], ra: f64, rb: f64, lowest: i32) -> ((u128, u128), (u128, u128)) {
+/// Magnitudes are below 2^124, so differences and the sum of radii are below 2^125, squares below
+/// 2^250, and their sum over at most four dimensions below 2^252.
+fn narrow<const D: usize>(
+    a: &[f64; D],
+    b: &[f64; D],
+    ra: f64,
+    rb: f64,
+    lowest: i32,
+) -> ((u128, u128), (u128, u128)) {
     let integer = |x: f64| -> i128 {
         let Parts { negative, mantissa, exponent } = parts(x);
         if mantissa == 0 {
@@ -178,7 +207,8 @@ fn narrow<const D: usize>(a: &[f64; D], b: &[f64; D], ra: f64, rb: f64, lowest: 
         }
         let shift = exponent - lowest;
         // Bits below `lowest` are zero in every mantissa, so the right shift is exact.
-        let magnitude = if shift >= 0 { i128::from(mantissa) << shift } else { i128::from(mantissa >> -shift) };
+        let magnitude =
+            if shift >= 0 { i128::from(mantissa) << shift } else { i128::from(mantissa >> -shift) };
         if negative { -magnitude } else { magnitude }
     };
     let mut distance = (0, 0);
@@ -234,7 +264,8 @@ fn fixed(x: f64) -> Word {
     let shifted = u128::from(mantissa) << (shift % 64);
     let mut words = [0; WORDS];
     words[shift / 64] = shifted as u64;
-    // The largest double ends at bit 2098, in word 32: when there is no word above, nothing is left to put there.
+    // The largest double ends at bit 2098, in word 32: when there is no word above, nothing is left
+    // to put there.
     if let Some(word) = words.get_mut(shift / 64 + 1) {
         *word = (shifted >> 64) as u64;
     }
@@ -309,7 +340,10 @@ mod tests {
     fn squares_that_overflow_or_vanish_are_decided() {
         let huge = f64::MAX;
         assert_eq!(compare(&[huge, 0.0], &[-huge, 0.0], huge, huge), Ordering::Equal);
-        assert_eq!(compare(&[huge, 0.0], &[-huge, f64::from_bits(1)], huge, huge), Ordering::Greater);
+        assert_eq!(
+            compare(&[huge, 0.0], &[-huge, f64::from_bits(1)], huge, huge),
+            Ordering::Greater
+        );
         let tiny = f64::from_bits(1);
         assert_eq!(compare(&[0.0, 0.0], &[tiny, 0.0], tiny, 0.0), Ordering::Equal);
         assert_eq!(compare(&[0.0, 0.0], &[tiny, tiny], tiny, 0.0), Ordering::Greater);
@@ -318,7 +352,8 @@ mod tests {
         assert_eq!(compare(&[1e300, tiny], &[1e300, 0.0], tiny, 0.0), Ordering::Equal);
     }
 
-    /// Each condition of the short form alone, at its border: what passes is right, what would not be is refused.
+    /// Each condition of the short form alone, at its border: what passes is right, what would not
+    /// be is refused.
     #[test]
     fn the_short_form_refuses_what_it_cannot_hold() {
         let power = |k: i32| f64::from_bits(((1023 + k) as u64) << 52);

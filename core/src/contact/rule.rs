@@ -1,15 +1,22 @@
-//! The evaluations of the contact test: rounded or exact, for one radius or one per element.
+//! The evaluations of the contact test: rounded or exact, for one radius or one per particle.
 
 use std::cmp::Ordering;
 
 use super::exact;
-use super::scalar::Real;
 use crate::probe::{Op, Probe};
+use crate::scene::Real;
 
 /// Evaluates the contact test for one kind of radii and arithmetic.
 pub trait Rule<T: Real>: Copy + Sync {
     /// Do bodies `i` at `a` and `j` at `b` touch?
-    fn touch<const D: usize, P: Probe>(&self, i: u32, j: u32, a: &[T; D], b: &[T; D], probe: &mut P) -> bool;
+    fn touch<const D: usize, P: Probe>(
+        &self,
+        i: u32,
+        j: u32,
+        a: &[T; D],
+        b: &[T; D],
+        probe: &mut P,
+    ) -> bool;
 }
 
 #[inline(always)]
@@ -39,12 +46,19 @@ impl<T: Real> RoundedUniform<T> {
 
 impl<T: Real> Rule<T> for RoundedUniform<T> {
     #[inline(always)]
-    fn touch<const D: usize, P: Probe>(&self, _: u32, _: u32, a: &[T; D], b: &[T; D], _: &mut P) -> bool {
+    fn touch<const D: usize, P: Probe>(
+        &self,
+        _: u32,
+        _: u32,
+        a: &[T; D],
+        b: &[T; D],
+        _: &mut P,
+    ) -> bool {
         square_distance(a, b) <= self.square
     }
 }
 
-/// Rounded arithmetic, one radius per element.
+/// Rounded arithmetic, one radius per particle.
 #[derive(Clone, Copy)]
 pub struct RoundedEach<'a, T> {
     pub(super) radii: &'a [T],
@@ -52,7 +66,14 @@ pub struct RoundedEach<'a, T> {
 
 impl<T: Real> Rule<T> for RoundedEach<'_, T> {
     #[inline(always)]
-    fn touch<const D: usize, P: Probe>(&self, i: u32, j: u32, a: &[T; D], b: &[T; D], _: &mut P) -> bool {
+    fn touch<const D: usize, P: Probe>(
+        &self,
+        i: u32,
+        j: u32,
+        a: &[T; D],
+        b: &[T; D],
+        _: &mut P,
+    ) -> bool {
         let sum = self.radii[i as usize].plus(self.radii[j as usize]);
         square_distance(a, b) <= sum * sum
     }
@@ -71,7 +92,13 @@ fn band(square: f64) -> (f64, f64) {
 }
 
 #[inline(always)]
-fn decide<const D: usize, P: Probe>(a: &[f64; D], b: &[f64; D], radii: impl Fn() -> (f64, f64), band: (f64, f64), probe: &mut P) -> bool {
+fn decide<const D: usize, P: Probe>(
+    a: &[f64; D],
+    b: &[f64; D],
+    radii: impl Fn() -> (f64, f64),
+    band: (f64, f64),
+    probe: &mut P,
+) -> bool {
     let square = square_distance(a, b);
     if square > band.1 {
         return false;
@@ -101,12 +128,19 @@ impl ExactUniform {
 
 impl Rule<f64> for ExactUniform {
     #[inline(always)]
-    fn touch<const D: usize, P: Probe>(&self, _: u32, _: u32, a: &[f64; D], b: &[f64; D], probe: &mut P) -> bool {
+    fn touch<const D: usize, P: Probe>(
+        &self,
+        _: u32,
+        _: u32,
+        a: &[f64; D],
+        b: &[f64; D],
+        probe: &mut P,
+    ) -> bool {
         decide(a, b, || (self.radius, self.radius), self.band, probe)
     }
 }
 
-/// Exact arithmetic, one radius per element.
+/// Exact arithmetic, one radius per particle.
 #[derive(Clone, Copy)]
 pub struct ExactEach<'a> {
     pub(super) radii: &'a [f64],
@@ -114,40 +148,67 @@ pub struct ExactEach<'a> {
 
 impl Rule<f64> for ExactEach<'_> {
     #[inline(always)]
-    fn touch<const D: usize, P: Probe>(&self, i: u32, j: u32, a: &[f64; D], b: &[f64; D], probe: &mut P) -> bool {
+    fn touch<const D: usize, P: Probe>(
+        &self,
+        i: u32,
+        j: u32,
+        a: &[f64; D],
+        b: &[f64; D],
+        probe: &mut P,
+    ) -> bool {
         decide_each(a, b, self.radii[i as usize], self.radii[j as usize], probe)
     }
 }
 
 #[inline(always)]
-fn decide_each<const D: usize, P: Probe>(a: &[f64; D], b: &[f64; D], ra: f64, rb: f64, probe: &mut P) -> bool {
+fn decide_each<const D: usize, P: Probe>(
+    a: &[f64; D],
+    b: &[f64; D],
+    ra: f64,
+    rb: f64,
+    probe: &mut P,
+) -> bool {
     let sum = ra + rb;
     decide(a, b, || (ra, rb), band(sum * sum), probe)
 }
 
-/// Any of them, chosen anew for every test: the same answers, slower, and detectors are compiled once instead of once for each. For the exact test of other
-/// storages, coordinates and radii become doubles, which is without error.
+/// Any of them, chosen anew for every test: the same answers, slower, and detectors are compiled
+/// once instead of once for each. For the exact test of other storages, coordinates and radii
+/// become doubles, which is without error.
 #[derive(Clone, Copy)]
 pub enum AnyRule<'a, T: Real> {
     /// Rounded, one radius.
     RoundedUniform(RoundedUniform<T>),
-    /// Rounded, one radius per element.
+    /// Rounded, one radius per particle.
     RoundedEach(RoundedEach<'a, T>),
     /// Exact, one radius.
     ExactUniform(ExactUniform),
-    /// Exact, one radius per element.
+    /// Exact, one radius per particle.
     ExactEach(&'a [T]),
 }
 
 impl<T: Real> Rule<T> for AnyRule<'_, T> {
     #[inline(always)]
-    fn touch<const D: usize, P: Probe>(&self, i: u32, j: u32, a: &[T; D], b: &[T; D], probe: &mut P) -> bool {
+    fn touch<const D: usize, P: Probe>(
+        &self,
+        i: u32,
+        j: u32,
+        a: &[T; D],
+        b: &[T; D],
+        probe: &mut P,
+    ) -> bool {
         let wide = |p: &[T; D]| p.map(Real::wide);
         match self {
             AnyRule::RoundedUniform(rule) => rule.touch(i, j, a, b, probe),
             AnyRule::RoundedEach(rule) => rule.touch(i, j, a, b, probe),
             AnyRule::ExactUniform(rule) => rule.touch(i, j, &wide(a), &wide(b), probe),
-            AnyRule::ExactEach(radii) => decide_each(&wide(a), &wide(b), radii[i as usize].wide(), radii[j as usize].wide(), probe),
+            AnyRule::ExactEach(radii) => decide_each(
+                &wide(a),
+                &wide(b),
+                radii[i as usize].wide(),
+                radii[j as usize].wide(),
+                probe,
+            ),
         }
     }
 }

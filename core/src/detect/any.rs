@@ -1,28 +1,56 @@
 //! One object-safe face for all detectors: dynamic once per detection, static inside.
 
-use std::borrow::Cow;
-
+use super::table::Params;
 use super::{Declare, Detector, Options, Refusal};
-use crate::contact::{Arithmetic, Bodies, CellF32, Real, Test, WithBodies, any_bodies, with_bodies};
+use crate::contact::{Bodies, Test, WithBodies, any_bodies, with_bodies, with_stored};
 use crate::probe::{Probe, Silent, Tally};
-use crate::scene::{AnyScene, Scene};
+use crate::scene::{AnyScene, CellF32, Real, Scene, Stored};
 use crate::sink::Sink;
+use crate::with_stored;
 
 /// A detector of any algorithm, for scenes of both dimensions and precisions.
 ///
-/// The precision is the scene's: [`AnyScene::stored`] gives the one that an [`Arithmetic`] asks for. For the exact test a scene that is not in
-/// f64 is converted first, which is without error.
+/// The precision is the scene's: [`AnyScene::stored`] gives the one that an
+/// [`Arithmetic`](crate::contact::Arithmetic) asks for. For the exact test a scene in another
+/// storage is widened to f64 first, which is exact.
 pub trait AnyDetector: Send {
     /// The complete list of pairs, appended to `pairs`: what is timed.
-    fn list(&mut self, scene: &AnyScene<'_>, test: Test, pairs: &mut Vec<[u32; 2]>) -> Result<(), Refusal>;
+    ///
+    /// # Errors
+    /// What the detector refuses; `pairs` is then as it was.
+    fn list(
+        &mut self,
+        scene: &AnyScene<'_>,
+        test: Test,
+        pairs: &mut Vec<[u32; 2]>,
+    ) -> Result<(), Refusal>;
 
     /// Hands every contact to `sink`, on one thread.
-    fn visit(&mut self, scene: &AnyScene<'_>, test: Test, sink: &mut dyn Sink) -> Result<(), Refusal>;
+    ///
+    /// # Errors
+    /// As [`AnyDetector::list`].
+    fn visit(
+        &mut self,
+        scene: &AnyScene<'_>,
+        test: Test,
+        sink: &mut dyn Sink,
+    ) -> Result<(), Refusal>;
 
-    /// Hands every contact to `sink` and counts every operation. The code is that of [`AnyDetector::list`], compiled once for all kinds of radii and tests.
-    fn count(&mut self, scene: &AnyScene<'_>, test: Test, tally: &mut Tally, sink: &mut dyn Sink) -> Result<(), Refusal>;
+    /// Hands every contact to `sink` and counts every operation. The code is that of
+    /// [`AnyDetector::list`], compiled once for all kinds of radii and tests.
+    ///
+    /// # Errors
+    /// As [`AnyDetector::list`].
+    fn count(
+        &mut self,
+        scene: &AnyScene<'_>,
+        test: Test,
+        tally: &mut Tally,
+        sink: &mut dyn Sink,
+    ) -> Result<(), Refusal>;
 
-    /// See [`Declare::formula_bytes`]; for the dimension of the last call.
+    /// The bytes that the memory formula gives for the scene of the last call; 0 for detectors
+    /// that declare none.
     fn formula_bytes(&self) -> u64;
 }
 
@@ -35,55 +63,59 @@ pub struct Both<A, B> {
 
 impl<A, B> Both<A, B>
 where
-    A: Detector<f32, 2> + Detector<f64, 2> + Detector<CellF32, 2> + Declare + 'static,
-    B: Detector<f32, 3> + Detector<f64, 3> + Detector<CellF32, 3> + Declare + 'static,
+    A: DetectorOfAll<2> + Declare + 'static,
+    B: DetectorOfAll<3> + Declare + 'static,
 {
-    /// A boxed detector with empty buffers.
-    pub fn boxed(options: Options) -> Box<dyn AnyDetector> {
-        Box::new(Both { plane: A::with(options), space: B::with(options), last_was_space: false })
+    /// A detector with empty buffers that has no parameters.
+    pub fn boxed(_: &Params, options: Options) -> Box<dyn AnyDetector> {
+        Both::join(A::with(options), B::with(options))
     }
 
-    /// Doubles for the exact test, so that it need not be compiled for the others.
-    fn widened<'s, 'a>(&mut self, scene: &'s AnyScene<'a>, test: Test) -> Result<Cow<'s, AnyScene<'a>>, Refusal> {
-        self.last_was_space = scene.dim() == 3;
-        if test != Test::Exact || scene.is_f64() {
-            return Ok(Cow::Borrowed(scene));
-        }
-        // No error can be: every storage is doubles without error.
-        scene.stored(Arithmetic::F64).map(Cow::Owned).map_err(|_| Refusal::NotWide { precision: "another format" })
+    /// The two as one.
+    pub fn join(plane: A, space: B) -> Box<dyn AnyDetector> {
+        Box::new(Both { plane, space, last_was_space: false })
     }
 }
 
 impl<A, B> AnyDetector for Both<A, B>
 where
-    A: Detector<f32, 2> + Detector<f64, 2> + Detector<CellF32, 2> + Declare + 'static,
-    B: Detector<f32, 3> + Detector<f64, 3> + Detector<CellF32, 3> + Declare + 'static,
+    A: DetectorOfAll<2> + Declare + 'static,
+    B: DetectorOfAll<3> + Declare + 'static,
 {
-    fn list(&mut self, scene: &AnyScene<'_>, test: Test, pairs: &mut Vec<[u32; 2]>) -> Result<(), Refusal> {
-        match &*self.widened(scene, test)? {
-            AnyScene::PlaneF32(scene) => run(&mut self.plane, scene, test, &mut Silent, pairs),
-            AnyScene::PlaneF64(scene) => run(&mut self.plane, scene, test, &mut Silent, pairs),
-            AnyScene::PlaneCell(scene) => run(&mut self.plane, scene, test, &mut Silent, pairs),
-            AnyScene::SpaceF32(scene) => run(&mut self.space, scene, test, &mut Silent, pairs),
-            AnyScene::SpaceF64(scene) => run(&mut self.space, scene, test, &mut Silent, pairs),
-            AnyScene::SpaceCell(scene) => run(&mut self.space, scene, test, &mut Silent, pairs),
+    fn list(
+        &mut self,
+        scene: &AnyScene<'_>,
+        test: Test,
+        pairs: &mut Vec<[u32; 2]>,
+    ) -> Result<(), Refusal> {
+        self.last_was_space = scene.dim() == 3;
+        match scene {
+            AnyScene::Plane(scene) => list(&mut self.plane, scene, test, pairs),
+            AnyScene::Space(scene) => list(&mut self.space, scene, test, pairs),
         }
     }
 
     /// Counts all the same, so that a third form of every detector need not be compiled.
-    fn visit(&mut self, scene: &AnyScene<'_>, test: Test, sink: &mut dyn Sink) -> Result<(), Refusal> {
+    fn visit(
+        &mut self,
+        scene: &AnyScene<'_>,
+        test: Test,
+        sink: &mut dyn Sink,
+    ) -> Result<(), Refusal> {
         self.count(scene, test, &mut Tally::default(), sink)
     }
 
-    fn count(&mut self, scene: &AnyScene<'_>, test: Test, tally: &mut Tally, mut sink: &mut dyn Sink) -> Result<(), Refusal> {
-        let sink = &mut sink;
-        match &*self.widened(scene, test)? {
-            AnyScene::PlaneF32(scene) => self.plane.detect(any_bodies(scene, test)?, tally, sink),
-            AnyScene::PlaneF64(scene) => self.plane.detect(any_bodies(scene, test)?, tally, sink),
-            AnyScene::PlaneCell(scene) => self.plane.detect(any_bodies(scene, test)?, tally, sink),
-            AnyScene::SpaceF32(scene) => self.space.detect(any_bodies(scene, test)?, tally, sink),
-            AnyScene::SpaceF64(scene) => self.space.detect(any_bodies(scene, test)?, tally, sink),
-            AnyScene::SpaceCell(scene) => self.space.detect(any_bodies(scene, test)?, tally, sink),
+    fn count(
+        &mut self,
+        scene: &AnyScene<'_>,
+        test: Test,
+        tally: &mut Tally,
+        mut sink: &mut dyn Sink,
+    ) -> Result<(), Refusal> {
+        self.last_was_space = scene.dim() == 3;
+        match scene {
+            AnyScene::Plane(scene) => run_any(&mut self.plane, scene, test, tally, &mut sink),
+            AnyScene::Space(scene) => run_any(&mut self.space, scene, test, tally, &mut sink),
         }
     }
 
@@ -92,17 +124,99 @@ where
     }
 }
 
-/// Runs a detector on a scene: the entry for library users who hold a concrete detector.
+/// A detector that cannot run on this machine: it refuses every scene, for this reason.
+pub struct Refuses(pub Refusal);
+
+impl AnyDetector for Refuses {
+    fn list(&mut self, _: &AnyScene<'_>, _: Test, _: &mut Vec<[u32; 2]>) -> Result<(), Refusal> {
+        Err(self.0.clone())
+    }
+
+    fn visit(&mut self, _: &AnyScene<'_>, _: Test, _: &mut dyn Sink) -> Result<(), Refusal> {
+        Err(self.0.clone())
+    }
+
+    fn count(
+        &mut self,
+        _: &AnyScene<'_>,
+        _: Test,
+        _: &mut Tally,
+        _: &mut dyn Sink,
+    ) -> Result<(), Refusal> {
+        Err(self.0.clone())
+    }
+
+    fn formula_bytes(&self) -> u64 {
+        0
+    }
+}
+
+/// A detector of scenes in every storage.
+pub trait DetectorOfAll<const D: usize>:
+    Detector<f32, D> + Detector<f64, D> + Detector<CellF32, D>
+{
+}
+
+impl<X, const D: usize> DetectorOfAll<D> for X where
+    X: Detector<f32, D> + Detector<f64, D> + Detector<CellF32, D>
+{
+}
+
+/// Runs a detector on a scene in f64: the entry for users of the library who hold a concrete
+/// detector.
 ///
-/// A rounded test is rounded in `T`.
-pub fn run<T: Real, const D: usize>(
-    detector: &mut impl Detector<T, D>,
-    scene: &Scene<'_, T, D>,
+/// # Errors
+/// What the detector refuses; see also [`with_bodies`].
+pub fn run<const D: usize>(
+    detector: &mut impl Detector<f64, D>,
+    scene: &Scene<'_, f64, D>,
     test: Test,
     probe: &mut impl Probe,
     sink: &mut impl Sink,
 ) -> Result<(), Refusal> {
     with_bodies(scene, test, Run { detector, probe, sink })
+}
+
+/// As [`run`], for a scene in any storage, in which rounded tests are rounded.
+///
+/// # Errors
+/// See [`run`].
+pub fn run_stored<const D: usize>(
+    detector: &mut impl DetectorOfAll<D>,
+    scene: &Stored<'_, D>,
+    test: Test,
+    probe: &mut impl Probe,
+    sink: &mut impl Sink,
+) -> Result<(), Refusal> {
+    with_stored(scene, test, Run { detector, probe, sink })
+}
+
+/// As [`run_stored`], compiled once for all kinds of radii and tests.
+fn run_any<const D: usize>(
+    detector: &mut impl DetectorOfAll<D>,
+    scene: &Stored<'_, D>,
+    test: Test,
+    probe: &mut impl Probe,
+    sink: &mut impl Sink,
+) -> Result<(), Refusal> {
+    if test == Test::Exact {
+        return detector.detect(any_bodies(&*scene.widened(), test)?, probe, sink);
+    }
+    with_stored!(scene, scene => detector.detect(any_bodies(scene, test)?, probe, sink))
+}
+
+/// The list of pairs, compiled for every kind of radii and test where speed depends on it.
+fn list<const D: usize, X: DetectorOfAll<D> + Declare>(
+    detector: &mut X,
+    scene: &Stored<'_, D>,
+    test: Test,
+    pairs: &mut Vec<[u32; 2]>,
+) -> Result<(), Refusal> {
+    if X::DECIDES_FROM_COPIES {
+        run_any(detector, scene, test, &mut Silent, pairs)
+    } else {
+        run_stored(detector, scene, test, &mut Silent, pairs)
+    }
 }
 
 struct Run<'a, X, P, S> {
@@ -111,7 +225,9 @@ struct Run<'a, X, P, S> {
     sink: &'a mut S,
 }
 
-impl<T: Real, const D: usize, X: Detector<T, D>, P: Probe, S: Sink> WithBodies<T, D> for Run<'_, X, P, S> {
+impl<T: Real, const D: usize, X: Detector<T, D>, P: Probe, S: Sink> WithBodies<T, D>
+    for Run<'_, X, P, S>
+{
     type Output = Result<(), Refusal>;
     fn call<B: Bodies<T, D>>(self, bodies: B) -> Self::Output {
         self.detector.detect(bodies, self.probe, self.sink)

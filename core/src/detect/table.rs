@@ -1,9 +1,17 @@
-//! The table of all detectors. An algorithm that has a line here is in the command line, every experiment and every test.
+//! The table of all detectors. An algorithm that has a line here is in the command line, every
+//! experiment and every test.
 
-use super::any::{AnyDetector, Both};
-use super::{Options, binary_tree, bvh, cell_grid, control, direct, hash_grid, kd_tree, nbs2d, nbs3d, screening, sorting, streamed, sweep};
+use std::collections::BTreeMap;
+
+use super::any::{AnyDetector, Both, Refuses};
+use super::book::{binary_tree, direct, nbs2d, nbs3d, screening, sorting};
+use super::modern::{bvh, cell_grid, hash_grid, kd_tree, sweep};
+pub use super::spec::{DetectorSpec, SpecError, parse};
+use super::streamed::{Form, Streamed};
+use super::{Options, Refusal, control};
 #[cfg(feature = "peers")]
 use super::{peers, peers::Peer};
+use crate::wide::Level;
 
 /// What a detector is there for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -14,8 +22,62 @@ pub enum Role {
     Nothing,
     /// The same code as another detector: what two measurements of the same thing differ by.
     Twin(&'static str),
-    /// A library that people use: finds all contacts, but is not held to our rules about memory and refusals.
+    /// A library that people use: finds all contacts, but is not held to our rules about memory and
+    /// refusals.
     Peer,
+}
+
+/// Detectors that experiments name together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Group {
+    /// Of Munjiza's book.
+    Book,
+    /// Grids, trees and sweeps as they are used today.
+    Modern,
+    /// NBS for caches and vector registers.
+    Streamed,
+    /// Controls of the measurement.
+    Controls,
+    /// Libraries that people use.
+    Peers,
+}
+
+impl Group {
+    /// All groups, in the order of the table.
+    pub const ALL: [Group; 5] =
+        [Group::Book, Group::Modern, Group::Streamed, Group::Controls, Group::Peers];
+
+    /// The name in experiments.
+    pub fn name(self) -> &'static str {
+        match self {
+            Group::Book => "@book",
+            Group::Modern => "@modern",
+            Group::Streamed => "@streamed",
+            Group::Controls => "@controls",
+            Group::Peers => "@peers",
+        }
+    }
+}
+
+/// Values given to a detector's parameters, by name; those left at their defaults are absent.
+pub type Params = BTreeMap<String, String>;
+
+/// A choice that a detector leaves to its user. It may change times and memory, never the contacts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Parameter {
+    /// What stands before the `=`.
+    pub name: &'static str,
+    /// All values that it takes, the default first.
+    pub values: &'static [&'static str],
+    /// What is chosen, in a phrase.
+    pub meaning: &'static str,
+}
+
+impl Parameter {
+    /// The value of a detector that is asked for without this parameter.
+    pub fn default(&self) -> &'static str {
+        self.values[0]
+    }
 }
 
 /// One line of the table.
@@ -24,24 +86,28 @@ pub struct Entry {
     pub name: &'static str,
     /// Detector or control.
     pub role: Role,
+    /// Which group it belongs to.
+    pub group: Group,
     /// What it does, in a few words.
     pub summary: &'static str,
-    /// Cost for N elements.
+    /// Cost for N particles.
     pub cost: &'static str,
-    /// Memory in bytes: n.. are cells per axis (borders included), N elements.
+    /// Memory in bytes: n.. are cells per axis (borders included), N particles.
     pub memory: &'static str,
     /// What it refuses or does badly.
     pub limits: &'static str,
     /// Can use more than one thread.
     pub threads: bool,
-    /// How it is made; see [`Entry::make`].
-    pub constructor: fn(Options) -> Box<dyn AnyDetector>,
+    /// What its user may choose.
+    pub parameters: &'static [Parameter],
+    /// How it is made; see [`Entry::make`] and [`DetectorSpec::make`].
+    pub constructor: fn(&Params, Options) -> Box<dyn AnyDetector>,
 }
 
 impl Entry {
-    /// A detector with empty buffers.
+    /// A detector with empty buffers and all parameters at their defaults.
     pub fn make(&self, options: Options) -> Box<dyn AnyDetector> {
-        (self.constructor)(options)
+        (self.constructor)(&Params::new(), options)
     }
 
     /// True for detectors, whose answers must be right; false for the control that reports nothing.
@@ -49,16 +115,28 @@ impl Entry {
         self.role != Role::Nothing
     }
 
-    /// True for the code of this project, which allocates and refuses as its documentation says; false for peers.
+    /// True for the code of this project, which allocates and refuses as its documentation says;
+    /// false for peers.
     pub fn is_ours(&self) -> bool {
         self.role != Role::Peer
     }
 }
 
 #[cfg(feature = "peers")]
-const fn peer(peer: &Peer, constructor: fn(Options) -> Box<dyn AnyDetector>) -> Entry {
+const fn peer(peer: &Peer, constructor: fn(&Params, Options) -> Box<dyn AnyDetector>) -> Entry {
     let Peer { name, summary, cost, limits } = *peer;
-    Entry { name, role: Role::Peer, summary, cost, memory: "the library's own", limits, threads: false, constructor }
+    Entry {
+        name,
+        role: Role::Peer,
+        group: Group::Peers,
+        summary,
+        cost,
+        memory: "the library's own",
+        limits,
+        threads: false,
+        parameters: &[],
+        constructor,
+    }
 }
 
 /// All detectors and controls.
@@ -66,131 +144,170 @@ pub static TABLE: &[Entry] = &[
     Entry {
         name: "direct",
         role: Role::Detector,
+        group: Group::Book,
         summary: "tests every pair",
         cost: "N(N-1)/2 contact tests",
         memory: "0",
         limits: "time: hopeless at scale",
         threads: true,
+        parameters: &[],
         constructor: Both::<direct::Direct, direct::Direct>::boxed,
     },
     Entry {
         name: "binary-tree",
         role: Role::Detector,
+        group: Group::Book,
         summary: "halves space in turn along the axes, lists in the leaves",
         cost: "N log N",
         memory: "4N + 8 nodes",
         limits: "cells per axis < 2^31; the memory limit",
         threads: false,
+        parameters: &[],
         constructor: Both::<binary_tree::BinaryTree, binary_tree::BinaryTree>::boxed,
     },
     Entry {
         name: "screening",
         role: Role::Detector,
+        group: Group::Book,
         summary: "one list head for every cell of the domain",
         cost: "N",
         memory: "4(nx ny [nz] + N)",
-        limits: "memory: loose packs and far-away elements are refused",
+        limits: "memory: loose packs and far-away particles are refused",
         threads: false,
+        parameters: &[],
         constructor: Both::<screening::Screening, screening::Screening>::boxed,
     },
     Entry {
         name: "sorting",
         role: Role::Detector,
+        group: Group::Book,
         summary: "sorts integerised coordinates, finds mask cells by binary search",
         cost: "N log N",
         memory: "12N in 2D, 16N in 3D",
         limits: "cells per axis < 2^31; the memory limit",
         threads: false,
+        parameters: &[],
         constructor: Both::<sorting::Sorting<2>, sorting::Sorting<3>>::boxed,
     },
     Entry {
         name: "nbs",
         role: Role::Detector,
+        group: Group::Book,
         summary: "Munjiza-NBS: lists of layers, of rows, of cells; no binary search",
         cost: "N",
         memory: "4(ny + 2nx + 2N) in 2D, 4(nz + 2ny + 2nx + 3N) in 3D",
-        limits: "memory: an element so far away that nx + ny + nz exceeds the limit",
+        limits: "memory: a particle so far away that nx + ny + nz exceeds the limit",
         threads: false,
+        parameters: &[],
         constructor: Both::<nbs2d::Nbs2d, nbs3d::Nbs3d>::boxed,
     },
     Entry {
         name: "streamed-nbs",
         role: Role::Detector,
-        summary: "NBS for caches and vector registers: layers sorted by cell, two at a time, sixteen tests in one go",
-        cost: "N; N log N where elements crowd in a large domain",
+        group: Group::Streamed,
+        summary: "NBS for caches and vector registers: layers sorted by cell, two at a time, \
+                  sixteen tests in one go",
+        cost: "N; N log N where particles crowd in a large domain",
         memory: "about 16N in 2D, 20N in 3D, and two bundles of layers",
-        limits: "cells per axis < 2^31 where elements crowd; the memory limit",
+        limits: "cells per axis < 2^31 where particles crowd; the memory limit",
         threads: true,
-        constructor: Both::<streamed::Streamed<2>, streamed::Streamed<3>>::boxed,
+        parameters: &[
+            Parameter {
+                name: "form",
+                values: &["auto", "dense", "sparse"],
+                meaning: "layers by all cells or by occupied cells only; auto: as the scene is \
+                          crowded",
+            },
+            Parameter {
+                name: "level",
+                values: &["best", "portable", "avx2", "avx512"],
+                meaning: "vector instructions; best: the widest that the processor has",
+            },
+        ],
+        constructor: streamed,
     },
     Entry {
         name: "cell-grid",
         role: Role::Detector,
+        group: Group::Modern,
         summary: "copies sorted by cell, rows of cells side by side",
         cost: "N + cells",
         memory: "4(nx ny [nz] + 1) + 24N in 2D, 32N in 3D",
-        limits: "memory: loose packs and far-away elements are refused",
+        limits: "memory: loose packs and far-away particles are refused",
         threads: true,
+        parameters: &[],
         constructor: Both::<cell_grid::CellGrid<2>, cell_grid::CellGrid<3>>::boxed,
     },
     Entry {
         name: "hash-grid",
         role: Role::Detector,
+        group: Group::Modern,
         summary: "copies sorted by a hash of their cell, strips of cells side by side",
         cost: "N",
         memory: "4(B + 17) + 24N in 2D, 32N in 3D; B the power of two from N upwards",
         limits: "cells per axis < 2^31; the memory limit",
         threads: false,
+        parameters: &[],
         constructor: Both::<hash_grid::HashGrid<2>, hash_grid::HashGrid<3>>::boxed,
     },
     Entry {
         name: "sweep",
         role: Role::Detector,
+        group: Group::Modern,
         summary: "sorts along the longest axis, compares what overlaps along a second",
         cost: "N log N key comparisons, N^(2 - 1/D) of bounds in a box",
         memory: "32N in 2D, 40N in 3D",
-        limits: "time: many elements in 3D; the memory limit",
+        limits: "time: many particles in 3D; the memory limit",
         threads: false,
+        parameters: &[],
         constructor: Both::<sweep::Sweep<2>, sweep::Sweep<3>>::boxed,
     },
     Entry {
         name: "kd-tree",
         role: Role::Detector,
-        summary: "halves the elements in turn at medians, boxes around halves",
+        group: Group::Modern,
+        summary: "halves the particles in turn at medians, boxes around halves",
         cost: "N log N",
         memory: "24N + 64L in 2D, 32N + 96L in 3D; L the power of two from N/16 upwards",
         limits: "the memory limit",
         threads: false,
+        parameters: &[],
         constructor: Both::<kd_tree::KdTree<2>, kd_tree::KdTree<3>>::boxed,
     },
     Entry {
         name: "bvh",
         role: Role::Detector,
+        group: Group::Modern,
         summary: "sorts along a Morton curve, boxes around neighbours on it",
         cost: "N log N",
         memory: "40N + 64L in 2D, 48N + 96L in 3D; L the power of two from N/16 upwards",
         limits: "the memory limit; clumps far from the rest are slow",
         threads: false,
+        parameters: &[],
         constructor: Both::<bvh::Bvh<2>, bvh::Bvh<3>>::boxed,
     },
     Entry {
         name: "nothing",
         role: Role::Nothing,
+        group: Group::Controls,
         summary: "control: does nothing, the floor of every measurement",
         cost: "0",
         memory: "0",
         limits: "finds nothing",
         threads: false,
+        parameters: &[],
         constructor: Both::<control::Nothing, control::Nothing>::boxed,
     },
     Entry {
         name: "nbs-twin",
         role: Role::Twin("nbs"),
+        group: Group::Controls,
         summary: "control: the same code as nbs, for the noise between equal things",
         cost: "N",
         memory: "as nbs",
         limits: "as nbs",
         threads: false,
+        parameters: &[],
         constructor: Both::<nbs2d::Nbs2d, nbs3d::Nbs3d>::boxed,
     },
     #[cfg(feature = "peers")]
@@ -205,12 +322,94 @@ pub static TABLE: &[Entry] = &[
     peer(&peers::ZELLL, Both::<peers::zelll::Zelll<2>, peers::zelll::Zelll<3>>::boxed),
 ];
 
-/// The line of a detector.
+/// The detector to take without a reason for another.
+pub(crate) fn streamed_nbs(options: Options) -> Box<dyn AnyDetector> {
+    streamed(&Params::new(), options)
+}
+
+/// `streamed-nbs` with its parameters.
+fn streamed(params: &Params, options: Options) -> Box<dyn AnyDetector> {
+    let level = match params.get("level") {
+        None => Level::best(),
+        Some(name) => match Level::all().into_iter().find(|level| level.name() == name) {
+            Some(level) => level,
+            None => {
+                let has = Level::all().iter().map(|level| level.name()).collect();
+                return Box::new(Refuses(Refusal::Instructions { level: name.clone(), has }));
+            }
+        },
+    };
+    let form = match params.get("form").map(String::as_str) {
+        Some("dense") => Some(Form::Dense),
+        Some("sparse") => Some(Form::Sparse),
+        _ => None,
+    };
+    let (plane, space) = (Streamed::<2>::on(level, options), Streamed::<3>::on(level, options));
+    match form {
+        None => Both::join(plane, space),
+        Some(form) => Both::join(plane.in_form(form), space.in_form(form)),
+    }
+}
+
+/// The line of a detector; `name` may be followed by parameters, which are not checked.
 pub fn find(name: &str) -> Option<&'static Entry> {
-    TABLE.iter().find(|entry| entry.name == name)
+    let name = name.split(':').next();
+    TABLE.iter().find(|entry| Some(entry.name) == name)
 }
 
 /// The names of all detectors and controls, for messages.
 pub fn names() -> String {
     TABLE.iter().map(|entry| entry.name).collect::<Vec<_>>().join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Point;
+
+    use super::*;
+    use crate::contact::Test;
+    use crate::scene::{AnyScene, Radii, Scene};
+    use crate::sink::normalise;
+
+    fn lattice() -> AnyScene<'static> {
+        let centre = |k: u32| Point::from([f64::from(k % 40), f64::from(k / 40)]);
+        let centres: Vec<_> = (0..1600).map(centre).collect();
+        Scene::new(centres, Radii::Uniform(0.5)).unwrap().into()
+    }
+
+    /// Every value of every parameter, where this processor has the instructions.
+    #[test]
+    fn parameters_change_no_contact() {
+        let scene = lattice();
+        let mut detected = 0;
+        for entry in TABLE.iter().filter(|entry| entry.must_be_right()) {
+            for Parameter { name, values, .. } in entry.parameters {
+                for value in *values {
+                    let spec = parse(&format!("{}:{name}={value}", entry.name)).unwrap();
+                    let mut pairs = Vec::new();
+                    match spec.make(Options::default()).list(&scene, Test::Exact, &mut pairs) {
+                        Err(Refusal::Instructions { .. }) if *name == "level" => continue,
+                        result => result.unwrap(),
+                    }
+                    normalise(&mut pairs);
+                    pairs.dedup();
+                    assert_eq!(pairs.len(), 2 * 40 * 39, "{spec}");
+                    detected += 1;
+                }
+            }
+        }
+        assert!(detected >= 5, "three forms, and at least best and portable");
+    }
+
+    #[test]
+    fn instructions_that_are_not_there_are_refused_with_those_that_are() {
+        let params = Params::from([("level".to_string(), "neon".to_string())]);
+        let mut pairs = Vec::new();
+        let refusal = streamed(&params, Options::default())
+            .list(&lattice(), Test::Exact, &mut pairs)
+            .unwrap_err()
+            .to_string();
+        assert!(refusal.contains("level=neon") && refusal.contains("portable"), "{refusal}");
+        assert!(pairs.is_empty());
+    }
 }

@@ -2,28 +2,36 @@
 
 use std::ops::Range;
 
-use rayon::prelude::*;
-
-use crate::contact::{Bodies, Real};
+use crate::contact::Bodies;
+use crate::parallel::{self, share};
+use crate::scene::Real;
 
 type Corners<const D: usize> = ([f64; D], [f64; D]);
 
 /// The smallest and the largest coordinate along each axis; zeros for an empty scene.
 ///
-/// Four boxes in turn, so that a comparison need not wait for the one before it: on a million spheres 3 ns per element instead of 11.
+/// Four boxes in turn, so that a comparison need not wait for the one before it: on a million
+/// spheres 3 ns per particle instead of 11.
 pub fn bounds<T: Real, const D: usize>(bodies: &impl Bodies<T, D>) -> Corners<D> {
     bounds_by(bodies, 1)
 }
 
 /// As [`bounds`], by so many threads.
-pub fn bounds_by<T: Real, const D: usize>(bodies: &impl Bodies<T, D>, threads: usize) -> Corners<D> {
+pub fn bounds_by<T: Real, const D: usize>(
+    bodies: &impl Bodies<T, D>,
+    threads: usize,
+) -> Corners<D> {
     let n = bodies.len();
     match (n, threads) {
         (0, _) => ([0.0; D], [0.0; D]),
         (_, 0 | 1) => of_share(bodies, 0..n as u32),
         _ => {
-            let share = |k: usize| of_share(bodies, (k * n / threads) as u32..((k + 1) * n / threads) as u32);
-            (0..threads).into_par_iter().map(share).reduce(|| ([f64::INFINITY; D], [f64::NEG_INFINITY; D]), around)
+            let mut boxes = vec![([f64::INFINITY; D], [f64::NEG_INFINITY; D]); threads];
+            parallel::for_each(&mut boxes, |k, corners| {
+                let share = share(n, threads, k);
+                *corners = of_share(bodies, share.start as u32..share.end as u32);
+            });
+            boxes.into_iter().fold(([f64::INFINITY; D], [f64::NEG_INFINITY; D]), around)
         }
     }
 }
@@ -68,12 +76,21 @@ mod tests {
     fn threads_and_shares_of_any_size_find_the_same_box() {
         for n in 0..40i32 {
             let place = |k: i32| Point::from([f64::from((7 * k) % 41), -f64::from((11 * k) % 41)]);
-            let scene = Scene::<f64, 2>::new((0..n).map(place).collect::<Vec<_>>(), Radii::Uniform(0.5)).unwrap();
+            let scene =
+                Scene::<f64, 2>::new((0..n).map(place).collect::<Vec<_>>(), Radii::Uniform(0.5))
+                    .unwrap();
             let bodies = any_bodies(&scene, Test::Exact).unwrap();
-            let axis = |axis: usize, better: fn(f64, f64) -> f64| scene.centres().iter().map(|p| p[axis]).reduce(better).unwrap_or(0.0);
-            let expected = ([axis(0, f64::min), axis(1, f64::min)], [axis(0, f64::max), axis(1, f64::max)]);
+            let axis = |axis: usize, better: fn(f64, f64) -> f64| {
+                scene.centres().iter().map(|p| p[axis]).reduce(better).unwrap_or(0.0)
+            };
+            let expected =
+                ([axis(0, f64::min), axis(1, f64::min)], [axis(0, f64::max), axis(1, f64::max)]);
             for threads in [0, 1, 2, 3, 7, 50] {
-                assert_eq!(bounds_by(&bodies, threads), expected, "{n} elements, {threads} threads");
+                assert_eq!(
+                    bounds_by(&bodies, threads),
+                    expected,
+                    "{n} elements, {threads} threads"
+                );
             }
         }
     }

@@ -1,28 +1,34 @@
 //! Cells: integerised coordinates, sized so that no touching pair is ever two cells apart.
 //!
-//! The book takes cells of edge d (the largest diameter) and i = Int((x - xmin) / d). In exact arithmetic two elements that touch
-//! are then at most one cell apart per axis. With rounding they can be two cells apart, and a textbook filter loses the
-//! contact: three discs of radius 1/2 at x = 0, 1 - 2^-53 and 2 show it.
+//! The book takes cells of edge d (the largest diameter) and i = Int((x - xmin) / d). In exact
+//! arithmetic two particles that touch are then at most one cell apart per axis. With rounding they
+//! can be two cells apart, and a textbook filter loses the contact: three discs of radius 1/2 at x
+//! = 0, 1 - 2^-53 and 2 show it.
 //!
-//! **The margin.** We compute q(x) = fl(fl(x - xmin) · s) and i = 1 + floor(q), with s = fl((1 - 2^-18) / reach). Let u = 2^-53, and Q the
-//! largest q; scenes with Q >= 2^31 are refused. Two elements with |xj - xi| <= reach (true values) have true quotients that differ by at
-//! most reach · s <= (1 - 2^-18)(1 + 2u). Each computed quotient differs from its true one by at most Q(2u + u²) < 2^-21 · (1 + u) (an
-//! underflowing product adds less than 2^-1074; where the reach is so large that s is subnormal, s has fewer bits, but then Q < 8). So the computed ones differ by less than 1 - 2^-18 + 2^-19.9 < 1, and
-//! floor(b) <= floor(a) + 1 whenever a <= b <= a + 1. The widening of the cell, 4 parts in a million, costs nothing measurable.
+//! **The margin.** We compute q(x) = fl(fl(x - xmin) · s) and i = 1 + floor(q), with s = fl((1 -
+//! 2^-18) / reach). Let u = 2^-53, and Q the largest q; scenes with Q >= 2^31 are refused. Two
+//! particles with |xj - xi| <= reach (true values) have true quotients that differ by at most reach
+//! · s <= (1 - 2^-18)(1 + 2u). Each computed quotient differs from its true one by at most Q(2u +
+//! u²) < 2^-21 · (1 + u) (an underflowing product adds less than 2^-1074; where the reach is so
+//! large that s is subnormal, s has fewer bits, but then Q < 8). So the computed ones differ by
+//! less than 1 - 2^-18 + 2^-19.9 < 1, and floor(b) <= floor(a) + 1 whenever a <= b <= a + 1. The
+//! widening of the cell, 4 parts in a million, costs nothing measurable.
 //!
-//! Cells are computed in f64 for f32 scenes too: the conversion is exact, and so the same proof holds.
+//! Cells are computed in f64 for f32 scenes too: the conversion is exact, and so the same proof
+//! holds.
 //!
-//! **Without the margin.** [`Margin::Textbook`] gives the book's cells, i = 1 + Int((x - xmin) / d), divided and not multiplied,
-//! to show what it costs to leave the margin out.
+//! **Without the margin.** [`Margin::Textbook`] gives the book's cells, i = 1 + Int((x - xmin) /
+//! d), divided and not multiplied, to show what it costs to leave the margin out.
 //!
-//! **Borders.** Cell numbers start at 1 (one of the book's two conventions), and the axis has one empty cell at either end, so that
-//! mask cells need no bounds checks. `count` includes these two: "nx" in every memory formula is the number of occupied-range
-//! cells plus 2.
+//! **Borders.** Cell numbers start at 1 (one of the book's two conventions), and the axis has one
+//! empty cell at either end, so that mask cells need no bounds checks. `count` includes these two:
+//! "nx" in every memory formula is the number of occupied-range cells plus 2.
 
-use super::{Margin, bounds};
-use crate::contact::{Bodies, Real};
-use crate::detect::Refusal;
+use super::bounds;
+use crate::contact::{Bodies, Margin};
 use crate::probe::{Op, Probe};
+use crate::refusal::Refusal;
+use crate::scene::Real;
 
 /// Cell numbers stay below this on every axis.
 pub const MOST_CELLS: f64 = (1u64 << 31) as f64;
@@ -39,21 +45,38 @@ pub struct Cells<const D: usize> {
 }
 
 impl<const D: usize> Cells<D> {
-    /// The grid whose cells are as small as `bodies` allow: the edge is the reach of the contact test, safely widened.
+    /// The grid whose cells are as small as `bodies` allow: the edge is the reach of the contact
+    /// test, safely widened.
     pub fn new<T: Real, B: Bodies<T, D>>(bodies: &B) -> Result<Cells<D>, Refusal> {
         let (low, high) = bounds(bodies);
-        // Points without extent touch only where they coincide (or underflow), so any larger cell will do: about one point per cell.
+        // Points without extent touch only where they coincide (or underflow), so any larger cell
+        // will do: about one point per cell.
         let points = extent(low, high) / libm::pow(bodies.len().max(1) as f64, 1.0 / D as f64);
-        let reach = if bodies.reach() <= T::UNDERFLOW { bodies.reach().max(points) } else { bodies.reach() };
+        let reach = if bodies.reach() <= T::UNDERFLOW {
+            bodies.reach().max(points)
+        } else {
+            bodies.reach()
+        };
         Cells::spanning(low, high, reach, bodies.margin())
     }
 
     /// The grid over a box for a given reach (see [`Bodies::reach`]).
-    pub fn spanning(low: [f64; D], high: [f64; D], reach: f64, margin: Margin) -> Result<Cells<D>, Refusal> {
-        // An infinite reach is that of bodies larger than half the largest double: no finite extent is larger than a cell.
+    pub fn spanning(
+        low: [f64; D],
+        high: [f64; D],
+        reach: f64,
+        margin: Margin,
+    ) -> Result<Cells<D>, Refusal> {
+        // An infinite reach is that of bodies larger than half the largest double: no finite extent
+        // is larger than a cell.
         let reach = reach.clamp(f64::MIN_POSITIVE * 4.0, f64::MAX);
         let scale = (1.0 - 1.0 / (1u64 << 18) as f64) / reach;
-        let mut cells = Cells { origin: low, scale, textbook: (margin == Margin::Textbook).then_some(reach), count: [0; D] };
+        let mut cells = Cells {
+            origin: low,
+            scale,
+            textbook: (margin == Margin::Textbook).then_some(reach),
+            count: [0; D],
+        };
         for k in 0..D {
             let axis = ["x", "y", "z"][k.min(2)];
             if !(high[k] - low[k]).is_finite() {
@@ -62,7 +85,13 @@ impl<const D: usize> Cells<D> {
             let quotient = cells.quotient(high[k], k);
             if quotient >= MOST_CELLS - 4.0 {
                 let edge = cells.textbook.unwrap_or(1.0 / scale);
-                return Err(Refusal::Domain { axis, low: low[k], high: high[k], edge, cells: quotient });
+                return Err(Refusal::Domain {
+                    axis,
+                    low: low[k],
+                    high: high[k],
+                    edge,
+                    cells: quotient,
+                });
             }
             cells.count[k] = quotient as u32 + 3;
         }
@@ -73,14 +102,17 @@ impl<const D: usize> Cells<D> {
     #[inline(always)]
     pub fn index<P: Probe>(&self, x: f64, k: usize, probe: &mut P) -> u32 {
         probe.count(Op::Integerise);
-        // Not negative and below 2^31 for every element that the box was made from: truncation is floor.
+        // Not negative and below 2^31 for every particle that the box was made from: truncation is
+        // floor.
         self.quotient(x, k) as i64 as u32 + 1
     }
 
     /// The place of the cell that holds a point in an array of all cells, x running fastest.
     #[inline(always)]
     pub fn place<P: Probe>(&self, position: [f64; D], probe: &mut P) -> usize {
-        (0..D).rev().fold(0, |place, axis| place * self.count[axis] as usize + self.index(position[axis], axis, probe) as usize)
+        (0..D).rev().fold(0, |place, axis| {
+            place * self.count[axis] as usize + self.index(position[axis], axis, probe) as usize
+        })
     }
 
     /// The cell at a place of an array of all cells, the first two axes of it.
@@ -113,7 +145,8 @@ impl<const D: usize> Cells<D> {
     }
 }
 
-/// A division that the other arithmetics never wait for: out of line, so that it is not computed and thrown away.
+/// A division that the other arithmetics never wait for: out of line, so that it is not computed
+/// and thrown away.
 #[cold]
 #[inline(never)]
 fn divided(distance: f64, edge: f64) -> f64 {
@@ -135,14 +168,27 @@ mod tests {
     use crate::probe::Silent;
 
     fn index(x: f64, low: f64, high: f64, reach: f64) -> i64 {
-        i64::from(Cells::spanning([low, 0.0], [high, 0.0], reach, Margin::Safe).unwrap().index(x, 0, &mut Silent))
+        i64::from(Cells::spanning([low, 0.0], [high, 0.0], reach, Margin::Safe).unwrap().index(
+            x,
+            0,
+            &mut Silent,
+        ))
     }
 
     #[test]
     fn couples_exactly_one_reach_apart_are_at_most_one_cell_apart() {
-        // The three sweeps of BOOK.md section 7, where a textbook grid loses up to 10% of the couples.
+        // The three sweeps of BOOK.md section 7, where a textbook grid loses up to 10% of the
+        // couples.
         let mut lost_by_the_book = 0;
-        for (low, d) in [(0.0, 1.0), (-1.0, 1.0), (-1e6, 0.1), (-1e6, 1.0), (1e15, 0.5), (-3.7e-9, 1e-12), (0.3, 0.7)] {
+        for (low, d) in [
+            (0.0, 1.0),
+            (-1.0, 1.0),
+            (-1e6, 0.1),
+            (-1e6, 1.0),
+            (1e15, 0.5),
+            (-3.7e-9, 1e-12),
+            (0.3, 0.7),
+        ] {
             for border in 1..4000 {
                 let at = low + d * border as f64;
                 for x in [at.next_down().next_down(), at.next_down(), at, at.next_up()] {
@@ -151,7 +197,10 @@ mod tests {
                     while exact::compare(&[x, 0.0], &[y, 0.0], d / 2.0, d / 2.0).is_gt() {
                         y = y.next_down();
                     }
-                    let (i, j) = (index(x.max(low), low, low + d * 5000.0, d), index(y.max(low), low, low + d * 5000.0, d));
+                    let (i, j) = (
+                        index(x.max(low), low, low + d * 5000.0, d),
+                        index(y.max(low), low, low + d * 5000.0, d),
+                    );
                     assert!((j - i).abs() <= 1, "{x} {y} {low} {d}: {i} {j}");
                     let book = |x: f64| ((x - low) / d).floor();
                     lost_by_the_book += i64::from(book(y) - book(x) > 1.0);
@@ -161,15 +210,22 @@ mod tests {
         assert!(lost_by_the_book > 0, "this test must hold cases that a textbook grid loses");
     }
 
-    /// Couples exactly at reach, the left one as far right in its cell as can be, in cells far from the origin, where quotients have few
-    /// bits left. A margin of 2^-22 instead of 2^-18 loses one in some thousand of these.
+    /// Couples exactly at reach, the left one as far right in its cell as can be, in cells far from
+    /// the origin, where quotients have few bits left. A margin of 2^-22 instead of 2^-18 loses one
+    /// in some thousand of these.
     #[test]
     fn the_largest_addressable_domain_keeps_its_margin() {
         let mut random = ChaCha8Rng::seed_from_u64(7);
         for _ in 0..20_000 {
             let reach = [0.3, 0.7, 1.0, 1.1][random.random_range(0..4)];
             let low = -6e8 * random.random::<f64>();
-            let cells = Cells::spanning([low, 0.0], [low + reach * (MOST_CELLS - 16.0), 0.0], reach, Margin::Safe).unwrap();
+            let cells = Cells::spanning(
+                [low, 0.0],
+                [low + reach * (MOST_CELLS - 16.0), 0.0],
+                reach,
+                Margin::Safe,
+            )
+            .unwrap();
             let at = |x: f64| i64::from(cells.index(x, 0, &mut Silent));
             let k = random.random_range(1 << 30..(1i64 << 31) - 32);
             let mut x = low + k as f64 / cells.scale;
@@ -183,10 +239,21 @@ mod tests {
             while exact::compare(&[x, 0.0], &[y, 0.0], reach / 2.0, reach / 2.0).is_gt() {
                 y = y.next_down();
             }
-            assert!(at(y) - at(x) <= 1, "{x} {y} from {low}, reach {reach}: cells {} and {}", at(x), at(y));
+            assert!(
+                at(y) - at(x) <= 1,
+                "{x} {y} from {low}, reach {reach}: cells {} and {}",
+                at(x),
+                at(y)
+            );
         }
-        assert!(matches!(Cells::<2>::spanning([0.0; 2], [4e9, 0.0], 1.0, Margin::Safe), Err(Refusal::Domain { axis: "x", .. })));
+        assert!(matches!(
+            Cells::<2>::spanning([0.0; 2], [4e9, 0.0], 1.0, Margin::Safe),
+            Err(Refusal::Domain { axis: "x", .. })
+        ));
         assert!(Cells::<2>::spanning([-f64::MAX; 2], [f64::MAX; 2], 1.0, Margin::Safe).is_err());
-        assert!(Cells::<2>::spanning([-f64::MAX; 2], [f64::MAX; 2], f64::INFINITY, Margin::Safe).is_err());
+        assert!(
+            Cells::<2>::spanning([-f64::MAX; 2], [f64::MAX; 2], f64::INFINITY, Margin::Safe)
+                .is_err()
+        );
     }
 }

@@ -1,47 +1,44 @@
-//! Safe filters: how much a cell, a box, a key or a sweep must be widened so that no pair is lost that the contact test accepts.
+//! Safe filters: how much a cell, a box, a key or a sweep must be widened so that no pair is lost
+//! that the contact test accepts.
 //!
-//! A detector filters: it looks only at pairs that are near each other by some cheap measure. The measure is computed in floating point,
-//! the contact test may be exact, and a filter that is right in real numbers loses pairs to rounding (BOOK section 7: up to 10% of
-//! the couples that are exactly a diameter apart). This page derives, once for all detectors, what is safe. The only assumptions are
-//! IEEE 754 arithmetic in f64, rounding to nearest, and finite coordinates and radii, as every [`crate::scene::Scene`] has them.
-//! u = 2^-53; fl(..) is what f64 computes; positions are doubles without error, for every storage ([`crate::contact::Real::wide`]).
+//! A detector filters: it looks only at pairs that are near each other by some cheap measure. The
+//! measure is computed in floating point, the contact test may be exact, and a filter that is right
+//! in real numbers loses pairs to rounding (BOOK section 7: up to 10% of the couples that are
+//! exactly a diameter apart). This page derives, once for all detectors, what is safe. The only
+//! assumptions are IEEE 754 arithmetic in f64, rounding to nearest, and finite coordinates and
+//! radii, as every [`crate::scene::Scene`] has them. u = 2^-53; fl(..) is what f64 computes;
+//! positions are doubles without error, for every storage ([`crate::scene::Real::wide`]).
 //!
-//! **1. Reach.** The true distance of a pair that the test accepts is at most its *reach* R:
+//! **1. Reach.** If |xi - xj| is more than the reach along any one axis, the pair does not touch.
+//! The reach, and the [`Slack`] of the test, are derived in [`crate::contact::slack`].
 //!
-//! * exact test: R = ri + rj <= 2·rmax, and doubling is exact, or overflows to infinity, which is a bound, too;
-//! * rounded test in a precision with unit v = [`Real::UNIT`]: differences have relative error at most v (2v by cells: the difference
-//!   of cell numbers is rounded, too), squares and sums v each, products may underflow by η = half the smallest subnormal. Acceptance
-//!   means d²(1-v)^7 - 4η <= s²(1+v)^3 + η, hence d <= s(1 + 5v + O(v²)) + 3√η, below s(1 + 5.5v) + 3√η. [`rounded_reach`] takes
-//!   2·rmax(1 + 8v) + 4√η: the difference covers its own rounding. Where (2·rmax)² overflows, the rounded test would accept everything: such scenes are
-//!   refused ([`crate::detect::Refusal::Overflow`]).
-//!
-//! If |xi - xj| > R along any one axis, the pair does not touch.
-//!
-//! The other way round, a rounded test accepts if d²(1+v)^7 + 4η <= s²(1-v)^3 - η, for which d <= s(1 - 8v) - 4√η is enough: with
-//! a = s(1 - 5.2v) >= d + 3√η it is d² <= (a - 3√η)² = a² - 6a√η + 9η <= a² - 9η. Both bounds together are the test's [`Slack`].
-//!
-//! **2. Comparisons need no widening.** Rounding is monotone: a <= b implies fl(a) <= fl(b), and fl(R) = R since R is a double.
-//! So for a pair with xj - xi <= R (true values):
+//! **2. Comparisons need no widening.** Rounding is monotone: a <= b implies fl(a) <= fl(b), and
+//! fl(R) = R since R is a double. So for a pair with xj - xi <= R (true values):
 //!
 //! * *sweep*: fl(xj - xi) <= R. To stop at the first fl(xj - xi) > R is safe: [`beyond`].
-//! * *boxes*: with Ri + Rj >= the pair's reach, xj - Rj <= xi + Ri, hence fl(xj - Rj) <= fl(xi + Ri): boxes from fl(x - R) to fl(x + R)
-//!   that do not overlap belong to pairs that do not touch: [`interval`]. Minima and maxima of bounds are exact, so this holds for
-//!   boxes around boxes. An overflowing bound is infinite and compares as it should.
+//! * *boxes*: with Ri + Rj >= the pair's reach, xj - Rj <= xi + Ri, hence fl(xj - Rj) <= fl(xi +
+//!   Ri): boxes from fl(x - R) to fl(x + R) that do not overlap belong to pairs that do not touch:
+//!   [`interval`]. Minima and maxima of bounds are exact, so this holds for boxes around boxes. An
+//!   overflowing bound is infinite and compares as it should.
 //!
-//! **3. Cells need a margin,** since floor is not a comparison: quotients that differ by at most 1 in real numbers may differ by more
-//! when computed, and the cells by 2. [`cells`] makes them wider by 4 parts in a million, proves that this suffices below 2^31
-//! cells per axis, and refuses more, with the numbers: there cells cannot be told apart.
+//! **3. Cells need a margin,** since floor is not a comparison: quotients that differ by at most 1
+//! in real numbers may differ by more when computed, and the cells by 2. [`cells`] makes them wider
+//! by 4 parts in a million, proves that this suffices below 2^31 cells per axis, and refuses more,
+//! with the numbers: there cells cannot be told apart.
 //!
-//! **4. Keys.** A key made of cell numbers inherits 3, if it is injective: two numbers below 2^31 fit a u64, three do not (a detector
-//! that packs three must refuse 2^21 cells per axis, or take 128 bits), and a hash must compare the cells themselves where it
-//! collides. No key is ever made of an f32.
+//! **4. Keys.** A key made of cell numbers inherits 3, if it is injective: two numbers below 2^31
+//! fit a u64, three do not (a detector that packs three must refuse 2^21 cells per axis, or take
+//! 128 bits), and a hash must compare the cells themselves where it collides. No key is ever made
+//! of an f32.
 //!
-//! **5. Squared distances** that prune (a point against a box): the computed square of a distance in up to three dimensions is at most
-//! (1 + 6u) times the true one plus 2^-1073, so to prune where it exceeds R²(1 + 16u) + 2^-960 is safe, by the argument of the exact test's
-//! own filter ([`crate::contact`]).
+//! **5. Squared distances** that prune (a point against a box): the computed square of a distance
+//! in up to three dimensions is at most (1 + 6u) times the true one plus 2^-1073, so to prune where
+//! it exceeds R²(1 + 16u) + 2^-960 is safe, by the argument of the exact test's own filter
+//! ([`crate::contact`]).
 //!
-//! **6. Copies.** A detector that keeps copies of centres near to one another in memory may decide from them what is far from being decided
-//! either way, and leave to `touch` the rest: [`Near`], by 1 and 5. So its pairs are those that `touch` accepts, in every arithmetic.
+//! **6. Copies.** A detector that keeps copies of centres near to one another in memory may decide
+//! from them what is far from being decided either way, and leave to `touch` the rest: [`Near`], by
+//! 1 and 5. So its pairs are those that `touch` accepts, in every arithmetic.
 
 pub mod bounds;
 pub mod cells;
@@ -49,26 +46,7 @@ pub mod cells;
 pub use bounds::{bounds, bounds_by};
 pub use cells::Cells;
 
-use crate::contact::{Real, Slack};
-
-/// Whether the filters of a detection may lose pairs to rounding.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Margin {
-    /// They lose none.
-    Safe,
-    /// As printed in the book: cells of edge d, found by i = Int((x - xmin) / d), where rounding may separate a touching pair.
-    Textbook,
-}
-
-/// The largest true distance at which a test rounded in `T` may accept bodies of this largest diameter: 1.
-pub fn rounded_reach<T: Real>(diameter: f64) -> f64 {
-    diameter * (1.0 + 8.0 * T::UNIT) + T::UNDERFLOW
-}
-
-/// How far a test rounded in `T` may be from the exact one: 1.
-pub fn rounded_slack<T: Real>() -> Slack {
-    Slack { relative: 8.0 * T::UNIT, absolute: T::UNDERFLOW }
-}
+use crate::contact::Slack;
 
 /// What the computed square of a distance says of a contact: 6.
 #[derive(Clone, Copy, Debug)]
@@ -80,15 +58,20 @@ pub struct Near {
 }
 
 impl Near {
-    /// For elements whose radii have this sum (as computed in f64).
+    /// For particles whose radii have this sum (as computed in f64).
     #[inline(always)]
     pub fn of(sum: f64, slack: Slack) -> Near {
-        // The sum's own rounding is in the 16u: squares of sums and distances together have less than 6u + 4u.
+        // The sum's own rounding is in the 16u: squares of sums and distances together have less
+        // than 6u + 4u.
         const BAND: f64 = 16.0 / (1u64 << 53) as f64;
         const FLOOR: f64 = f64::from_bits((1023 - 960) << 52);
-        let (low, high) = (sum * (1.0 - slack.relative) - slack.absolute, sum * (1.0 + slack.relative) + slack.absolute);
+        let (low, high) = (
+            sum * (1.0 - slack.relative) - slack.absolute,
+            sum * (1.0 + slack.relative) + slack.absolute,
+        );
         let square = low * low;
-        let inner = if low > 0.0 && square < f64::INFINITY { square * (1.0 - BAND) - FLOOR } else { -1.0 };
+        let inner =
+            if low > 0.0 && square < f64::INFINITY { square * (1.0 - BAND) - FLOOR } else { -1.0 };
         Near { inner, outer: high * high * (1.0 + BAND) + FLOOR }
     }
 
@@ -108,7 +91,8 @@ pub fn beyond(low: f64, high: f64, reach: f64) -> bool {
     high - low > reach
 }
 
-/// The bounds of a body at `x` with half a pair's reach `half`, along one axis: pairs whose intervals do not overlap do not touch: 2.
+/// The bounds of a body at `x` with half a pair's reach `half`, along one axis: pairs whose
+/// intervals do not overlap do not touch: 2.
 #[inline(always)]
 pub fn interval(x: f64, half: f64) -> [f64; 2] {
     [x - half, x + half]
@@ -117,10 +101,10 @@ pub fn interval(x: f64, half: f64) -> [f64; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::{Arithmetic, Bodies, WithBodies, exact, with_bodies};
-    use crate::detect::Refusal;
+    use crate::contact::{Arithmetic, Bodies, WithBodies, exact, with_stored};
     use crate::probe::Silent;
-    use crate::scene::{Radii, Scene};
+    use crate::refusal::Refusal;
+    use crate::scene::{AnyScene, Radii, Real, Scene};
 
     struct Agree(usize);
     impl<T: Real, const D: usize> WithBodies<T, D> for &mut Agree {
@@ -129,7 +113,9 @@ mod tests {
             for j in 1..bodies.len() as u32 {
                 let (a, b) = (bodies.position(0), bodies.position(j));
                 let square = (0..D).map(|k| (a[k] - b[k]) * (a[k] - b[k])).sum();
-                if let Some(verdict) = Near::of(bodies.radius(0) + bodies.radius(j), bodies.slack()).verdict(square) {
+                if let Some(verdict) =
+                    Near::of(bodies.radius(0) + bodies.radius(j), bodies.slack()).verdict(square)
+                {
                     assert_eq!(verdict, bodies.touch(0, j, &mut Silent), "{a:?} {b:?}");
                     self.0 += 1;
                 }
@@ -138,26 +124,38 @@ mod tests {
         }
     }
 
-    /// Around tangency, at scales where squares vanish and overflow: what a copy decides, the test decides alike.
+    /// Around tangency, at scales where squares vanish and overflow: what a copy decides, the test
+    /// decides alike.
     #[test]
     fn what_near_decides_the_test_decides_alike() {
         for arithmetic in Arithmetic::ALL {
             let mut decided = Agree(0);
             for scale in [1.0, 1e-3, 3e-19, 1e-22, 1e-38, 1e18] {
                 for (r, ulp) in [(0.37, 1e-16), (0.7, 1e-15), (0.2, 1e-8), (0.45, 4e-7)] {
-                    let x = |k: i32| [(0.6 * (r + 0.5) + ulp * f64::from(k)) * scale, 0.8 * (r + 0.5) * scale];
-                    let centres: Vec<_> = [[0.0, 0.0]].into_iter().chain((-40..40).map(x)).map(nalgebra::Point::from).collect();
-                    let radii = std::iter::once(r * scale).chain((0..80).map(|_| 0.5 * scale)).collect::<Vec<_>>();
-                    let scene = crate::scene::AnyScene::from(Scene::new(centres, Radii::Each(radii.into())).unwrap());
+                    let x = |k: i32| {
+                        [(0.6 * (r + 0.5) + ulp * f64::from(k)) * scale, 0.8 * (r + 0.5) * scale]
+                    };
+                    let centres: Vec<_> = [[0.0, 0.0]]
+                        .into_iter()
+                        .chain((-40..40).map(x))
+                        .map(nalgebra::Point::from)
+                        .collect();
+                    let radii = std::iter::once(r * scale)
+                        .chain((0..80).map(|_| 0.5 * scale))
+                        .collect::<Vec<_>>();
+                    let scene =
+                        AnyScene::from(Scene::new(centres, Radii::Each(radii.into())).unwrap());
                     let Ok(scene) = scene.stored(arithmetic) else { continue };
-                    crate::with_scene!(&scene, scene => with_bodies(scene, arithmetic.test(), &mut decided).ok());
+                    let AnyScene::Plane(scene) = scene else { panic!("made in the plane") };
+                    let _ = with_stored(&scene, arithmetic.test(), &mut decided);
                 }
             }
             assert!(decided.0 > 100, "{arithmetic:?}: {}", decided.0);
         }
     }
 
-    /// Couples exactly at reach, and one unit in the last place around it, at offsets where every sum is rounded.
+    /// Couples exactly at reach, and one unit in the last place around it, at offsets where every
+    /// sum is rounded.
     #[test]
     fn comparisons_lose_no_touching_couple() {
         let (mut touching, mut at_reach) = (0, 0);

@@ -1,49 +1,103 @@
-//! A scene of any dimension and precision.
+//! A scene of any dimension, in any storage.
 
-use super::{Radii, Scene, SceneError};
-use crate::contact::{Arithmetic, CellF32, Real};
+use std::borrow::Cow;
 
-/// A scene whose dimension and precision are known at run time.
-#[derive(Clone, Debug, PartialEq)]
-pub enum AnyScene<'a> {
-    /// Discs in f32.
-    PlaneF32(Scene<'a, f32, 2>),
-    /// Discs in f64: what generators and readers give.
-    PlaneF64(Scene<'a, f64, 2>),
-    /// Discs by cells, in units of the cell.
-    PlaneCell(Scene<'a, CellF32, 2>),
-    /// Spheres in f32.
-    SpaceF32(Scene<'a, f32, 3>),
-    /// Spheres in f64: what generators and readers give.
-    SpaceF64(Scene<'a, f64, 3>),
-    /// Spheres by cells, in units of the cell.
-    SpaceCell(Scene<'a, CellF32, 3>),
+use super::{CellF32, Radii, Real, Scene, SceneError};
+
+/// In which number format centres and radii are kept.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Storage {
+    /// Rounded to f32.
+    F32,
+    /// As given.
+    F64,
+    /// By cells: see [`CellF32`].
+    Cell,
 }
 
-/// Runs an expression on the scene inside an [`AnyScene`], whatever its type.
+/// A scene of known dimension, in a storage that is known at run time.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Stored<'a, const D: usize> {
+    /// In f32.
+    F32(Scene<'a, f32, D>),
+    /// In f64: what generators and readers give.
+    F64(Scene<'a, f64, D>),
+    /// By cells, in units of the cell.
+    Cell(Scene<'a, CellF32, D>),
+}
+
+/// A scene whose dimension and storage are known at run time.
+#[derive(Clone, Debug, PartialEq)]
+pub enum AnyScene<'a> {
+    /// Discs.
+    Plane(Stored<'a, 2>),
+    /// Spheres.
+    Space(Stored<'a, 3>),
+}
+
+/// Runs an expression on the [`Scene`] inside a [`Stored`], whatever its storage.
+#[macro_export]
+macro_rules! with_stored {
+    ($stored:expr, $scene:ident => $body:expr) => {
+        match $stored {
+            $crate::scene::Stored::F32($scene) => $body,
+            $crate::scene::Stored::F64($scene) => $body,
+            $crate::scene::Stored::Cell($scene) => $body,
+        }
+    };
+}
+
+/// Runs an expression on the [`Scene`] inside an [`AnyScene`], whatever its type.
 #[macro_export]
 macro_rules! with_scene {
     ($any:expr, $scene:ident => $body:expr) => {
         match $any {
-            $crate::scene::AnyScene::PlaneF32($scene) => $body,
-            $crate::scene::AnyScene::PlaneF64($scene) => $body,
-            $crate::scene::AnyScene::PlaneCell($scene) => $body,
-            $crate::scene::AnyScene::SpaceF32($scene) => $body,
-            $crate::scene::AnyScene::SpaceF64($scene) => $body,
-            $crate::scene::AnyScene::SpaceCell($scene) => $body,
+            $crate::scene::AnyScene::Plane(stored) => {
+                $crate::with_stored!(stored, $scene => $body)
+            }
+            $crate::scene::AnyScene::Space(stored) => {
+                $crate::with_stored!(stored, $scene => $body)
+            }
         }
     };
 }
 
 impl<'a> From<Scene<'a, f64, 2>> for AnyScene<'a> {
     fn from(scene: Scene<'a, f64, 2>) -> Self {
-        AnyScene::PlaneF64(scene)
+        AnyScene::Plane(Stored::F64(scene))
     }
 }
 
 impl<'a> From<Scene<'a, f64, 3>> for AnyScene<'a> {
     fn from(scene: Scene<'a, f64, 3>) -> Self {
-        AnyScene::SpaceF64(scene)
+        AnyScene::Space(Stored::F64(scene))
+    }
+}
+
+impl<'a, const D: usize> Stored<'a, D> {
+    /// The scene in f64, without error.
+    pub fn widened(&self) -> Cow<'_, Scene<'a, f64, D>> {
+        match self {
+            Stored::F64(scene) => Cow::Borrowed(scene),
+            Stored::F32(scene) => Cow::Owned(scene.widened()),
+            Stored::Cell(scene) => Cow::Owned(scene.widened()),
+        }
+    }
+
+    fn convert(&self, storage: Storage) -> Result<Stored<'static, D>, SceneError> {
+        with_stored!(self, scene => Ok(match storage {
+            Storage::F32 => Stored::F32(scene.convert()?),
+            Storage::F64 => Stored::F64(scene.widened()),
+            Storage::Cell => Stored::Cell(scene.widened().by_cells()?),
+        }))
+    }
+
+    fn reordered(&self, order: &[u32]) -> Stored<'static, D> {
+        match self {
+            Stored::F32(scene) => Stored::F32(scene.reordered(order)),
+            Stored::F64(scene) => Stored::F64(scene.reordered(order)),
+            Stored::Cell(scene) => Stored::Cell(scene.reordered(order)),
+        }
     }
 }
 
@@ -51,27 +105,27 @@ impl AnyScene<'_> {
     /// 2 for discs, 3 for spheres.
     pub fn dim(&self) -> usize {
         match self {
-            AnyScene::PlaneF32(_) | AnyScene::PlaneF64(_) | AnyScene::PlaneCell(_) => 2,
-            AnyScene::SpaceF32(_) | AnyScene::SpaceF64(_) | AnyScene::SpaceCell(_) => 3,
+            AnyScene::Plane(_) => 2,
+            AnyScene::Space(_) => 3,
         }
     }
 
     /// Is it stored in f64?
     pub fn is_f64(&self) -> bool {
-        matches!(self, AnyScene::PlaneF64(_) | AnyScene::SpaceF64(_))
+        matches!(self, AnyScene::Plane(Stored::F64(_)) | AnyScene::Space(Stored::F64(_)))
     }
 
-    /// The number of elements.
+    /// The number of particles.
     pub fn len(&self) -> usize {
         with_scene!(self, scene => scene.len())
     }
 
-    /// True if there are no elements.
+    /// True if there are no particles.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Has one radius for all elements?
+    /// Has one radius for all particles?
     pub fn uniform(&self) -> bool {
         with_scene!(self, scene => matches!(scene.radii(), Radii::Uniform(_)))
     }
@@ -81,46 +135,24 @@ impl AnyScene<'_> {
         with_scene!(self, scene => scene.largest_radius().wide())
     }
 
-    /// The scene as the arithmetic stores it: rounded to f32, by cells, or in f64. Fails where a number overflows f32, or there are too
-    /// many cells.
-    pub fn stored(&self, arithmetic: Arithmetic) -> Result<AnyScene<'static>, SceneError> {
-        Ok(match (self.dim(), arithmetic) {
-            (2, Arithmetic::F32) => AnyScene::PlaneF32(with_plane(self)?),
-            (2, Arithmetic::F32Cell) => AnyScene::PlaneCell(with_plane::<f64>(self)?.by_cells()?),
-            (2, _) => AnyScene::PlaneF64(with_plane(self)?),
-            (_, Arithmetic::F32) => AnyScene::SpaceF32(with_space(self)?),
-            (_, Arithmetic::F32Cell) => AnyScene::SpaceCell(with_space::<f64>(self)?.by_cells()?),
-            (_, _) => AnyScene::SpaceF64(with_space(self)?),
+    /// The scene in a storage, or in that of an [`Arithmetic`](crate::contact::Arithmetic).
+    ///
+    /// # Errors
+    /// A number overflows f32 ([`SceneError::Coordinate`], [`SceneError::Radius`]), or there are
+    /// too many cells ([`SceneError::Cells`]).
+    pub fn stored(&self, storage: impl Into<Storage>) -> Result<AnyScene<'static>, SceneError> {
+        let storage = storage.into();
+        Ok(match self {
+            AnyScene::Plane(scene) => AnyScene::Plane(scene.convert(storage)?),
+            AnyScene::Space(scene) => AnyScene::Space(scene.convert(storage)?),
         })
     }
 
-    /// The scene with its elements in another order: element k of the result is element `order[k]`.
+    /// The scene with its particles in another order: particle k of the result is `order[k]`.
     pub fn reordered(&self, order: &[u32]) -> AnyScene<'static> {
         match self {
-            AnyScene::PlaneF32(scene) => AnyScene::PlaneF32(scene.reordered(order)),
-            AnyScene::PlaneF64(scene) => AnyScene::PlaneF64(scene.reordered(order)),
-            AnyScene::PlaneCell(scene) => AnyScene::PlaneCell(scene.reordered(order)),
-            AnyScene::SpaceF32(scene) => AnyScene::SpaceF32(scene.reordered(order)),
-            AnyScene::SpaceF64(scene) => AnyScene::SpaceF64(scene.reordered(order)),
-            AnyScene::SpaceCell(scene) => AnyScene::SpaceCell(scene.reordered(order)),
+            AnyScene::Plane(scene) => AnyScene::Plane(scene.reordered(order)),
+            AnyScene::Space(scene) => AnyScene::Space(scene.reordered(order)),
         }
-    }
-}
-
-fn with_plane<U: Real>(scene: &AnyScene<'_>) -> Result<Scene<'static, U, 2>, SceneError> {
-    match scene {
-        AnyScene::PlaneF32(scene) => scene.convert(),
-        AnyScene::PlaneF64(scene) => scene.convert(),
-        AnyScene::PlaneCell(scene) => scene.convert(),
-        AnyScene::SpaceF32(_) | AnyScene::SpaceF64(_) | AnyScene::SpaceCell(_) => unreachable!("called for plane scenes only"),
-    }
-}
-
-fn with_space<U: Real>(scene: &AnyScene<'_>) -> Result<Scene<'static, U, 3>, SceneError> {
-    match scene {
-        AnyScene::SpaceF32(scene) => scene.convert(),
-        AnyScene::SpaceF64(scene) => scene.convert(),
-        AnyScene::SpaceCell(scene) => scene.convert(),
-        AnyScene::PlaneF32(_) | AnyScene::PlaneF64(_) | AnyScene::PlaneCell(_) => unreachable!("called for space scenes only"),
     }
 }

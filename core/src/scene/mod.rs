@@ -1,17 +1,24 @@
 //! Scenes: sets of discs (2D) and spheres (3D).
 //!
-//! A scene is centres and radii, and says what it is: its dimension, its precision, and whether it has one radius or one per element.
-//! Code for the simple case never pays for the rich one. A [`Scene`] is always valid: finite coordinates, finite radii that are not
-//! negative, at most 2^32 - 1 elements.
+//! A scene is centres and radii, and says what it is: its dimension, its precision, and whether it
+//! has one radius or one per particle. Code for the simple case never pays for the rich one. A
+//! [`Scene`] is always valid: finite coordinates, finite radii that are not negative, at most
+//! 2^32 - 1 particles.
 
 pub mod any;
+mod scalar;
 
 use std::borrow::Cow;
 
+pub use any::{AnyScene, Storage, Stored};
 use nalgebra::Point;
+pub use scalar::{CellF32, Real, Work};
 
-use crate::contact::{CellF32, Real, array};
-pub use any::AnyScene;
+/// The coordinates of a point as a plain array.
+#[inline(always)]
+pub fn array<T: nalgebra::Scalar, const D: usize>(p: &Point<T, D>) -> &[T; D] {
+    &p.coords.data.0[0]
+}
 
 /// Discs (`D` = 2) or spheres (`D` = 3), borrowed or owned.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,19 +27,19 @@ pub struct Scene<'a, T: Real, const D: usize> {
     radii: Radii<'a, T>,
 }
 
-/// One radius for all elements, or one for each.
+/// One radius for all particles, or one for each.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Radii<'a, T: Clone> {
-    /// All elements have this radius.
+    /// All particles have this radius.
     Uniform(T),
-    /// Element k has the k-th radius.
+    /// Particle k has the k-th radius.
     Each(Cow<'a, [T]>),
 }
 
 impl<T: Copy> Radii<'_, T> {
-    /// The radius of element `k`.
+    /// The radius of particle `k`.
     #[inline(always)]
-    pub fn of(&self, k: usize) -> T {
+    pub fn get(&self, k: usize) -> T {
         match self {
             Radii::Uniform(r) => *r,
             Radii::Each(radii) => radii[k],
@@ -40,15 +47,21 @@ impl<T: Copy> Radii<'_, T> {
     }
 }
 
-/// What is wrong with a set of centres and radii. Elements are numbered from 0.
+/// What is wrong with a set of centres and radii. Particles are numbered from 0.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[allow(missing_docs)] // the fields are explained by the messages
 pub enum SceneError {
     /// NaN or infinite.
-    #[error("particle {index}: {axis} is {value}; coordinates must be finite numbers: remove or mend the particle")]
+    #[error(
+        "particle {index}: {axis} is {value}; coordinates must be finite numbers: remove or mend \
+         the particle"
+    )]
     Coordinate { index: usize, axis: &'static str, value: f64 },
     /// NaN, infinite or negative.
-    #[error("particle {index}: the radius is {value}; radii must be finite and not negative: remove or mend the particle")]
+    #[error(
+        "particle {index}: the radius is {value}; radii must be finite and not negative: remove \
+         or mend the particle"
+    )]
     Radius { index: usize, value: f64 },
     /// NaN, infinite or negative.
     #[error("the radius of all particles is {value}; it must be finite and not negative")]
@@ -58,7 +71,8 @@ pub enum SceneError {
     Lengths { centres: usize, radii: usize },
     /// Cell numbers and offsets do not hold the coordinates.
     #[error(
-        "along {axis} the scene spans 2^28 cells of edge {edge:e} or more ({low:e} to {high:e}); coordinates by cells hold fewer: take f64 or exact"
+        "along {axis} the scene spans 2^28 cells of edge {edge:e} or more ({low:e} to {high:e}); \
+         coordinates by cells hold fewer: take f64 or exact"
     )]
     Cells { axis: &'static str, low: f64, high: f64, edge: f64 },
     /// More than can be numbered.
@@ -67,8 +81,15 @@ pub enum SceneError {
 }
 
 impl<'a, T: Real, const D: usize> Scene<'a, T, D> {
-    /// A scene from centres and radii, which are checked.
-    pub fn new(centres: impl Into<Cow<'a, [Point<T, D>]>>, radii: Radii<'a, T>) -> Result<Scene<'a, T, D>, SceneError> {
+    /// A scene from centres and radii, in one unit of length.
+    ///
+    /// # Errors
+    /// Coordinates or radii that are not finite, negative radii, numbers of centres and radii that
+    /// differ, more than 2^32 - 1 particles.
+    pub fn new(
+        centres: impl Into<Cow<'a, [Point<T, D>]>>,
+        radii: Radii<'a, T>,
+    ) -> Result<Scene<'a, T, D>, SceneError> {
         let centres = centres.into();
         if centres.len() as u64 > u64::from(u32::MAX) {
             return Err(SceneError::TooMany { n: centres.len() });
@@ -76,13 +97,19 @@ impl<'a, T: Real, const D: usize> Scene<'a, T, D> {
         for (index, centre) in centres.iter().enumerate() {
             for (k, x) in array(centre).iter().enumerate() {
                 if !x.finite() {
-                    return Err(SceneError::Coordinate { index, axis: ["x", "y", "z"][k.min(2)], value: x.wide() });
+                    return Err(SceneError::Coordinate {
+                        index,
+                        axis: ["x", "y", "z"][k.min(2)],
+                        value: x.wide(),
+                    });
                 }
             }
         }
         let bad = |r: &T| !(r.finite() && *r >= T::default());
         match &radii {
-            Radii::Uniform(r) if bad(r) => return Err(SceneError::UniformRadius { value: r.wide() }),
+            Radii::Uniform(r) if bad(r) => {
+                return Err(SceneError::UniformRadius { value: r.wide() });
+            }
             Radii::Each(radii) if radii.len() != centres.len() => {
                 return Err(SceneError::Lengths { centres: centres.len(), radii: radii.len() });
             }
@@ -101,35 +128,37 @@ impl<'a, T: Real, const D: usize> Scene<'a, T, D> {
         &self.centres
     }
 
-    /// One radius, or one per element.
+    /// One radius, or one per particle.
     pub fn radii(&self) -> &Radii<'a, T> {
         &self.radii
     }
 
-    /// The radius of element `k`.
+    /// The radius of particle `k`.
     pub fn radius(&self, k: usize) -> T {
-        self.radii.of(k)
+        self.radii.get(k)
     }
 
-    /// The number of elements.
+    /// The number of particles.
     pub fn len(&self) -> usize {
         self.centres.len()
     }
 
-    /// True if there are no elements.
+    /// True if there are no particles.
     pub fn is_empty(&self) -> bool {
         self.centres.is_empty()
     }
 
-    /// The largest radius; 0 for an empty scene with a radius per element.
+    /// The largest radius; 0 for an empty scene with a radius per particle.
     pub fn largest_radius(&self) -> T {
         match &self.radii {
             Radii::Uniform(r) => *r,
-            Radii::Each(radii) => radii.iter().fold(T::default(), |most, &r| if r > most { r } else { most }),
+            Radii::Each(radii) => {
+                radii.iter().fold(T::default(), |most, &r| if r > most { r } else { most })
+            }
         }
     }
 
-    /// The scene with its elements in another order: element k of the result is element `order[k]`.
+    /// The scene with its particles in another order: particle k of the result is `order[k]`.
     pub fn reordered(&self, order: &[u32]) -> Scene<'static, T, D> {
         let radii = match &self.radii {
             Radii::Uniform(r) => Radii::Uniform(*r),
@@ -138,14 +167,33 @@ impl<'a, T: Real, const D: usize> Scene<'a, T, D> {
         Scene { centres: order.iter().map(|&k| self.centres[k as usize]).collect(), radii }
     }
 
-    /// The scene rounded to another precision. Fails where a number overflows.
+    /// The scene rounded to another precision.
+    ///
+    /// # Errors
+    /// [`SceneError::Coordinate`] or [`SceneError::Radius`] where a number overflows.
     pub fn convert<U: Real>(&self) -> Result<Scene<'static, U, D>, SceneError> {
         self.map(|x, _| U::place(x), U::nearest)
     }
 
+    /// The scene in f64. Cannot fail: every storage widens to f64 exactly.
+    pub fn widened(&self) -> Scene<'static, f64, D> {
+        let wide = |p: &Point<T, D>| Point::from(array(p).map(|x| x.wide()));
+        let radii = match &self.radii {
+            Radii::Uniform(r) => Radii::Uniform(r.wide()),
+            Radii::Each(radii) => Radii::Each(radii.iter().map(|r| r.wide()).collect()),
+        };
+        Scene { centres: self.centres.iter().map(wide).collect(), radii }
+    }
+
     /// The scene with every coordinate (and its axis) and every radius mapped.
-    fn map<U: Real>(&self, coordinate: impl Fn(f64, usize) -> U, length: impl Fn(f64) -> U) -> Result<Scene<'static, U, D>, SceneError> {
-        let place = |p: &Point<T, D>| Point::from(std::array::from_fn(|k| coordinate(array(p)[k].wide(), k)));
+    fn map<U: Real>(
+        &self,
+        coordinate: impl Fn(f64, usize) -> U,
+        length: impl Fn(f64) -> U,
+    ) -> Result<Scene<'static, U, D>, SceneError> {
+        let place = |p: &Point<T, D>| {
+            Point::from(std::array::from_fn(|k| coordinate(array(p)[k].wide(), k)))
+        };
         let radii = match &self.radii {
             Radii::Uniform(r) => Radii::Uniform(length(r.wide())),
             Radii::Each(radii) => Radii::Each(radii.iter().map(|r| length(r.wide())).collect()),
@@ -155,10 +203,13 @@ impl<'a, T: Real, const D: usize> Scene<'a, T, D> {
 }
 
 impl<const D: usize> Scene<'_, f64, D> {
-    /// The scene by cells, in units of the cell's edge: the power of two from the largest diameter upwards, at least 2^-1022 (for points: such that the
-    /// scene spans 2^20 cells). Cells are numbered from the one that holds the lowest coordinate. Fails beyond 2^28 cells along an axis.
+    /// The scene by cells, in units of the cell's edge: the power of two from the largest diameter
+    /// upwards, at least 2^-1022 (for points: such that the scene spans 2^20 cells). Cells are
+    /// numbered from the one that holds the lowest coordinate. Fails beyond 2^28 cells along an
+    /// axis.
     ///
-    /// Cell numbers are exact. What rounding there is, half of 2^-24 of an edge, is that of the offsets.
+    /// Cell numbers are exact. What rounding there is, half of 2^-24 of an edge, is that of the
+    /// offsets.
     pub fn by_cells(&self) -> Result<Scene<'static, CellF32, D>, SceneError> {
         let (mut low, mut high) = ([f64::INFINITY; D], [f64::NEG_INFINITY; D]);
         for centre in self.centres.iter() {
@@ -168,14 +219,21 @@ impl<const D: usize> Scene<'_, f64, D> {
         }
         let diameter = 2.0 * self.largest_radius();
         // Halved, so that the extent does not overflow.
-        let extent = (0..D).map(|k| 0.5 * high[k] - 0.5 * low[k]).fold(0.0, f64::max) * (1.0 / (1u64 << 19) as f64);
-        let edge = [diameter, extent, 1.0].into_iter().find(|&size| size > 0.0).map_or(1.0, power_of_two);
+        let extent = (0..D).map(|k| 0.5 * high[k] - 0.5 * low[k]).fold(0.0, f64::max)
+            * (1.0 / (1u64 << 19) as f64);
+        let edge =
+            [diameter, extent, 1.0].into_iter().find(|&size| size > 0.0).map_or(1.0, power_of_two);
         let first = low.map(|x| (x / edge).floor());
         for k in 0..D {
             let cells = (high[k] / edge).floor() - first[k];
             // Also where the quotients overflow, and nothing can be said.
             if !(cells < CellF32::MOST_CELLS || self.is_empty()) {
-                return Err(SceneError::Cells { axis: ["x", "y", "z"][k.min(2)], low: low[k], high: high[k], edge });
+                return Err(SceneError::Cells {
+                    axis: ["x", "y", "z"][k.min(2)],
+                    low: low[k],
+                    high: high[k],
+                    edge,
+                });
             }
         }
         self.map(
@@ -201,13 +259,29 @@ mod tests {
     #[test]
     fn what_cells_cannot_hold_is_refused_and_the_rest_is_not() {
         let stored = |points: &[[f64; 2]], r: f64| {
-            Scene::new(points.iter().copied().map(Point::from).collect::<Vec<_>>(), Radii::Uniform(r)).unwrap().by_cells()
+            Scene::new(
+                points.iter().copied().map(Point::from).collect::<Vec<_>>(),
+                Radii::Uniform(r),
+            )
+            .unwrap()
+            .by_cells()
         };
-        assert!(matches!(stored(&[[0.0, 0.0], [0.0, 3e8]], 0.5), Err(SceneError::Cells { axis: "y", .. })));
+        assert!(matches!(
+            stored(&[[0.0, 0.0], [0.0, 3e8]], 0.5),
+            Err(SceneError::Cells { axis: "y", .. })
+        ));
         assert!(stored(&[[0.0, 0.0], [0.0, 2e8]], 0.5).is_ok());
-        assert!(matches!(stored(&[[f64::MAX, 0.0], [-f64::MAX, 3e8]], 1e-300), Err(SceneError::Cells { axis: "x", .. })));
-        for points in [&[][..], &[[1e300, -1e300]], &[[5.0, 5.0], [5.0, 5.0]], &[[0.0, 0.0], [1e-310, 7.0]], &[[-0.0, 0.0], [-5e-324, 0.0]]]
-        {
+        assert!(matches!(
+            stored(&[[f64::MAX, 0.0], [-f64::MAX, 3e8]], 1e-300),
+            Err(SceneError::Cells { axis: "x", .. })
+        ));
+        for points in [
+            &[][..],
+            &[[1e300, -1e300]],
+            &[[5.0, 5.0], [5.0, 5.0]],
+            &[[0.0, 0.0], [1e-310, 7.0]],
+            &[[-0.0, 0.0], [-5e-324, 0.0]],
+        ] {
             assert!(stored(points, 0.0).is_ok(), "{points:?}");
         }
         assert!(stored(&[[0.0, 0.0], [f64::MAX, 0.0]], f64::MAX).is_ok());
@@ -215,9 +289,13 @@ mod tests {
 
     #[test]
     fn powers_of_two_are_not_below_the_size() {
-        for (size, power) in
-            [(1.0, 1.0), (1.5, 2.0), (0.1, 0.125), (f64::MIN_POSITIVE / 2.0, f64::MIN_POSITIVE), (f64::INFINITY, 2f64.powi(1023))]
-        {
+        for (size, power) in [
+            (1.0, 1.0),
+            (1.5, 2.0),
+            (0.1, 0.125),
+            (f64::MIN_POSITIVE / 2.0, f64::MIN_POSITIVE),
+            (f64::INFINITY, 2f64.powi(1023)),
+        ] {
             assert_eq!(power_of_two(size), power, "{size}");
         }
     }

@@ -1,8 +1,9 @@
 //! Sixteen floats at a time: what the vector code of a detector is written in.
 //!
-//! A kernel is written once, over [`Wide`], and compiled for every instruction set; the widest that the processor has is chosen when the program
-//! runs ([`Level::best`]), so one binary serves all machines. A value of an implementing type is the proof that its instructions may be used:
-//! only [`Level`] makes one, after asking the processor.
+//! A kernel is written once, over [`Wide`], and compiled for every instruction set; the widest that
+//! the processor has is chosen when the program runs ([`Level::best`]), so one binary serves all
+//! machines. A value of an implementing type is the proof that its instructions may be used: only
+//! [`Level`] makes one, after asking the processor.
 //!
 //! | level | registers | instructions |
 //! |---|---|---|
@@ -10,8 +11,9 @@
 //! | `avx2` | two of 8 floats | AVX2 and FMA |
 //! | `portable` | an array of 16 floats | none in particular |
 //!
-//! The levels may round differently (a fused multiply-add rounds once), by less than one part in 2^22 in a sum of three squares. Detectors
-//! leave to the contact test what that could change, so their pairs are the same on every level.
+//! The levels may round differently (a fused multiply-add rounds once), by less than one part in
+//! 2^22 in a sum of three squares. Detectors leave to the contact test what that could change, so
+//! their pairs are the same on every level.
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;
@@ -30,7 +32,8 @@ pub const LANES: usize = 16;
 /// Half of them.
 pub const HALF: usize = LANES / 2;
 
-/// Vectors of [`LANES`] floats on one instruction set. Masks have one bit per lane, the first lane in the lowest.
+/// Vectors of [`LANES`] floats on one instruction set. Masks have one bit per lane, the first lane
+/// in the lowest.
 pub trait Wide: Copy + Send + Sync {
     /// A vector of floats.
     type Floats: Copy;
@@ -52,7 +55,8 @@ pub trait Wide: Copy + Send + Sync {
     fn max(self, a: Self::Floats, b: Self::Floats) -> Self::Floats;
     /// The lanes in which a <= b.
     fn at_most(self, a: Self::Floats, b: Self::Floats) -> u32;
-    /// Writes the lanes of `ids` that are in `mask` side by side to the front of `to`, if they are at most eight; what comes after them is anything.
+    /// Writes the lanes of `ids` that are in `mask` side by side to the front of `to`, if they are
+    /// at most eight; what comes after them is anything.
     fn pack(self, ids: &[u32; LANES], mask: u32, to: &mut [u32; HALF]);
     /// As [`Wide::pack`], with ids from two places.
     fn pack_two(self, low: &[u32; HALF], high: &[u32; HALF], mask: u32, to: &mut [u32; HALF]);
@@ -62,7 +66,8 @@ pub trait Wide: Copy + Send + Sync {
     fn run<K: Kernel>(self, kernel: K) -> K::Output;
 }
 
-/// Code over any [`Wide`], to be inlined where the instructions are known. Implementations should be `#[inline(always)]`.
+/// Code over any [`Wide`], to be inlined where the instructions are known. Implementations should
+/// be `#[inline(always)]`.
 pub trait Kernel {
     /// What comes of it.
     type Output;
@@ -150,7 +155,9 @@ mod tests {
             let mut all = Vec::new();
             let mut see = |v: W::Floats| {
                 // A vector, seen through comparisons: the ranks of its lanes.
-                all.extend((-3000..3000).step_by(7).map(|x| u64::from(w.at_most(v, w.all(x as f32)))));
+                all.extend(
+                    (-3000..3000).step_by(7).map(|x| u64::from(w.at_most(v, w.all(x as f32)))),
+                );
             };
             see(w.add(va, vb));
             see(w.sub(va, vb));
@@ -161,7 +168,8 @@ mod tests {
             for mask in (0..1u32 << LANES).filter(|mask| mask.count_ones() <= 8) {
                 let mut to = [0; HALF];
                 w.pack(&ids, mask, &mut to);
-                let expected: Vec<u32> = (0..LANES as u32).filter(|k| mask >> k & 1 == 1).map(|k| 1000 + k).collect();
+                let expected: Vec<u32> =
+                    (0..LANES as u32).filter(|k| mask >> k & 1 == 1).map(|k| 1000 + k).collect();
                 assert_eq!(&to[..expected.len()], expected);
                 to = [0; HALF];
                 w.pack_two(ids.first_chunk().unwrap(), ids.last_chunk().unwrap(), mask, &mut to);
@@ -169,7 +177,10 @@ mod tests {
             }
             let mut pairs = [[0; 2]; 8];
             w.pair(7, &[1, 2, 3, 4, 5, 6, u32::MAX, 8], &mut pairs);
-            assert_eq!(pairs, [[7, 1], [7, 2], [7, 3], [7, 4], [7, 5], [7, 6], [7, u32::MAX], [7, 8]]);
+            assert_eq!(
+                pairs,
+                [[7, 1], [7, 2], [7, 3], [7, 4], [7, 5], [7, 6], [7, u32::MAX], [7, 8]]
+            );
             all
         }
     }

@@ -6,9 +6,14 @@ use super::{HALF, Kernel, LANES, Wide};
 #[derive(Clone, Copy, Debug)]
 pub struct Portable;
 
+/// A loop, where the compiler may leave the closure of `std::array::from_fn` a call.
 #[inline(always)]
-fn lanes(f: impl FnMut(usize) -> f32) -> [f32; LANES] {
-    std::array::from_fn(f)
+fn lanes<A: Copy + Default>(mut f: impl FnMut(usize) -> A) -> [A; LANES] {
+    let mut lanes = [A::default(); LANES];
+    for (k, lane) in lanes.iter_mut().enumerate() {
+        *lane = f(k);
+    }
+    lanes
 }
 
 impl Wide for Portable {
@@ -57,7 +62,7 @@ impl Wide for Portable {
     #[inline(always)]
     fn at_most(self, a: [f32; LANES], b: [f32; LANES]) -> u32 {
         // An array first: this the compiler makes vectors of.
-        let bits: [u32; LANES] = std::array::from_fn(|k| if a[k] <= b[k] { 1 << k } else { 0 });
+        let bits = lanes(|k| if a[k] <= b[k] { 1u32 << k } else { 0 });
         bits.iter().fold(0, |mask, bit| mask | bit)
     }
 
@@ -74,7 +79,7 @@ impl Wide for Portable {
 
     #[inline(always)]
     fn pack_two(self, low: &[u32; HALF], high: &[u32; HALF], mask: u32, to: &mut [u32; HALF]) {
-        self.pack(&std::array::from_fn(|k| if k < HALF { low[k] } else { high[k - HALF] }), mask, to);
+        self.pack(&lanes(|k| if k < HALF { low[k] } else { high[k - HALF] }), mask, to);
     }
 
     #[inline(always)]

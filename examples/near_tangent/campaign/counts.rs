@@ -30,7 +30,8 @@ pub enum What {
     Label,
     /// Depths whose sign is not that of the label.
     Depth,
-    /// Labels of the construction that differ from rational arithmetic: the campaign itself would be wrong.
+    /// Labels of the construction that differ from rational arithmetic: the campaign itself would
+    /// be wrong.
     Construction,
     /// Scenes that a detector refused.
     Refused,

@@ -1,5 +1,5 @@
-//! Families of near-tangent couples. Each is built from integers, and its label is the sign of an expression in 128-bit integers that is
-//! written here: no code of the library takes part.
+//! Families of near-tangent couples. Each is built from integers, and its label is the sign of an
+//! expression in 128-bit integers that is written here: no code of the library takes part.
 
 use std::cmp::Ordering;
 
@@ -8,9 +8,11 @@ use super::draw::{Draw, Sphere, direction, power, square};
 /// How couples come about.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Family {
-    /// Pythagorean triples and quadruples, exactly tangent, then moved by one ulp in a coordinate, in a radius, in both, or not at all.
+    /// Pythagorean triples and quadruples, exactly tangent, then moved by one ulp in a coordinate,
+    /// in a radius, in both, or not at all.
     Pythagoras,
-    /// Random directions on the grid; the sum of radii is the distance rounded, give or take one ulp.
+    /// Random directions on the grid; the sum of radii is the distance rounded, give or take one
+    /// ulp.
     Direction,
     /// As `Direction`, with differences and sums of radii that need 60 bits.
     LongSum,
@@ -57,8 +59,15 @@ const FAR: i64 = 1 << 52;
 
 impl<'a, const D: usize> Batch<'a, D> {
     /// Batch number `index` of a family; `offset` in diameters.
-    pub fn new(family: Family, sphere: &'a Sphere<D>, offset: f64, index: u64, draw: &mut Draw) -> Batch<'a, D> {
-        // About the origin the radius has all its 53 bits above the unit; the sphere's length times an even number.
+    pub fn new(
+        family: Family,
+        sphere: &'a Sphere<D>,
+        offset: f64,
+        index: u64,
+        draw: &mut Draw,
+    ) -> Batch<'a, D> {
+        // About the origin the radius has all its 53 bits above the unit; the sphere's length times
+        // an even number.
         let most = if offset == 0.0 { (1i64 << 53) as f64 } else { FAR as f64 / offset };
         let multiple = (most * (0.6 + 0.35 * draw.unit()) / sphere.length as f64) as i64 / 2 * 2;
         let exponent = match index % 4 {
@@ -67,8 +76,10 @@ impl<'a, const D: usize> Batch<'a, D> {
             2 => draw.within(200) as i32,
             _ => (draw.within(990) - 20) as i32,
         };
-        let exponent = if matches!(family, Family::LongSum | Family::Needle) { -52 } else { exponent };
-        let uniform = index / 4 % 2 == 1 && matches!(family, Family::Pythagoras | Family::Direction);
+        let exponent =
+            if matches!(family, Family::LongSum | Family::Needle) { -52 } else { exponent };
+        let uniform =
+            index / 4 % 2 == 1 && matches!(family, Family::Pythagoras | Family::Direction);
         Batch { family, sphere, exponent, offset, multiple: multiple.max(2), uniform }
     }
 
@@ -83,16 +94,21 @@ impl<'a, const D: usize> Batch<'a, D> {
 
     fn on_the_grid(&self, draw: &mut Draw) -> Couple<D> {
         let diameter = self.multiple * self.sphere.length;
-        // Radii lie in finer units, where the diameter has 53 bits: one of them is one ulp of the radius.
+        // Radii lie in finer units, where the diameter has 53 bits: one of them is one ulp of the
+        // radius.
         let fine = diameter.leading_zeros() as i32 - 11;
         let mut sum = diameter << fine;
-        let mut vector: [i64; D] =
-            if self.family == Family::Pythagoras { self.sphere.any(draw).map(|x| x * self.multiple) } else { direction(draw, diameter) };
+        let mut vector: [i64; D] = if self.family == Family::Pythagoras {
+            self.sphere.any(draw).map(|x| x * self.multiple)
+        } else {
+            direction(draw, diameter)
+        };
         if self.family == Family::Pythagoras || self.uniform {
             vector[draw.below(D as i64) as usize] += draw.within(1);
         } else {
             // Even, and below 2^53 with what is added to one radius: then both are doubles.
-            sum = (((square(&vector.map(|x| x << fine)) as f64).sqrt() as i64 + 1) & !1).min((1 << 53) - 4);
+            sum = (((square(&vector.map(|x| x << fine)) as f64).sqrt() as i64 + 1) & !1)
+                .min((1 << 53) - 4);
         }
         // In half fine units, so that half the sum is an integer.
         let (mut ra, mut rb) = (sum, sum);
@@ -108,7 +124,13 @@ impl<'a, const D: usize> Batch<'a, D> {
         let (unit, half) = (power(self.exponent), power(self.exponent - fine - 1));
         // Components are below 2^55 + 2 in half fine units, the sums of radii below 2^55.
         let truth = square(&vector.map(|x| x << (fine + 1))).cmp(&square(&[ra + rb]));
-        Couple { a: a.map(|x| x as f64 * unit), b: b.map(|x| x as f64 * unit), ra: ra as f64 * half, rb: rb as f64 * half, truth }
+        Couple {
+            a: a.map(|x| x as f64 * unit),
+            b: b.map(|x| x as f64 * unit),
+            ra: ra as f64 * half,
+            rb: rb as f64 * half,
+            truth,
+        }
     }
 
     /// Two points that differ by the vector, with coordinates below 2^53.
@@ -146,13 +168,15 @@ fn long_sum<const D: usize>(draw: &mut Draw) -> Couple<D> {
     Couple { a, b, ra: ra as f64 * unit, rb: rb as f64 * fine, truth }
 }
 
-/// Along one axis the distance is the sum of radii, give or take one; along the next it is below half a unit.
+/// Along one axis the distance is the sum of radii, give or take one; along the next it is below
+/// half a unit.
 fn needle<const D: usize>(draw: &mut Draw) -> Couple<D> {
     let sum = (1i64 << 51) + draw.below(1 << 51);
     let distance = sum + draw.within(1);
     let off = if draw.once_in(4) { 0 } else { draw.below(1 << 51) };
     let depth = if draw.once_in(16) { draw.below(800) + 100 } else { draw.below(14) + 52 };
-    // What is off the axis adds less than 1/4 to the square, which without it differs by 2·2^51 or not at all.
+    // What is off the axis adds less than 1/4 to the square, which without it differs by 2·2^51 or
+    // not at all.
     let truth = distance.cmp(&sum).then(off.cmp(&0));
     let (mut a, mut b) = ([0.0; D], [0.0; D]);
     let share = draw.below(sum + 1);

@@ -42,7 +42,8 @@ pub fn power(k: i32) -> f64 {
     libm::scalbn(1.0, k)
 }
 
-/// All integer vectors of one length, over the signs and the order of their components: what Pythagorean triples and quadruples give.
+/// All integer vectors of one length, over the signs and the order of their components: what
+/// Pythagorean triples and quadruples give.
 pub struct Sphere<const D: usize> {
     pub length: i64,
     pub points: Vec<[i64; D]>,
@@ -55,7 +56,12 @@ impl<const D: usize> Sphere<D> {
         let mut points = Vec::new();
         let mut point = [0; D];
         // The last component follows from the others.
-        fn fill<const D: usize>(length: i64, k: usize, point: &mut [i64; D], points: &mut Vec<[i64; D]>) {
+        fn fill<const D: usize>(
+            length: i64,
+            k: usize,
+            point: &mut [i64; D],
+            points: &mut Vec<[i64; D]>,
+        ) {
             let rest = length * length - point[..k].iter().map(|x| x * x).sum::<i64>();
             let most = rest.max(0).isqrt();
             if k + 1 < D {
@@ -80,7 +86,8 @@ impl<const D: usize> Sphere<D> {
     }
 }
 
-/// An integer vector of about this length in a random direction: within one unit, if `length` is below 2^53.
+/// An integer vector of about this length in a random direction: within one unit, if `length` is
+/// below 2^53.
 pub fn direction<const D: usize>(draw: &mut Draw, length: i64) -> [i64; D] {
     let mut vector = [0; D];
     let mut rest = length as f64;

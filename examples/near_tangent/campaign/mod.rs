@@ -7,13 +7,13 @@ pub mod predicate;
 pub mod scenes;
 
 use contactbench::contact::Test;
-use rayon::prelude::*;
-
 use counts::{Counts, What};
 use couples::{Batch, Family};
 use draw::{Draw, Sphere};
+use rayon::prelude::*;
 
-/// Offsets in diameters: coordinates have at least this magnitude, and less than five times it; 0: about the origin.
+/// Offsets in diameters: coordinates have at least this magnitude, and less than five times it; 0:
+/// about the origin.
 pub const OFFSETS: [f64; 5] = [0.0, 1e3, 1e6, 1e9, 1e12];
 
 /// One line of the table.
@@ -27,14 +27,16 @@ pub struct Line {
 /// What is to be done.
 #[derive(Clone, Copy)]
 pub struct Plan {
-    /// Couples for the contact test, and decisions (couples times detectors) for the detectors; rounded up to whole batches and scenes.
+    /// Couples for the contact test, and decisions (couples times detectors) for the detectors;
+    /// rounded up to whole batches and scenes.
     pub pairs: u64,
     pub seed: u64,
     /// The test under trial: exact; the rounded one must be found wrong.
     pub test: Test,
 }
 
-/// (family, dimension, offset, share): needles are few, because one in sixteen takes the widest numbers there are.
+/// (family, dimension, offset, share): needles are few, because one in sixteen takes the widest
+/// numbers there are.
 fn families() -> Vec<(Family, usize, f64, u64)> {
     let mut rows = Vec::new();
     for dim in [2, 3] {
@@ -52,16 +54,22 @@ pub fn predicate(plan: Plan) -> Vec<Line> {
     let rows = families();
     let shares: u64 = rows.iter().map(|row| row.3).sum();
     let batches = |share: u64| (plan.pairs * share).div_ceil(shares * predicate::BATCH).max(1);
-    let counts = in_parallel(&rows.iter().map(|row| batches(row.3)).collect::<Vec<_>>(), |row, index| {
-        let (family, dim, offset, _) = rows[row];
-        let draw = &mut Draw::new(plan.seed, (row as u64) << 40 | index);
-        if dim == 2 {
-            predicate::run(&Batch::new(family, &plane, offset, index, draw), plan.test, draw)
-        } else {
-            predicate::run(&Batch::new(family, &space, offset, index, draw), plan.test, draw)
-        }
-    });
-    let line = |((family, dim, offset, _), counts): ((Family, usize, f64, u64), Counts)| Line { name: family.name(), dim, offset, counts };
+    let counts =
+        in_parallel(&rows.iter().map(|row| batches(row.3)).collect::<Vec<_>>(), |row, index| {
+            let (family, dim, offset, _) = rows[row];
+            let draw = &mut Draw::new(plan.seed, (row as u64) << 40 | index);
+            if dim == 2 {
+                predicate::run(&Batch::new(family, &plane, offset, index, draw), plan.test, draw)
+            } else {
+                predicate::run(&Batch::new(family, &space, offset, index, draw), plan.test, draw)
+            }
+        });
+    let line = |((family, dim, offset, _), counts): ((Family, usize, f64, u64), Counts)| Line {
+        name: family.name(),
+        dim,
+        offset,
+        counts,
+    };
     rows.into_iter().zip(counts).map(line).collect()
 }
 
@@ -75,8 +83,12 @@ pub fn detectors(plan: Plan) -> Vec<Line> {
         }
     }
     let each = plan.pairs.div_ceil(rows.len() as u64 * scenes::detectors(false).len() as u64);
-    let scenes: Vec<u64> =
-        rows.iter().map(|row| each.div_ceil(if row.1 == 2 { scenes::couples::<2>() } else { scenes::couples::<3>() })).collect();
+    let scenes: Vec<u64> = rows
+        .iter()
+        .map(|row| {
+            each.div_ceil(if row.1 == 2 { scenes::couples::<2>() } else { scenes::couples::<3>() })
+        })
+        .collect();
     let counts = in_parallel(&scenes, |row, index| {
         let (sizes, dim, offset) = rows[row];
         let draw = &mut Draw::new(plan.seed, 1 << 62 | (row as u64) << 40 | index);
@@ -87,12 +99,19 @@ pub fn detectors(plan: Plan) -> Vec<Line> {
         }
     });
     let name = |sizes| if sizes { "borders, sizes" } else { "borders, one size" };
-    rows.into_iter().zip(counts).map(|((sizes, dim, offset), counts)| Line { name: name(sizes), dim, offset, counts }).collect()
+    rows.into_iter()
+        .zip(counts)
+        .map(|((sizes, dim, offset), counts)| Line { name: name(sizes), dim, offset, counts })
+        .collect()
 }
 
 /// Runs so many pieces of every row, in any order, and adds them up by row.
 fn in_parallel(pieces: &[u64], run: impl Fn(usize, u64) -> Counts + Sync) -> Vec<Counts> {
-    let all: Vec<_> = pieces.iter().enumerate().flat_map(|(row, &n)| (0..n).map(move |index| (row, index))).collect();
+    let all: Vec<_> = pieces
+        .iter()
+        .enumerate()
+        .flat_map(|(row, &n)| (0..n).map(move |index| (row, index)))
+        .collect();
     let zero = || vec![Counts::default(); pieces.len()];
     let add = |mut left: Vec<Counts>, right: Vec<Counts>| {
         left.iter_mut().zip(right).for_each(|(left, right)| *left += right);
@@ -118,14 +137,33 @@ pub fn total(lines: &[Line]) -> Counts {
 pub fn table(lines: &[Line]) -> String {
     let mut text = format!(
         "{:18} {:>3} {:>7} {:>13} {:>12} {:>12} {:>12} {:>7} {:>7} {:>8} {:>9} {:>6} {:>6}\n",
-        "family", "dim", "offset", "decisions", "tangent", "overlap", "apart", "exact", "missed", "spurious", "duplicate", "other", "f64"
+        "family",
+        "dim",
+        "offset",
+        "decisions",
+        "tangent",
+        "overlap",
+        "apart",
+        "exact",
+        "missed",
+        "spurious",
+        "duplicate",
+        "other",
+        "f64"
     );
-    let percent = |part: u64, whole: u64| if whole == 0 { "-".to_owned() } else { format!("{:.1}%", 100.0 * part as f64 / whole as f64) };
+    let percent = |part: u64, whole: u64| {
+        if whole == 0 {
+            "-".to_owned()
+        } else {
+            format!("{:.1}%", 100.0 * part as f64 / whole as f64)
+        }
+    };
     let mut line = |name: &str, dim: &str, offset: &str, counts: &Counts| {
         let get = |what| counts.get(what);
         let listed = get(What::Missed) + get(What::Spurious) + get(What::Duplicate);
         text += &format!(
-            "{name:18} {dim:>3} {offset:>7} {:>13} {:>12} {:>12} {:>12} {:>7} {:>7} {:>8} {:>9} {:>6} {:>6}\n",
+            "{name:18} {dim:>3} {offset:>7} {:>13} {:>12} {:>12} {:>12} {:>7} {:>7} {:>8} {:>9} \
+             {:>6} {:>6}\n",
             get(What::Pairs),
             get(What::Tangent),
             get(What::Overlap),

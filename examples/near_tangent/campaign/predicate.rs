@@ -50,7 +50,8 @@ pub fn run<const D: usize>(batch: &Batch<'_, D>, test: Test, draw: &mut Draw) ->
     counts.add(What::Exact, tally.get(Op::ExactTest));
     // f64 cannot square the extreme scales, and would only be blamed for its range there.
     if batch.exponent.abs() <= 200
-        && let Ok((missed, spurious)) = with_bodies(&scene, Test::Rounded, Ask { truths: &truths, tally: None })
+        && let Ok((missed, spurious)) =
+            with_bodies(&scene, Test::Rounded, Ask { truths: &truths, tally: None })
     {
         counts.add(What::Rounded, BATCH);
         counts.add(What::RoundedWrong, missed + spurious);
@@ -69,7 +70,10 @@ fn judge<const D: usize>(couple: &Couple<D>, k: usize, counts: &mut Counts) {
     counts.add([What::Overlap, What::Tangent, What::Apart][(*truth as i8 + 1) as usize], 1);
     counts.add(What::Label, u64::from(exact::label(a, b, *ra, *rb) != label));
     if k.is_multiple_of(DEPTHS) {
-        counts.add(What::Depth, u64::from(0.0f64.partial_cmp(&depth(a, b, *ra, *rb)) != Some(*truth)));
+        counts.add(
+            What::Depth,
+            u64::from(0.0f64.partial_cmp(&depth(a, b, *ra, *rb)) != Some(*truth)),
+        );
     }
     if k.is_multiple_of(SAMPLE) {
         counts.add(What::Sampled, 1);
@@ -82,7 +86,11 @@ pub fn rational<const D: usize>(a: &[f64; D], b: &[f64; D], ra: f64, rb: f64) ->
     let integer = |x: f64| {
         let (bits, field) = (x.to_bits(), x.to_bits() >> 52 & 0x7ff);
         let fraction = bits & ((1 << 52) - 1);
-        let magnitude = if field == 0 { BigInt::from(fraction) } else { BigInt::from(fraction | 1 << 52) << (field - 1) };
+        let magnitude = if field == 0 {
+            BigInt::from(fraction)
+        } else {
+            BigInt::from(fraction | 1 << 52) << (field - 1)
+        };
         if x.is_sign_negative() { -magnitude } else { magnitude }
     };
     let square = |x: BigInt| &x * &x;
@@ -107,8 +115,11 @@ impl<const D: usize> WithBodies<f64, D> for Ask<'_> {
             wrong[1] += u64::from(touch && !truth);
         };
         match self.tally {
-            Some(tally) => (0..self.truths.len()).for_each(|k| compare(k, bodies.touch(2 * k as u32, 2 * k as u32 + 1, tally))),
-            None => (0..self.truths.len()).for_each(|k| compare(k, bodies.touch(2 * k as u32, 2 * k as u32 + 1, &mut Silent))),
+            Some(tally) => (0..self.truths.len())
+                .for_each(|k| compare(k, bodies.touch(2 * k as u32, 2 * k as u32 + 1, tally))),
+            None => (0..self.truths.len()).for_each(|k| {
+                compare(k, bodies.touch(2 * k as u32, 2 * k as u32 + 1, &mut Silent))
+            }),
         }
         Ok((wrong[0], wrong[1]))
     }

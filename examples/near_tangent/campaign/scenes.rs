@@ -1,4 +1,5 @@
-//! The second part: whole detectors on scenes of isolated near-tangent couples that sit on the borders of cells.
+//! The second part: whole detectors on scenes of isolated near-tangent couples that sit on the
+//! borders of cells.
 //!
 //! ```text
 //!      |         |         |         |         |         |         |         |         |
@@ -11,8 +12,9 @@
 use std::cmp::Ordering;
 
 use contactbench::contact::Test;
+use contactbench::detect::Options;
+use contactbench::detect::any::AnyDetector;
 use contactbench::detect::table::{Role, TABLE};
-use contactbench::detect::{Options, any::AnyDetector};
 use contactbench::probe::{Op, Tally};
 use contactbench::scene::{AnyScene, Radii, Scene};
 use contactbench::sink::Visit;
@@ -21,7 +23,8 @@ use nalgebra::Point;
 use super::counts::{Counts, What};
 use super::draw::{Draw, Sphere, direction, power, square};
 
-/// Every so many scenes of a row, the first included, a small one is given to the detectors that test all pairs, too.
+/// Every so many scenes of a row, the first included, a small one is given to the detectors that
+/// test all pairs, too.
 pub const SMALL: u64 = 64;
 /// Cells from couple to couple.
 const PITCH: i64 = 5;
@@ -45,7 +48,11 @@ pub fn couples<const D: usize>() -> u64 {
 pub fn detectors(small: bool) -> Vec<(&'static str, Box<dyn AnyDetector>)> {
     TABLE
         .iter()
-        .filter(|entry| entry.must_be_right() && !matches!(entry.role, Role::Twin(_)) && (small || entry.name != "direct"))
+        .filter(|entry| {
+            entry.must_be_right()
+                && !matches!(entry.role, Role::Twin(_))
+                && (small || entry.name != "direct")
+        })
         .map(|entry| (entry.name, entry.make(Options::default())))
         .collect()
 }
@@ -71,8 +78,13 @@ impl<const D: usize> Row<'_, D> {
     fn couples(&self, index: u64, draw: &mut Draw) -> Option<Couples<D>> {
         let sites = sites::<D>(index.is_multiple_of(SMALL));
         let cells = PITCH * (sites + 1);
-        let room = if self.offset == 0.0 { (1i64 << 54) as f64 / (cells + 1) as f64 } else { (1i64 << 52) as f64 / self.offset };
-        let multiple = (room * (1.0 - 0.3 * draw.unit()) / self.sphere.length as f64) as i64 / 2 * 2;
+        let room = if self.offset == 0.0 {
+            (1i64 << 54) as f64 / (cells + 1) as f64
+        } else {
+            (1i64 << 52) as f64 / self.offset
+        };
+        let multiple =
+            (room * (1.0 - 0.3 * draw.unit()) / self.sphere.length as f64) as i64 / 2 * 2;
         let reach = multiple.max(2) * self.sphere.length;
         let low = if self.offset == 0.0 { -cells * reach / 2 } else { 1 << 52 };
         let exponent = match index % 4 {
@@ -81,26 +93,37 @@ impl<const D: usize> Row<'_, D> {
             2 => draw.within(200) as i32,
             _ => draw.within(480) as i32,
         };
-        // Coordinates in units, radii in half fine units, in which the reach has 54 bits: one of them is one ulp of a radius, or less.
+        // Coordinates in units, radii in half fine units, in which the reach has 54 bits: one of
+        // them is one ulp of a radius, or less.
         let fine = reach.leading_zeros() as i32 - 11;
         // Two lone bodies hold the corners of the box.
-        let (mut points, mut radii, mut truths) = (vec![[low; D], [low + cells * reach; D]], vec![reach << fine; 2], Vec::new());
+        let (mut points, mut radii, mut truths) =
+            (vec![[low; D], [low + cells * reach; D]], vec![reach << fine; 2], Vec::new());
         for site in 0..sites.pow(D as u32) {
             let a: [i64; D] = std::array::from_fn(|k| {
                 let m = PITCH * (site / sites.pow(k as u32) % sites) + 3;
                 low + match draw.below(4) {
                     0 => m * reach + draw.below(reach),
                     1 => m * reach + draw.within(1),
-                    _ => (i128::from(m * reach) * (1 << 18) / ((1 << 18) - 1)) as i64 + draw.within(1),
+                    _ => {
+                        (i128::from(m * reach) * (1 << 18) / ((1 << 18) - 1)) as i64
+                            + draw.within(1)
+                    }
                 }
             });
-            let part = if self.sizes && draw.once_in(2) { 1 + draw.below(multiple.max(2) / 2) } else { multiple.max(2) };
+            let part = if self.sizes && draw.once_in(2) {
+                1 + draw.below(multiple.max(2) / 2)
+            } else {
+                multiple.max(2)
+            };
             let sum = part * self.sphere.length;
             let mut vector = [0; D];
             match draw.below(4) {
                 0 => vector = self.sphere.any(draw).map(|x| x * part),
                 1 => vector = direction(draw, sum),
-                _ => vector[draw.below(D as i64) as usize] = if draw.once_in(2) { sum } else { -sum },
+                _ => {
+                    vector[draw.below(D as i64) as usize] = if draw.once_in(2) { sum } else { -sum }
+                }
             }
             vector[draw.below(D as i64) as usize] += draw.within(1);
             let sum = sum << fine;
@@ -119,13 +142,15 @@ impl<const D: usize> Row<'_, D> {
             order.swap(k, draw.below(k as i64 + 1) as usize);
         }
         let (unit, half) = (power(exponent), power(exponent - fine - 1));
-        let centres: Vec<_> = order.iter().map(|&i| Point::from(points[i].map(|x| x as f64 * unit))).collect();
+        let centres: Vec<_> =
+            order.iter().map(|&i| Point::from(points[i].map(|x| x as f64 * unit))).collect();
         let radii = if self.sizes {
             Radii::Each(order.iter().map(|&i| radii[i] as f64 * half).collect())
         } else {
             Radii::Uniform((reach << fine) as f64 * half)
         };
-        // Elements 0 and 1 are the lone bodies; they are couple -1 of this numbering, which no pair may belong to.
+        // Elements 0 and 1 are the lone bodies; they are couple -1 of this numbering, which no pair
+        // may belong to.
         let couple_of = order.iter().map(|&i| (i / 2).wrapping_sub(1)).collect();
         Some(Couples { scene: Scene::new(centres, radii).ok()?, couple_of, truths, exponent })
     }
@@ -148,7 +173,8 @@ impl<const D: usize> Row<'_, D> {
             let found = compare(detector.as_mut(), &scene, test, &couple_of, &truths);
             counts += found;
             if name == "nbs" && exponent.abs() <= 200 {
-                let rounded = compare(detector.as_mut(), &scene, Test::Rounded, &couple_of, &truths);
+                let rounded =
+                    compare(detector.as_mut(), &scene, Test::Rounded, &couple_of, &truths);
                 counts.add(What::Rounded, truths.len() as u64);
                 counts.add(What::RoundedWrong, rounded.errors());
             }
@@ -158,7 +184,13 @@ impl<const D: usize> Row<'_, D> {
 }
 
 /// One detection, every contact held to the labels.
-fn compare(detector: &mut dyn AnyDetector, scene: &AnyScene<'_>, test: Test, couple_of: &[usize], truths: &[Ordering]) -> Counts {
+fn compare(
+    detector: &mut dyn AnyDetector,
+    scene: &AnyScene<'_>,
+    test: Test,
+    couple_of: &[usize],
+    truths: &[Ordering],
+) -> Counts {
     let (mut counts, mut tally) = (Counts::default(), Tally::default());
     let mut seen = vec![0u64; truths.len()];
     let mut sink = Visit(|i: u32, j: u32| {

@@ -2,17 +2,17 @@
 
 use serde_json::json;
 
-use super::Line;
+use crate::cli::inspect::Line;
 use crate::contact::depth::depth;
-use crate::contact::{Arithmetic, Real, Test, array};
+use crate::contact::{Arithmetic, Test};
 use crate::detect::{Options, table};
-use crate::oracle;
-use crate::read::RadiusSource;
-use crate::scene::{AnyScene, Radii, Scene};
+use crate::io::RadiusSource;
+use crate::scene::{AnyScene, Radii, Real, Scene, Stored, array};
 use crate::sink::{Visit, normalise};
-use crate::with_scene;
+use crate::{oracle, with_scene};
 
-/// Couples whose distance differs from the sum of their radii by less than this share of it are near tangent.
+/// Couples whose distance differs from the sum of their radii by less than this share of it are
+/// near tangent.
 const NEAR: f64 = 1e-9;
 /// Where more contacts than this are to be expected, they are not looked for.
 const MOST: f64 = 5e7;
@@ -39,8 +39,8 @@ pub(super) enum Contacts {
 impl Contacts {
     pub fn of(scene: &AnyScene<'static>) -> Contacts {
         match scene {
-            AnyScene::PlaneF64(scene) => of(scene),
-            AnyScene::SpaceF64(scene) => of(scene),
+            AnyScene::Plane(Stored::F64(scene)) => of(scene),
+            AnyScene::Space(Stored::F64(scene)) => of(scene),
             // Readers give doubles.
             _ => Contacts::Refused("not in f64".into()),
         }
@@ -57,13 +57,21 @@ where
     AnyScene<'static>: From<Scene<'static, f64, D>>,
 {
     let n = scene.len();
-    let overlap = |i: usize, j: usize| depth(array(&scene.centres()[i]), array(&scene.centres()[j]), scene.radius(i), scene.radius(j));
+    let overlap = |i: usize, j: usize| {
+        depth(
+            array(&scene.centres()[i]),
+            array(&scene.centres()[j]),
+            scene.radius(i),
+            scene.radius(j),
+        )
+    };
     // All of a small scene, some of a large one.
     let step = (n / SAMPLE).max(1);
     let (mut touching, mut asked) = (0u64, 0u64);
     for i in (0..n).step_by(step) {
         let reach = |j: usize| {
-            let square: f64 = (0..D).map(|k| (scene.centres()[i][k] - scene.centres()[j][k]).powi(2)).sum();
+            let square: f64 =
+                (0..D).map(|k| (scene.centres()[i][k] - scene.centres()[j][k]).powi(2)).sum();
             square <= (scene.radius(i) + scene.radius(j)).powi(2)
         };
         touching += (0..n).filter(|&j| j != i && reach(j)).count() as u64;
@@ -93,7 +101,9 @@ where
             sum += depth;
         }
     });
-    let Some(entry) = table::find(DETECTOR) else { return Contacts::Refused(format!("there is no {DETECTOR}")) };
+    let Some(entry) = table::find(DETECTOR) else {
+        return Contacts::Refused(format!("there is no {DETECTOR}"));
+    };
     if let Err(refusal) = entry.make(Options::default()).visit(&swollen, Test::Exact, &mut sink) {
         return Contacts::Refused(refusal.to_string());
     }
@@ -123,7 +133,11 @@ pub(super) fn report(
     lines.push(Line(
         "radii",
         format!("smallest {least}, mean {mean}, largest {most}"),
-        vec![("radius_min", json!(least)), ("radius_mean", json!(mean)), ("radius_max", json!(most))],
+        vec![
+            ("radius_min", json!(least)),
+            ("radius_mean", json!(mean)),
+            ("radius_max", json!(most)),
+        ],
     ));
     if least == 0.0 {
         warnings.push("there are radii of 0: points".into());
@@ -144,24 +158,37 @@ pub(super) fn report(
         Contacts::Found { pairs, near, overlap } => {
             let (count, each) = (pairs.len(), 2.0 * pairs.len() as f64 / n as f64);
             let mean = if count == 0 { 0.0 } else { overlap / count as f64 };
-            let text =
-                format!("{count} (exact; bodies that just touch are in contact), {each:.3} per particle, mean overlap {mean:.3e} radii");
+            let text = format!(
+                "{count} (exact; bodies that just touch are in contact), {each:.3} per particle, \
+                 mean overlap {mean:.3e} radii"
+            );
             lines.push(Line(
                 "contacts",
                 text,
-                vec![("contacts", json!(count)), ("coordination", json!(each)), ("mean_overlap", json!(mean))],
+                vec![
+                    ("contacts", json!(count)),
+                    ("coordination", json!(each)),
+                    ("mean_overlap", json!(mean)),
+                ],
             ));
             lines.push(Line(
                 "near tangent",
-                format!("{near} couples whose distance is the sum of their radii to within 1e-9 of it"),
+                format!(
+                    "{near} couples whose distance is the sum of their radii to within 1e-9 of it"
+                ),
                 vec![("near_tangent", json!(near))],
             ));
             if count == 0 && n > 1 {
-                warnings.push("nothing touches: are the radii in the units of the coordinates, and not too small by a half?".into());
+                warnings.push(
+                    "nothing touches: are the radii in the units of the coordinates, and not too \
+                     small by a half?"
+                        .into(),
+                );
             }
             if *near > 0 && 10 * near > count as u64 {
                 warnings.push(format!(
-                    "{near} couples are within 1e-9 of just touching: codes that round in different ways will disagree about them"
+                    "{near} couples are within 1e-9 of just touching: codes that round in \
+                     different ways will disagree about them"
                 ));
             }
             each
@@ -171,38 +198,62 @@ pub(super) fn report(
     let crowded = if scene.dim() == 2 { 9.0 } else { 18.0 };
     if each > crowded {
         let what = match source {
-            RadiusSource::Column(name) => format!("'{name}' may hold diameters: name the column d then"),
+            RadiusSource::Column(name) => {
+                format!("'{name}' may hold diameters: name the column d then")
+            }
             RadiusSource::Given => "--radius may have been given a diameter".into(),
             _ => "the sizes may be too large, or in other units".into(),
         };
-        warnings.push(format!("{each:.1} contacts per particle are more than a packing of hard bodies has; {what}"));
+        warnings.push(format!(
+            "{each:.1} contacts per particle are more than a packing of hard bodies has; {what}"
+        ));
     }
     offset(scene, mean, contacts, lines, warnings);
 }
 
 /// How far from the origin the scene is, and what f32 would make of it.
-fn offset(scene: &AnyScene<'static>, mean: f64, contacts: &Contacts, lines: &mut Vec<Line>, warnings: &mut Vec<String>) {
-    let largest = with_scene!(scene, scene => scene.centres().iter().flat_map(array).fold(0.0f64, |most, x| most.max(x.wide().abs())));
+fn offset(
+    scene: &AnyScene<'static>,
+    mean: f64,
+    contacts: &Contacts,
+    lines: &mut Vec<Line>,
+    warnings: &mut Vec<String>,
+) {
+    let largest = with_scene!(scene, scene => {
+        let coordinates = scene.centres().iter().flat_map(array);
+        coordinates.fold(0.0f64, |most, x| most.max(x.wide().abs()))
+    });
     let diameters = largest / (2.0 * mean);
     if !diameters.is_finite() {
         return;
     }
     // The spacing of f32 at that place, against the radius.
     let spacing = largest * 2f64.powi(-23) / mean;
-    let mut text =
-        format!("{diameters:.4e} mean diameters from the origin at most; numbers of f32 are up to {spacing:.1e} radii apart there");
-    let mut values = vec![("offset_diameters", json!(diameters)), ("f32_spacing_radii", json!(spacing))];
-    if let (Contacts::Found { pairs, .. }, Ok(stored), Some(entry)) = (contacts, scene.stored(Arithmetic::F32), table::find(DETECTOR)) {
+    let mut text = format!(
+        "{diameters:.4e} mean diameters from the origin at most; numbers of f32 are up to \
+         {spacing:.1e} radii apart there"
+    );
+    let mut values =
+        vec![("offset_diameters", json!(diameters)), ("f32_spacing_radii", json!(spacing))];
+    if let (Contacts::Found { pairs, .. }, Ok(stored), Some(entry)) =
+        (contacts, scene.stored(Arithmetic::F32), table::find(DETECTOR))
+    {
         let mut rounded = Vec::new();
         if entry.make(Options::default()).list(&stored, Test::Rounded, &mut rounded).is_ok() {
             let errors = oracle::compare(&rounded, pairs, scene);
-            text += &format!("; f32 would miss {} contacts and add {}", errors.missed, errors.spurious);
-            values.extend([("f32_missed", json!(errors.missed)), ("f32_spurious", json!(errors.spurious))]);
+            text +=
+                &format!("; f32 would miss {} contacts and add {}", errors.missed, errors.spurious);
+            values.extend([
+                ("f32_missed", json!(errors.missed)),
+                ("f32_spurious", json!(errors.spurious)),
+            ]);
         }
     }
     lines.push(Line("offset", text, values));
     if spacing > 1e-3 {
-        warnings
-            .push(format!("the scene is so far from the origin that f32 places bodies only to {spacing:.1e} radii: shift it, or use f64"));
+        warnings.push(format!(
+            "the scene is so far from the origin that f32 places bodies only to {spacing:.1e} \
+             radii: shift it, or use f64"
+        ));
     }
 }

@@ -1,4 +1,5 @@
-//! `pack-a` to `pack-d`: the packs of the book's four numerical experiments (Munjiza 2004, section 3.8).
+//! `pack-a` to `pack-d`: the packs of the book's four numerical experiments (Munjiza 2004, section
+//! 3.8).
 //!
 //! ```text
 //!   pack-a  ooooooo  2D    pack-b  o   o   o  2D    pack-c  o   o   o       pack-d  oo   oo   oo
@@ -13,13 +14,15 @@
 //! | C | S | S | III: S varies |
 //! | D | D and S in turn (inferred: the book does not print it) | 2D | IV: S varies |
 //!
-//! The parameter `s` is S/D. There are ceil(√N) columns and as many rows as N needs; the last may be short. Column i of packs A to C
-//! stands at (i·s)·D, of pack D at (⌊i/2⌋·(1 + s) + i mod 2)·D, row j at (2j)·D or (j·s)·D: exact where s and D are dyadic and
-//! neither product exceeds 53 bits. So neighbours that should be D apart are exactly D apart, at the very border of the closed contact test.
+//! The parameter `s` is S/D. There are ceil(√N) columns and as many rows as N needs; the last may
+//! be short. Column i of packs A to C stands at (i·s)·D, of pack D at (⌊i/2⌋·(1 + s) + i mod 2)·D,
+//! row j at (2j)·D or (j·s)·D: exact where s and D are dyadic and neither product exceeds 53 bits.
+//! So neighbours that should be D apart are exactly D apart, at the very border of the closed
+//! contact test.
 
-use super::table::{Generator, Kind, Parameter, Preset, no_history};
-use super::{DIAMETER, Inputs, assemble};
 use crate::scene::AnyScene;
+use crate::scene::generate::table::{Generator, Kind, Parameter, Preset, no_history};
+use crate::scene::generate::{DIAMETER, Inputs, assemble};
 
 /// The table line of pack A.
 pub const PACK_A: Generator = Generator {
@@ -77,10 +80,17 @@ pub const PACK_D: Generator = Generator {
     history: no_history,
 };
 
-const S: Parameter =
-    Parameter { name: "s", kind: Kind::NotNegative, default: [Preset::Number(1.0); 2], meaning: "S/D, the spacing in diameters" };
+const S: Parameter = Parameter {
+    name: "s",
+    kind: Kind::NotNegative,
+    default: [Preset::Number(1.0); 2],
+    meaning: "S/D, the spacing in diameters",
+};
 
-fn pack(inputs: &Inputs<'_>, site: impl Fn(f64, f64) -> [f64; 2]) -> anyhow::Result<AnyScene<'static>> {
+fn pack(
+    inputs: &Inputs<'_>,
+    site: impl Fn(f64, f64) -> [f64; 2],
+) -> anyhow::Result<AnyScene<'static>> {
     let root = inputs.n.isqrt();
     let columns = if root * root < inputs.n { root + 1 } else { root.max(1) };
     let centres = (0..inputs.n).map(|k| site((k % columns) as f64, (k / columns) as f64));

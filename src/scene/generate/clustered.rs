@@ -10,14 +10,19 @@
 //!   +----------------------+
 //! ```
 //!
-//! A share `background` of the elements (rounded to the nearest whole number) is uniform in a square (cube) whose volume is that of
-//! all bodies over `fraction`. The others form clusters of `per-cluster` elements (the last may be smaller): each has a centre
-//! uniform in the box and elements normal about it, with standard deviation `width` along each axis. A cluster near the border
-//! throws elements outside the box; they stay, so the box around the scene is somewhat larger and its packing fraction somewhat
-//! smaller than asked. In generated order the clusters come first, one after the other, then the background.
+//! A share `background` of the elements (rounded to the nearest whole number) is uniform in a
+//! square (cube) whose volume is that of all bodies over `fraction`. The others form clusters of
+//! `per-cluster` elements (the last may be smaller): each has a centre uniform in the box and
+//! elements normal about it, with standard deviation `width` along each axis. A cluster near the
+//! border throws elements outside the box; they stay, so the box around the scene is somewhat
+//! larger and its packing fraction somewhat smaller than asked. In generated order the clusters
+//! come first, one after the other, then the background.
 
-use super::table::{Generator, Kind, Parameter, Preset, no_history};
-use super::{DIAMETER, Inputs, OFFSET, SIZE_RATIO, assemble, box_edge, draw::Draw, unit_radii};
+use crate::scene::generate::draw::Draw;
+use crate::scene::generate::table::{Generator, Kind, Parameter, Preset, no_history};
+use crate::scene::generate::{
+    DIAMETER, Inputs, OFFSET, SIZE_RATIO, assemble, box_edge, unit_radii,
+};
 use crate::scene::{AnyScene, Scene};
 
 /// The table line.
@@ -55,14 +60,21 @@ pub const GENERATOR: Generator = Generator {
             meaning: "volume of the bodies over the volume of the box",
         },
     ],
-    make: |inputs| Ok(if inputs.dim == 2 { AnyScene::from(make::<2>(inputs)?) } else { AnyScene::from(make::<3>(inputs)?) }),
+    make: |inputs| {
+        Ok(if inputs.dim == 2 {
+            AnyScene::from(make::<2>(inputs)?)
+        } else {
+            AnyScene::from(make::<3>(inputs)?)
+        })
+    },
     history: no_history,
 };
 
 fn make<const D: usize>(inputs: &Inputs<'_>) -> anyhow::Result<Scene<'static, f64, D>> {
     let mut draw = Draw::new(inputs.seed);
     let radii = unit_radii(inputs, &mut draw)?;
-    let (n, per_cluster, width) = (inputs.n, inputs.whole("per-cluster")?.max(1), inputs.number("width")?);
+    let (n, per_cluster, width) =
+        (inputs.n, inputs.whole("per-cluster")?.max(1), inputs.number("width")?);
     let edge = box_edge::<D>(n, radii.as_deref(), inputs.number("fraction")?);
     let clustered = n - ((inputs.number("background")? * n as f64 + 0.5) as u64).min(n);
     let mut cluster = [0.0; D];

@@ -30,8 +30,8 @@ impl Draw {
         2.0 * self.unit() - 1.0
     }
 
-    /// Normal with mean 0 and standard deviation 1, by Marsaglia's polar method, which gives two at a time
-    /// (Marsaglia and Bray 1964, doi:10.1137/1006063).
+    /// Normal with mean 0 and standard deviation 1, by Marsaglia's polar method, which gives two at
+    /// a time (Marsaglia and Bray 1964, doi:10.1137/1006063).
     pub fn normal(&mut self) -> f64 {
         if let Some(spare) = self.spare.take() {
             return spare;

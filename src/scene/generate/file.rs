@@ -6,15 +6,16 @@
 //!   1,0,0.5
 //! ```
 //!
-//! The formats and their rules are those of [`crate::read`]. The file decides the number of elements and the dimension: n = 0 takes
-//! what there is, another n must be the file's. `file-dim` says what an array with three columns means; see [`crate::read::Options`].
+//! The formats and their rules are those of [`crate::io`]. The file decides the number of
+//! elements and the dimension: n = 0 takes what there is, another n must be the file's. `file-dim`
+//! says what an array with three columns means; see [`crate::io::Options`].
 
 use std::path::Path;
 
 use anyhow::ensure;
 
-use super::table::{Generator, Kind, Parameter, Preset, no_history};
-use crate::read;
+use crate::io;
+use crate::scene::generate::table::{Generator, Kind, Parameter, Preset, no_history};
 
 /// The name under which the program knows files.
 pub const NAME: &str = "file";
@@ -26,7 +27,12 @@ pub const GENERATOR: Generator = Generator {
     summary: "a particle file: CSV, XYZ, LAMMPS, MercuryDPM, YADE, NumPy, VTK or PLY",
     own_n: true,
     params: &[
-        Parameter { name: "path", kind: Kind::Text, default: [Preset::Required; 2], meaning: "the file's name" },
+        Parameter {
+            name: "path",
+            kind: Kind::Text,
+            default: [Preset::Required; 2],
+            meaning: "the file's name",
+        },
         Parameter {
             name: "radius",
             kind: Kind::NotNegative,
@@ -55,18 +61,32 @@ pub const GENERATOR: Generator = Generator {
     make: |inputs| {
         let path = Path::new(inputs.text("path")?);
         let frame = match inputs.text("frame") {
-            Ok(text) => text.parse().map_err(|must| anyhow::anyhow!("file: frame is '{text}'; {must}"))?,
-            Err(_) => read::Frame::default(),
+            Ok(text) => {
+                text.parse().map_err(|must| anyhow::anyhow!("file: frame is '{text}'; {must}"))?
+            }
+            Err(_) => io::Frame::default(),
         };
         let format = match inputs.text("format") {
-            Ok(text) => Some(text.parse().map_err(|must| anyhow::anyhow!("file: format is '{text}'; {must}"))?),
+            Ok(text) => Some(
+                text.parse().map_err(|must| anyhow::anyhow!("file: format is '{text}'; {must}"))?,
+            ),
             Err(_) => None,
         };
         let dim = inputs.whole("file-dim").ok().map(|dim| dim as u32);
-        let options = read::Options { radius: inputs.number("radius").ok(), dim, frame, format, ..read::Options::NONE };
-        let scene = read::scene(path, options)?;
+        let options = io::Options {
+            radius: inputs.number("radius").ok(),
+            dim,
+            frame,
+            format,
+            ..io::Options::NONE
+        };
+        let scene = io::scene(path, options)?;
         let (n, found) = (inputs.n, scene.len());
-        ensure!(n == 0 || n == found as u64, "{} holds {found} particles, but n = {n} was asked for; leave n out", path.display());
+        ensure!(
+            n == 0 || n == found as u64,
+            "{} holds {found} particles, but n = {n} was asked for; leave n out",
+            path.display()
+        );
         Ok(scene)
     },
     history: no_history,

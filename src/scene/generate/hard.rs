@@ -4,14 +4,15 @@
 //!   case = every-neighbour   ->   o|o   o/o  ...
 //! ```
 //!
-//! The case decides the number of elements: n = 0 takes what there is, another n must be the case's. The scene made is the last step;
-//! the steps before it are the history, [`crate::scene::spec::Spec::history`]. Where the order of the elements is part of the case,
+//! The case decides the number of elements: n = 0 takes what there is, another n must be the
+//! case's. The scene made is the last step; the steps before it are the history,
+//! [`crate::scene::spec::Spec::history`]. Where the order of the elements is part of the case,
 //! `order = generated` keeps it.
 
 use anyhow::ensure;
 
-use super::Inputs;
-use super::table::{Generator, Kind, Parameter, Preset};
+use crate::scene::generate::Inputs;
+use crate::scene::generate::table::{Generator, Kind, Parameter, Preset};
 use crate::scene::{AnyScene, hard};
 
 /// The name under which the program knows hard cases.
@@ -23,13 +24,23 @@ pub const GENERATOR: Generator = Generator {
     dims: &[2, 3],
     summary: "a named case on which detectors go wrong; contactbench list hard-cases",
     own_n: true,
-    params: &[Parameter { name: "case", kind: Kind::Case, default: [Preset::Required; 2], meaning: "the name of the case" }],
+    params: &[Parameter {
+        name: "case",
+        kind: Kind::Case,
+        default: [Preset::Required; 2],
+        meaning: "the name of the case",
+    }],
     make: |inputs| {
         let mut steps = steps(inputs)?;
         // Every case has a last step.
-        let Some(scene) = steps.pop() else { anyhow::bail!("the hard case '{}' has no steps", inputs.text("case")?) };
+        let Some(scene) = steps.pop() else {
+            anyhow::bail!("the hard case '{}' has no steps", inputs.text("case")?)
+        };
         let (n, found) = (inputs.n, scene.len());
-        ensure!(n == 0 || n == found as u64, "the case has {found} elements, but n = {n} was asked for; leave n out");
+        ensure!(
+            n == 0 || n == found as u64,
+            "the case has {found} elements, but n = {n} was asked for; leave n out"
+        );
         Ok(scene)
     },
     history: |inputs| {

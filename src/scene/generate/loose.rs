@@ -9,11 +9,15 @@
 //!   +----------------+
 //! ```
 //!
-//! Centres are independent and uniform in a square (cube) with a corner at the origin, whose volume is the volume of all bodies over
-//! `fraction`. Overlaps are kept, so that about 4·fraction·n/2 (2D) or 8·fraction·n/2 (3D) pairs touch.
+//! Centres are independent and uniform in a square (cube) with a corner at the origin, whose volume
+//! is the volume of all bodies over `fraction`. Overlaps are kept, so that about 4·fraction·n/2
+//! (2D) or 8·fraction·n/2 (3D) pairs touch.
 
-use super::table::{Generator, Kind, Parameter, Preset, no_history};
-use super::{DIAMETER, Inputs, OFFSET, SIZE_RATIO, assemble, box_edge, draw::Draw, unit_radii};
+use crate::scene::generate::draw::Draw;
+use crate::scene::generate::table::{Generator, Kind, Parameter, Preset, no_history};
+use crate::scene::generate::{
+    DIAMETER, Inputs, OFFSET, SIZE_RATIO, assemble, box_edge, unit_radii,
+};
 use crate::scene::{AnyScene, Scene};
 
 /// The table line.
@@ -33,7 +37,13 @@ pub const GENERATOR: Generator = Generator {
             meaning: "volume of the bodies over the volume of the box",
         },
     ],
-    make: |inputs| Ok(if inputs.dim == 2 { AnyScene::from(make::<2>(inputs)?) } else { AnyScene::from(make::<3>(inputs)?) }),
+    make: |inputs| {
+        Ok(if inputs.dim == 2 {
+            AnyScene::from(make::<2>(inputs)?)
+        } else {
+            AnyScene::from(make::<3>(inputs)?)
+        })
+    },
     history: no_history,
 };
 

@@ -1,10 +1,11 @@
 //! Generators: scenes made from a seed, the same bits on every machine.
 //!
-//! One file per generator, each with a picture of its scene, its parameters and its table line ([`table::GENERATORS`]). A generator
-//! thinks in diameters: it draws coordinates and radii for a largest diameter of 1, and `assemble` multiplies both by `diameter` and
-//! moves the scene by `offset`.
-//! To give the same bits everywhere it uses only + - * / and square roots, which IEEE 754 fixes, and the `libm` crate's cube root and
-//! logarithm, which are plain Rust; never the functions of the machine's own mathematical library. Overlaps are allowed everywhere.
+//! One file per generator, each with a picture of its scene, its parameters and its table line
+//! ([`table::GENERATORS`]). A generator thinks in diameters: it draws coordinates and radii for a
+//! largest diameter of 1, and `assemble` multiplies both by `diameter` and moves the scene by
+//! `offset`. To give the same bits everywhere it uses only + - * / and square roots, which IEEE 754
+//! fixes, and the `libm` crate's cube root and logarithm, which are plain Rust; never the functions
+//! of the machine's own mathematical library. Overlaps are allowed everywhere.
 
 pub mod book;
 pub mod clustered;
@@ -19,13 +20,13 @@ pub mod table;
 use std::collections::BTreeMap;
 
 use anyhow::Context;
-use nalgebra::Point;
-
-use super::{Radii, Scene};
 use draw::Draw;
+use nalgebra::Point;
 use table::{Kind, Parameter, Preset};
 
-/// What a generator is given: everything in a [`super::spec::Spec`] except the order.
+use crate::scene::{Radii, Scene};
+
+/// What a generator is given: everything in a [`crate::scene::spec::Spec`] except the order.
 pub struct Inputs<'a> {
     /// 2 or 3.
     pub dim: u32,
@@ -39,15 +40,24 @@ pub struct Inputs<'a> {
 
 impl Inputs<'_> {
     fn number(&self, name: &str) -> anyhow::Result<f64> {
-        self.params.get(name).and_then(|value| value.as_f64()).with_context(|| format!("the number '{name}' is missing"))
+        self.params
+            .get(name)
+            .and_then(|value| value.as_f64())
+            .with_context(|| format!("the number '{name}' is missing"))
     }
 
     fn whole(&self, name: &str) -> anyhow::Result<u64> {
-        self.params.get(name).and_then(|value| value.as_u64()).with_context(|| format!("the whole number '{name}' is missing"))
+        self.params
+            .get(name)
+            .and_then(|value| value.as_u64())
+            .with_context(|| format!("the whole number '{name}' is missing"))
     }
 
     fn text(&self, name: &str) -> anyhow::Result<&str> {
-        self.params.get(name).and_then(|value| value.as_str()).with_context(|| format!("the text '{name}' is missing"))
+        self.params
+            .get(name)
+            .and_then(|value| value.as_str())
+            .with_context(|| format!("the text '{name}' is missing"))
     }
 }
 
@@ -97,8 +107,10 @@ fn box_edge<const D: usize>(n: u64, radii: Option<&[f64]>, fraction: f64) -> f64
 /// An empty list with room for `n`, or a sentence where the machine has not the memory.
 fn room<T>(n: u64) -> anyhow::Result<Vec<T>> {
     let mut list = Vec::new();
-    let n = usize::try_from(n).context("more elements than this machine can address; make n smaller")?;
-    list.try_reserve_exact(n).with_context(|| format!("no memory for n = {n} elements; make n smaller"))?;
+    let n = usize::try_from(n)
+        .context("more elements than this machine can address; make n smaller")?;
+    list.try_reserve_exact(n)
+        .with_context(|| format!("no memory for n = {n} elements; make n smaller"))?;
     Ok(list)
 }
 
@@ -112,7 +124,11 @@ fn assemble<const D: usize>(
     let offset = inputs.number("offset").unwrap_or(0.0) * diameter;
     let mut points = room(inputs.n)?;
     // Adding 0 is not without effect: -0.0 would become 0.0.
-    points.extend(centres.map(|centre| Point::from(centre.map(|x| if offset == 0.0 { x * diameter } else { x * diameter + offset }))));
+    points.extend(centres.map(|centre| {
+        Point::from(
+            centre.map(|x| if offset == 0.0 { x * diameter } else { x * diameter + offset }),
+        )
+    }));
     let radii = match radii {
         None => Radii::Uniform(0.5 * diameter),
         Some(mut radii) => {

@@ -7,13 +7,15 @@
 //!   o o o o o o      o o o o o        o   o     o   o
 //! ```
 //!
-//! A near-square or near-cubic block of lattice sites, nearest neighbours `spacing` apart, the first N in the order x fastest, then
-//! y, then z. Each coordinate is moved by a number uniform in ± `jitter`. At the defaults about 58% of the lattice neighbours touch:
-//! 3.5 contacts per element in 2D and 6.9 in 3D, as in a dense granular pack. Square and cubic sites without jitter are exactly
-//! i·spacing·diameter (one rounding each, none where spacing and diameter are dyadic).
+//! A near-square or near-cubic block of lattice sites, nearest neighbours `spacing` apart, the
+//! first N in the order x fastest, then y, then z. Each coordinate is moved by a number uniform in
+//! ± `jitter`. At the defaults about 58% of the lattice neighbours touch: 3.5 contacts per element
+//! in 2D and 6.9 in 3D, as in a dense granular pack. Square and cubic sites without jitter are
+//! exactly i·spacing·diameter (one rounding each, none where spacing and diameter are dyadic).
 
-use super::table::{Generator, Kind, Parameter, Preset, no_history};
-use super::{DIAMETER, Inputs, OFFSET, SIZE_RATIO, assemble, draw::Draw, unit_radii};
+use crate::scene::generate::draw::Draw;
+use crate::scene::generate::table::{Generator, Kind, Parameter, Preset, no_history};
+use crate::scene::generate::{DIAMETER, Inputs, OFFSET, SIZE_RATIO, assemble, unit_radii};
 use crate::scene::{AnyScene, Scene};
 
 /// The table line.
@@ -54,7 +56,10 @@ pub const GENERATOR: Generator = Generator {
     history: no_history,
 };
 
-fn make<const D: usize>(inputs: &Inputs<'_>, site: impl Fn(u64) -> [f64; D]) -> anyhow::Result<Scene<'static, f64, D>> {
+fn make<const D: usize>(
+    inputs: &Inputs<'_>,
+    site: impl Fn(u64) -> [f64; D],
+) -> anyhow::Result<Scene<'static, f64, D>> {
     let mut draw = Draw::new(inputs.seed);
     let radii = unit_radii(inputs, &mut draw)?;
     let (spacing, jitter) = (inputs.number("spacing")?, inputs.number("jitter")?);
@@ -74,8 +79,8 @@ fn plane(lattice: &str, n: u64) -> impl Fn(u64) -> [f64; 2] + use<> {
     }
 }
 
-/// Site k of a space lattice, for a spacing of 1. The fcc sites are the points of a cubic lattice of edge 1/√2 whose three indices
-/// have an even sum.
+/// Site k of a space lattice, for a spacing of 1. The fcc sites are the points of a cubic lattice
+/// of edge 1/√2 whose three indices have an even sum.
 fn space(lattice: &str, n: u64) -> impl Fn(u64) -> [f64; 3] + use<> {
     let cubic = lattice == "cubic";
     let rows = if cubic { root(n) } else { root(2 * n) };
@@ -85,12 +90,14 @@ fn space(lattice: &str, n: u64) -> impl Fn(u64) -> [f64; 3] + use<> {
         if cubic {
             [column as f64, row as f64, layer as f64]
         } else {
-            [2 * column + (row + layer) % 2, row, layer].map(|i| i as f64 * std::f64::consts::FRAC_1_SQRT_2)
+            [2 * column + (row + layer) % 2, row, layer]
+                .map(|i| i as f64 * std::f64::consts::FRAC_1_SQRT_2)
         }
     }
 }
 
-/// The smallest whole number >= 1 whose cube is at least `n` <= 2^33. In integers, as a rounded cube root may be one off.
+/// The smallest whole number >= 1 whose cube is at least `n` <= 2^33. In integers, as a rounded
+/// cube root may be one off.
 fn root(n: u64) -> u64 {
     let near = libm::cbrt(n as f64) as u64;
     (near.saturating_sub(1)..).find(|edge| edge * edge * edge >= n).unwrap_or(near).max(1)

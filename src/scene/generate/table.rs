@@ -1,11 +1,12 @@
-//! The table of generators: the one place where they are registered, and how their parameters are checked.
+//! The table of generators: the one place where they are registered, and how their parameters are
+//! checked.
 
 use std::collections::BTreeMap;
 
 use anyhow::{bail, ensure};
 use serde_json::Value;
 
-use super::{Inputs, book, clustered, couples, file, hard, loose, packed};
+use crate::scene::generate::{Inputs, book, clustered, couples, file, hard, loose, packed};
 use crate::scene::{self, AnyScene};
 
 /// All generators.
@@ -122,8 +123,14 @@ pub fn find(name: &str) -> anyhow::Result<&'static Generator> {
 }
 
 impl Generator {
-    /// Checks dimension, number and parameters, and gives all parameters that have a value, defaults included.
-    pub fn check(&self, dim: u32, n: u64, params: &BTreeMap<String, Value>) -> anyhow::Result<BTreeMap<String, Value>> {
+    /// Checks dimension, number and parameters, and gives all parameters that have a value,
+    /// defaults included.
+    pub fn check(
+        &self,
+        dim: u32,
+        n: u64,
+        params: &BTreeMap<String, Value>,
+    ) -> anyhow::Result<BTreeMap<String, Value>> {
         ensure!(
             self.dims.contains(&dim),
             "{}: dim = {dim}; it is made in {} only",
@@ -138,7 +145,12 @@ impl Generator {
         );
         for name in params.keys() {
             if !self.params.iter().any(|parameter| parameter.name == name) {
-                let known = self.params.iter().map(|parameter| parameter.name).collect::<Vec<_>>().join(", ");
+                let known = self
+                    .params
+                    .iter()
+                    .map(|parameter| parameter.name)
+                    .collect::<Vec<_>>()
+                    .join(", ");
                 bail!("{}: there is no parameter '{name}'; the parameters are: {known}", self.name);
             }
         }
@@ -147,14 +159,21 @@ impl Generator {
             let value = match params.get(parameter.name) {
                 Some(value) => match parameter.kind.check(value, dim) {
                     Ok(value) => value,
-                    Err(must) => bail!("{}: {} is {value}; it must be {must}", self.name, parameter.name),
+                    Err(must) => {
+                        bail!("{}: {} is {value}; it must be {must}", self.name, parameter.name)
+                    }
                 },
                 None => match parameter.default[usize::from(dim == 3)] {
                     Preset::Number(x) => x.into(),
                     Preset::Whole(k) => k.into(),
                     Preset::Word(word) => word.into(),
                     Preset::Absent => continue,
-                    Preset::Required => bail!("{}: the parameter '{}' is missing ({})", self.name, parameter.name, parameter.meaning),
+                    Preset::Required => bail!(
+                        "{}: the parameter '{}' is missing ({})",
+                        self.name,
+                        parameter.name,
+                        parameter.meaning
+                    ),
                 },
             };
             all.insert(parameter.name.to_string(), value);
@@ -174,17 +193,24 @@ impl Kind {
             Kind::Share => "a number from 0 to 1".into(),
             Kind::Count => "a whole number of at least 1".into(),
             Kind::Dim => "2 or 3".into(),
-            Kind::Word(words) => format!("{} in {dim} dimensions", words[usize::from(dim == 3)].join(" or ")),
+            Kind::Word(words) => {
+                format!("{} in {dim} dimensions", words[usize::from(dim == 3)].join(" or "))
+            }
             Kind::Text => "a text that is not empty".into(),
-            Kind::Case => format!("the name of a hard case in {dim} dimensions: see contactbench list hard-cases"),
+            Kind::Case => format!(
+                "the name of a hard case in {dim} dimensions: see contactbench list hard-cases"
+            ),
         }
     }
 
     /// The value in its one canonical form (2 becomes 2.0 for a number), or what it must be.
     fn check(&self, value: &Value, dim: u32) -> Result<Value, String> {
-        let number = |good: fn(f64) -> bool| value.as_f64().filter(|&x| x.is_finite() && good(x)).map(Value::from);
+        let number = |good: fn(f64) -> bool| {
+            value.as_f64().filter(|&x| x.is_finite() && good(x)).map(Value::from)
+        };
         let whole = |good: fn(u64) -> bool| value.as_u64().filter(|&k| good(k)).map(Value::from);
-        let text = |good: &dyn Fn(&str) -> bool| value.as_str().filter(|text| good(text)).map(Value::from);
+        let text =
+            |good: &dyn Fn(&str) -> bool| value.as_str().filter(|text| good(text)).map(Value::from);
         let good = match self {
             Kind::Positive => number(|x| x > 0.0),
             Kind::Finite => number(|_| true),

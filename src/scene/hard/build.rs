@@ -2,7 +2,7 @@
 
 use nalgebra::Point;
 
-use super::Expect;
+use crate::scene::hard::Expect;
 use crate::scene::{AnyScene, Radii, Scene, SceneError};
 
 /// The steps of a case, or why there is no such scene.
@@ -28,7 +28,11 @@ pub fn history(parts: impl IntoIterator<Item = Steps>) -> Steps {
     Ok(parts.into_iter().flatten().collect())
 }
 
-fn scene<'a>(dim: u32, places: impl Iterator<Item = &'a Place>, radii: Radii<'static, f64>) -> Result<AnyScene<'static>, SceneError> {
+fn scene<'a>(
+    dim: u32,
+    places: impl Iterator<Item = &'a Place>,
+    radii: Radii<'static, f64>,
+) -> Result<AnyScene<'static>, SceneError> {
     Ok(if dim == 2 {
         Scene::new(places.map(|&[x, y, _]| Point::from([x, y])).collect::<Vec<_>>(), radii)?.into()
     } else {
@@ -38,23 +42,30 @@ fn scene<'a>(dim: u32, places: impl Iterator<Item = &'a Place>, radii: Radii<'st
 
 /// 2^k.
 pub const fn two_to(k: i32) -> f64 {
-    if k < -1022 { f64::from_bits(1 << (k + 1074)) } else { f64::from_bits(((k + 1023) as u64) << 52) }
+    if k < -1022 {
+        f64::from_bits(1 << (k + 1074))
+    } else {
+        f64::from_bits(((k + 1023) as u64) << 52)
+    }
 }
 
-/// A line along every axis: the coordinates `line` on that axis, `park` on the others. With a `park` far from all of the line, lines
-/// do not meet, and with one above them all the smallest coordinate on every axis is that of the line.
+/// A line along every axis: the coordinates `line` on that axis, `park` on the others. With a
+/// `park` far from all of the line, lines do not meet, and with one above them all the smallest
+/// coordinate on every axis is that of the line.
 pub fn lines(dim: u32, line: &[f64], park: f64) -> Vec<Place> {
     let along = |axis: usize, x: f64| std::array::from_fn(|k| if k == axis { x } else { park });
     (0..dim as usize).flat_map(|axis| line.iter().map(move |&x| along(axis, x))).collect()
 }
 
-/// A square or cubic lattice of `m` sites per axis, x first; site k of an axis has the coordinate `at(k)`.
+/// A square or cubic lattice of `m` sites per axis, x first; site k of an axis has the coordinate
+/// `at(k)`.
 pub fn lattice(dim: u32, m: u32, at: impl Fn(f64) -> f64) -> Vec<Place> {
     let layers = if dim == 2 { 1 } else { m };
     (0..m * m * layers).map(|k| [k % m, k / m % m, k / m / m].map(|i| at(f64::from(i)))).collect()
 }
 
-/// The number of pairs in a lattice of `m` sites per axis whose squared distance is at most `square`, in lattice spacings.
+/// The number of pairs in a lattice of `m` sites per axis whose squared distance is at most
+/// `square`, in lattice spacings.
 pub const fn lattice_contacts(dim: u32, m: i64, square: i64) -> u64 {
     let layers = if dim == 2 { 1 } else { m };
     let (mut twice, mut a) = (0, 1 - m);
@@ -76,9 +87,13 @@ pub const fn lattice_contacts(dim: u32, m: i64, square: i64) -> u64 {
     (twice / 2) as u64
 }
 
-/// The contacts of lattices of `m[0]` sites per axis in 2D, `m[1]` in 3D, whose bodies reach √`square` lattice spacings.
+/// The contacts of lattices of `m[0]` sites per axis in 2D, `m[1]` in 3D, whose bodies reach
+/// √`square` lattice spacings.
 pub const fn of_lattice(m: [u32; 2], square: i64) -> Expect {
-    Expect::Contacts([lattice_contacts(2, m[0] as i64, square), lattice_contacts(3, m[1] as i64, square)])
+    Expect::Contacts([
+        lattice_contacts(2, m[0] as i64, square),
+        lattice_contacts(3, m[1] as i64, square),
+    ])
 }
 
 /// The first of two numbers in the plane, the second in space.

@@ -6,9 +6,9 @@
 //!                                   /                  =========
 //! ```
 
-use super::build::*;
-use super::{Allowed, Case, Expect, Group};
 use crate::scene::generate::draw::Draw;
+use crate::scene::hard::build::*;
+use crate::scene::hard::{Allowed, Case, Expect, Group};
 
 const CLUSTERS: Case = Case::of(Group::Clusters);
 
@@ -18,7 +18,11 @@ pub const CASES: &[Case] = &[
         reason: "one normal cluster: cells in the middle hold a crowd, most cells nothing",
         make: |dim| {
             let mut draw = Draw::new(1);
-            uniform(dim, &(0..500).map(|_| [(); 3].map(|()| 3.0 * draw.normal())).collect::<Vec<_>>(), 0.5)
+            uniform(
+                dim,
+                &(0..500).map(|_| [(); 3].map(|()| 3.0 * draw.normal())).collect::<Vec<_>>(),
+                0.5,
+            )
         },
         ..CLUSTERS
     },
@@ -37,77 +41,105 @@ pub const CASES: &[Case] = &[
     },
     Case {
         name: "cantor-dust",
-        reason: "a fractal: the number of bodies in a box grows slower than its volume at every scale",
+        reason: "a fractal: the number of bodies in a box grows slower than its volume at every \
+                 scale",
         expect: Expect::Contacts([2 * 8 * 16, 3 * 4 * 64]),
         make: |dim| {
-            // Digits 0 and 3 to the base 4, one per bit; only sites that differ in the last digit touch.
-            let digits = |k: f64| (0..4).map(|bit| if k as u32 >> bit & 1 == 1 { 3.0 * two_to(2 * bit) } else { 0.0 }).sum();
+            // Digits 0 and 3 to the base 4, one per bit; only sites that differ in the last digit
+            // touch.
+            let digits = |k: f64| {
+                (0..4)
+                    .map(|bit| if k as u32 >> bit & 1 == 1 { 3.0 * two_to(2 * bit) } else { 0.0 })
+                    .sum()
+            };
             uniform(dim, &lattice(dim, by_dim(dim, [16, 8]), digits), 1.5)
         },
         ..CLUSTERS
     },
     Case {
         name: "diagonal-of-a-box",
-        reason: "a line along the diagonal, shuffled by a stride: boxes around halves overlap in no axis, yet one full grid has N^D cells",
+        reason: "a line along the diagonal, shuffled by a stride: boxes around halves overlap in \
+                 no axis, yet one full grid has N^D cells",
         expect: Expect::Contacts([299, 299]),
-        make: |dim| uniform(dim, &(0..300).map(|k| [f64::from(k * 7 % 300); 3]).collect::<Vec<_>>(), 1.0),
+        make: |dim| {
+            uniform(dim, &(0..300).map(|k| [f64::from(k * 7 % 300); 3]).collect::<Vec<_>>(), 1.0)
+        },
         ..CLUSTERS
     },
     Case {
         name: "wall",
-        reason: "all within 2^-30 of one x: nearly equal keys, which a sweep along x cannot tell apart and a sort in f32 makes equal",
+        reason: "all within 2^-30 of one x: nearly equal keys, which a sweep along x cannot tell \
+                 apart and a sort in f32 makes equal",
         source: "kiddo#475",
-        expect: Expect::Contacts([399, 2 * 20 * 19]), // reach 1.125 against spacings of 1.0625 and, in space, a diagonal of 1.5
+        // reach 1.125 against spacings of 1.0625 and, in space, a diagonal of 1.5
+        expect: Expect::Contacts([399, 2 * 20 * 19]),
         make: |dim| {
             let side = by_dim(dim, [400, 20]);
-            let places = (0..400).map(|k| [two_to(-30) * f64::from(k % 5), 1.0625 * f64::from(k % side), 1.0625 * f64::from(k / side)]);
+            let places = (0..400).map(|k| {
+                [
+                    two_to(-30) * f64::from(k % 5),
+                    1.0625 * f64::from(k % side),
+                    1.0625 * f64::from(k / side),
+                ]
+            });
             uniform(dim, &places.collect::<Vec<_>>(), 0.5625)
         },
         ..CLUSTERS
     },
     Case {
         name: "comb",
-        reason: "teeth on a bar: splitting in the middle of the box leaves trees with one deep side",
+        reason: "teeth on a bar: splitting in the middle of the box leaves trees with one deep \
+                 side",
         expect: Expect::Contacts([60 + 20 * 20, 60 + 20 * 20]),
         make: |dim| {
-            // A bar of 61 bodies along x; every third carries a tooth of 20 along y, and all of it touches in a chain.
+            // A bar of 61 bodies along x; every third carries a tooth of 20 along y, and all of it
+            // touches in a chain.
             let bar = (0..61).map(|k| [f64::from(k), 0.0, 0.0]);
-            let teeth = (0..20).flat_map(|tooth| (1..=20).map(move |k| [3.0 * f64::from(tooth), f64::from(k), 0.0]));
+            let teeth = (0..20).flat_map(|tooth| {
+                (1..=20).map(move |k| [3.0 * f64::from(tooth), f64::from(k), 0.0])
+            });
             uniform(dim, &bar.chain(teeth).collect::<Vec<_>>(), 0.5)
         },
         ..CLUSTERS
     },
     Case {
         name: "geometric-series",
-        reason: "bodies at 2^-k: halving space separates one body per level, so a tree is as deep as it has elements",
+        reason: "bodies at 2^-k: halving space separates one body per level, so a tree is as deep \
+                 as it has elements",
         allows: &[Allowed::Memory],
-        make: |dim| uniform(dim, &(0..60).map(|k| [two_to(-k); 3]).collect::<Vec<_>>(), two_to(-20)),
+        make: |dim| {
+            uniform(dim, &(0..60).map(|k| [two_to(-k); 3]).collect::<Vec<_>>(), two_to(-20))
+        },
         ..CLUSTERS
     },
     Case {
         name: "sorted-input",
-        reason: "a row in ascending order: a quicksort that splits at the first element recurses N deep; use order = generated",
+        reason: "a row in ascending order: a quicksort that splits at the first element recurses \
+                 N deep; use order = generated",
         expect: Expect::Contacts([1499, 1499]),
         make: |dim| in_order(dim, |k| k),
         ..CLUSTERS
     },
     Case {
         name: "reversed-input",
-        reason: "a row in descending order: insertion into lists and sorts at their worst; use order = generated",
+        reason: "a row in descending order: insertion into lists and sorts at their worst; use \
+                 order = generated",
         expect: Expect::Contacts([1499, 1499]),
         make: |dim| in_order(dim, |k| ROW - 1 - k),
         ..CLUSTERS
     },
     Case {
         name: "organ-pipe-input",
-        reason: "up and down again: defeats a quicksort that splits at the middle element; use order = generated",
+        reason: "up and down again: defeats a quicksort that splits at the middle element; use \
+                 order = generated",
         expect: Expect::Contacts([1499, 1499]),
         make: |dim| in_order(dim, |k| if k < ROW / 2 { 2 * k } else { 2 * (ROW - 1 - k) + 1 }),
         ..CLUSTERS
     },
     Case {
         name: "only-the-last-two",
-        reason: "of 200 bodies only the last two in the input touch: loops that end one early find nothing; use order = generated",
+        reason: "of 200 bodies only the last two in the input touch: loops that end one early \
+                 find nothing; use order = generated",
         expect: Expect::Contacts([1, 1]),
         make: |dim| {
             let mut places: Vec<Place> = (0..200).map(|k| site(k, 3.0)).collect();
@@ -118,7 +150,8 @@ pub const CASES: &[Case] = &[
     },
     Case {
         name: "only-the-first-two",
-        reason: "of 200 bodies only the first two in the input touch: 0 as the mark of an empty list loses them; use order = generated",
+        reason: "of 200 bodies only the first two in the input touch: 0 as the mark of an empty \
+                 list loses them; use order = generated",
         expect: Expect::Contacts([1, 1]),
         make: |dim| {
             let mut places: Vec<Place> = (0..200).map(|k| site(k, 3.0)).collect();

@@ -1,4 +1,5 @@
-//! Very many elements in one cell: fixed capacities clip them, and N elements in one cell have N²/2 pairs.
+//! Very many elements in one cell: fixed capacities clip them, and N elements in one cell have N²/2
+//! pairs.
 //!
 //! ```text
 //!   +------+------+
@@ -7,9 +8,9 @@
 //!   +------+------+
 //! ```
 
-use super::build::*;
-use super::{Case, Expect, Group};
 use crate::scene::generate::draw::Draw;
+use crate::scene::hard::build::*;
+use crate::scene::hard::{Case, Expect, Group};
 
 const CROWDS: Case = Case::of(Group::Crowds);
 
@@ -39,12 +40,14 @@ pub const CASES: &[Case] = &[
     },
     Case {
         name: "dust-in-one-cell",
-        reason: "1,200 bodies in one cell, none of them in touch but the last two: a clipped list looks right until its end",
+        reason: "1,200 bodies in one cell, none of them in touch but the last two: a clipped list \
+                 looks right until its end",
         source: "PointNeighbors.jl#172",
         expect: Expect::Contacts([1, 1]),
         make: |dim| {
-            let mut bodies: Vec<(Place, f64)> =
-                (0..1200).map(|k| ([f64::from(k % 40), f64::from(k / 40), 0.0].map(|x| x / 64.0), 0.0)).collect();
+            let mut bodies: Vec<(Place, f64)> = (0..1200)
+                .map(|k| ([f64::from(k % 40), f64::from(k / 40), 0.0].map(|x| x / 64.0), 0.0))
+                .collect();
             bodies.push(bodies[bodies.len() - 1]);
             bodies.push(([8.0; 3], 1.0));
             each(dim, &bodies)
@@ -57,7 +60,8 @@ pub const CASES: &[Case] = &[
         expect: Expect::Contacts([pairs(240), pairs(240)]),
         make: |dim| {
             let mut draw = Draw::new(10);
-            let mut places: Vec<Place> = (0..240).map(|_| [(); 3].map(|()| 4.0 + 0.25 * draw.symmetric())).collect();
+            let mut places: Vec<Place> =
+                (0..240).map(|_| [(); 3].map(|()| 4.0 + 0.25 * draw.symmetric())).collect();
             // Alone, so that cells of edge 1 have a corner at 4.
             places.insert(120, [0.0; 3]);
             uniform(dim, &places, 0.5)
@@ -66,16 +70,22 @@ pub const CASES: &[Case] = &[
     },
     Case {
         name: "crowded-neighbourhood",
-        reason: "crowds in all cells around a crowd: 1,000 neighbours of each body in reach of the mask, a third in touch",
+        reason: "crowds in all cells around a crowd: 1,000 neighbours of each body in reach of \
+                 the mask, a third in touch",
         make: |dim| {
             let mut draw = Draw::new(11);
-            uniform(dim, &(0..900).map(|_| [(); 3].map(|()| 3.0 * draw.unit())).collect::<Vec<_>>(), 0.5)
+            uniform(
+                dim,
+                &(0..900).map(|_| [(); 3].map(|()| 3.0 * draw.unit())).collect::<Vec<_>>(),
+                0.5,
+            )
         },
         ..CROWDS
     },
     Case {
         name: "crowd-beside-crowd",
-        reason: "two crowds of 150 in neighbouring cells that do not touch: 22,500 tests, no contact between them",
+        reason: "two crowds of 150 in neighbouring cells that do not touch: 22,500 tests, no \
+                 contact between them",
         expect: Expect::Contacts([2 * pairs(150), 2 * pairs(150)]),
         make: |dim| {
             let mut draw = Draw::new(12);

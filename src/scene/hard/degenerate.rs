@@ -1,7 +1,7 @@
 //! Invalid numbers; none, one and two elements; points, lines and planes.
 
-use super::build::*;
-use super::{Allowed, Case, Expect, Group};
+use crate::scene::hard::build::*;
+use crate::scene::hard::{Allowed, Case, Expect, Group};
 
 const DEGENERATE: Case = Case::of(Group::Degenerate);
 const INVALID: Case = Case { expect: Expect::Invalid, ..DEGENERATE };
@@ -9,7 +9,8 @@ const INVALID: Case = Case { expect: Expect::Invalid, ..DEGENERATE };
 pub const CASES: &[Case] = &[
     Case {
         name: "nan-coordinate",
-        reason: "NaN compares false with everything: it falls out of every box, and poisons xmin or is skipped by min",
+        reason: "NaN compares false with everything: it falls out of every box, and poisons xmin \
+                 or is skipped by min",
         source: "PointNeighbors.jl#64, rapier#350",
         make: |dim| spoilt(dim, |body| body.0[1] = f64::NAN),
         ..INVALID
@@ -28,7 +29,8 @@ pub const CASES: &[Case] = &[
     },
     Case {
         name: "nan-radius",
-        reason: "a largest radius that is found with > ignores NaN, one that is found otherwise becomes NaN",
+        reason: "a largest radius that is found with > ignores NaN, one that is found otherwise \
+                 becomes NaN",
         make: |dim| spoilt(dim, |body| body.1 = f64::NAN),
         ..INVALID
     },
@@ -54,7 +56,8 @@ pub const CASES: &[Case] = &[
     },
     Case {
         name: "a-single-body",
-        reason: "one element: the box has no extent, and the element may be found in contact with itself",
+        reason: "one element: the box has no extent, and the element may be found in contact with \
+                 itself",
         source: "CellListMap#79",
         expect: Expect::Contacts([0, 0]),
         make: |dim| uniform(dim, &[[3.0, -2.0, 7.0]], 1.0),
@@ -70,7 +73,8 @@ pub const CASES: &[Case] = &[
     },
     Case {
         name: "two-apart",
-        reason: "two elements in opposite corners of neighbouring cells: what is in reach by cells is not in touch",
+        reason: "two elements in opposite corners of neighbouring cells: what is in reach by \
+                 cells is not in touch",
         source: "CellListMap#79",
         expect: Expect::Contacts([0, 0]),
         make: |dim| uniform(dim, &[[0.0; 3], [0.75; 3]], by_dim(dim, [0.5, 0.625])),
@@ -85,17 +89,27 @@ pub const CASES: &[Case] = &[
     },
     Case {
         name: "points-in-couples",
-        reason: "radius 0, two at every site: distance 0 is contact, 0 <= 0, for a closed test only",
+        reason: "radius 0, two at every site: distance 0 is contact, 0 <= 0, for a closed test \
+                 only",
         source: "CGAL#3077",
         expect: Expect::Contacts([15 * 15, 6 * 6 * 6]),
         make: |dim| {
-            uniform(dim, &[lattice(dim, by_dim(dim, [15, 6]), |k| 0.1 * k), lattice(dim, by_dim(dim, [15, 6]), |k| 0.1 * k)].concat(), 0.0)
+            uniform(
+                dim,
+                &[
+                    lattice(dim, by_dim(dim, [15, 6]), |k| 0.1 * k),
+                    lattice(dim, by_dim(dim, [15, 6]), |k| 0.1 * k),
+                ]
+                .concat(),
+                0.0,
+            )
         },
         ..DEGENERATE
     },
     Case {
         name: "points-at-one-place",
-        reason: "no extent and no radius at all: 0/0, and trees that split until the halves differ never end",
+        reason: "no extent and no radius at all: 0/0, and trees that split until the halves \
+                 differ never end",
         source: "CGAL#3077",
         expect: Expect::Contacts([pairs(200), pairs(200)]),
         make: |dim| uniform(dim, &[[0.3; 3]; 200], 0.0),
@@ -118,7 +132,8 @@ pub const CASES: &[Case] = &[
     },
     Case {
         name: "specks-far-apart",
-        reason: "bodies of radius 10^-100 in a box of extent 1: cells as small as the reach are beyond number",
+        reason: "bodies of radius 10^-100 in a box of extent 1: cells as small as the reach are \
+                 beyond number",
         expect: Expect::Contacts([1, 1]),
         allows: &[Allowed::Domain],
         make: |dim| uniform(dim, &[[0.0; 3], [1e-100, 0.0, 0.0], [1.0, 0.0, 0.0]], 1e-100),
@@ -126,7 +141,8 @@ pub const CASES: &[Case] = &[
     },
     Case {
         name: "all-on-one-x",
-        reason: "all equal on x: a split at the median of x leaves one half empty, a sweep along x tests every pair",
+        reason: "all equal on x: a split at the median of x leaves one half empty, a sweep along \
+                 x tests every pair",
         source: "kiddo#475",
         expect: Expect::Contacts([399, 20 * 19 * 2]),
         make: |dim| on_a_plane(dim, 0),
@@ -151,7 +167,8 @@ pub const CASES: &[Case] = &[
     },
     Case {
         name: "collinear-diagonal",
-        reason: "bodies on a line with coordinates that are all equal: orderings by x, y and z are one",
+        reason: "bodies on a line with coordinates that are all equal: orderings by x, y and z \
+                 are one",
         expect: Expect::Contacts([299, 299]),
         make: |dim| uniform(dim, &(0..300).map(|k| [f64::from(k); 3]).collect::<Vec<_>>(), 1.0),
         ..DEGENERATE
@@ -162,8 +179,10 @@ pub const CASES: &[Case] = &[
         reason: "bodies on the plane z = x: no axis is flat, most cells of the box are empty",
         expect: Expect::Contacts([0, 20 * 19 * 2]),
         make: |dim| {
-            // Steps of (1, 0, 1) and (0, 1.25, 0) with reach 1.5: √2 and 1.25 touch, the diagonal is √3.5625.
-            let places = (0..400).map(|k| [f64::from(k % 20), 1.25 * f64::from(k / 20), f64::from(k % 20)]);
+            // Steps of (1, 0, 1) and (0, 1.25, 0) with reach 1.5: √2 and 1.25 touch, the diagonal
+            // is √3.5625.
+            let places =
+                (0..400).map(|k| [f64::from(k % 20), 1.25 * f64::from(k / 20), f64::from(k % 20)]);
             uniform(dim, &places.collect::<Vec<_>>(), 0.75)
         },
         ..DEGENERATE

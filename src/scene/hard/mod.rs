@@ -1,11 +1,13 @@
 //! The hard-case catalogue: small named scenes on which detectors have been, or can be, wrong.
 //!
-//! Every case says what breaks on it and why, where it comes from, and what the right answer is: the number of contacts where the
-//! construction tells it, else what testing every pair in exact arithmetic gives. A case is a list of *steps*: scenes that one
-//! detector is given one after the other. The last step is judged; those before it leave something behind (group `state`), and
-//! may be refused. One file per group, `signs` holding two; `build` has what they share.
+//! Every case says what breaks on it and why, where it comes from, and what the right answer is:
+//! the number of contacts where the construction tells it, else what testing every pair in exact
+//! arithmetic gives. A case is a list of *steps*: scenes that one detector is given one after the
+//! other. The last step is judged; those before it leave something behind (group `state`), and may
+//! be refused. One file per group, `signs` holding two; `build` has what they share.
 //!
-//! Coordinates are dyadic wherever ties matter, and made with + - * / and square roots only: the same bits on every machine.
+//! Coordinates are dyadic wherever ties matter, and made with + - * / and square roots only: the
+//! same bits on every machine.
 
 mod borders;
 mod build;
@@ -21,9 +23,9 @@ mod state;
 mod tangent;
 
 use anyhow::{anyhow, ensure};
-
-use super::AnyScene;
 use build::Steps;
+
+use crate::scene::AnyScene;
 
 /// The cases of each file, in the order of the groups.
 static FILES: [&[Case]; 11] = [
@@ -71,7 +73,8 @@ pub enum Expect {
     Contacts([u64; 2]),
     /// What [`crate::oracle::truth`] says.
     Oracle,
-    /// There is no scene: it is refused with a [`super::SceneError`] that names the particle.
+    /// There is no scene: it is refused with a [`crate::scene::SceneError`] that names the
+    /// particle.
     Invalid,
 }
 
@@ -164,11 +167,22 @@ impl Case {
         }
     }
 
-    /// The scenes that one detector is given one after the other: at least one. An invalid case gives an error that holds the
-    /// [`super::SceneError`].
+    /// The scenes that one detector is given one after the other: at least one. An invalid case
+    /// gives an error that holds the [`crate::scene::SceneError`].
     pub fn steps(&self, dim: u32) -> anyhow::Result<Vec<AnyScene<'static>>> {
-        let dims = || self.dims.iter().map(|dim| format!("{dim} dimensions")).collect::<Vec<_>>().join(" and ");
-        ensure!(self.dims.contains(&dim), "the hard case '{}' is made in {} only, not in {dim}", self.name, dims());
+        let dims = || {
+            self.dims
+                .iter()
+                .map(|dim| format!("{dim} dimensions"))
+                .collect::<Vec<_>>()
+                .join(" and ")
+        };
+        ensure!(
+            self.dims.contains(&dim),
+            "the hard case '{}' is made in {} only, not in {dim}",
+            self.name,
+            dims()
+        );
         Ok((self.make)(dim)?)
     }
 }
@@ -176,26 +190,19 @@ impl Case {
 /// The case of that name; the error names the nearest ones.
 pub fn find(name: &str) -> anyhow::Result<&'static Case> {
     cases().find(|case| case.name == name).ok_or_else(|| {
-        let mut near: Vec<_> = cases().map(|case| (!case.name.contains(name), changes(case.name, name), case.name)).collect();
+        let mut near: Vec<_> = cases()
+            .map(|case| {
+                (!case.name.contains(name), strsim::levenshtein(case.name, name), case.name)
+            })
+            .collect();
         near.sort_unstable();
         let near: Vec<&str> = near.iter().take(3).map(|(.., name)| *name).collect();
-        anyhow!("there is no hard case '{name}'; the nearest names are {} (contactbench list hard-cases)", near.join(", "))
+        anyhow!(
+            "there is no hard case '{name}'; the nearest names are {} (contactbench list \
+             hard-cases)",
+            near.join(", ")
+        )
     })
-}
-
-/// The number of letters to be inserted, removed or replaced to make `a` of `b` (Levenshtein).
-fn changes(a: &str, b: &str) -> usize {
-    let mut row: Vec<usize> = (0..=a.chars().count()).collect();
-    for (i, y) in b.chars().enumerate() {
-        let mut corner = row[0];
-        row[0] = i + 1;
-        for (j, x) in a.chars().enumerate() {
-            let replaced = corner + usize::from(x != y);
-            corner = row[j + 1];
-            row[j + 1] = replaced.min(corner + 1).min(row[j] + 1);
-        }
-    }
-    row[row.len() - 1]
 }
 
 #[cfg(test)]

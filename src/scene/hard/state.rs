@@ -1,21 +1,29 @@
-//! What an earlier detection left behind. One detector is given all steps in order; only the last is judged.
+//! What an earlier detection left behind. One detector is given all steps in order; only the last
+//! is judged.
 //!
 //! ```text
 //!   step 1  ooooooooo   step 2  oo   step 3  oooooooooo
 //!                                            heads, links and marks of step 1 must be gone
 //! ```
 
-use super::build::*;
-use super::{Case, Expect, Group};
+use crate::scene::hard::build::*;
+use crate::scene::hard::{Case, Expect, Group};
 
 const STATE: Case = Case::of(Group::State);
 
 pub const CASES: &[Case] = &[
     Case {
         name: "shrink-then-grow",
-        reason: "many, two, more than ever: arrays of an earlier size, with an earlier content, at both ends",
+        reason: "many, two, more than ever: arrays of an earlier size, with an earlier content, \
+                 at both ends",
         expect: of_lattice([14, 7], 1),
-        make: |dim| history([block(dim, 12, 6), uniform(dim, &[[0.0; 3], [1.0, 0.0, 0.0]], 0.5), block(dim, 14, 7)]),
+        make: |dim| {
+            history([
+                block(dim, 12, 6),
+                uniform(dim, &[[0.0; 3], [1.0, 0.0, 0.0]], 0.5),
+                block(dim, 14, 7),
+            ])
+        },
         ..STATE
     },
     Case {
@@ -27,7 +35,8 @@ pub const CASES: &[Case] = &[
     },
     Case {
         name: "emptied-then-filled",
-        reason: "no element at all in between: the box, the largest radius and the counts of nobody",
+        reason: "no element at all in between: the box, the largest radius and the counts of \
+                 nobody",
         source: "CellListMap#79",
         expect: of_lattice([10, 5], 1),
         make: |dim| history([block(dim, 10, 5), uniform(dim, &[], 0.5), block(dim, 10, 5)]),
@@ -42,12 +51,14 @@ pub const CASES: &[Case] = &[
     },
     Case {
         name: "erased-and-inserted",
-        reason: "a body is erased, and one is inserted at the same place: its old contacts are gone, its new ones are the same",
+        reason: "a body is erased, and one is inserted at the same place: its old contacts are \
+                 gone, its new ones are the same",
         source: "yade#13",
         expect: of_lattice([8, 5], 1),
         make: |dim| {
             let all = lattice(dim, by_dim(dim, [8, 5]), |k| k);
-            let fewer: Vec<Place> = all.iter().enumerate().filter(|(k, _)| *k != 20).map(|(_, place)| *place).collect();
+            let fewer: Vec<Place> =
+                all.iter().enumerate().filter(|(k, _)| *k != 20).map(|(_, place)| *place).collect();
             // Inserted under a new number: the last.
             let again = [&fewer[..], &[all[20]]].concat();
             history([uniform(dim, &all, 0.5), uniform(dim, &fewer, 0.5), uniform(dim, &again, 0.5)])
@@ -56,7 +67,8 @@ pub const CASES: &[Case] = &[
     },
     Case {
         name: "all-cross-a-cell",
-        reason: "every body moves by one diameter at once: each cell is left by one and entered by another",
+        reason: "every body moves by one diameter at once: each cell is left by one and entered \
+                 by another",
         expect: of_lattice([12, 6], 1),
         make: |dim| {
             let moved = |by: f64| {
@@ -83,7 +95,8 @@ pub const CASES: &[Case] = &[
     },
     Case {
         name: "one-comes-from-afar",
-        reason: "one body moves across the domain into contact, all others stay: a skipped update misses it",
+        reason: "one body moves across the domain into contact, all others stay: a skipped update \
+                 misses it",
         expect: Expect::Contacts([1, 1]),
         make: |dim| {
             let at = |last: Place| {
@@ -97,18 +110,29 @@ pub const CASES: &[Case] = &[
     },
     Case {
         name: "domain-grows",
-        reason: "the domain is 100 times longer than before: heads beyond the old end were never made empty",
+        reason: "the domain is 100 times longer than before: heads beyond the old end were never \
+                 made empty",
         expect: of_lattice([10, 5], 1),
-        make: |dim| history([block(dim, 10, 5), uniform(dim, &lattice(dim, by_dim(dim, [10, 5]), |k| 30.0 * k), 0.5), block(dim, 10, 5)]),
+        make: |dim| {
+            history([
+                block(dim, 10, 5),
+                uniform(dim, &lattice(dim, by_dim(dim, [10, 5]), |k| 30.0 * k), 0.5),
+                block(dim, 10, 5),
+            ])
+        },
         ..STATE
     },
     Case {
         name: "domain-turns",
-        reason: "from 200 cells wide and one high to one wide and 200 high: strides of the old shape",
+        reason: "from 200 cells wide and one high to one wide and 200 high: strides of the old \
+                 shape",
         expect: Expect::Contacts([199, 199]),
         make: |dim| {
-            let row =
-                |axis: usize| (0..200).map(|k| std::array::from_fn(|a| if a == axis { f64::from(k) } else { 0.0 })).collect::<Vec<_>>();
+            let row = |axis: usize| {
+                (0..200)
+                    .map(|k| std::array::from_fn(|a| if a == axis { f64::from(k) } else { 0.0 }))
+                    .collect::<Vec<_>>()
+            };
             history([uniform(dim, &row(0), 0.5), uniform(dim, &row(dim as usize - 1), 0.5)])
         },
         ..STATE
@@ -125,11 +149,16 @@ pub const CASES: &[Case] = &[
     },
     Case {
         name: "one-radius-then-each",
-        reason: "one radius for all, then one each, then one for all: radii kept from the step before",
+        reason: "one radius for all, then one each, then one for all: radii kept from the step \
+                 before",
         expect: of_lattice([12, 6], 1),
         make: |dim| {
             let places = lattice(dim, by_dim(dim, [12, 6]), |k| k);
-            let bodies: Vec<(Place, f64)> = places.iter().enumerate().map(|(k, place)| (*place, 0.25 + 0.125 * (k % 7) as f64)).collect();
+            let bodies: Vec<(Place, f64)> = places
+                .iter()
+                .enumerate()
+                .map(|(k, place)| (*place, 0.25 + 0.125 * (k % 7) as f64))
+                .collect();
             history([uniform(dim, &places, 0.5), each(dim, &bodies), uniform(dim, &places, 0.5)])
         },
         ..STATE
@@ -147,7 +176,8 @@ pub const CASES: &[Case] = &[
     },
     Case {
         name: "after-a-crowd",
-        reason: "a crowd of 400, then a lattice with one body per cell: lists that grew, tables that were resized",
+        reason: "a crowd of 400, then a lattice with one body per cell: lists that grew, tables \
+                 that were resized",
         expect: of_lattice([12, 6], 1),
         make: |dim| history([uniform(dim, &[[3.0; 3]; 400], 0.5), block(dim, 12, 6)]),
         ..STATE

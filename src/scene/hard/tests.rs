@@ -1,16 +1,18 @@
-//! The catalogue is what it says: complete, right by its own arithmetic, and answered rightly by every detector.
+//! The catalogue is what it says: complete, right by its own arithmetic, and answered rightly by
+//! every detector.
 
 use std::collections::{BTreeSet, HashMap, HashSet};
 
 use super::*;
-use crate::contact::{Arithmetic, Bodies, Real, WithBodies, with_bodies};
+use crate::contact::{Arithmetic, Bodies, WithBodies, with_bodies};
+use crate::detect::book::mask;
 use crate::detect::table::{Entry, TABLE};
-use crate::detect::{Options, Refusal, mask};
+use crate::detect::{Options, Refusal};
 use crate::filter::cells::Cells;
 use crate::oracle;
 use crate::probe::Silent;
-use crate::scene::SceneError;
 use crate::scene::spec::{Order, Spec};
+use crate::scene::{Real, SceneError, Stored};
 use crate::sink::{Digest, normalise};
 
 /// All cases in all their dimensions, without those that have no scene.
@@ -31,12 +33,21 @@ fn the_catalogue_is_complete() {
         assert!(of_group >= 4, "{}", group.name());
     }
     for case in cases() {
-        assert!(case.name.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-'), "{}", case.name);
+        assert!(
+            case.name.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-'),
+            "{}",
+            case.name
+        );
         assert!(case.reason.len() > 20 && !case.source.is_empty(), "{}", case.name);
         assert!(case.dims == [2, 3] || case.dims == [2] || case.dims == [3], "{}", case.name);
     }
     for (case, dim, steps) in valid() {
-        assert!(!steps.is_empty() && steps.iter().all(|scene| scene.dim() == dim as usize && scene.len() <= 3000), "{}", case.name);
+        assert!(
+            !steps.is_empty()
+                && steps.iter().all(|scene| scene.dim() == dim as usize && scene.len() <= 3000),
+            "{}",
+            case.name
+        );
         assert_eq!(steps.len() > 1, case.group == Group::State, "{}", case.name);
     }
 }
@@ -46,7 +57,12 @@ fn expected_contacts_are_those_of_the_oracle() {
     for (case, dim, steps) in valid() {
         let truth = oracle::truth(&steps[steps.len() - 1], Arithmetic::Exact).unwrap();
         if let Expect::Contacts(contacts) = case.expect {
-            assert_eq!(truth.digest.contacts, contacts[usize::from(dim == 3)], "{} in {dim}D", case.name);
+            assert_eq!(
+                truth.digest.contacts,
+                contacts[usize::from(dim == 3)],
+                "{} in {dim}D",
+                case.name
+            );
         }
     }
 }
@@ -56,9 +72,16 @@ fn invalid_cases_name_the_particle() {
     for case in cases().filter(|case| case.expect == Expect::Invalid) {
         for &dim in case.dims {
             let params = [("case".to_string(), case.name.into())].into();
-            let error = Spec::new("hard", dim, 0, 1, Order::Generated, &params).unwrap().make().unwrap_err();
+            let error = Spec::new("hard", dim, 0, 1, Order::Generated, &params)
+                .unwrap()
+                .make()
+                .unwrap_err();
             let found = error.chain().find_map(|cause| cause.downcast_ref::<SceneError>());
-            assert!(found.is_some_and(|error| error.to_string().starts_with("particle 3: ")), "{}: {error:#}", case.name);
+            assert!(
+                found.is_some_and(|error| error.to_string().starts_with("particle 3: ")),
+                "{}: {error:#}",
+                case.name
+            );
         }
     }
 }
@@ -67,19 +90,37 @@ fn detectors() -> impl Iterator<Item = &'static Entry> {
     TABLE.iter().filter(|entry| entry.must_be_right())
 }
 
-/// What a new detector says of the last of some steps, and the digest of what it reports. No case is worth much memory: a domain that
-/// is not refused is small.
-fn last_answer(entry: &Entry, arithmetic: Arithmetic, steps: &[AnyScene<'static>]) -> Option<(Result<(), Refusal>, Digest)> {
+/// What a new detector says of the last of some steps, and the digest of what it reports. No case
+/// is worth much memory: a domain that is not refused is small.
+fn last_answer(
+    entry: &Entry,
+    arithmetic: Arithmetic,
+    steps: &[AnyScene<'static>],
+) -> Option<(Result<(), Refusal>, Digest)> {
     let mut detector = entry.make(Options::default());
     let mut last = None;
     for scene in steps {
         let (mut digest, mut listed) = (Digest::default(), Vec::new());
         let (scene, test) = (scene.stored(arithmetic).ok()?, arithmetic.test());
         let answer = detector.visit(&scene, test, &mut digest);
-        assert_eq!(detector.list(&scene, test, &mut listed), answer, "{}: listed and counted", entry.name);
+        assert_eq!(
+            detector.list(&scene, test, &mut listed),
+            answer,
+            "{}: listed and counted",
+            entry.name
+        );
         assert_eq!(Digest::of(&listed), digest, "{}: listed and counted", entry.name);
-        assert!(answer.is_ok() || digest == Digest::default(), "{} refused after it had reported", entry.name);
-        assert!(answer.is_err() || detector.formula_bytes() < 200 << 20, "{}: {} bytes", entry.name, detector.formula_bytes());
+        assert!(
+            answer.is_ok() || digest == Digest::default(),
+            "{} refused after it had reported",
+            entry.name
+        );
+        assert!(
+            answer.is_err() || detector.formula_bytes() < 200 << 20,
+            "{}: {} bytes",
+            entry.name,
+            detector.formula_bytes()
+        );
         last = Some((answer, digest));
     }
     last
@@ -92,19 +133,29 @@ fn every_detector_is_right_in_every_safe_arithmetic() {
     for (case, dim, steps) in valid() {
         for arithmetic in Arithmetic::SAFE {
             let Ok(truth) = oracle::truth(&steps[steps.len() - 1], arithmetic) else {
-                assert_ne!(arithmetic, Arithmetic::Exact, "{}: exact arithmetic holds every scene", case.name);
+                assert_ne!(
+                    arithmetic,
+                    Arithmetic::Exact,
+                    "{}: exact arithmetic holds every scene",
+                    case.name
+                );
                 continue;
             };
             for entry in detectors() {
-                let Some((answer, digest)) = last_answer(entry, arithmetic, &steps) else { continue };
-                let what = format!("{} in {dim}D: {} in {}", case.name, entry.name, arithmetic.name());
+                let Some((answer, digest)) = last_answer(entry, arithmetic, &steps) else {
+                    continue;
+                };
+                let what =
+                    format!("{} in {dim}D: {} in {}", case.name, entry.name, arithmetic.name());
                 let Err(refusal) = answer else {
                     assert_eq!(digest, truth.digest, "{what}");
                     continue;
                 };
                 if arithmetic == Arithmetic::Exact {
                     let allowed = match refusal {
-                        Refusal::Domain { .. } | Refusal::Extent { .. } => case.allows.contains(&Allowed::Domain),
+                        Refusal::Domain { .. } | Refusal::Extent { .. } => {
+                            case.allows.contains(&Allowed::Domain)
+                        }
                         Refusal::Memory { .. } => case.allows.contains(&Allowed::Memory),
                         Refusal::Library { .. } => !entry.is_ours(),
                         _ => false,
@@ -117,7 +168,11 @@ fn every_detector_is_right_in_every_safe_arithmetic() {
     }
     // What is allowed does occur.
     for case in cases().filter(|case| !case.allows.is_empty()) {
-        assert!(refused.iter().any(|(name, ..)| *name == case.name), "{}: nothing is refused", case.name);
+        assert!(
+            refused.iter().any(|(name, ..)| *name == case.name),
+            "{}: nothing is refused",
+            case.name
+        );
     }
 }
 
@@ -136,11 +191,16 @@ fn a_spec_gives_last_step_and_history() {
     assert!(Spec::parse("packed:n=10").unwrap().history().unwrap().is_empty());
     assert_eq!(Spec::parse("hard:case=shrink-then-grow").unwrap().history().unwrap().len(), 2);
     assert!(cases().all(|case| find(case.name).is_ok_and(|found| std::ptr::eq(found, case))));
-    assert!(find("tangent-3-4-6").err().is_some_and(|error| error.to_string().contains("tangent-3-4-5")));
+    assert!(
+        find("tangent-3-4-6")
+            .err()
+            .is_some_and(|error| error.to_string().contains("tangent-3-4-5"))
+    );
     assert!(cases().next().unwrap().steps(4).is_err());
 }
 
-/// The contacts of a scene by the offset of the second element's cell from the first's; elements in input order.
+/// The contacts of a scene by the offset of the second element's cell from the first's; elements in
+/// input order.
 struct ByOffset<const D: usize>(Vec<[u32; 2]>);
 
 impl<T: Real, const D: usize> WithBodies<T, D> for ByOffset<D> {
@@ -149,7 +209,9 @@ impl<T: Real, const D: usize> WithBodies<T, D> for ByOffset<D> {
         let cells = Cells::new(&bodies)?;
         let cell = |i: u32| {
             let position = bodies.position(i);
-            std::array::from_fn::<i64, D, _>(|k| i64::from(cells.index(position[k], k, &mut Silent)))
+            std::array::from_fn::<i64, D, _>(|k| {
+                i64::from(cells.index(position[k], k, &mut Silent))
+            })
         };
         let mut found = HashMap::new();
         for [i, j] in self.0 {
@@ -160,7 +222,8 @@ impl<T: Real, const D: usize> WithBodies<T, D> for ByOffset<D> {
     }
 }
 
-/// A detector that forgets one cell of its mask, half or full, loses a contact of `every-neighbour`.
+/// A detector that forgets one cell of its mask, half or full, loses a contact of
+/// `every-neighbour`.
 #[test]
 fn every_cell_of_the_mask_is_needed() {
     let case = find("every-neighbour").unwrap();
@@ -170,14 +233,18 @@ fn every_cell_of_the_mask_is_needed() {
         normalise(&mut pairs);
         let test = Arithmetic::Exact.test();
         match scene {
-            AnyScene::PlaneF64(scene) => {
+            AnyScene::Plane(Stored::F64(scene)) => {
                 let found = with_bodies(&scene, test, ByOffset::<2>(pairs)).unwrap();
-                assert!(mask::PLANE.iter().all(|v| found[&v.map(i64::from)] == 1 && found[&v.map(|x| -i64::from(x))] == 1));
+                assert!(mask::PLANE.iter().all(
+                    |v| found[&v.map(i64::from)] == 1 && found[&v.map(|x| -i64::from(x))] == 1
+                ));
                 assert_eq!(found.len(), 8);
             }
-            AnyScene::SpaceF64(scene) => {
+            AnyScene::Space(Stored::F64(scene)) => {
                 let found = with_bodies(&scene, test, ByOffset::<3>(pairs)).unwrap();
-                assert!(mask::SPACE.iter().all(|v| found[&v.map(i64::from)] == 1 && found[&v.map(|x| -i64::from(x))] == 1));
+                assert!(mask::SPACE.iter().all(
+                    |v| found[&v.map(i64::from)] == 1 && found[&v.map(|x| -i64::from(x))] == 1
+                ));
                 assert_eq!(found.len(), 26);
             }
             _ => panic!("cases are made in f64"),
@@ -190,7 +257,9 @@ fn every_cell_of_the_mask_is_needed() {
 fn textbook_filters_fail_where_the_catalogue_says_so() {
     let mut wrong: BTreeSet<(&str, &str)> = BTreeSet::new();
     for (case, _, steps) in valid() {
-        let Ok(truth) = oracle::truth(&steps[steps.len() - 1], Arithmetic::Textbook) else { continue };
+        let Ok(truth) = oracle::truth(&steps[steps.len() - 1], Arithmetic::Textbook) else {
+            continue;
+        };
         for entry in detectors() {
             if let Some((Ok(()), digest)) = last_answer(entry, Arithmetic::Textbook, &steps)
                 && digest != truth.digest
@@ -202,9 +271,16 @@ fn textbook_filters_fail_where_the_catalogue_says_so() {
     // Comparisons and whole numbers of steps have no textbook form: they lose nothing.
     let safe = ["direct", "sweep", "bvh", "kd-tree", "streamed-nbs"];
     for entry in detectors().filter(|entry| !safe.contains(&entry.name) && entry.is_ours()) {
-        for name in ["three-across-a-border", "couples-from-minus-one", "couples-below-zero", "couples-far-from-xmin"] {
+        for name in [
+            "three-across-a-border",
+            "couples-from-minus-one",
+            "couples-below-zero",
+            "couples-far-from-xmin",
+        ] {
             assert!(
-                wrong.contains(&(name, entry.name)) || name == "couples-far-from-xmin" && ["screening", "cell-grid"].contains(&entry.name),
+                wrong.contains(&(name, entry.name))
+                    || name == "couples-far-from-xmin"
+                        && ["screening", "cell-grid"].contains(&entry.name),
                 "{name}: {}",
                 entry.name
             );

@@ -1,17 +1,18 @@
 //! `kd-tree`: the k-d tree of the crate [kd-tree](https://docs.rs/kd-tree).
 //!
-//! Elements are sorted in place into a balanced tree, and each, in the order of the tree, asks for what is within reach. The crate gives the answer
-//! to each query as a new list.
+//! Particles are sorted in place into a balanced tree, and each, in the order of the tree, asks for
+//! what is within reach. The crate gives the answer to each query as a new list.
 
 use ::kd_tree::{KdSlice2, KdSlice3};
 
 use super::{KD_TREE, positions, squared_reach};
-use crate::contact::{Bodies, Real};
+use crate::contact::Bodies;
 use crate::detect::{Declare, Detector, Options, Refusal};
 use crate::probe::Probe;
+use crate::scene::Real;
 use crate::sink::Sink;
 
-/// Builds a tree and asks it once per element.
+/// Builds a tree and asks it once per particle.
 pub struct KdTree<const D: usize> {
     points: Vec<[f64; D]>,
     items: Vec<([f64; D], u32)>,
@@ -31,13 +32,20 @@ impl<const D: usize> Declare for KdTree<D> {
 macro_rules! detector {
     ($d:literal, $slice:ident) => {
         impl<T: Real> Detector<T, $d> for KdTree<$d> {
-            fn detect<B: Bodies<T, $d>, P: Probe, S: Sink>(&mut self, bodies: B, probe: &mut P, sink: &mut S) -> Result<(), Refusal> {
+            fn detect<B: Bodies<T, $d>, P: Probe, S: Sink>(
+                &mut self,
+                bodies: B,
+                probe: &mut P,
+                sink: &mut S,
+            ) -> Result<(), Refusal> {
                 positions(&bodies, &mut self.points);
-                // The crate's search is open: at exactly this distance nothing is found, which the margin covers.
+                // The crate's search is open: at exactly this distance nothing is found, which the
+                // margin covers.
                 let radius = squared_reach(KD_TREE.name, &bodies, &self.points)?.sqrt();
                 self.items.clear();
                 self.items.extend(self.points.iter().copied().zip(0u32..));
-                let tree = $slice::sort_by(&mut self.items, |(a, _), (b, _), k| a[k].total_cmp(&b[k]));
+                let tree =
+                    $slice::sort_by(&mut self.items, |(a, _), (b, _), k| a[k].total_cmp(&b[k]));
                 for (point, i) in tree.items() {
                     for (_, j) in tree.within_radius_by(point, radius, |(point, _), k| point[k]) {
                         if i < j && bodies.touch(*i, *j, probe) {

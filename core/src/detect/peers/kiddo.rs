@@ -1,18 +1,21 @@
 //! `kiddo`: the k-d tree of the crate [kiddo](https://docs.rs/kiddo).
 //!
-//! The tree for points that are known beforehand (`ImmutableKdTree`) is built from the slice of centres; it copes with many points that share a
-//! coordinate, which the crate's mutable tree does not. Each element, in the order of the leaves, asks for what is within reach, unsorted, without
-//! distances, by a visitor, with a stack that is kept: no query allocates. The crate's SIMD needs a nightly compiler and is off; its threads are off.
+//! The tree for points that are known beforehand (`ImmutableKdTree`) is built from the slice of
+//! centres; it copes with many points that share a coordinate, which the crate's mutable tree does
+//! not. Each particle, in the order of the leaves, asks for what is within reach, unsorted, without
+//! distances, by a visitor, with a stack that is kept: no query allocates. The crate's SIMD needs a
+//! nightly compiler and is off; its threads are off.
 
 use ::kiddo::{ImmutableKdTree, SquaredEuclidean};
 
 use super::{KIDDO, positions, squared_reach};
-use crate::contact::{Bodies, Real};
+use crate::contact::Bodies;
 use crate::detect::{Declare, Detector, Options, Refusal};
 use crate::probe::Probe;
+use crate::scene::Real;
 use crate::sink::Sink;
 
-/// Builds a tree and asks it once per element.
+/// Builds a tree and asks it once per particle.
 pub struct Kiddo<const D: usize>(Vec<[f64; D]>);
 
 impl<const D: usize> Declare for Kiddo<D> {
@@ -26,14 +29,24 @@ impl<const D: usize> Declare for Kiddo<D> {
 }
 
 impl<T: Real, const D: usize> Detector<T, D> for Kiddo<D> {
-    fn detect<B: Bodies<T, D>, P: Probe, S: Sink>(&mut self, bodies: B, probe: &mut P, sink: &mut S) -> Result<(), Refusal> {
+    fn detect<B: Bodies<T, D>, P: Probe, S: Sink>(
+        &mut self,
+        bodies: B,
+        probe: &mut P,
+        sink: &mut S,
+    ) -> Result<(), Refusal> {
         positions(&bodies, &mut self.0);
         let square = squared_reach(KIDDO.name, &bodies, &self.0)?;
-        let tree = ImmutableKdTree::<f64, D>::new_from_slice(&self.0)
-            .map_err(|error| Refusal::Library { detector: KIDDO.name, reason: error.to_string() })?;
+        let tree = ImmutableKdTree::<f64, D>::new_from_slice(&self.0).map_err(|error| {
+            Refusal::Library { detector: KIDDO.name, reason: error.to_string() }
+        })?;
         let mut scratch = tree.create_scratch::<SquaredEuclidean<f64>>();
         for (i, point) in tree.iter() {
-            let query = tree.query(&point).within::<SquaredEuclidean<f64>>(square).unsorted().without_distances();
+            let query = tree
+                .query(&point)
+                .within::<SquaredEuclidean<f64>>(square)
+                .unsorted()
+                .without_distances();
             query.with_scratch(&mut scratch).visit(|found| {
                 let j = found.item;
                 if i < j && bodies.touch(i, j, probe) {

@@ -1,11 +1,14 @@
-//! Peers: libraries that people use to find neighbours, as detectors, measured in the same run as ours (cargo feature `peers`).
+//! Peers: libraries that people use to find neighbours, as detectors, measured in the same run as
+//! ours (cargo feature `peers`).
 //!
-//! A peer is used as its documentation recommends, in f64 and on one thread, as a *filter*: it is asked for all pairs within
-//! [`reach`](crate::contact::Bodies::reach), and [`touch`](crate::contact::Bodies::touch) decides, so that its answers are held to the same truth. The clock is ours, too: from raw
-//! coordinates to the complete list of pairs, building the library's structure included. What a library cannot be trusted with is refused, with
-//! the reason.
+//! A peer is used as its documentation recommends, in f64 and on one thread, as a *filter*: it is
+//! asked for all pairs within [`reach`](crate::contact::Bodies::reach), and
+//! [`touch`](crate::contact::Bodies::touch) decides, so that its answers are held to the same
+//! truth. The clock is ours, too: from raw coordinates to the complete list of pairs, building the
+//! library's structure included. What a library cannot be trusted with is refused, with the reason.
 //!
-//! Peers are not held to our rules about memory: they allocate as they please and declare no formula.
+//! Peers are not held to our rules about memory: they allocate as they please and declare no
+//! formula.
 
 #[cfg(feature = "peers")]
 pub mod kd_tree;
@@ -21,7 +24,9 @@ pub mod zelll;
 #[cfg(feature = "peers")]
 use super::Refusal;
 #[cfg(feature = "peers")]
-use crate::contact::{Bodies, Real};
+use crate::contact::Bodies;
+#[cfg(feature = "peers")]
+use crate::scene::Real;
 
 /// What is known of a peer also where it is not compiled.
 #[derive(Debug, PartialEq, Eq)]
@@ -30,7 +35,7 @@ pub struct Peer {
     pub name: &'static str,
     /// What it does, in a few words.
     pub summary: &'static str,
-    /// Cost for N elements.
+    /// Cost for N particles.
     pub cost: &'static str,
     /// What it refuses or does badly.
     pub limits: &'static str,
@@ -83,11 +88,14 @@ pub const PEERS: [&Peer; 5] = [&KIDDO, &KD_TREE, &RSTAR, &PARRY, &ZELLL];
 pub fn missing(name: &str) -> Option<String> {
     let absent = !cfg!(feature = "peers") && PEERS.iter().any(|peer| peer.name == name);
     absent.then(|| {
-        format!("this program was built without the library behind {name}; run it with `cargo run --release --features peers -- ...`")
+        format!(
+            "this program was built without the library behind {name}; run it with `cargo run \
+             --release --features peers -- ...`"
+        )
     })
 }
 
-/// The centres of all elements, in a buffer that is kept.
+/// The centres of all particles, in a buffer that is kept.
 #[cfg(feature = "peers")]
 fn positions<T: Real, const D: usize>(bodies: &impl Bodies<T, D>, points: &mut Vec<[f64; D]>) {
     points.clear();
@@ -98,17 +106,24 @@ fn positions<T: Real, const D: usize>(bodies: &impl Bodies<T, D>, points: &mut V
 #[cfg(feature = "peers")]
 fn bounds<const D: usize>(points: &[[f64; D]]) -> [[f64; D]; 2] {
     let first = points.first().copied().unwrap_or([0.0; D]);
-    points.iter().fold([first; 2], |[low, high], p| [std::array::from_fn(|k| low[k].min(p[k])), std::array::from_fn(|k| high[k].max(p[k]))])
+    points.iter().fold([first; 2], |[low, high], p| {
+        [std::array::from_fn(|k| low[k].min(p[k])), std::array::from_fn(|k| high[k].max(p[k]))]
+    })
 }
 
-/// The square of the distance to search, for libraries that prune and decide by squares: no pair that `touch` accepts is farther apart as they
-/// compute it.
+/// The square of the distance to search, for libraries that prune and decide by squares: no pair
+/// that `touch` accepts is farther apart as they compute it.
 ///
-/// A square computed in one go is off by 6u (see [`crate::filter`], section 5); trees that update the distance to a box at every level may be off by
-/// some u for each. 2^-40 covers thousands of levels and costs nothing; the term beside it covers underflow. Where squares overflow, trees
-/// may compute infinity less infinity, and the scene is refused.
+/// A square computed in one go is off by 6u (see [`crate::filter`], section 5); trees that update
+/// the distance to a box at every level may be off by some u for each. 2^-40 covers thousands of
+/// levels and costs nothing; the term beside it covers underflow. Where squares overflow, trees may
+/// compute infinity less infinity, and the scene is refused.
 #[cfg(feature = "peers")]
-fn squared_reach<T: Real, const D: usize>(detector: &'static str, bodies: &impl Bodies<T, D>, points: &[[f64; D]]) -> Result<f64, Refusal> {
+fn squared_reach<T: Real, const D: usize>(
+    detector: &'static str,
+    bodies: &impl Bodies<T, D>,
+    points: &[[f64; D]],
+) -> Result<f64, Refusal> {
     const PART: f64 = 1.0 / (1u64 << 40) as f64;
     // 2^-960, by its bits.
     let least = f64::from_bits((1023 - 960) << 52);

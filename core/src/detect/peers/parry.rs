@@ -1,13 +1,16 @@
-//! `parry`: the bounding volume hierarchy of the crates [parry2d-f64 and parry3d-f64](https://parry.rs).
+//! `parry`: the bounding volume hierarchy of the crates [parry2d-f64 and
+//! parry3d-f64](https://parry.rs).
 //!
-//! Boxes around the elements, half a reach to each side, are put into a tree by binning, the crate's fast way to build one, and the tree is
-//! traversed against itself, which gives each pair of overlapping boxes once. Such boxes lose no pair ([`crate::filter`], section 2).
+//! Boxes around the particles, half a reach to each side, are put into a tree by binning, the
+//! crate's fast way to build one, and the tree is traversed against itself, which gives each pair
+//! of overlapping boxes once. Such boxes lose no pair ([`crate::filter`], section 2).
 
 use super::{PARRY, positions, squared_reach};
-use crate::contact::{Bodies, Real};
+use crate::contact::Bodies;
 use crate::detect::{Declare, Detector, Options, Refusal};
 use crate::filter::interval;
 use crate::probe::Probe;
+use crate::scene::Real;
 use crate::sink::Sink;
 
 /// Builds a tree of boxes and traverses it against itself.
@@ -27,7 +30,12 @@ impl<const D: usize> Declare for Parry<D> {
 macro_rules! detector {
     ($d:literal, $parry:ident) => {
         impl<T: Real> Detector<T, $d> for Parry<$d> {
-            fn detect<B: Bodies<T, $d>, P: Probe, S: Sink>(&mut self, bodies: B, probe: &mut P, sink: &mut S) -> Result<(), Refusal> {
+            fn detect<B: Bodies<T, $d>, P: Probe, S: Sink>(
+                &mut self,
+                bodies: B,
+                probe: &mut P,
+                sink: &mut S,
+            ) -> Result<(), Refusal> {
                 use $parry::bounding_volume::Aabb;
                 use $parry::partitioning::{Bvh, BvhBuildStrategy, BvhWorkspace};
 
@@ -36,15 +44,19 @@ macro_rules! detector {
                 squared_reach(PARRY.name, &bodies, &self.0)?;
                 let half = bodies.reach() / 2.0;
                 let boxes = self.0.iter().map(|point| {
-                    let [low, high] = [0, 1].map(|side| point.map(|x| interval(x, half)[side]).into());
+                    let [low, high] =
+                        [0, 1].map(|side| point.map(|x| interval(x, half)[side]).into());
                     Aabb::new(low, high)
                 });
                 let tree = Bvh::from_iter(BvhBuildStrategy::Binned, boxes.enumerate());
-                tree.traverse_bvtt_single_tree::<false>(&mut BvhWorkspace::default(), &mut |i, j| {
-                    if bodies.touch(i, j, probe) {
-                        sink.contact(i, j);
-                    }
-                });
+                tree.traverse_bvtt_single_tree::<false>(
+                    &mut BvhWorkspace::default(),
+                    &mut |i, j| {
+                        if bodies.touch(i, j, probe) {
+                            sink.contact(i, j);
+                        }
+                    },
+                );
                 Ok(())
             }
         }

@@ -1,17 +1,19 @@
 //! `rstar`: the R*-tree of the crate [rstar](https://docs.rs/rstar).
 //!
-//! The tree is bulk-loaded from the centres, and each element, in the order of the leaves, asks for what is within reach.
+//! The tree is bulk-loaded from the centres, and each particle, in the order of the leaves, asks
+//! for what is within reach.
 
 use ::rstar::RTree;
 use ::rstar::primitives::GeomWithData;
 
 use super::{RSTAR, positions, squared_reach};
-use crate::contact::{Bodies, Real};
+use crate::contact::Bodies;
 use crate::detect::{Declare, Detector, Options, Refusal};
 use crate::probe::Probe;
+use crate::scene::Real;
 use crate::sink::Sink;
 
-/// Builds a tree and asks it once per element.
+/// Builds a tree and asks it once per particle.
 pub struct Rstar<const D: usize>(Vec<[f64; D]>);
 
 impl<const D: usize> Declare for Rstar<D> {
@@ -25,10 +27,17 @@ impl<const D: usize> Declare for Rstar<D> {
 }
 
 impl<T: Real, const D: usize> Detector<T, D> for Rstar<D> {
-    fn detect<B: Bodies<T, D>, P: Probe, S: Sink>(&mut self, bodies: B, probe: &mut P, sink: &mut S) -> Result<(), Refusal> {
+    fn detect<B: Bodies<T, D>, P: Probe, S: Sink>(
+        &mut self,
+        bodies: B,
+        probe: &mut P,
+        sink: &mut S,
+    ) -> Result<(), Refusal> {
         positions(&bodies, &mut self.0);
         let square = squared_reach(RSTAR.name, &bodies, &self.0)?;
-        let tree = RTree::bulk_load(self.0.iter().zip(0u32..).map(|(&point, i)| GeomWithData::new(point, i)).collect());
+        let tree = RTree::bulk_load(
+            self.0.iter().zip(0u32..).map(|(&point, i)| GeomWithData::new(point, i)).collect(),
+        );
         for element in tree.iter() {
             let i = element.data;
             for other in tree.locate_within_distance(*element.geom(), square) {

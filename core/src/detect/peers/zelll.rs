@@ -1,19 +1,22 @@
 //! `zelll`: the cell lists of the crate [zelll](https://docs.rs/zelll).
 //!
-//! Elements with their numbers are sorted into cells of one reach, hashed by a number of 32 bits; the crate enumerates all pairs in equal and
-//! neighbouring cells.
+//! Particles with their numbers are sorted into cells of one reach, hashed by a number of 32 bits;
+//! the crate enumerates all pairs in equal and neighbouring cells.
 //!
-//! * The grid is made anew for every detection. The crate can also rebuild one in place, but then takes over the cells of the detection before where no
-//!   element has left its cell, which the clock forbids, and it does not notice when only the number of elements changes.
-//! * Cells are wider than the reach by the margin of [`crate::filter::cells`], whose proof holds here: fewer than 2^31 cells per axis, found by
-//!   one subtraction and one division. Where their numbers would not fit 32 bits, cells are doubled until they do.
+//! * The grid is made anew for every detection. The crate can also rebuild one in place, but then
+//!   takes over the cells of the detection before where no particle has left its cell, which the
+//!   clock forbids, and it does not notice when only the number of particles changes.
+//! * Cells are wider than the reach by the margin of [`crate::filter::cells`], whose proof holds
+//!   here: fewer than 2^31 cells per axis, found by one subtraction and one division. Where their
+//!   numbers would not fit 32 bits, cells are doubled until they do.
 
 use ::zelll::{CellGrid, ParticleLike};
 
 use super::{ZELLL, bounds, positions};
-use crate::contact::{Bodies, Real};
+use crate::contact::Bodies;
 use crate::detect::{Declare, Detector, Options, Refusal};
 use crate::probe::Probe;
+use crate::scene::Real;
 use crate::sink::Sink;
 
 /// Makes a grid and takes its pairs.
@@ -46,7 +49,12 @@ impl<const D: usize> Declare for Zelll<D> {
 }
 
 impl<T: Real, const D: usize> Detector<T, D> for Zelll<D> {
-    fn detect<B: Bodies<T, D>, P: Probe, S: Sink>(&mut self, bodies: B, probe: &mut P, sink: &mut S) -> Result<(), Refusal> {
+    fn detect<B: Bodies<T, D>, P: Probe, S: Sink>(
+        &mut self,
+        bodies: B,
+        probe: &mut P,
+        sink: &mut S,
+    ) -> Result<(), Refusal> {
         positions(&bodies, &mut self.0);
         let edge = edge(&self.0, bodies.reach())?;
         let elements = self.0.iter().zip(0u32..).map(|(&point, i)| Element(i, point));
@@ -62,14 +70,16 @@ impl<T: Real, const D: usize> Detector<T, D> for Zelll<D> {
 
 /// The edge of the cells.
 fn edge<const D: usize>(points: &[[f64; D]], reach: f64) -> Result<f64, Refusal> {
-    // The crate numbers four cells more than there are on each axis, and adds and subtracts neighbours.
+    // The crate numbers four cells more than there are on each axis, and adds and subtracts
+    // neighbours.
     const MOST: f64 = (1u64 << 30) as f64;
     let [low, high] = bounds(points);
     let extent: [f64; D] = std::array::from_fn(|k| high[k] - low[k]);
     let longest = extent.iter().copied().fold(0.0, f64::max);
     let mut edge = reach.max(f64::MIN_POSITIVE * 4.0) * (1.0 + 1.0 / (1u64 << 17) as f64);
     if !longest.is_finite() || !edge.is_finite() {
-        let reason = "its cells or their distances overflow; scale the scene down, or use direct".into();
+        let reason =
+            "its cells or their distances overflow; scale the scene down, or use direct".into();
         return Err(Refusal::Library { detector: ZELLL.name, reason });
     }
     // Bodies without extent: about one per cell will do.

@@ -1,43 +1,54 @@
 //! The grid of a scene, and coordinates as whole numbers of steps in it.
 //!
-//! Let h be the edge of a cell, s = 1/h and F the number of bits of a fraction. A coordinate x is stored as the whole number q nearest to
-//! Q = (x - xmin) s 2^F. With u = 2^-53 and fewer than 2^31 cells per axis, Q < 2^51 and its computed value is within (2u + u²)Q < 1/2 of it (scaling by
-//! 2^F is exact); rounding to a whole number adds 1/2. So |q - Q| < 1.01, and differences of two coordinates are within [`STEPS_OFF`] of the true ones.
+//! Let h be the edge of a cell, s = 1/h and F the number of bits of a fraction. A coordinate x is
+//! stored as the whole number q nearest to Q = (x - xmin) s 2^F. With u = 2^-53 and fewer than 2^31
+//! cells per axis, Q < 2^51 and its computed value is within (2u + u²)Q < 1/2 of it (scaling by 2^F
+//! is exact); rounding to a whole number adds 1/2. So |q - Q| < 1.01, and differences of two
+//! coordinates are within [`STEPS_OFF`] of the true ones.
 //!
-//! * **Cells.** Two elements that touch have |Qj - Qi| <= reach s 2^F. We take s <= (1 - 2^(2-F)) / reach, up to its own rounding of 2^-49. So
-//!   |qj - qi| < 2^F - 4 + 2.1, and their cells, q shifted by F, differ by at most one. This is the margin of [`crate::filter::cells`] once more, for
-//!   whole numbers.
-//! * **Distances.** What two rounded coordinates say of a distance is off by less than [`STEPS_OFF`] steps along each axis: see [`super::kernel`].
+//! * **Cells.** Two elements that touch have |Qj - Qi| <= reach s 2^F. We take s <= (1 - 2^(2-F)) /
+//!   reach, up to its own rounding of 2^-49. So |qj - qi| < 2^F - 4 + 2.1, and their cells, q
+//!   shifted by F, differ by at most one. This is the margin of [`crate::filter::cells`] once more,
+//!   for whole numbers.
+//! * **Distances.** What two rounded coordinates say of a distance is off by less than
+//!   [`STEPS_OFF`] steps along each axis: see [`super::kernel`].
 //!
-//! **Which edge.** Cells of the reach are the smallest, but a loose scene has many of them that are empty. Where there are more than
-//! [`CELLS_PER_ELEMENT`], the edge grows until there are not: memory and time then depend on N only. Where elements crowd in a few such cells,
-//! which a sample of the elements tells, the grid is not used, but lists of occupied cells of the smallest edge ([`super::occupied`]).
+//! **Which edge.** Cells of the reach are the smallest, but a loose scene has many of them that are
+//! empty. Where there are more than [`CELLS_PER_ELEMENT`], the edge grows until there are not:
+//! memory and time then depend on N only. Where elements crowd in a few such cells, which a sample
+//! of the elements tells, the sparse form is used ([`super::sparse`]), with cells of the smallest
+//! edge.
 
-use crate::contact::{Bodies, Real};
+use crate::contact::{Bodies, Margin, rounded_reach};
 use crate::detect::Refusal;
+use crate::filter::bounds_by;
 use crate::filter::cells::MOST_CELLS;
-use crate::filter::{Margin, bounds_by, rounded_reach};
+use crate::scene::Real;
 use crate::sink::splitmix64;
 
 /// Bits of the fraction of a coordinate, at most.
 const FRACTION: u32 = 20;
+/// In the sparse form: a record then has three 64-bit words.
+pub(super) const SPARSE_FRACTION: u32 = 16;
 /// A grid with fewer bits is not used.
 const FEWEST: u32 = 12;
 /// Differences of coordinates are within this many steps of the true ones.
 pub(super) const STEPS_OFF: f64 = 2.1;
-/// Measured: more than this cost more than longer ranges of candidates do. With 2.5 crowded scenes lose more than loose ones gain.
+/// Measured: more than this cost more than longer ranges of candidates do. With 2.5 crowded scenes
+/// lose more than loose ones gain.
 const CELLS_PER_ELEMENT: f64 = 3.0;
 /// Elements looked at, to see whether they crowd: one in 32, but at most so many.
 const SAMPLE: usize = 4096;
-/// Other elements in the cell of an element, in the mean, from which cells are not used: some hundred candidates.
+/// Other elements in the cell of an element, in the mean, from which cells are not used: some
+/// hundred candidates.
 const CROWD: f64 = 24.0;
 /// So few elements that a crowd does not matter.
 const FEW: usize = 4096;
 /// 2^52: added to a number below it, it leaves the nearest whole number in the lowest bits.
 const WHOLE: f64 = (1u64 << 52) as f64;
 
-/// Cells of a scene, with its axes in the order of their lengths: cells side by side along the first are side by side in memory, layers are cut
-/// across the last, the longest.
+/// Cells of a scene, with its axes in the order of their lengths: cells side by side along the
+/// first are side by side in memory, layers are cut across the last, the longest.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Grid<const D: usize> {
     axes: [usize; D],
@@ -53,15 +64,20 @@ pub(super) struct Grid<const D: usize> {
 /// How the neighbours of an element are found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Form {
-    /// By all cells of a grid.
-    Cells,
+    /// By an array over all cells of a grid.
+    Dense,
     /// By the occupied cells alone.
-    Occupied,
+    Sparse,
 }
 
 impl<const D: usize> Grid<D> {
-    /// The grid for a scene, and the form that suits it or is asked for; `threads` look for the scene's box.
-    pub fn new<T: Real>(bodies: &impl Bodies<T, D>, asked: Option<Form>, threads: usize) -> Result<(Grid<D>, Form), Refusal> {
+    /// The grid for a scene, and the form that suits it or is asked for; `threads` look for the
+    /// scene's box.
+    pub fn new<T: Real>(
+        bodies: &impl Bodies<T, D>,
+        asked: Option<Form>,
+        threads: usize,
+    ) -> Result<(Grid<D>, Form), Refusal> {
         let n = bodies.len();
         let (low, high) = bounds_by(bodies, threads);
         let mut axes: [usize; D] = std::array::from_fn(|k| k);
@@ -82,26 +98,38 @@ impl<const D: usize> Grid<D> {
         };
         let edge = edge_for(lengths, reach, n);
         let wide = grid(edge, FRACTION);
-        // x and row of an element must be known from 32 bits of its coordinates. Layers have lists, and bundles few enough of them.
+        // x and row of an element must be known from 32 bits of its coordinates. Layers have lists,
+        // and bundles few enough of them.
         let most = wide.count[..D - 1].iter().fold(1, |most, &count| most.max(count));
         let bits = FRACTION.min(most.leading_zeros().saturating_sub(32));
-        if bits >= FEWEST && wide.count[D - 1] < 1 << 31 && asked != Some(Form::Occupied) {
+        if bits >= FEWEST && wide.count[D - 1] < 1 << 31 && asked != Some(Form::Sparse) {
             let wide = grid(edge, bits);
             if asked.is_some() || edge == reach || n <= FEW || !wide.crowded(bodies) {
-                return Ok((wide, Form::Cells));
+                return Ok((wide, Form::Dense));
             }
         }
-        // Points without extent touch only where they coincide (or underflow): any larger cell will do.
-        let points = if reach <= T::UNDERFLOW { lengths[D - 1] / libm::pow(n.max(1) as f64, 1.0 / D as f64) } else { 0.0 };
-        let small = grid(reach.max(points), super::occupied::FRACTION);
+        // Points without extent touch only where they coincide (or underflow): any larger cell will
+        // do.
+        let points = if reach <= T::UNDERFLOW {
+            lengths[D - 1] / libm::pow(n.max(1) as f64, 1.0 / D as f64)
+        } else {
+            0.0
+        };
+        let small = grid(reach.max(points), SPARSE_FRACTION);
         for k in 0..D {
             if lengths[k] * small.scale >= MOST_CELLS - 4.0 {
                 let axis = ["x", "y", "z"][axes[k].min(2)];
                 let (low, high) = (low[axes[k]], high[axes[k]]);
-                return Err(Refusal::Domain { axis, low, high, edge: 1.0 / small.scale, cells: lengths[k] * small.scale });
+                return Err(Refusal::Domain {
+                    axis,
+                    low,
+                    high,
+                    edge: 1.0 / small.scale,
+                    cells: lengths[k] * small.scale,
+                });
             }
         }
-        Ok((small, Form::Occupied))
+        Ok((small, Form::Sparse))
     }
 
     /// The coordinates of an element in steps, in the order of the grid's axes.
@@ -126,19 +154,22 @@ impl<const D: usize> Grid<D> {
         let m = (n as usize / 32).clamp(1, SAMPLE);
         let mut keys = [0u64; SAMPLE];
         for (k, key) in keys[..m].iter_mut().enumerate() {
-            // By chance: a sample at equal strides would miss clusters whose elements are stored side by side.
+            // By chance: a sample at equal strides would miss clusters whose elements are stored
+            // side by side.
             let i = splitmix64(k as u64) % n;
             let cell = self.steps(bodies.position(i as u32)).map(|q| q >> self.bits);
             *key = cell.iter().fold(0, |key, &c| splitmix64(key ^ c));
         }
         keys[..m].sort_unstable();
-        let couples: usize = keys[..m].chunk_by(|a, b| a == b).map(|cell| cell.len() * (cell.len() - 1)).sum();
+        let couples: usize =
+            keys[..m].chunk_by(|a, b| a == b).map(|cell| cell.len() * (cell.len() - 1)).sum();
         // Each of the m elements sees m of n others, but for one drawn twice.
         couples as f64 / m as f64 * (n as f64 / m as f64) > CROWD
     }
 }
 
-/// The reach of the contact test; of the test without the book's filters, where those are asked for: whole numbers of steps have no such form.
+/// The reach of the contact test; of the test without the book's filters, where those are asked
+/// for: whole numbers of steps have no such form.
 pub(super) fn reach_of<T: Real, const D: usize>(bodies: &impl Bodies<T, D>) -> f64 {
     match bodies.margin() {
         Margin::Safe => bodies.reach(),

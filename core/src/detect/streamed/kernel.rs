@@ -1,42 +1,28 @@
-//! The sweep: every element of a slab against the few ranges of elements that can touch it, sixteen at a time.
+//! The sweep: every element of a slab against the few ranges of elements that can touch it
+//! ([`super::ranges`]), sixteen at a time. Most ranges hold fewer than eight elements: where all
+//! do, ranges 0 and 1 are tested in one go, and 2 and 3.
 //!
-//! Half of the cells around an element are enough, and they are few contiguous ranges, since the cells of a row are side by side:
+//! **Bounds.** Let D be the true distance of two elements in steps and d the one computed here.
+//! Coordinates differ from the true differences by at most [`STEPS_OFF`] along each axis; x is
+//! rounded to 24 bits for either, the difference once; the rest (whole numbers below 2^22:
+//! fractions, one cell more or less) is exact. So |d - D| <= √3·2.1 + 2·(steps along x)·2^-24 + 1,
+//! but for a relative error below 2^-21 of the sum of squares, which fused or not has at most four
+//! roundings. Radii have relative errors of 2^-23. With `grow` the sum of these bounds, relative
+//! ones taken of the largest sum of radii, 2^-19 together, and of the test's slack: a pair with d >
+//! s + grow is refused by the contact test, and one with d <= s - grow is accepted. The others,
+//! some in ten thousand contacts, are asked of the test itself.
 //!
-//! ```text
-//!   2D:  next row   1 1 1         3D:  next layer  2 2 2      this layer   . . .
-//!        this row   . 0 0                          3 3 3                   . 0 0
-//!                                                  4 4 4                   1 1 1
-//! ```
-//!
-//! Range 0 begins after the element itself. Most ranges hold fewer than eight elements: where all do, ranges 0 and 1 are tested in one go, and 2 and 3.
-//!
-//! **Bounds.** Let D be the true distance of two elements in steps and d the one computed here. Coordinates
-//! differ from the true differences by at most [`STEPS_OFF`] along each axis; x is rounded to 24 bits for either, the difference once; the rest
-//! (whole numbers below 2^22: fractions, one cell more or less) is exact. So |d - D| <= √3·2.1 + 2·(steps along x)·2^-24 + 1, but for a relative error below 2^-21 of the sum of squares, which
-//! fused or not has at most four roundings. Radii have relative errors of 2^-23. With `grow` the sum of these bounds, relative ones taken of the largest sum of radii, 2^-19
-//! together, and of the test's slack: a pair with d > s + grow is refused by the contact test, and one with d <= s - grow is accepted. The others, some
-//! in ten thousand contacts, are asked of the test itself.
-//!
-//! Arrays are read without bounds checks: see `access.rs`.
+//! Arrays are read without bounds checks: see `unchecked.rs`.
 
-use super::access::{Both, From, Source, chunk, chunk_mut, element};
 use super::grid::{Grid, STEPS_OFF, reach_of};
-use super::slab::{Plan, Slab};
-use crate::contact::{Bodies, Real};
+use super::pair_sink::PairSink;
+use super::ranges::{Find, in_next, ranges_used};
+use super::slab::Slab;
+use super::unchecked::{Run16, Source, TwoRuns8, chunk, chunk_mut, element};
+use crate::contact::Bodies;
 use crate::probe::Op;
+use crate::scene::Real;
 use crate::wide::{HALF, Kernel, LANES, Level, Wide};
-
-/// Takes what a kernel finds.
-pub(super) trait Take {
-    /// Pairs that touch.
-    fn sure(&mut self, pairs: &[[u32; 2]]);
-    /// A pair of which only the contact test knows.
-    fn unsure(&mut self, i: u32, j: u32);
-    /// Whether operations are to be counted.
-    fn counts(&self) -> bool;
-    /// `n` operations; those of a contact test before what is unsure is tested.
-    fn count(&mut self, op: Op, n: u64);
-}
 
 /// Distances that decide, in steps.
 #[derive(Clone, Copy, Debug)]
@@ -50,80 +36,22 @@ pub(super) struct Bounds {
 
 impl Bounds {
     /// For a scene in its grid. `turn`: the steps after which x begins again, if it does.
-    pub fn new<T: Real, const D: usize>(bodies: &impl Bodies<T, D>, grid: &Grid<D>, turn: Option<f32>) -> Bounds {
+    pub fn new<T: Real, const D: usize>(
+        bodies: &impl Bodies<T, D>,
+        grid: &Grid<D>,
+        turn: Option<f32>,
+    ) -> Bounds {
         let steps = turn.map_or((grid.count[0] << grid.bits) as f64, f64::from);
         let (slack, reach) = (bodies.slack(), grid.length(reach_of(bodies).min(f64::MAX)));
         let relative = slack.relative + 1.0 / f64::from(1 << 19);
-        let grow = 2.0 * STEPS_OFF + steps / f64::from(1 << 23) + 2.0 + grid.length(slack.absolute) + reach * relative;
+        let grow = 2.0 * STEPS_OFF
+            + steps / f64::from(1 << 23)
+            + 2.0
+            + grid.length(slack.absolute)
+            + reach * relative;
         // Twice the radius in steps: the diameter itself may overflow.
         let sum = 2.0 * grid.length(bodies.uniform().unwrap_or(0.0));
         Bounds { sum: sum as f32, grow: grow as f32, one: (1u64 << grid.bits) as f32 }
-    }
-}
-
-/// Where the elements are that are to be tested against an element: beginning and length of each range, the first one or two in the slab of the
-/// element, the others in the next.
-pub(super) type Ranges = [(u32, u32); 5];
-
-/// So many of them in so many dimensions.
-const fn ranges_used(dim: usize) -> usize {
-    if dim == 2 { 2 } else { 5 }
-}
-
-/// Whether range `r` is in the next layer.
-const fn in_next<const D: usize>(r: usize) -> bool {
-    r >= D - 1
-}
-
-/// Finds the ranges of the element at a place.
-pub(super) trait Find: Copy {
-    /// Coordinates along x begin again after this many steps.
-    const TURN: Option<f32>;
-    /// The ranges.
-    fn ranges<const D: usize>(&self, at: usize) -> Ranges;
-}
-
-/// By the cells of a grid.
-#[derive(Clone, Copy)]
-pub(super) struct ByCells<'a> {
-    cells: &'a [u32],
-    begin: &'a [u32],
-    next: &'a [u32],
-    row: usize,
-    /// From the number of a cell to that of the one in the next layer.
-    to_next: isize,
-}
-
-impl<'a> ByCells<'a> {
-    /// For elements of `slab` whose next layer is in `next`, `to_next` cells away.
-    pub fn new<const D: usize>(plan: &Plan, slab: &'a Slab<D>, next: &'a Slab<D>, to_next: isize) -> ByCells<'a> {
-        ByCells { cells: &slab.cells, begin: &slab.begin, next: &next.begin, row: plan.row, to_next }
-    }
-}
-
-impl Find for ByCells<'_> {
-    const TURN: Option<f32> = None;
-
-    #[inline(always)]
-    fn ranges<const D: usize>(&self, at: usize) -> Ranges {
-        let cell = unsafe { element(self.cells, at) } as usize;
-        // Three cells side by side, around this one.
-        let three = |begin: &[u32], cell: usize| {
-            let first = unsafe { element(begin, cell - 1) };
-            (first, unsafe { element(begin, cell + 2) } - first)
-        };
-        let next = cell.wrapping_add_signed(self.to_next);
-        let own = (at as u32 + 1, unsafe { element(self.begin, cell + 2) } - (at as u32 + 1));
-        if D == 2 {
-            return [own, three(self.next, next), (0, 0), (0, 0), (0, 0)];
-        }
-        [
-            own,
-            three(self.begin, cell + self.row),
-            three(self.next, next - self.row),
-            three(self.next, next),
-            three(self.next, next + self.row),
-        ]
     }
 }
 
@@ -135,10 +63,11 @@ pub(super) struct Sweep<'a, F, const D: usize, const EACH: bool> {
     pub find: F,
     pub bounds: Bounds,
     pub scratch: &'a mut Scratch,
-    pub take: &'a mut dyn Take,
+    pub sink: &'a mut dyn PairSink,
 }
 
-/// Neighbours of a block of elements, and what they make: filled again for every block. The careful form uses the room for pairs before the block does.
+/// Neighbours of a block of elements, and what they make: filled again for every block. The careful
+/// form uses the room for pairs before the block does.
 pub(super) struct Scratch {
     ids: [u32; ROOM],
     ends: [u32; BLOCK],
@@ -153,7 +82,8 @@ impl Default for Scratch {
 
 /// Elements whose neighbours are collected before they are paired.
 const BLOCK: usize = 16;
-/// Room for the contacts of an element in one vector; as many or more are rare, and left to the careful form.
+/// Room for the contacts of an element in one vector; as many or more are rare, and left to the
+/// careful form.
 const KEPT: usize = 8;
 /// Room for the neighbours of a block, and for five vectors beyond.
 const ROOM: usize = (BLOCK * 5 + 10) * KEPT;
@@ -211,14 +141,27 @@ impl<F: Find, const D: usize, const EACH: bool> Kernel for Sweep<'_, F, D, EACH>
                 if odd == 0 {
                     let mut found = Found { at: kept, odd: 0, counts: 0 };
                     let slabs = [self.slab, self.next];
-                    let one = |r: usize| (From(slabs[usize::from(in_next::<D>(r))], ranges[r].0 as usize), !(!0 << ranges[r].1));
+                    let one = |r: usize| {
+                        let slab = slabs[usize::from(in_next::<D>(r))];
+                        // SAFETY: a range begins at the slab's `len` at the latest, and its arrays
+                        // are a vector longer.
+                        let run = unsafe { Run16::new(slab, ranges[r].0 as usize) };
+                        (run, !(!0 << ranges[r].1))
+                    };
                     // Short ranges, as most are, two at a time.
                     let mut r = 0;
                     if longest < HALF as u32 {
                         while r + 1 < used {
                             let ((low, valid), (high, valid_high)) = (one(r), one(r + 1));
                             let query = self.query(w, place, &couples[r / 2]);
-                            self.keep(w, Both([low, high]), valid | valid_high << HALF, &query, limits, &mut found);
+                            self.keep(
+                                w,
+                                TwoRuns8([low, high]),
+                                valid | valid_high << HALF,
+                                &query,
+                                limits,
+                                &mut found,
+                            );
                             r += 2;
                         }
                     }
@@ -240,10 +183,15 @@ impl<F: Find, const D: usize, const EACH: bool> Kernel for Sweep<'_, F, D, EACH>
             let mut begin = 0;
             for k in 0..many {
                 let end = self.scratch.ends[k] as usize;
+                // SAFETY: `first + k` is one of `places`, which are below the slab's `len`.
                 let id = unsafe { element(&self.slab.ids, first + k) };
                 let mut at = begin;
                 loop {
-                    w.pair(id, unsafe { chunk(&self.scratch.ids, at) }, unsafe { chunk_mut(&mut self.scratch.pairs, at) });
+                    // SAFETY: `at` is at most `kept`, and there are `KEPT` places and more behind.
+                    let ids = unsafe { chunk(&self.scratch.ids, at) };
+                    // SAFETY: there is as much room for pairs as for ids.
+                    let pairs = unsafe { chunk_mut(&mut self.scratch.pairs, at) };
+                    w.pair(id, ids, pairs);
                     at += KEPT;
                     if at >= end {
                         break;
@@ -251,7 +199,7 @@ impl<F: Find, const D: usize, const EACH: bool> Kernel for Sweep<'_, F, D, EACH>
                 }
                 begin = end;
             }
-            self.take.sure(&self.scratch.pairs[..kept]);
+            self.sink.sure(&self.scratch.pairs[..kept]);
         }
     }
 }
@@ -259,12 +207,17 @@ impl<F: Find, const D: usize, const EACH: bool> Kernel for Sweep<'_, F, D, EACH>
 impl<'a, F: Find, const D: usize, const EACH: bool> Sweep<'a, F, D, EACH> {
     /// Runs it.
     pub fn on(self, level: Level) {
-        if self.take.counts() {
+        if self.sink.counts() {
             let used = ranges_used(D);
-            let tests = |at: usize| self.find.ranges::<D>(at)[..used].iter().map(|&(_, len)| u64::from(len)).sum::<u64>();
+            let tests = |at: usize| {
+                self.find.ranges::<D>(at)[..used]
+                    .iter()
+                    .map(|&(_, len)| u64::from(len))
+                    .sum::<u64>()
+            };
             let tests = self.places.clone().map(tests).sum();
-            self.take.count(Op::CellProbe, (self.places.len() * used) as u64);
-            self.take.count(Op::ContactTest, tests);
+            self.sink.count(Op::CellProbe, (self.places.len() * used) as u64);
+            self.sink.count(Op::ContactTest, tests);
         }
         level.run(self);
     }
@@ -274,7 +227,8 @@ impl<'a, F: Find, const D: usize, const EACH: bool> Sweep<'a, F, D, EACH> {
         if in_next::<D>(r) { self.next } else { self.slab }
     }
 
-    /// From the origin of an element's cell to that of range `r`, along y and along the axis of layers.
+    /// From the origin of an element's cell to that of range `r`, along y and along the axis of
+    /// layers.
     fn shift(&self, r: usize) -> [f32; D] {
         let one = self.bounds.one;
         let mut shift = [0.0; D];
@@ -307,17 +261,36 @@ impl<'a, F: Find, const D: usize, const EACH: bool> Sweep<'a, F, D, EACH> {
     /// The element at a place, as seen from other cells.
     #[inline(always)]
     fn query<W: Wide>(&self, w: W, place: usize, shift: &[W::Floats; D]) -> Query<W, D> {
+        // SAFETY: `place` is one of `places`, and every lane has a number for each.
         let at = |k: usize| w.all(unsafe { element(&self.slab.lanes[k], place) });
-        let radius = if EACH { unsafe { element(&self.slab.radii, place) } } else { 0.0 };
+        let radius = if EACH {
+            // SAFETY: where each particle has its own radius, so has each place.
+            unsafe { element(&self.slab.radii, place) }
+        } else {
+            0.0
+        };
         // x is counted from the origin of the grid.
-        let at = std::array::from_fn(|k| if k == 0 { at(0) } else { w.sub(at(k), shift[k]) });
-        Query { at, radius: w.all(radius + self.bounds.grow) }
+        let mut all = [at(0); D];
+        for k in 1..D {
+            all[k] = w.sub(at(k), shift[k]);
+        }
+        Query { at: all, radius: w.all(radius + self.bounds.grow) }
     }
 
     /// Tests sixteen elements and keeps the ids of those that are near.
     #[inline(always)]
-    fn keep<W: Wide>(&mut self, w: W, source: impl Source<D>, valid: u32, query: &Query<W, D>, limits: Limits<W>, found: &mut Found) {
+    fn keep<W: Wide>(
+        &mut self,
+        w: W,
+        source: impl Source<D>,
+        valid: u32,
+        query: &Query<W, D>,
+        limits: Limits<W>,
+        found: &mut Found,
+    ) {
         let (near, sure) = self.test(w, source, valid, query, limits);
+        // SAFETY: what a block keeps and four vectors of this particle are before `found.at`, and
+        // there is room for a vector more.
         source.pack(w, near, unsafe { chunk_mut(&mut self.scratch.ids, found.at) });
         let count = near.count_ones();
         found.at += count as usize;
@@ -325,9 +298,17 @@ impl<'a, F: Find, const D: usize, const EACH: bool> Sweep<'a, F, D, EACH> {
         found.counts |= count;
     }
 
-    /// Masks of those of sixteen elements from `begin` on that are `valid`: those near enough to ask, and those that touch.
+    /// Masks of those of sixteen elements from `begin` on that are `valid`: those near enough to
+    /// ask, and those that touch.
     #[inline(always)]
-    fn test<W: Wide>(&self, w: W, source: impl Source<D>, valid: u32, query: &Query<W, D>, limits: Limits<W>) -> (u32, u32) {
+    fn test<W: Wide>(
+        &self,
+        w: W,
+        source: impl Source<D>,
+        valid: u32,
+        query: &Query<W, D>,
+        limits: Limits<W>,
+    ) -> (u32, u32) {
         let mut square = w.all(0.0);
         for k in 0..D {
             let mut d = w.sub(source.load(w, |slab| &slab.lanes[k]), query.at[k]);
@@ -339,7 +320,15 @@ impl<'a, F: Find, const D: usize, const EACH: bool> Sweep<'a, F, D, EACH> {
             }
             square = if k == 0 { w.mul(d, d) } else { w.mul_add(d, d, square) };
         }
-        let limits = if EACH { Limits::new(w, w.add(query.radius, source.load(w, |slab| &slab.radii)), self.bounds.grow) } else { limits };
+        let limits = if EACH {
+            Limits::new(
+                w,
+                w.add(query.radius, source.load(w, |slab| &slab.radii)),
+                self.bounds.grow,
+            )
+        } else {
+            limits
+        };
         let near = w.at_most(square, limits.near) & valid;
         (near, w.at_most(square, limits.sure) & near)
     }
@@ -351,9 +340,13 @@ impl<'a, F: Find, const D: usize, const EACH: bool> Sweep<'a, F, D, EACH> {
     }
 }
 
-/// The element at a place, with any number of elements in a range and pairs that only the contact test can decide: a function of its own, so that
-/// its calls do not cost the sweep its registers.
-struct Careful<'s, 'a, F, const D: usize, const EACH: bool>(&'s mut Sweep<'a, F, D, EACH>, usize, &'s [(u32, u32)]);
+/// The element at a place, with any number of elements in a range and pairs that only the contact
+/// test can decide: a function of its own, so that its calls do not cost the sweep its registers.
+struct Careful<'s, 'a, F, const D: usize, const EACH: bool>(
+    &'s mut Sweep<'a, F, D, EACH>,
+    usize,
+    &'s [(u32, u32)],
+);
 
 impl<F: Find, const D: usize, const EACH: bool> Kernel for Careful<'_, '_, F, D, EACH> {
     type Output = ();
@@ -369,25 +362,33 @@ impl<F: Find, const D: usize, const EACH: bool> Kernel for Careful<'_, '_, F, D,
             let query = sweep.query(w, place, &shifts[r]);
             for k in (0..len).step_by(LANES) {
                 let at = (begin + k) as usize;
-                let (near, sure) = sweep.test(w, From(slab, at), !(!0 << (len - k).min(LANES as u32)), &query, limits);
+                let valid = !(!0 << (len - k).min(LANES as u32));
+                // SAFETY: `at` is in a range, so below the slab's `len`, and its arrays are a
+                // vector longer.
+                let run = unsafe { Run16::new(slab, at) };
+                let (near, sure) = sweep.test(w, run, valid, &query, limits);
+                // SAFETY: likewise.
                 let ids: &[u32; LANES] = unsafe { chunk(&slab.ids, at) };
                 for half in [0xff, 0xff00] {
                     let mut packed = [0; KEPT];
                     w.pack(ids, sure & half, &mut packed);
-                    w.pair(id, &packed, unsafe { chunk_mut(&mut sweep.scratch.pairs, found) });
+                    // SAFETY: at most `ROOM - 3 * KEPT` before a vector, see below, and `KEPT` more
+                    // after its first half.
+                    let pairs = unsafe { chunk_mut(&mut sweep.scratch.pairs, found) };
+                    w.pair(id, &packed, pairs);
                     found += (sure & half).count_ones() as usize;
                 }
                 let mut unsure = near ^ sure;
                 while unsure != 0 {
-                    sweep.take.unsure(id, ids[unsure.trailing_zeros() as usize]);
+                    sweep.sink.unsure(id, ids[unsure.trailing_zeros() as usize]);
                     unsure &= unsure - 1;
                 }
                 if found > ROOM - 3 * KEPT {
-                    sweep.take.sure(&sweep.scratch.pairs[..found]);
+                    sweep.sink.sure(&sweep.scratch.pairs[..found]);
                     found = 0;
                 }
             }
         }
-        sweep.take.sure(&sweep.scratch.pairs[..found]);
+        sweep.sink.sure(&sweep.scratch.pairs[..found]);
     }
 }

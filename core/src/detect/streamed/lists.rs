@@ -1,11 +1,15 @@
 //! The elements of each bundle of layers, on a list of blocks.
 //!
-//! One pass over the scene, in the order in which it is stored, puts a compact record of each element on the list of its bundle. A list is a
-//! chain of blocks of records: no histogram is needed beforehand, and memory is written and read in pieces that the hardware fetches ahead.
+//! One pass over the scene, in the order in which it is stored, puts a compact record of each
+//! element on the list of its bundle. A list is a chain of blocks of records: no histogram is
+//! needed beforehand, and memory is written and read in pieces that the hardware fetches ahead.
+
+use std::ops::Range;
 
 use super::grid::Grid;
-use crate::contact::{Bodies, Real};
-use crate::probe::{Op, Probe};
+use super::plan::Plan;
+use crate::contact::Bodies;
+use crate::scene::Real;
 
 /// The radius of an element in a record: nothing where all are the same.
 pub(super) trait Size: Copy + Default + Send + Sync + 'static {
@@ -53,7 +57,8 @@ pub(super) struct Lists<const D: usize, R> {
     records: Vec<Record<D, R>>,
     /// The block before each block in its list.
     before: Vec<u32>,
-    /// For each list the place of its next record. There is always room for it: a full block is followed by a new one at once.
+    /// For each list the place of its next record. There is always room for it: a full block is
+    /// followed by a new one at once.
     next: Vec<u32>,
     /// Records in a block are two to the power of this.
     block: u32,
@@ -65,8 +70,9 @@ impl<const D: usize, R> Default for Lists<D, R> {
     }
 }
 
-/// Log2 of the records in a block, for `n` records in so many lists; and the number of blocks needed.
-fn blocks(n: usize, lists: usize) -> (u32, usize) {
+/// Log2 of the records in a block, for `n` records in so many lists; and the number of blocks
+/// needed.
+fn block_size(n: usize, lists: usize) -> (u32, usize) {
     // Eight blocks per list in the mean waste a sixteenth.
     let block = (n / lists.max(1) / 8).next_power_of_two().clamp(16, 1024).trailing_zeros();
     (block, (n >> block) + lists)
@@ -75,23 +81,26 @@ fn blocks(n: usize, lists: usize) -> (u32, usize) {
 impl<const D: usize, R: Size> Lists<D, R> {
     /// Heap needed for `n` records in so many lists.
     pub fn bytes(n: usize, lists: usize) -> u64 {
-        let (block, count) = blocks(n, lists);
+        let (block, count) = block_size(n, lists);
         ((count << block) * size_of::<Record<D, R>>() + 4 * count + 4 * lists) as u64
     }
 
-    /// Puts the elements of a range on lists of 2^`layers` layers each.
-    pub fn fill<T: Real, P: Probe>(
+    /// Puts the elements of a range on the list of their slab.
+    pub fn fill<T: Real>(
         &mut self,
         bodies: &impl Bodies<T, D>,
-        elements: std::ops::Range<u32>,
+        elements: Range<usize>,
         grid: &Grid<D>,
-        layers: u32,
-        lists: usize,
-        probe: &mut P,
+        plan: &Plan,
     ) {
-        let (block, count) = blocks(elements.len(), lists);
+        let (layers, lists) = (plan.layers, plan.slabs);
+        let (block, count) = block_size(elements.len(), lists);
         self.block = block;
-        at_least(&mut self.records, count << block, Record { at: [0; D], radius: R::default(), id: 0 });
+        at_least(
+            &mut self.records,
+            count << block,
+            Record { at: [0; D], radius: R::default(), id: 0 },
+        );
         at_least(&mut self.before, count, NONE);
         at_least(&mut self.next, lists, 0);
         for (list, next) in self.next[..lists].iter_mut().enumerate() {
@@ -101,12 +110,14 @@ impl<const D: usize, R: Size> Lists<D, R> {
         let (full, mut free) = ((1 << block) - 1, lists as u32);
         let shift = grid.bits + layers;
         let mut most = [0; D];
-        for id in elements {
+        for id in elements.start as u32..elements.end as u32 {
             let steps = grid.steps(bodies.position(id));
-            let radius = if R::EACH { R::new(grid.length(bodies.radius(id)) as f32) } else { R::default() };
+            let radius =
+                if R::EACH { R::new(grid.length(bodies.radius(id)) as f32) } else { R::default() };
             most = std::array::from_fn(|k| most[k].max(steps[k]));
             let next = &mut self.next[(steps[D - 1] >> shift) as usize];
-            self.records[*next as usize] = Record { at: std::array::from_fn(|k| steps[k] as u32), radius, id };
+            self.records[*next as usize] =
+                Record { at: std::array::from_fn(|k| steps[k] as u32), radius, id };
             if *next & full == full {
                 self.before[free as usize] = *next >> block;
                 *next = free << block;
@@ -114,15 +125,17 @@ impl<const D: usize, R: Size> Lists<D, R> {
             } else {
                 *next += 1;
             }
-            probe.add(Op::Integerise, D as u64);
-            probe.count(Op::ListPush);
         }
-        // The kernel relies on it without a check, and `Bodies` may be anybody's: one whose positions changed since the grid was made stops here.
-        assert!((0..D).all(|k| most[k] >> grid.bits < grid.count[k]), "positions changed during a detection");
+        // The kernel relies on it without a check, and `Bodies` may be anybody's: one whose
+        // positions changed since the grid was made stops here.
+        assert!(
+            (0..D).all(|k| most[k] >> grid.bits < grid.count[k]),
+            "positions changed during a detection"
+        );
     }
 
     /// The blocks of a list, the last first.
-    pub fn of(&self, list: usize) -> impl Iterator<Item = &[Record<D, R>]> {
+    pub fn blocks(&self, list: usize) -> impl Iterator<Item = &[Record<D, R>]> {
         let next = self.next[list];
         let (mut block, mut end) = (next >> self.block, next);
         std::iter::from_fn(move || {
@@ -140,7 +153,7 @@ impl<const D: usize, R: Size> Lists<D, R> {
 
     /// Elements on a list.
     pub fn len(&self, list: usize) -> usize {
-        self.of(list).map(<[_]>::len).sum()
+        self.blocks(list).map(<[_]>::len).sum()
     }
 }
 

@@ -1,0 +1,125 @@
+//! The contacts of plain slices of numbers: what most programs want of this crate.
+
+use std::borrow::Cow;
+
+use nalgebra::Point;
+
+use crate::contact::Test;
+use crate::detect::any::AnyDetector;
+use crate::detect::{Options, table};
+use crate::refusal::Refusal;
+use crate::scene::{AnyScene, Radii, Scene, SceneError};
+
+/// Why there are no contacts.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Error {
+    /// The centres and radii are not those of a scene.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// The scene cannot be searched.
+    #[error(transparent)]
+    Refused(#[from] Refusal),
+}
+
+/// The pairs of discs (`D` = 2) or spheres (`D` = 3) that touch or overlap: |a - b| <= ra + rb,
+/// decided exactly for the numbers given.
+///
+/// `radii` has one radius for each centre, in the same unit, or a single one for all. A pair is two
+/// positions in `centres`, the smaller first; each pair comes once, the pairs in no particular
+/// order. To call it again and again, as a simulation does, keep a [`Contacts`].
+///
+/// # Errors
+/// Coordinates or radii that are not finite, negative radii, as many radii as are neither one nor
+/// the number of centres, more than 2^31 - 1 particles, arrays of more than 4 GiB, a scene of 2^31
+/// cells along an axis.
+pub fn contacts<const D: usize>(centres: &[[f64; D]], radii: &[f64]) -> Result<Vec<[u32; 2]>, Error>
+where
+    for<'a> AnyScene<'a>: From<Scene<'a, f64, D>>,
+{
+    let mut contacts = Contacts::default();
+    contacts.find(centres, radii)?;
+    Ok(contacts.pairs)
+}
+
+/// As [`contacts`], and keeps its buffers: a call for a scene of about the size of the one before
+/// allocates next to nothing.
+pub struct Contacts<const D: usize> {
+    detector: Box<dyn AnyDetector>,
+    centres: Vec<Point<f64, D>>,
+    pairs: Vec<[u32; 2]>,
+}
+
+impl<const D: usize> Contacts<D> {
+    /// With these limits: memory, and threads of rayon's global pool to be used from some ten
+    /// thousand particles on.
+    pub fn new(options: Options) -> Contacts<D> {
+        let detector = table::streamed_nbs(options);
+        Contacts { detector, centres: Vec::new(), pairs: Vec::new() }
+    }
+
+    /// The touching pairs; see [`contacts`]. They are valid until the next call.
+    ///
+    /// # Errors
+    /// See [`contacts`]; the memory limit is that of the options.
+    pub fn find(&mut self, centres: &[[f64; D]], radii: &[f64]) -> Result<&[[u32; 2]], Error>
+    where
+        for<'a> AnyScene<'a>: From<Scene<'a, f64, D>>,
+    {
+        self.centres.clear();
+        self.centres.extend(centres.iter().copied().map(Point::from));
+        let radii = match *radii {
+            [radius] => Radii::Uniform(radius),
+            _ => Radii::Each(Cow::Borrowed(radii)),
+        };
+        let scene = AnyScene::from(Scene::new(&self.centres[..], radii)?);
+        self.pairs.clear();
+        self.detector.list(&scene, Test::Exact, &mut self.pairs)?;
+        for pair in &mut self.pairs {
+            pair.sort_unstable();
+        }
+        Ok(&self.pairs)
+    }
+}
+
+impl<const D: usize> Default for Contacts<D> {
+    /// 4 GiB and one thread.
+    fn default() -> Contacts<D> {
+        Contacts::new(Options::default())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_radius_is_for_all_and_buffers_hold_nothing_of_the_call_before() {
+        let mut plane = Contacts::<2>::default();
+        let row: Vec<[f64; 2]> = (0..5).map(|k| [f64::from(k), 0.0]).collect();
+        let mut expected: Vec<[u32; 2]> = (0..4).map(|k| [k, k + 1]).collect();
+        let sorted = |pairs: &[[u32; 2]]| {
+            let mut pairs = pairs.to_vec();
+            pairs.sort_unstable();
+            pairs
+        };
+        assert_eq!(sorted(plane.find(&row, &[0.5]).unwrap()), expected);
+        assert_eq!(sorted(plane.find(&row, &[0.5; 5]).unwrap()), expected);
+        expected.truncate(1);
+        assert_eq!(sorted(plane.find(&row[..2], &[0.25, 0.75]).unwrap()), expected);
+        assert!(plane.find(&[], &[]).unwrap().is_empty());
+        let space = contacts(&[[0.0, 0.0, 0.0], [2.0, 3.0, 6.0], [9.0, 9.0, 9.0]], &[3.5]);
+        assert_eq!(space.unwrap(), [[0, 1]]);
+    }
+
+    #[test]
+    fn what_is_no_scene_is_an_error() {
+        let scene = |centres: &[[f64; 2]], radii: &[f64]| contacts(centres, radii).unwrap_err();
+        let two = [[0.0, 0.0], [1.0, f64::NAN]];
+        assert!(matches!(scene(&two, &[1.0]), Error::Scene(SceneError::Coordinate { .. })));
+        assert!(matches!(
+            scene(&two[..1], &[-1.0]),
+            Error::Scene(SceneError::UniformRadius { .. })
+        ));
+        assert!(matches!(scene(&two[..1], &[1.0, 1.0]), Error::Scene(SceneError::Lengths { .. })));
+    }
+}

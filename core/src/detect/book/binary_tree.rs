@@ -1,0 +1,294 @@
+//! `binary-tree`: the binary tree (Munjiza 2004, section 3.4).
+//!
+//! 1. The domain, a square or cube large enough for all, is halved in x, then in y (then in z),
+//!    again and again until the smallest cell is as large as the cell of all other detectors.
+//! 2. Each element descends b levels to its leaf; nodes are made only where needed. At the leaf it
+//!    is pushed on the leaf's list: `E[k] = HEAD; HEAD = k`.
+//! 3. Detection walks over the tree: at every leaf the cell is checked against itself and its
+//!    contact mask (4 cells in 2D, 13 in 3D); each mask cell is found by a descent from the root.
+//!
+//! * Cost: N log2 N; b = D·ceil(log2 n) levels for n cells along the longest of D axes.
+//! * Memory: `4N + 8·nodes` bytes for N elements; the HEADs of the leaves stand in their parents'
+//!   place for a child. At most N·b nodes, about 2 per occupied cell in a dense pack. The number of
+//!   nodes is not known before the tree is built: the array grows by doubling, so that at its peak
+//!   it may hold up to three times its final size.
+//! * Refuses 2^31 cells and more along an axis, and trees over the memory limit. A refused tree has
+//!   been built in part.
+//! * Deviations from the book: cells are wider by 4 parts in a million ([`crate::filter::cells`]);
+//!   the leaves are visited in the order of the tree, not of the elements; the tree is built anew
+//!   for each detection (the variant that moves only elements that changed their leaf needs scenes
+//!   that move).
+
+use super::list::{EMPTY, Links, numbered};
+use super::mask;
+use crate::contact::Bodies;
+use crate::detect::{Declare, Detector, Options, Refusal, within};
+use crate::event::{Event, Part, plane};
+use crate::filter::Cells;
+use crate::probe::{Op, Probe};
+use crate::scene::Real;
+use crate::sink::Sink;
+
+/// Binary tree.
+pub struct BinaryTree {
+    options: Options,
+    /// Two children each: nodes, or at the last level the HEADs of two leaves.
+    nodes: Vec<[u32; 2]>,
+    /// E: links.
+    e: Links<1>,
+    elements: usize,
+}
+
+impl Declare for BinaryTree {
+    fn with(options: Options) -> BinaryTree {
+        BinaryTree { options, nodes: Vec::new(), e: Links::default(), elements: 0 }
+    }
+
+    fn formula_bytes(&self) -> u64 {
+        4 * self.elements as u64 + 8 * self.nodes.len() as u64
+    }
+}
+
+impl<T: Real> Detector<T, 2> for BinaryTree {
+    fn detect<B: Bodies<T, 2>, P: Probe, S: Sink>(
+        &mut self,
+        bodies: B,
+        probe: &mut P,
+        sink: &mut S,
+    ) -> Result<(), Refusal> {
+        self.run(&bodies, mask::PLANE, probe, sink)
+    }
+}
+
+impl<T: Real> Detector<T, 3> for BinaryTree {
+    fn detect<B: Bodies<T, 3>, P: Probe, S: Sink>(
+        &mut self,
+        bodies: B,
+        probe: &mut P,
+        sink: &mut S,
+    ) -> Result<(), Refusal> {
+        self.run(&bodies, mask::SPACE, probe, sink)
+    }
+}
+
+/// The way from the root to a cell: bit `level` of the path, from the top, says which half.
+#[derive(Clone, Copy)]
+struct Levels {
+    /// Halvings per axis.
+    halvings: u32,
+}
+
+impl Levels {
+    fn new<const D: usize>(cells: &Cells<D>) -> Levels {
+        let most = cells.count.iter().fold(0, |most, &count| most.max(count));
+        Levels { halvings: 32 - (most - 1).leading_zeros() }
+    }
+
+    /// Which half `cell` is in, at the level of `axis` and `halving`.
+    #[inline(always)]
+    fn half(self, index: u32, halving: u32) -> usize {
+        (index >> (self.halvings - 1 - halving) & 1) as usize
+    }
+}
+
+impl BinaryTree {
+    fn run<T: Real, const D: usize, const M: usize>(
+        &mut self,
+        bodies: &impl Bodies<T, D>,
+        mask: [[i32; D]; M],
+        probe: &mut impl Probe,
+        sink: &mut impl Sink,
+    ) -> Result<(), Refusal> {
+        let cells = Cells::new(bodies)?;
+        numbered("binary-tree", bodies.len())?;
+        let levels = Levels::new(&cells);
+        self.elements = bodies.len();
+        self.nodes.clear();
+        within(&self.options, "binary-tree", self.formula_bytes() + 8, || {
+            format!("{} elements", bodies.len())
+        })?;
+        self.e.prepare(bodies.len());
+        self.nodes.push([EMPTY; 2]);
+        probe.note(|| Event::Begin(Part::Tree { halvings: levels.halvings }));
+        for k in 0..bodies.len() as u32 {
+            self.insert(k, integerise(bodies, &cells, k, probe), levels, probe)?;
+        }
+        probe.note(|| Event::Begin(Part::Walk));
+        self.walk(bodies, &cells, levels, mask, probe, sink);
+        Ok(())
+    }
+
+    /// Descends to the leaf of `cell`, makes the nodes that are missing, and pushes element `k` on
+    /// the leaf's list.
+    fn insert<const D: usize>(
+        &mut self,
+        k: u32,
+        cell: [u32; D],
+        levels: Levels,
+        probe: &mut impl Probe,
+    ) -> Result<(), Refusal> {
+        let mut node = 0;
+        for halving in 0..levels.halvings {
+            for (axis, &index) in cell.iter().enumerate() {
+                probe.count(Op::NodeVisit);
+                let half = levels.half(index, halving);
+                probe.note(|| Event::Node { node: node as u32, half: Some(half) });
+                let child = self.nodes[node][half];
+                if halving + 1 == levels.halvings && axis + 1 == D {
+                    probe.count(Op::ListPush);
+                    self.e.set(k, 0, child);
+                    self.nodes[node][half] = k;
+                    let next = (child != EMPTY).then_some(child);
+                    probe.note(|| Event::Leaf {
+                        node: node as u32,
+                        half,
+                        cell: plane(cell),
+                        element: k,
+                        next,
+                    });
+                } else if child == EMPTY {
+                    let made = self.make_node()?;
+                    self.nodes[node][half] = made;
+                    probe.note(|| Event::Made { node: made, parent: node as u32, half });
+                    node = made as usize;
+                } else {
+                    node = child as usize;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn make_node(&mut self) -> Result<u32, Refusal> {
+        let made = self.nodes.len();
+        if made == self.nodes.capacity() {
+            // Twice as many, or as many as the limit allows.
+            let allowed = (self.options.memory_limit.saturating_sub(4 * self.elements as u64) / 8)
+                .min(u64::from(EMPTY)) as usize;
+            let grown = (2 * made).min(allowed);
+            if grown <= made {
+                let shape = format!("{} elements, more than {made} nodes", self.elements);
+                let needed = self.formula_bytes() + 8;
+                return Err(Refusal::Memory {
+                    detector: "binary-tree",
+                    needed,
+                    limit: self.options.memory_limit,
+                    shape,
+                });
+            }
+            self.nodes.reserve_exact(grown - made);
+        }
+        self.nodes.push([EMPTY; 2]);
+        Ok(made as u32)
+    }
+
+    /// The first element of `cell`, or [`EMPTY`].
+    #[inline(always)]
+    fn find<const D: usize>(&self, cell: [u32; D], levels: Levels, probe: &mut impl Probe) -> u32 {
+        let mut at = 0;
+        for halving in 0..levels.halvings {
+            for index in cell {
+                probe.count(Op::NodeVisit);
+                probe.note(|| Event::Node { node: at, half: Some(levels.half(index, halving)) });
+                at = self.nodes[at as usize][levels.half(index, halving)];
+                if at == EMPTY {
+                    return EMPTY;
+                }
+            }
+        }
+        at
+    }
+
+    /// Checks every leaf, depth first: cells that are close in space share most of their descents.
+    fn walk<T: Real, const D: usize, const M: usize>(
+        &self,
+        bodies: &impl Bodies<T, D>,
+        cells: &Cells<D>,
+        levels: Levels,
+        mask: [[i32; D]; M],
+        probe: &mut impl Probe,
+        sink: &mut impl Sink,
+    ) {
+        let depth = levels.halvings as usize * D;
+        // At most one waiting sibling per level; depth <= 31 * 3.
+        let (mut waiting, mut top) = ([(0u32, 0usize); 96], 0);
+        let mut next = Some((0u32, 0usize));
+        while let Some((at, level)) = next.take() {
+            if level == depth {
+                let central = integerise(bodies, cells, at, probe);
+                probe.note(|| Event::Central { cell: plane(central) });
+                let mut heads = [EMPTY; M];
+                for (head, offset) in heads.iter_mut().zip(&mask) {
+                    let cell = mask::neighbour(central, *offset);
+                    *head = self.find(cell, levels, probe);
+                    let first = (*head != EMPTY).then_some(*head);
+                    probe.note(|| Event::Descended { cell: plane(cell), first });
+                }
+                self.e.check(0, bodies, at, heads, probe, sink);
+            } else {
+                probe.count(Op::NodeVisit);
+                probe.note(|| Event::Node { node: at, half: None });
+                let [low, high] = self.nodes[at as usize];
+                next = (low != EMPTY).then_some((low, level + 1));
+                if high != EMPTY {
+                    waiting[top] = (high, level + 1);
+                    top += 1;
+                }
+            }
+            if next.is_none() && top > 0 {
+                top -= 1;
+                next = Some(waiting[top]);
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn integerise<T: Real, const D: usize>(
+    bodies: &impl Bodies<T, D>,
+    cells: &Cells<D>,
+    k: u32,
+    probe: &mut impl Probe,
+) -> [u32; D] {
+    let position = bodies.position(k);
+    std::array::from_fn(|axis| cells.index(position[axis], axis, probe))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::golden::{InCells, TEN};
+    use super::super::list::as_printed;
+    use super::*;
+    use crate::probe::Silent;
+
+    /// G1: a leaf's list (p84-85) on the real arrays.
+    #[test]
+    fn the_books_leaf_list() {
+        let mut tree = BinaryTree::with(Options::default());
+        let levels = Levels { halvings: 4 };
+        tree.elements = 10;
+        tree.e.prepare(10);
+        tree.nodes.push([EMPTY; 2]);
+        for k in [3, 5, 7, 9] {
+            tree.insert(k - 1, [6, 3], levels, &mut Silent).unwrap();
+        }
+        assert_eq!(as_printed(&[tree.find([6, 3], levels, &mut Silent)]), [9]);
+        assert_eq!(as_printed(&tree.e.raw(0)), [-1, -1, -1, -1, 3, -1, 5, -1, 7, -1]);
+        tree.insert(0, [6, 3], levels, &mut Silent).unwrap();
+        assert_eq!(as_printed(&[tree.find([6, 3], levels, &mut Silent)]), [1]);
+        assert_eq!(as_printed(&tree.e.raw(0)), [9, -1, -1, -1, 3, -1, 5, -1, 7, -1]);
+        assert_eq!(tree.find([6, 2], levels, &mut Silent), EMPTY);
+        assert_eq!(tree.nodes.len(), 8); // one way of eight levels
+    }
+
+    #[test]
+    fn the_mask_couples_of_the_ten_elements() {
+        let mut pairs = Vec::new();
+        BinaryTree::with(Options::default())
+            .detect(InCells(&TEN), &mut Silent, &mut pairs)
+            .unwrap();
+        let printed =
+            "1-2 1-3 1-4 1-6 1-7 1-10 2-4 2-10 3-4 3-5 3-6 3-7 3-10 4-6 4-8 4-10 5-6 6-8 6-10 7-10";
+        assert_eq!(super::super::golden::printed(&pairs, &[9]), printed);
+    }
+}

@@ -1,0 +1,64 @@
+//! The book's golden examples, which give integerised coordinates instead of centres (tests only).
+
+use crate::contact::{Bodies, Margin, Slack};
+use crate::filter::Cells;
+use crate::probe::{Op, Probe};
+
+/// G5: ten elements in 10 x 10 cells, numbered from 1. The book does not show the column of element
+/// 9; any will do.
+pub const TEN: [[u32; 2]; 10] =
+    [[4, 7], [5, 8], [4, 6], [5, 7], [4, 5], [5, 6], [3, 7], [6, 6], [9, 6], [4, 7]];
+/// G2: nine elements for screening.
+pub const NINE: [[u32; 2]; 9] =
+    [[5, 7], [5, 7], [2, 7], [5, 7], [2, 7], [5, 6], [2, 7], [6, 6], [2, 7]];
+
+/// Elements in the given cells of a 10 x 10 (x 10) grid, a little more than a cell edge apart, so
+/// that they are in the same cells relative to one another wherever the grid begins; all pairs
+/// "touch", so that the pairs reported are those that the contact mask brings together.
+#[derive(Clone, Copy)]
+pub struct InCells<'a, const D: usize>(pub &'a [[u32; D]]);
+
+impl<const D: usize> InCells<'_, D> {
+    /// Cells 1 to 10 on every axis.
+    pub fn grid(&self) -> Cells<D> {
+        Cells::spanning([0.0; D], [9.1; D], self.reach(), Margin::Safe).unwrap()
+    }
+}
+
+impl<const D: usize> Bodies<f64, D> for InCells<'_, D> {
+    fn len(&self) -> usize {
+        self.0.len()
+    }
+    fn position(&self, i: u32) -> [f64; D] {
+        self.0[i as usize].map(|cell| 1.01 * (f64::from(cell) - 1.0))
+    }
+    fn touch<P: Probe>(&self, _: u32, _: u32, probe: &mut P) -> bool {
+        probe.count(Op::ContactTest);
+        true
+    }
+    fn reach(&self) -> f64 {
+        1.0
+    }
+    fn radius(&self, _: u32) -> f64 {
+        0.5
+    }
+    fn uniform(&self) -> Option<f64> {
+        Some(0.5)
+    }
+    /// Nothing but `touch` decides.
+    fn slack(&self) -> Slack {
+        Slack { relative: 0.0, absolute: f64::INFINITY }
+    }
+}
+
+/// Couples as the book would print them: ids from 1, in order, those with an element of `without`
+/// left out.
+pub fn printed(pairs: &[[u32; 2]], without: &[u32]) -> String {
+    let mut pairs: Vec<[u32; 2]> = pairs
+        .iter()
+        .map(|pair| pair.map(|k| k + 1))
+        .filter(|pair| !pair.iter().any(|k| without.contains(k)))
+        .collect();
+    crate::sink::normalise(&mut pairs);
+    pairs.iter().map(|[i, j]| format!("{i}-{j}")).collect::<Vec<_>>().join(" ")
+}

@@ -1,0 +1,236 @@
+//! Singly connected lists in arrays: the data structure of the book.
+//!
+//! A list is a head (the last element pushed) and, for every element, the next one. Elements are
+//! numbered from 0 and [`EMPTY`] ends a list (the book numbers from 1 and ends with -1). A head can
+//! be *marked* as old, which the book does by adding N to it and we do with the highest bit. Both
+//! leave room for 2^31 - 1 elements. All list operations are counted here.
+
+use crate::contact::Bodies;
+use crate::detect::Refusal;
+use crate::event::Event;
+use crate::probe::{Op, Probe};
+use crate::scene::Real;
+use crate::sink::Sink;
+
+/// No element.
+pub const EMPTY: u32 = u32::MAX >> 1;
+const OLD: u32 = 1 << 31;
+/// The largest number of elements that lists can hold.
+pub const MOST_ELEMENTS: u64 = EMPTY as u64;
+
+/// Heads of a set of lists. All are [`EMPTY`] between detections.
+#[derive(Clone, Debug, Default)]
+pub struct Heads(Vec<u32>, char);
+
+/// For every element the next one on its list, for `L` kinds of lists (z-, y- and x-lists of NBS
+/// are three kinds). The links of one element stand side by side: walking lists of one kind to
+/// build lists of another then touches one cache line per element instead of `L`. Holds no meaning
+/// between detections.
+#[derive(Clone, Debug, Default)]
+pub struct Links<const L: usize>(Vec<[u32; L]>);
+
+/// Refuses scenes with more elements than lists can number.
+pub fn numbered(detector: &'static str, n: usize) -> Result<(), Refusal> {
+    if n as u64 <= MOST_ELEMENTS {
+        return Ok(());
+    }
+    Err(Refusal::Elements { detector, n: n as u64, limit: MOST_ELEMENTS })
+}
+
+/// The number of a list: `u32` for a cell along one axis, `usize` for a cell of the whole domain.
+pub trait Index: Copy {
+    /// As an array index.
+    fn at(self) -> usize;
+}
+
+impl Index for u32 {
+    #[inline(always)]
+    fn at(self) -> usize {
+        self as usize
+    }
+}
+
+impl Index for usize {
+    #[inline(always)]
+    fn at(self) -> usize {
+        self
+    }
+}
+
+impl Heads {
+    /// No lists yet, with a letter by which events name them.
+    pub fn named(name: char) -> Heads {
+        Heads(Vec::new(), name)
+    }
+
+    /// Room for lists 0 to `count - 1`. The only loop over cells there is: when the array is made,
+    /// or grows.
+    pub fn prepare(&mut self, count: usize) {
+        if count > self.0.len() {
+            // Heads are all empty here, so a larger array need not copy the old one, nor hold both
+            // at once.
+            if count > self.0.capacity() {
+                self.0 = Vec::new();
+                self.0.reserve_exact(count);
+            }
+            self.0.resize(count, EMPTY);
+        }
+        debug_assert!(
+            self.0.iter().take(1 << 16).all(|&head| head == EMPTY),
+            "a list was not reset"
+        );
+    }
+
+    /// Puts `element` on `list`, which must not be marked; the list is of the given kind.
+    #[inline(always)]
+    pub fn push<const L: usize, P: Probe>(
+        &mut self,
+        list: impl Index,
+        element: u32,
+        links: &mut Links<L>,
+        kind: usize,
+        probe: &mut P,
+    ) {
+        probe.count(Op::ListPush);
+        let next = std::mem::replace(&mut self.0[list.at()], element);
+        links.0[element as usize][kind] = next;
+        probe.note(|| Event::Push { heads: self.1, list: list.at(), element, next: listed(next) });
+    }
+
+    /// The first element of `list`, or [`EMPTY`].
+    #[inline(always)]
+    pub fn first<P: Probe>(&self, list: impl Index, probe: &mut P) -> u32 {
+        probe.count(Op::CellProbe);
+        let head = self.0[list.at()];
+        probe.note(|| Event::Look { heads: self.1, list: list.at(), first: listed(head) });
+        head & !OLD
+    }
+
+    /// The first element of `list` if there is one and the list is new, and marks it old; `None` if
+    /// it was old already, or is empty.
+    #[inline(always)]
+    pub fn take_new<P: Probe>(&mut self, list: impl Index, probe: &mut P) -> Option<u32> {
+        probe.count(Op::CellProbe);
+        let head = &mut self.0[list.at()];
+        let first = *head;
+        probe.note(|| Event::Take {
+            heads: self.1,
+            list: list.at(),
+            first: listed(first),
+            old: first & OLD != 0,
+        });
+        // EMPTY is the largest number without the mark.
+        if first >= EMPTY {
+            return None;
+        }
+        *head |= OLD;
+        Some(first)
+    }
+
+    /// Makes `list` empty and new again.
+    #[inline(always)]
+    pub fn reset<P: Probe>(&mut self, list: impl Index, probe: &mut P) {
+        probe.count(Op::ListReset);
+        self.0[list.at()] = EMPTY;
+        probe.note(|| Event::Reset { heads: self.1, list: list.at() });
+    }
+
+    /// The raw heads, for tests and pictures.
+    pub fn raw(&self) -> &[u32] {
+        &self.0
+    }
+}
+
+/// The element that a head or link names.
+fn listed(raw: u32) -> Option<u32> {
+    (raw & !OLD != EMPTY).then_some(raw & !OLD)
+}
+
+impl<const L: usize> Links<L> {
+    /// Room for elements 0 to `count - 1`.
+    pub fn prepare(&mut self, count: usize) {
+        if count > self.0.len() {
+            if count > self.0.capacity() {
+                self.0 = Vec::new();
+                self.0.reserve_exact(count);
+            }
+            self.0.resize(count, [EMPTY; L]);
+        }
+    }
+
+    /// Makes `next` the element after `element`.
+    #[inline(always)]
+    pub fn set(&mut self, element: u32, kind: usize, next: u32) {
+        self.0[element as usize][kind] = next;
+    }
+
+    /// The element after `element` on its list, or [`EMPTY`].
+    #[inline(always)]
+    pub fn next<P: Probe>(&self, element: u32, kind: usize, probe: &mut P) -> u32 {
+        probe.count(Op::ListStep);
+        self.0[element as usize][kind]
+    }
+
+    /// Tests the elements of the list that begins with `central` against one another and against
+    /// those of the `mask` lists: each pair once.
+    #[inline(always)]
+    pub fn check<T: Real, const D: usize, const M: usize>(
+        &self,
+        kind: usize,
+        bodies: &impl Bodies<T, D>,
+        central: u32,
+        mask: [u32; M],
+        probe: &mut impl Probe,
+        sink: &mut impl Sink,
+    ) {
+        let mut i = central;
+        while i != EMPTY {
+            let rest = self.next(i, kind, probe);
+            self.check_one(kind, bodies, i, rest, probe, sink);
+            for first in mask {
+                self.check_one(kind, bodies, i, first, probe, sink);
+            }
+            i = rest;
+        }
+    }
+
+    #[inline(always)]
+    fn check_one<T: Real, const D: usize>(
+        &self,
+        kind: usize,
+        bodies: &impl Bodies<T, D>,
+        i: u32,
+        first: u32,
+        probe: &mut impl Probe,
+        sink: &mut impl Sink,
+    ) {
+        let mut j = first;
+        while j != EMPTY {
+            let touching = bodies.touch(i, j, probe);
+            probe.note(|| Event::Test { i, j, touching });
+            if touching {
+                sink.contact(i, j);
+            }
+            j = self.next(j, kind, probe);
+        }
+    }
+
+    /// The raw links of one kind, for tests and pictures.
+    pub fn raw(&self, kind: usize) -> Vec<u32> {
+        self.0.iter().map(|links| links[kind]).collect()
+    }
+
+    /// Makes an element's link empty, as the book's screening does when it removes elements.
+    #[inline(always)]
+    pub fn reset<P: Probe>(&mut self, element: u32, kind: usize, probe: &mut P) {
+        probe.count(Op::ListReset);
+        self.0[element as usize][kind] = EMPTY;
+        probe.note(|| Event::Unlink { element });
+    }
+}
+
+/// In an array of the book: 1-based ids, -1 for empty.
+#[cfg(test)]
+pub fn as_printed(raw: &[u32]) -> Vec<i64> {
+    raw.iter().map(|&e| if e & !OLD == EMPTY { -1 } else { i64::from(e & !OLD) + 1 }).collect()
+}

@@ -1,0 +1,47 @@
+//! The contact masks of the book: offsets of the cells that are checked together with a central
+//! cell, so that each pair of neighbouring cells comes up once.
+
+/// In 2D (p93): the cell to the left and the three cells below.
+pub const PLANE: [[i32; 2]; 4] = [[-1, 0], [-1, -1], [0, -1], [1, -1]];
+
+/// In 3D (p121): the nine cells of the layer below; in the layer the three cells behind and the
+/// cell to the left.
+pub const SPACE: [[i32; 3]; 13] = [
+    [-1, -1, -1],
+    [0, -1, -1],
+    [1, -1, -1],
+    [-1, 0, -1],
+    [0, 0, -1],
+    [1, 0, -1],
+    [-1, 1, -1],
+    [0, 1, -1],
+    [1, 1, -1],
+    [-1, -1, 0],
+    [0, -1, 0],
+    [1, -1, 0],
+    [-1, 0, 0],
+];
+
+/// The cell at `offset` from `central`; border cells make sure that it exists.
+#[inline(always)]
+pub fn neighbour<const D: usize>(central: [u32; D], offset: [i32; D]) -> [u32; D] {
+    std::array::from_fn(|k| central[k].wrapping_add_signed(offset[k]))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::HashSet;
+
+    use super::*;
+
+    fn with_mirror<const D: usize>(mask: &[[i32; D]]) -> HashSet<[i32; D]> {
+        mask.iter().flat_map(|offset| [*offset, offset.map(|d| -d)]).collect()
+    }
+
+    #[test]
+    fn a_mask_and_its_mirror_are_all_neighbours_once() {
+        assert_eq!(with_mirror(&PLANE).len(), 8);
+        assert_eq!(with_mirror(&SPACE).len(), 26);
+        assert!(!with_mirror(&PLANE).contains(&[0; 2]) && !with_mirror(&SPACE).contains(&[0; 3]));
+    }
+}

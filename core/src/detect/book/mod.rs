@@ -1,0 +1,12 @@
+//! The detectors of Munjiza's book, chapter 3, with the lists and masks that they share.
+
+pub mod binary_tree;
+pub mod direct;
+#[cfg(test)]
+mod golden;
+pub mod list;
+pub mod mask;
+pub mod nbs2d;
+pub mod nbs3d;
+pub mod screening;
+pub mod sorting;

@@ -1,0 +1,179 @@
+//! `screening`: a list head for every cell of the domain (Munjiza 2004, section 3.6).
+//!
+//! 1. Once, when the array is first made, all heads of the screening array `C[nx][ny]([nz])` are
+//!    set to empty.
+//! 2. Every element is put on the list of its cell: `E[k] = C[cell]; C[cell] = k`.
+//! 3. A loop over elements finds each cell that is not empty once (a *new* list, marked *old* when
+//!    found) and checks it against itself and the contact mask: 4 cells in 2D, 13 in 3D.
+//! 4. A second loop over *elements* sets C and E back to empty.
+//!
+//! * Cost: proportional to N. Memory: `4(nx·ny[·nz] + N)` bytes for N elements and nx, ny, nz cells
+//!   per axis, two empty border cells per axis included. Nothing is cached.
+//! * Right for dense packs only: the array grows with the volume of the domain. Refuses scenes over
+//!   the memory limit, and more than 2^31 - 1 elements.
+//! * Deviations from the book: cells are wider by 4 parts in a million ([`crate::filter::cells`]);
+//!   heads are marked old with the highest bit instead of by adding N; elements count from 0. The
+//!   array is kept between detections, and one made for a smaller domain is replaced.
+
+use super::list::{EMPTY, Heads, Links, numbered};
+use super::mask;
+use crate::contact::Bodies;
+use crate::detect::{Declare, Detector, Options, Refusal, within};
+use crate::event::{Event, Part};
+use crate::filter::Cells;
+use crate::probe::Probe;
+use crate::scene::Real;
+use crate::sink::Sink;
+
+/// Screening. The fields carry the book's names.
+pub struct Screening {
+    options: Options,
+    /// C: heads, one per cell.
+    c: Heads,
+    /// E: links.
+    e: Links<1>,
+    formula: u64,
+}
+
+impl Declare for Screening {
+    fn with(options: Options) -> Screening {
+        Screening { options, c: Heads::named('C'), e: Links::default(), formula: 0 }
+    }
+
+    fn formula_bytes(&self) -> u64 {
+        self.formula
+    }
+}
+
+impl<T: Real> Detector<T, 2> for Screening {
+    fn detect<B: Bodies<T, 2>, P: Probe, S: Sink>(
+        &mut self,
+        bodies: B,
+        probe: &mut P,
+        sink: &mut S,
+    ) -> Result<(), Refusal> {
+        let cells = Cells::new(&bodies)?;
+        self.run(&bodies, &cells, mask::PLANE, probe, sink)
+    }
+}
+
+impl<T: Real> Detector<T, 3> for Screening {
+    fn detect<B: Bodies<T, 3>, P: Probe, S: Sink>(
+        &mut self,
+        bodies: B,
+        probe: &mut P,
+        sink: &mut S,
+    ) -> Result<(), Refusal> {
+        let cells = Cells::new(&bodies)?;
+        self.run(&bodies, &cells, mask::SPACE, probe, sink)
+    }
+}
+
+impl Screening {
+    fn run<T: Real, const D: usize, const M: usize>(
+        &mut self,
+        bodies: &impl Bodies<T, D>,
+        cells: &Cells<D>,
+        mask: [[i32; D]; M],
+        probe: &mut impl Probe,
+        sink: &mut impl Sink,
+    ) -> Result<(), Refusal> {
+        self.prepare(cells, bodies.len())?;
+        let n = bodies.len() as u32;
+        // How far each cell of the mask lies from a central cell in the array.
+        let offsets = mask.map(|cell| {
+            (0..D)
+                .rev()
+                .fold(0, |place, axis| place * cells.count[axis] as isize + cell[axis] as isize)
+        });
+        probe.note(|| Event::Begin(Part::Cells));
+        self.push(bodies, cells, probe);
+        probe.note(|| Event::Begin(Part::Search));
+        for k in 0..n {
+            probe.note(|| Event::Visit { element: k });
+            let cell = cells.place(bodies.position(k), probe);
+            if let Some(central) = self.c.take_new(cell, probe) {
+                probe.note(|| Event::Central { cell: cells.of_place(cell) });
+                let mut heads = [EMPTY; M];
+                for (head, offset) in heads.iter_mut().zip(&offsets) {
+                    *head = self.c.first(cell.wrapping_add_signed(*offset), probe);
+                }
+                self.e.check(0, bodies, central, heads, probe, sink);
+            }
+        }
+        probe.note(|| Event::Begin(Part::RemoveCells));
+        for k in 0..n {
+            self.c.reset(cells.place(bodies.position(k), probe), probe);
+            self.e.reset(k, 0, probe);
+        }
+        Ok(())
+    }
+
+    fn prepare<const D: usize>(&mut self, cells: &Cells<D>, n: usize) -> Result<(), Refusal> {
+        numbered("screening", n)?;
+        let needed = cells.volume().saturating_add(n as u64).saturating_mul(4);
+        within(&self.options, "screening", needed, || {
+            format!(
+                "{n} elements, {} cells",
+                cells.count.map(|count| count.to_string()).join(" x ")
+            )
+        })?;
+        self.formula = needed;
+        self.c.prepare(cells.volume() as usize);
+        self.e.prepare(n);
+        Ok(())
+    }
+
+    fn push<T: Real, const D: usize>(
+        &mut self,
+        bodies: &impl Bodies<T, D>,
+        cells: &Cells<D>,
+        probe: &mut impl Probe,
+    ) {
+        for k in 0..bodies.len() as u32 {
+            self.c.push(cells.place(bodies.position(k), probe), k, &mut self.e, 0, probe);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::golden::{InCells, NINE, printed};
+    use super::super::list::as_printed;
+    use super::*;
+    use crate::probe::Silent;
+
+    /// G2: nine elements in 10 x 10 cells (p90-91) on the real arrays.
+    #[test]
+    fn the_books_nine_elements() {
+        let scene = InCells(&NINE);
+        let cells = scene.grid();
+        let mut screening = Screening::with(Options::default());
+        screening.prepare(&cells, NINE.len()).unwrap();
+        screening.push(&scene, &cells, &mut Silent);
+        let nx = cells.count[0] as usize;
+        for (at, &head) in screening.c.raw().iter().enumerate() {
+            let expected = match (at % nx, at / nx) {
+                (2, 7) => 9,
+                (5, 6) => 6,
+                (5, 7) => 4,
+                (6, 6) => 8,
+                _ => -1,
+            };
+            assert_eq!(as_printed(&[head]), [expected]);
+        }
+        assert_eq!(as_printed(&screening.e.raw(0)), [-1, 1, -1, 2, 3, -1, 5, -1, 7]);
+    }
+
+    #[test]
+    fn the_mask_couples_of_the_nine_elements() {
+        let mut screening = Screening::with(Options::default());
+        let mut pairs = Vec::new();
+        screening.detect(InCells(&NINE), &mut Silent, &mut pairs).unwrap();
+        assert_eq!(
+            printed(&pairs, &[]),
+            "1-2 1-4 1-6 1-8 2-4 2-6 2-8 3-5 3-7 3-9 4-6 4-8 5-7 5-9 6-8 7-9"
+        );
+        assert!(screening.c.raw().iter().chain(&screening.e.raw(0)).all(|&link| link == EMPTY));
+    }
+}

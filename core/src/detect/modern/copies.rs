@@ -1,0 +1,388 @@
+//! Copies of the bodies in an order of the detector's own, and decisions from them.
+//!
+//! A detector that tests each body against those beside it in memory does not wait for a scene in
+//! random order. [`Record`] is what it keeps: the centre in f64, the number, and the radius in f32,
+//! together 24 bytes in 2D and 32 in 3D. [`Judge`] decides from records what [`Near`] decides,
+//! without a branch for each pair, and leaves to [`Bodies::touch`] what is nearly tangent.
+//!
+//! **Radii in f32.** Equal radii are not read from records. Others are r' = r(1 + e) + t there, |e|
+//! <= 2^-24, |t| <= 2^-150. With s' the sum of two of them, s <= s'(1 + 2^-23) + 2^-148 and s >=
+//! s'(1 - 2^-23) - 2^-148. The test's own [`Slack`] has relative <= 2^-21, so that
+//! s(1 + relative) + absolute is at most s'(1 + relative + 2^-22) + absolute + 2^-147, and likewise
+//! below: the widened slack of [`Each`]. Radii that overflow are infinite, and then nothing is
+//! decided here; those below 2^-126 lose digits, and little is.
+
+use crate::contact::{Bodies, Slack};
+use crate::filter::Near;
+use crate::probe::{Op, Probe};
+use crate::scene::Real;
+use crate::sink::Sink;
+
+/// A copy of one body.
+#[derive(Clone, Copy, Debug)]
+pub struct Record<const D: usize> {
+    /// The centre.
+    pub position: [f64; D],
+    /// The radius, rounded.
+    pub radius: f32,
+    /// The number of the element.
+    pub id: u32,
+}
+
+impl<const D: usize> Record<D> {
+    /// What fills an array before its records are known.
+    pub const NONE: Record<D> = Record { position: [0.0; D], radius: 0.0, id: 0 };
+    /// The bytes of a record.
+    pub const BYTES: u64 = size_of::<Record<D>>() as u64;
+
+    /// The copy of particle `id`.
+    #[inline(always)]
+    pub fn new<T: Real>(bodies: &impl Bodies<T, D>, id: u32) -> Record<D> {
+        Record { position: bodies.position(id), radius: bodies.radius(id) as f32, id }
+    }
+
+    #[inline(always)]
+    fn square(&self, other: &Record<D>) -> f64 {
+        let mut sum = 0.0;
+        for k in 0..D {
+            let d = self.position[k] - other.position[k];
+            sum += d * d;
+        }
+        sum
+    }
+}
+
+/// Makes room for exactly `count` values: all that are kept are overwritten by the caller. A buffer
+/// that must grow is not copied, nor are both held at once.
+pub fn room<X: Clone>(buffer: &mut Vec<X>, count: usize, filling: X) {
+    if count > buffer.capacity() {
+        *buffer = Vec::new();
+        buffer.reserve_exact(count);
+    }
+    buffer.resize(count, filling);
+}
+
+/// Which distances decide, for the radii of two records.
+pub trait Nearness: Copy + Sync {
+    /// For records with these radii.
+    fn near(&self, a: f32, b: f32) -> Near;
+    /// Two bodies that touch are not farther apart than the sum of their halves.
+    fn half(&self, radius: f32) -> f64;
+}
+
+/// One radius: computed once.
+#[derive(Clone, Copy, Debug)]
+pub struct One {
+    near: Near,
+    half: f64,
+}
+
+impl One {
+    /// For bodies of this radius.
+    pub fn new(radius: f64, slack: Slack) -> One {
+        One { near: Near::of(2.0 * radius, slack), half: half(radius, slack) }
+    }
+}
+
+impl Nearness for One {
+    #[inline(always)]
+    fn near(&self, _: f32, _: f32) -> Near {
+        self.near
+    }
+
+    #[inline(always)]
+    fn half(&self, _: f32) -> f64 {
+        self.half
+    }
+}
+
+/// A radius for each.
+#[derive(Clone, Copy, Debug)]
+pub struct Each(Slack);
+
+impl Each {
+    /// For a test with this slack, and radii in f32.
+    pub fn new(slack: Slack) -> Each {
+        const RELATIVE: f64 = 1.0 / (1u64 << 22) as f64;
+        const ABSOLUTE: f64 = f64::from_bits((1023 - 147) << 52);
+        Each(Slack { relative: slack.relative + RELATIVE, absolute: slack.absolute + ABSOLUTE })
+    }
+}
+
+impl Nearness for Each {
+    #[inline(always)]
+    fn near(&self, a: f32, b: f32) -> Near {
+        Near::of(f64::from(a) + f64::from(b), self.0)
+    }
+
+    #[inline(always)]
+    fn half(&self, radius: f32) -> f64 {
+        half(f64::from(radius), self.0)
+    }
+}
+
+/// The roundings here, 3u relative, are covered: the reach is below s(1 + 5.5v) + 3√η, the slack is
+/// 8v and 4√η, and v >= u ([`crate::filter`], 1); without slack there are none.
+#[inline(always)]
+fn half(radius: f64, slack: Slack) -> f64 {
+    radius * (1.0 + slack.relative) + 0.5 * slack.absolute
+}
+
+/// [`Bodies::touch`] of some bodies. It is called for nearly tangent pairs only, through a
+/// reference, so that what searches among records is compiled once for all kinds of bodies.
+pub type Touch<'a, P> = &'a (dyn Fn(u32, u32, &mut P) -> bool + Sync);
+
+/// Decides contacts of records.
+pub struct Judge<'a, P, N> {
+    touch: Touch<'a, P>,
+    /// How near is near.
+    pub nearness: N,
+}
+
+/// Pairs found and not yet handed on.
+pub struct Found {
+    pairs: [[u32; 2]; Found::ROOM],
+    count: usize,
+}
+
+/// Tested at a time, with one look whether there is room, and one whether all pairs are decided.
+pub const STRIDE: usize = 64;
+
+impl Found {
+    const ROOM: usize = 256;
+
+    /// None.
+    pub fn none() -> Found {
+        Found { pairs: [[0; 2]; Found::ROOM], count: 0 }
+    }
+
+    /// How many there are.
+    #[inline(always)]
+    pub fn count(&self) -> usize {
+        self.count
+    }
+
+    /// Is there room for [`STRIDE`] more?
+    #[inline(always)]
+    pub fn has_room(&self) -> bool {
+        self.count <= Found::ROOM - STRIDE
+    }
+
+    /// Replaces the marks from number `start` on by what `pair` makes of them, in place.
+    #[inline(always)]
+    pub fn settle(&mut self, start: usize, mut pair: impl FnMut([u32; 2]) -> Option<[u32; 2]>) {
+        let marks = start..self.count;
+        self.count = start;
+        for k in marks {
+            if let Some(pair) = pair(self.pairs[k % Found::ROOM]) {
+                self.pairs[self.count % Found::ROOM] = pair;
+                self.count += 1;
+            }
+        }
+    }
+
+    /// Hands all on.
+    pub fn flush(&mut self, sink: &mut impl Sink) {
+        sink.contacts(&self.pairs[..self.count]);
+        self.count = 0;
+    }
+}
+
+impl<'a, P: Probe, N: Nearness> Judge<'a, P, N> {
+    /// For the bodies that `touch` is about.
+    pub fn new(touch: Touch<'a, P>, nearness: N) -> Judge<'a, P, N> {
+        Judge { touch, nearness }
+    }
+
+    /// Tests `a` against each of `others`.
+    #[inline(always)]
+    pub fn against<const D: usize>(
+        &self,
+        a: &Record<D>,
+        others: &[Record<D>],
+        found: &mut Found,
+        probe: &mut P,
+        sink: &mut impl Sink,
+    ) {
+        for others in others.chunks(STRIDE) {
+            if !found.has_room() {
+                found.flush(sink);
+            }
+            self.stride(a, others, |_, b| [a.id, b.id], |_, _| true, found, probe);
+        }
+    }
+
+    /// Tests `a` against at most [`STRIDE`] others, for which there is room, and keeps a mark for
+    /// each contact instead of the pair. One that is nearly tangent and not `wanted` need not be
+    /// marked.
+    #[inline(always)]
+    pub fn stride<const D: usize>(
+        &self,
+        a: &Record<D>,
+        others: &[Record<D>],
+        mark: impl Fn(usize, &Record<D>) -> [u32; 2],
+        wanted: impl Fn(&Record<D>, &mut P) -> bool,
+        found: &mut Found,
+        probe: &mut P,
+    ) {
+        let (mut end, mut unsure) = (found.count, false);
+        for (place, b) in others.iter().enumerate() {
+            let (near, square) = (self.nearness.near(a.radius, b.radius), a.square(b));
+            // Written where the next near one will be; kept by counting it.
+            found.pairs[end % Found::ROOM] = mark(place, b);
+            end += usize::from(square <= near.outer);
+            unsure |= (square > near.inner) & (square <= near.outer);
+        }
+        if unsure {
+            return self.carefully(a, others, mark, wanted, found, probe);
+        }
+        probe.add(Op::ContactTest, others.len() as u64);
+        found.count = end;
+    }
+
+    /// The same where some pair is nearly tangent.
+    #[inline(never)]
+    fn carefully<const D: usize>(
+        &self,
+        a: &Record<D>,
+        others: &[Record<D>],
+        mark: impl Fn(usize, &Record<D>) -> [u32; 2],
+        wanted: impl Fn(&Record<D>, &mut P) -> bool,
+        found: &mut Found,
+        probe: &mut P,
+    ) {
+        for (place, b) in others.iter().enumerate() {
+            let contact = match self.nearness.near(a.radius, b.radius).verdict(a.square(b)) {
+                Some(contact) => {
+                    probe.count(Op::ContactTest);
+                    contact
+                }
+                None => wanted(b, probe) && (self.touch)(a.id, b.id, probe),
+            };
+            if contact {
+                found.pairs[found.count % Found::ROOM] = mark(place, b);
+                found.count += 1;
+            }
+        }
+    }
+}
+
+/// A box.
+#[derive(Clone, Copy, Debug)]
+pub struct Bounds<const D: usize> {
+    /// The lower corner.
+    pub low: [f64; D],
+    /// The upper corner.
+    pub high: [f64; D],
+}
+
+impl<const D: usize> Bounds<D> {
+    /// Of nothing.
+    pub const NONE: Bounds<D> = Bounds { low: [f64::INFINITY; D], high: [f64::NEG_INFINITY; D] };
+
+    /// Of the centres.
+    pub fn around(records: &[Record<D>]) -> Bounds<D> {
+        let mut bounds = Bounds::NONE;
+        records.iter().for_each(|record| bounds.widen(record.position, record.position));
+        bounds
+    }
+
+    /// Makes the box hold another.
+    #[inline(always)]
+    pub fn widen(&mut self, low: [f64; D], high: [f64; D]) {
+        for k in 0..D {
+            self.low[k] = self.low[k].min(low[k]);
+            self.high[k] = self.high[k].max(high[k]);
+        }
+    }
+
+    /// Do two boxes overlap, or touch?
+    #[inline(always)]
+    pub fn meets(&self, other: &Bounds<D>) -> bool {
+        (0..D).fold(true, |meet, k| {
+            meet & (self.low[k] <= other.high[k]) & (other.low[k] <= self.high[k])
+        })
+    }
+
+    /// The two longest edges, the longest first. Halved, so that they do not overflow.
+    pub fn longest(&self) -> [usize; 2] {
+        let edge = |k: usize| 0.5 * self.high[k] - 0.5 * self.low[k];
+        let mut axes: [usize; D] = std::array::from_fn(|k| k);
+        axes.sort_unstable_by(|&a, &b| edge(b).total_cmp(&edge(a)));
+        [axes[0], axes[1]]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::{Arithmetic, WithBodies, with_stored};
+    use crate::detect::Refusal;
+    use crate::filter;
+    use crate::probe::Tally;
+    use crate::scene::{AnyScene, Radii, Scene};
+
+    /// All pairs of a scene by records, against the contact test; and the boxes of those that
+    /// touch.
+    struct Pairs(u64);
+    impl<T: Real, const D: usize> WithBodies<T, D> for &mut Pairs {
+        type Output = Result<(), Refusal>;
+        fn call<B: Bodies<T, D>>(self, bodies: B) -> Self::Output {
+            let nearness = Each::new(bodies.slack());
+            let touch = |i, j, probe: &mut Tally| bodies.touch(i, j, probe);
+            let judge = Judge::new(&touch, nearness);
+            let records: Vec<Record<D>> =
+                (0..bodies.len() as u32).map(|id| Record::new(&bodies, id)).collect();
+            for (i, a) in records.iter().enumerate() {
+                let (mut found, mut probe, mut pairs, mut expected) =
+                    (Found::none(), Tally::default(), Vec::new(), Vec::new());
+                judge.against(a, &records[i + 1..], &mut found, &mut probe, &mut pairs);
+                found.flush(&mut pairs);
+                for b in &records[i + 1..] {
+                    if bodies.touch(a.id, b.id, &mut probe) {
+                        expected.push([a.id, b.id]);
+                        let interval = |record: &Record<D>, k: usize| {
+                            filter::interval(record.position[k], nearness.half(record.radius))
+                        };
+                        let meet = |k| {
+                            interval(a, k)[0] <= interval(b, k)[1]
+                                && interval(b, k)[0] <= interval(a, k)[1]
+                        };
+                        assert!((0..D).all(meet), "{a:?} {b:?}");
+                    }
+                }
+                assert_eq!(pairs, expected);
+                // Each pair is one contact test from copies, and was one above.
+                assert_eq!(probe.get(Op::ContactTest), 2 * (records.len() - i - 1) as u64);
+                self.0 += pairs.len() as u64;
+            }
+            Ok(())
+        }
+    }
+
+    /// Bodies on a line, each within some last bits of touching the one before, of radii that an
+    /// f32 does not hold, at scales where it overflows and underflows.
+    #[test]
+    fn records_decide_as_the_test_does() {
+        for arithmetic in Arithmetic::ALL {
+            let mut pairs = Pairs(0);
+            for scale in [1.0, 1e-3, 1e-30, 1e-44, 1e-60, 1e30, 1e50] {
+                let radii: Vec<f64> =
+                    (0..200).map(|k| scale * (0.1 + f64::from(k % 13) / 7.0)).collect();
+                let mut x = 0.0;
+                let mut centres = vec![nalgebra::Point::from([0.0, 0.0])];
+                for k in 1..radii.len() {
+                    let distance = (radii[k - 1] + radii[k])
+                        * (1.0 + [0.0, 1e-16, -1e-16, 1e-8, -1e-8, 1e-7, -1e-7][k % 7]);
+                    x += distance * if k % 3 == 0 { 0.75 } else { 1.0 };
+                    centres.push(nalgebra::Point::from([x, 0.0]));
+                }
+                let scene = AnyScene::from(Scene::new(centres, Radii::Each(radii.into())).unwrap());
+                let Ok(scene) = scene.stored(arithmetic) else { continue };
+                let AnyScene::Plane(scene) = scene else { panic!("made in the plane") };
+                let _ = with_stored(&scene, arithmetic.test(), &mut pairs);
+            }
+            assert!(pairs.0 > 200, "{arithmetic:?}: {}", pairs.0);
+        }
+    }
+}

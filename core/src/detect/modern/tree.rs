@@ -1,0 +1,168 @@
+//! A balanced tree of boxes over records in order: what [`super::kd_tree`] and [`super::bvh`]
+//! share. They differ in the order.
+//!
+//! The tree is implied by the number of records: 2^levels leaves, leaf k holding records
+//! k·N/2^levels to (k + 1)·N/2^levels, [`LEAF`] of them at most. Nodes are numbered as in a heap:
+//! the root is 1, the children of i are 2i and 2i + 1. Nothing is kept of a node but its box, which
+//! holds the intervals of its bodies on every axis ([`crate::filter`], 2): bodies of any size.
+//!
+//! Pairs are found by walking down two nodes at a time: a node with itself is each half with itself
+//! and the halves with each other; two nodes whose boxes overlap are their four couples of halves;
+//! so each couple of leaves comes up once.
+
+use super::copies::{Bounds, Found, Judge, Nearness, Record, room};
+use crate::filter;
+use crate::probe::{Op, Probe};
+use crate::sink::Sink;
+
+/// Most records of a leaf.
+pub const LEAF: usize = 16;
+
+/// Records in order, and boxes around them.
+pub struct Tree<const D: usize> {
+    /// In the order of the leaves.
+    pub records: Vec<Record<D>>,
+    /// By the number of the node; number 0 is not used.
+    boxes: Vec<Bounds<D>>,
+}
+
+/// How records are shared out among leaves.
+#[derive(Clone, Copy)]
+pub struct Leaves {
+    n: usize,
+    levels: u32,
+}
+
+impl Leaves {
+    /// For a number of records.
+    pub fn new(n: usize) -> Leaves {
+        Leaves { n, levels: n.div_ceil(LEAF).max(1).next_power_of_two().trailing_zeros() }
+    }
+
+    /// The number of leaves.
+    pub fn count(self) -> usize {
+        1 << self.levels
+    }
+
+    /// The first record of a leaf. Below 2^32 records and leaves, so that the product does not
+    /// overflow.
+    #[inline(always)]
+    pub fn place(self, leaf: usize) -> usize {
+        ((leaf as u64 * self.n as u64) >> self.levels) as usize
+    }
+}
+
+impl<const D: usize> Tree<D> {
+    /// Without records.
+    pub fn empty() -> Tree<D> {
+        Tree { records: Vec::new(), boxes: Vec::new() }
+    }
+
+    /// The bytes of a tree for a number of records.
+    pub fn bytes(n: usize) -> u64 {
+        Record::<D>::BYTES * n as u64
+            + 2 * size_of::<Bounds<D>>() as u64 * Leaves::new(n).count() as u64
+    }
+
+    /// The bytes for the records it has.
+    pub fn formula_bytes(&self) -> u64 {
+        Record::<D>::BYTES * self.records.len() as u64
+            + size_of::<Bounds<D>>() as u64 * self.boxes.len() as u64
+    }
+
+    /// Room for a number of records, which are those of an earlier detection, or none.
+    pub fn prepare(&mut self, n: usize) {
+        room(&mut self.records, n, Record::NONE);
+        room(&mut self.boxes, 2 * Leaves::new(n).count(), Bounds::NONE);
+    }
+
+    /// Makes the boxes and finds the contacts.
+    pub fn search<P: Probe, S: Sink>(
+        &mut self,
+        judge: Judge<'_, P, impl Nearness>,
+        probe: &mut P,
+        sink: &mut S,
+    ) {
+        let leaves = Leaves::new(self.records.len());
+        let first = leaves.count();
+        for leaf in 0..first {
+            let mut bounds = Bounds::NONE;
+            for record in &self.records[leaves.place(leaf)..leaves.place(leaf + 1)] {
+                let body = around(record, judge.nearness);
+                bounds.widen(body.low, body.high);
+            }
+            self.boxes[first + leaf] = bounds;
+        }
+        for node in (1..first).rev() {
+            let mut bounds = self.boxes[2 * node];
+            bounds.widen(self.boxes[2 * node + 1].low, self.boxes[2 * node + 1].high);
+            self.boxes[node] = bounds;
+        }
+        let mut walk = Walk { tree: self, leaves, judge, found: Found::none(), probe, sink };
+        walk.inside(1);
+        walk.found.flush(walk.sink);
+    }
+}
+
+/// The box of one body.
+#[inline(always)]
+fn around<const D: usize>(record: &Record<D>, nearness: impl Nearness) -> Bounds<D> {
+    let half = nearness.half(record.radius);
+    let ends = record.position.map(|x| filter::interval(x, half));
+    Bounds { low: ends.map(|[low, _]| low), high: ends.map(|[_, high]| high) }
+}
+
+struct Walk<'a, N, P, S, const D: usize> {
+    tree: &'a Tree<D>,
+    leaves: Leaves,
+    judge: Judge<'a, P, N>,
+    found: Found,
+    probe: &'a mut P,
+    sink: &'a mut S,
+}
+
+impl<'a, N: Nearness, P: Probe, S: Sink, const D: usize> Walk<'a, N, P, S, D> {
+    /// The pairs within a node.
+    fn inside(&mut self, node: usize) {
+        self.probe.count(Op::NodeVisit);
+        if node < self.leaves.count() {
+            self.inside(2 * node);
+            self.inside(2 * node + 1);
+            self.between(2 * node, 2 * node + 1);
+            return;
+        }
+        let records = self.records(node);
+        for (i, a) in records.iter().enumerate() {
+            self.judge.against(a, &records[i + 1..], &mut self.found, self.probe, self.sink);
+        }
+    }
+
+    /// The pairs between two nodes of the same level.
+    fn between(&mut self, a: usize, b: usize) {
+        self.probe.count(Op::BoundTest);
+        if !self.tree.boxes[a].meets(&self.tree.boxes[b]) {
+            return;
+        }
+        self.probe.count(Op::NodeVisit);
+        if a < self.leaves.count() {
+            for (a, b) in
+                [(2 * a + 1, 2 * b), (2 * a, 2 * b), (2 * a + 1, 2 * b + 1), (2 * a, 2 * b + 1)]
+            {
+                self.between(a, b);
+            }
+            return;
+        }
+        let (of_a, of_b, bounds) = (self.records(a), self.records(b), self.tree.boxes[b]);
+        for a in of_a {
+            self.probe.count(Op::BoundTest);
+            if around(a, self.judge.nearness).meets(&bounds) {
+                self.judge.against(a, of_b, &mut self.found, self.probe, self.sink);
+            }
+        }
+    }
+
+    fn records(&self, leaf: usize) -> &'a [Record<D>] {
+        let leaf = leaf - self.leaves.count();
+        &self.tree.records[self.leaves.place(leaf)..self.leaves.place(leaf + 1)]
+    }
+}

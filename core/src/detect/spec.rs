@@ -1,0 +1,222 @@
+//! Which detector, with which parameters: written `nbs` or `streamed-nbs:level=avx2,form=dense`.
+
+use std::collections::BTreeMap;
+use std::fmt;
+
+use super::any::AnyDetector;
+use super::table::{self, Entry, Parameter, Params};
+use super::{Options, peers};
+
+/// A detector of the table and values for its parameters.
+///
+/// Its text ([`fmt::Display`]) is the normal form, which stands in records: the name, then the
+/// parameters in alphabetical order, those with default values left out. Two specs that ask for
+/// the same have the same text, and [`parse`] gives the spec back.
+#[derive(Clone)]
+pub struct DetectorSpec {
+    /// The line of the table.
+    pub entry: &'static Entry,
+    /// The values that are not the defaults.
+    pub params: Params,
+}
+
+impl DetectorSpec {
+    /// A detector with empty buffers.
+    ///
+    /// A spec may ask for instructions that the processor lacks: the detector then refuses every
+    /// scene, with [`Refusal::Instructions`](crate::detect::Refusal::Instructions).
+    pub fn make(&self, options: Options) -> Box<dyn AnyDetector> {
+        (self.entry.constructor)(&self.params, options)
+    }
+}
+
+impl From<&'static Entry> for DetectorSpec {
+    /// The detector with all parameters at their defaults.
+    fn from(entry: &'static Entry) -> DetectorSpec {
+        DetectorSpec { entry, params: Params::new() }
+    }
+}
+
+impl PartialEq for DetectorSpec {
+    fn eq(&self, other: &DetectorSpec) -> bool {
+        self.entry.name == other.entry.name && self.params == other.params
+    }
+}
+
+impl fmt::Debug for DetectorSpec {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "DetectorSpec({self})")
+    }
+}
+
+impl fmt::Display for DetectorSpec {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.entry.name)?;
+        for (k, (name, value)) in self.params.iter().enumerate() {
+            write!(f, "{}{name}={value}", if k == 0 { ':' } else { ',' })?;
+        }
+        Ok(())
+    }
+}
+
+/// What is wrong with the text of a [`DetectorSpec`].
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum SpecError {
+    /// No line of the table has this name.
+    #[error("there is no detector '{name}'; the detectors are: {}", table::names())]
+    Unknown {
+        /// As given.
+        name: String,
+    },
+    /// A library that this program was built without.
+    #[error("{reason}")]
+    NotBuilt {
+        /// What is missing and how to get it.
+        reason: String,
+    },
+    /// A piece behind the colon without `=`.
+    #[error("'{spec}': '{piece}' is not of the form parameter=value; {takes}")]
+    Form {
+        /// The whole text.
+        spec: String,
+        /// The piece of it.
+        piece: String,
+        /// What the detector takes.
+        takes: String,
+    },
+    /// The detector has no parameter of this name.
+    #[error("'{spec}': there is no parameter '{name}'; {takes}")]
+    Parameter {
+        /// The whole text.
+        spec: String,
+        /// The parameter.
+        name: String,
+        /// What the detector takes.
+        takes: String,
+    },
+    /// The parameter does not take this value.
+    #[error("'{spec}': {name} cannot be '{value}'; it is one of {}", values.join(", "))]
+    Value {
+        /// The whole text.
+        spec: String,
+        /// The parameter.
+        name: &'static str,
+        /// The value.
+        value: String,
+        /// What it takes.
+        values: &'static [&'static str],
+    },
+    /// One parameter, two values.
+    #[error("'{spec}': {name} is given twice; leave out one of the two")]
+    Twice {
+        /// The whole text.
+        spec: String,
+        /// The parameter.
+        name: &'static str,
+    },
+}
+
+/// The detector that a text asks for: its name, and behind a colon values for its parameters,
+/// separated by commas, as in `streamed-nbs:level=avx2,form=dense`.
+///
+/// # Errors
+/// Unknown names, parameters and values, each with those that there are.
+pub fn parse(spec: &str) -> Result<DetectorSpec, SpecError> {
+    let (name, rest) = spec.split_once(':').unwrap_or((spec, ""));
+    let (name, rest) = (name.trim(), rest.trim());
+    let Some(entry) = table::TABLE.iter().find(|entry| entry.name == name) else {
+        return Err(match peers::missing(name) {
+            Some(reason) => SpecError::NotBuilt { reason },
+            None => SpecError::Unknown { name: name.into() },
+        });
+    };
+    read(entry, rest, spec)
+}
+
+/// The parameters of a detector, separated by commas.
+fn read(entry: &'static Entry, rest: &str, spec: &str) -> Result<DetectorSpec, SpecError> {
+    let spec = || spec.to_string();
+    let mut given = BTreeMap::new();
+    for piece in rest.split(',').filter(|_| !rest.is_empty()) {
+        let Some((name, value)) = piece.split_once('=') else {
+            return Err(SpecError::Form { spec: spec(), piece: piece.into(), takes: takes(entry) });
+        };
+        let (name, value) = (name.trim(), value.trim());
+        let Some(parameter) = entry.parameters.iter().find(|parameter| parameter.name == name)
+        else {
+            return Err(SpecError::Parameter {
+                spec: spec(),
+                name: name.into(),
+                takes: takes(entry),
+            });
+        };
+        let Parameter { name, values, .. } = *parameter;
+        if !values.contains(&value) {
+            return Err(SpecError::Value { spec: spec(), name, value: value.into(), values });
+        }
+        if given.insert(name, value).is_some() {
+            return Err(SpecError::Twice { spec: spec(), name });
+        }
+    }
+    let default = |name: &str, value: &str| {
+        entry.parameters.iter().any(|p| p.name == name && p.default() == value)
+    };
+    let params = given
+        .into_iter()
+        .filter(|(name, value)| !default(name, value))
+        .map(|(name, value)| (name.into(), value.into()))
+        .collect();
+    Ok(DetectorSpec { entry, params })
+}
+
+/// The parameters of a detector, for messages.
+fn takes(entry: &Entry) -> String {
+    if entry.parameters.is_empty() {
+        return format!("{} takes no parameters", entry.name);
+    }
+    let parameters: Vec<String> = entry
+        .parameters
+        .iter()
+        .map(|parameter| format!("{}={}", parameter.name, parameter.values.join("|")))
+        .collect();
+    format!("{} takes {}", entry.name, parameters.join(" and "))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_normal_form_is_sorted_without_defaults_and_parses_to_itself() {
+        for (given, normal) in [
+            ("nbs", "nbs"),
+            ("nbs:", "nbs"),
+            (" streamed-nbs : level = avx2 ", "streamed-nbs:level=avx2"),
+            ("streamed-nbs:level=best,form=auto", "streamed-nbs"),
+            ("streamed-nbs:level=portable,form=dense", "streamed-nbs:form=dense,level=portable"),
+        ] {
+            let spec = parse(given).unwrap();
+            assert_eq!(spec.to_string(), normal);
+            assert_eq!(parse(normal).unwrap(), spec);
+        }
+        for entry in table::TABLE {
+            assert_eq!(parse(entry.name).unwrap(), DetectorSpec::from(entry));
+        }
+    }
+
+    #[test]
+    fn what_is_wrong_is_said_with_what_is_allowed() {
+        for (given, parts) in [
+            ("nsb", &["no detector 'nsb'", "streamed-nbs", "direct"][..]),
+            ("", &["no detector ''", "direct"]),
+            ("nbs:level=avx2", &["no parameter 'level'", "nbs takes no parameters"]),
+            ("streamed-nbs:avx2", &["'avx2' is not of the form", "level=best|portable|avx2"]),
+            ("streamed-nbs:lvl=avx2", &["no parameter 'lvl'", "form=auto|dense|sparse"]),
+            ("streamed-nbs:level=sse2", &["level cannot be 'sse2'", "best, portable, avx2"]),
+            ("streamed-nbs:level=avx2,level=best", &["level is given twice"]),
+        ] {
+            let error = parse(given).unwrap_err().to_string();
+            assert!(parts.iter().all(|part| error.contains(part)), "{given}: {error}");
+        }
+    }
+}

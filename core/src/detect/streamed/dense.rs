@@ -1,0 +1,148 @@
+//! The dense form, for most scenes: bundles of layers with an array over their cells, two at a time
+//! per thread.
+
+use std::ops::Range;
+
+use super::kernel::{Bounds, Sweep};
+use super::lists::{Lists, Size};
+use super::pair_sink::{Deliver, PairSink};
+use super::plan::Plan;
+use super::ranges::ByCells;
+use super::slab::Slab;
+use super::{NAME, Run, Worker};
+use crate::detect::{Refusal, within};
+use crate::parallel::{self, share};
+use crate::probe::{Op, Probe, Silent};
+use crate::sink::Sink;
+use crate::wide::Level;
+
+/// Puts a range of the elements on lists.
+type Fill<'a, R, const D: usize> = &'a (dyn Fn(&mut Lists<D, R>, Range<usize>, &Plan) + Sync);
+
+impl<P: Probe, const D: usize> Run<'_, P, D> {
+    /// Finds the contacts.
+    pub fn dense<S: Sink, R: Size, const EACH: bool>(
+        &mut self,
+        lists: &mut Vec<Lists<D, R>>,
+        fill: Fill<'_, R, D>,
+        probe: &mut P,
+        sink: &mut S,
+    ) -> Result<(), Refusal> {
+        const { assert!(R::EACH == EACH) };
+        let (n, threads) = (self.n, self.threads);
+        let plan = Plan::new(&self.grid, n);
+        let shape = || format!("{n} elements, {} cells in a bundle of layers", plan.cells());
+        let records: u64 = (0..threads)
+            .map(|k| Lists::<D, R>::bytes(share(n, threads, k).len(), plan.slabs))
+            .sum();
+        let of_threads = threads * (size_of::<Worker<D>>() + size_of::<Lists<D, R>>());
+        let needed = |most: usize| {
+            records
+                + 2 * threads as u64 * Slab::<D>::bytes(most, plan.cells(), EACH)
+                + of_threads as u64
+        };
+        // Bundles are about equal in most scenes; how long the longest is will be known when the
+        // lists are.
+        within(self.options, NAME, needed(n.div_ceil(plan.slabs)), shape)?;
+        grow(lists, threads);
+        grow(self.workers, threads);
+        let (lists, workers) = (&mut lists[..threads], &mut self.workers[..threads]);
+        parallel::for_each(lists, |k, lists| fill(lists, share(n, threads, k), &plan));
+        probe.add(Op::Integerise, (D * n) as u64);
+        probe.add(Op::ListPush, n as u64);
+        let lists = &*lists;
+        let length = |slab: usize| lists.iter().map(|lists| lists.len(slab)).sum::<usize>();
+        let most = (0..plan.slabs).map(length).max().unwrap_or(0);
+        *self.formula = needed(most);
+        within(self.options, NAME, *self.formula, shape)?;
+        for slab in workers.iter_mut().flat_map(|worker| &mut worker.slabs) {
+            slab.prepare(most, plan.cells(), EACH);
+        }
+        let bundles = Bundles { lists, plan, bounds: self.bounds, level: self.level };
+        if let [worker] = workers {
+            let mut deliver = Deliver::new(self.touch, probe, sink);
+            bundles.sweep::<EACH>(worker, 0..plan.slabs, &mut deliver);
+            deliver.finish();
+            return Ok(());
+        }
+        // Shares of about equal numbers of elements, one per thread.
+        let (mut shares, mut before, mut from) = (Vec::new(), 0, 0);
+        for slab in 0..plan.slabs {
+            before += length(slab);
+            if before * threads >= n * (shares.len() + 1) && shares.len() + 1 < threads {
+                shares.push(from..slab + 1);
+                from = slab + 1;
+            }
+        }
+        shares.push(from..plan.slabs);
+        let touch = self.touch_silent;
+        parallel::for_each(workers, |k, worker| {
+            worker.pairs.clear();
+            // There may be fewer shares than workers.
+            let Some(share) = shares.get(k) else { return };
+            // Out of the worker while it works, so that both can be changed.
+            let mut pairs = std::mem::take(&mut worker.pairs);
+            let mut probe = Silent;
+            let mut deliver = Deliver::new(touch, &mut probe, &mut pairs);
+            bundles.sweep::<EACH>(worker, share.clone(), &mut deliver);
+            worker.pairs = pairs;
+        });
+        sink.gather(&workers.iter().map(|worker| &worker.pairs[..]).collect::<Vec<_>>());
+        Ok(())
+    }
+}
+
+/// All bundles of layers of a scene.
+struct Bundles<'a, R, const D: usize> {
+    lists: &'a [Lists<D, R>],
+    plan: Plan,
+    bounds: Bounds,
+    level: Level,
+}
+
+impl<R: Size, const D: usize> Bundles<'_, R, D> {
+    /// Sweeps a range of bundles, each against itself and the first layer of the next.
+    fn sweep<const EACH: bool>(
+        &self,
+        worker: &mut Worker<D>,
+        range: Range<usize>,
+        sink: &mut dyn PairSink,
+    ) {
+        let Worker { slabs: [slab, next], scratch, .. } = worker;
+        let (plan, bounds) = (&self.plan, self.bounds);
+        if range.is_empty() {
+            return;
+        }
+        slab.fill(self.lists, Some(range.start), plan, sink);
+        for number in range {
+            next.fill(self.lists, Some(number + 1).filter(|&next| next < plan.slabs), plan, sink);
+            // The next layer is in the same bundle for all layers but the last.
+            let last = ((1 << plan.layers) - 1) * plan.layer;
+            let border = slab.begin[last] as usize;
+            let mut sweep = |places: Range<usize>, next: &Slab<D>, to_next: isize| {
+                let find = ByCells::new(plan, slab, next, to_next);
+                Sweep::<_, D, EACH> {
+                    slab,
+                    next,
+                    places,
+                    find,
+                    bounds,
+                    scratch: &mut *scratch,
+                    sink: &mut *sink,
+                }
+                .on(self.level);
+            };
+            sweep(0..border, slab, plan.layer as isize);
+            sweep(border..slab.len, next, -(last as isize));
+            std::mem::swap(slab, next);
+        }
+    }
+}
+
+/// At least `count` of them.
+fn grow<A: Default>(array: &mut Vec<A>, count: usize) {
+    if count > array.len() {
+        array.reserve_exact(count - array.len());
+        array.resize_with(count, A::default);
+    }
+}

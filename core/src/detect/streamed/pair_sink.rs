@@ -1,0 +1,60 @@
+//! Where the kernel's pairs go: those that surely touch to the sink, the others to the contact
+//! test.
+
+use crate::detect::modern::copies::Touch;
+use crate::probe::{Op, Probe};
+use crate::sink::Sink;
+
+/// Takes the pairs that a kernel finds, and counts for it.
+pub(super) trait PairSink {
+    /// Pairs that touch.
+    fn sure(&mut self, pairs: &[[u32; 2]]);
+    /// A pair that only the contact test can decide.
+    fn unsure(&mut self, i: u32, j: u32);
+    /// Whether operations are to be counted.
+    fn counts(&self) -> bool;
+    /// `n` operations; contact tests before those of them that are unsure are made.
+    fn count(&mut self, op: Op, n: u64);
+}
+
+/// Hands pairs on to a sink, operations to a probe.
+pub(super) struct Deliver<'a, P, S> {
+    touch: Touch<'a, P>,
+    probe: &'a mut P,
+    sink: &'a mut S,
+    /// Contact tests that the kernel has counted, and those that `touch` counts, too.
+    tests: u64,
+    unsure: u64,
+}
+
+impl<'a, P: Probe, S: Sink> Deliver<'a, P, S> {
+    pub fn new(touch: Touch<'a, P>, probe: &'a mut P, sink: &'a mut S) -> Self {
+        Deliver { touch, probe, sink, tests: 0, unsure: 0 }
+    }
+
+    /// Reports the contact tests, each once.
+    pub fn finish(self) {
+        self.probe.add(Op::ContactTest, self.tests.saturating_sub(self.unsure));
+    }
+}
+
+impl<P: Probe, S: Sink> PairSink for Deliver<'_, P, S> {
+    fn sure(&mut self, pairs: &[[u32; 2]]) {
+        self.sink.contacts(pairs);
+    }
+
+    fn unsure(&mut self, i: u32, j: u32) {
+        self.unsure += 1;
+        if (self.touch)(i, j, self.probe) {
+            self.sink.contact(i, j);
+        }
+    }
+
+    fn counts(&self) -> bool {
+        !P::SILENT
+    }
+
+    fn count(&mut self, op: Op, n: u64) {
+        if op == Op::ContactTest { self.tests += n } else { self.probe.add(op, n) }
+    }
+}

@@ -1,0 +1,57 @@
+//! How many layers are in a bundle, and how cells are numbered in its slab.
+
+use super::grid::Grid;
+
+/// How cells are numbered in a slab: cells of a row side by side, rows of a layer one after the
+/// other, layers likewise.
+///
+/// ```text
+///   3D, a layer of 3 x 2 cells:    b b b b      b: borders, always empty;
+///                                  b o o o      a row ends where the border of the next begins
+///                                  b o o o
+///                                  b b b b b
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Plan {
+    /// Bits of the fraction of a coordinate.
+    pub bits: u32,
+    /// From a cell to the one in the next row.
+    pub row: usize,
+    /// From a cell to the one in the next layer.
+    pub layer: usize,
+    /// Log2 of the layers in a slab.
+    pub layers: u32,
+    /// Slabs.
+    pub slabs: usize,
+}
+
+/// Elements of a slab, in the mean and at the most, for which the arrays fit the caches.
+const ELEMENTS: usize = 4096;
+
+impl Plan {
+    /// Cells of a slab, borders included.
+    pub fn cells(&self) -> usize {
+        (self.layer << self.layers) + 1
+    }
+
+    /// For the cells of a grid and `n` elements.
+    pub fn new<const D: usize>(grid: &Grid<D>, n: usize) -> Plan {
+        let count = grid.count.map(|count| count as usize);
+        let row = count[0] + 1;
+        let layer = if D == 2 { row } else { row * (count[1] + 2) };
+        let all = count[D - 1];
+        let layers = (all * ELEMENTS / n.max(1)).clamp(1, all.next_power_of_two()).ilog2();
+        // The layer in its bundle must be known from the 32 bits of a coordinate.
+        let layers = layers.min(32 - grid.bits);
+        Plan { bits: grid.bits, row, layer, layers, slabs: all.div_ceil(1 << layers) }
+    }
+
+    /// The number of the cell of an element, from the lowest 32 bits of its coordinates.
+    #[inline(always)]
+    pub fn cell<const D: usize>(&self, at: [u32; D]) -> usize {
+        let x = (at[0] >> self.bits) as usize + 1;
+        let layer = (at[D - 1] >> self.bits) as usize & ((1 << self.layers) - 1);
+        let row = if D == 2 { 0 } else { ((at[1] >> self.bits) as usize + 1) * self.row };
+        layer * self.layer + row + x
+    }
+}

@@ -1,0 +1,291 @@
+//! The sparse form, for scenes whose elements crowd in a small part of a large domain: the elements
+//! sorted by layer, row and cell, with no array over cells.
+//!
+//! Elements are sorted once. Then each layer is swept against itself and the next one as in the
+//! form by cells, but the ranges of an occupied cell are found by cursors that go through the
+//! sorted layers side by side with it: ranges begin no earlier for a later cell, so all cursors
+//! together pass over a layer a few times. One thread does all. Cost: N log N for the sort, N for
+//! the rest, whatever the number of cells.
+
+use super::grid::{Grid, SPARSE_FRACTION as FRACTION};
+use super::kernel::{Bounds, Scratch, Sweep};
+use super::lists::{Size, at_least};
+use super::pair_sink::{Deliver, PairSink};
+use super::ranges::{Find, Ranges};
+use super::slab::Slab;
+use super::{NAME, Run};
+use crate::contact::Bodies;
+use crate::detect::{Refusal, within};
+use crate::probe::{Op, Probe};
+use crate::scene::Real;
+use crate::sink::Sink;
+use crate::wide::Level;
+
+/// Steps after which x begins again in a slab: 256 cells, and no float is rounded.
+const STEPS: u64 = 1 << 24;
+/// As the kernel has it.
+pub(super) const TURN: Option<f32> = Some(STEPS as f32);
+
+/// An element and where it is.
+#[derive(Clone, Copy)]
+struct Place<R> {
+    /// Number of the layer, then that of the row.
+    row: u64,
+    /// In steps.
+    x: u64,
+    /// Of the coordinates across rows and layers.
+    fractions: [u16; 2],
+    id: u32,
+    radius: R,
+}
+
+/// A layer: its elements as in any slab, and the key of the cell of each.
+struct Layer<const D: usize> {
+    slab: Slab<D>,
+    keys: Vec<u64>,
+}
+
+/// Buffers.
+pub(super) struct Sparse<const D: usize, R> {
+    places: Vec<Place<R>>,
+    layers: [Layer<D>; 2],
+    ranges: Vec<Ranges>,
+    scratch: Scratch,
+}
+
+impl<const D: usize, R> Default for Sparse<D, R> {
+    fn default() -> Self {
+        let layer = || Layer { slab: Slab::default(), keys: Vec::new() };
+        Sparse {
+            places: Vec::new(),
+            layers: [layer(), layer()],
+            ranges: Vec::new(),
+            scratch: Scratch::default(),
+        }
+    }
+}
+
+/// The ranges of the cell of each element.
+#[derive(Clone, Copy)]
+struct Listed<'a> {
+    cells: &'a [u32],
+    ranges: &'a [Ranges],
+}
+
+impl Find for Listed<'_> {
+    const TURN: Option<f32> = TURN;
+
+    #[inline(always)]
+    fn ranges<const D: usize>(&self, at: usize) -> Ranges {
+        let mut ranges = self.ranges[self.cells[at] as usize];
+        // The first reaches from after the element to where it ends for the cell.
+        let own = at as u32 + 1;
+        ranges[0] = (own, ranges[0].1 - own);
+        ranges
+    }
+}
+
+impl<P: Probe, const D: usize> Run<'_, P, D> {
+    /// Finds the contacts; `fill` copies the elements.
+    pub fn sparse<S: Sink, R: Size, const EACH: bool>(
+        &mut self,
+        sparse: &mut Sparse<D, R>,
+        fill: &dyn Fn(&mut Sparse<D, R>),
+        probe: &mut P,
+        sink: &mut S,
+    ) -> Result<(), Refusal> {
+        const { assert!(R::EACH == EACH) };
+        let n = self.n;
+        let shape = || format!("{n} elements, by occupied cells");
+        let places = Sparse::<D, R>::bytes(n);
+        within(self.options, NAME, places, shape)?;
+        fill(sparse);
+        let most = sparse.sort(probe);
+        *self.formula = places + Sparse::<D, R>::bytes_of_layers(most);
+        within(self.options, NAME, *self.formula, shape)?;
+        let mut deliver = Deliver::new(self.touch, probe, sink);
+        sparse.sweep::<EACH>(self.level, self.bounds, most, &mut deliver);
+        deliver.finish();
+        Ok(())
+    }
+}
+
+impl<const D: usize, R: Size> Sparse<D, R> {
+    /// Heap needed for `n` elements before they are sorted.
+    pub fn bytes(n: usize) -> u64 {
+        (n * size_of::<Place<R>>()) as u64
+    }
+
+    /// Heap needed beside that for layers of at most so many elements.
+    pub fn bytes_of_layers(most: usize) -> u64 {
+        2 * (Slab::<D>::bytes(most, 0, R::EACH) + 8 * most as u64)
+            + (size_of::<Ranges>() * most) as u64
+    }
+
+    /// Copies all elements.
+    pub fn fill<T: Real>(&mut self, bodies: &impl Bodies<T, D>, grid: &Grid<D>) {
+        let n = bodies.len();
+        self.places.clear();
+        if n > self.places.capacity() {
+            self.places = Vec::new();
+            self.places.reserve_exact(n);
+        }
+        let fraction = |q: u64| (q & ((1 << FRACTION) - 1)) as u16;
+        self.places.extend((0..n as u32).map(|id| {
+            let steps = grid.steps(bodies.position(id));
+            let (layer, row) = (steps[D - 1], if D == 2 { 0 } else { steps[1] });
+            let radius =
+                if R::EACH { R::new(grid.length(bodies.radius(id)) as f32) } else { R::default() };
+            let cells = layer >> FRACTION << 32 | row >> FRACTION;
+            Place {
+                row: cells,
+                x: steps[0],
+                fractions: [fraction(row), fraction(layer)],
+                id,
+                radius,
+            }
+        }));
+    }
+
+    /// Puts all elements in order; gives the number of elements in the fullest layer.
+    pub fn sort(&mut self, probe: &mut impl Probe) -> usize {
+        let n = self.places.len();
+        probe.add(Op::Integerise, (D * n) as u64);
+        probe.add(Op::Move, n as u64);
+        sort(&mut self.places, probe);
+        layers(&self.places).map(<[_]>::len).max().unwrap_or(0)
+    }
+
+    /// Sweeps the sorted elements, in layers of at most `most`.
+    pub fn sweep<const EACH: bool>(
+        &mut self,
+        level: Level,
+        bounds: Bounds,
+        most: usize,
+        sink: &mut dyn PairSink,
+    ) {
+        let [this, next] = &mut self.layers;
+        for layer in [&mut *this, &mut *next] {
+            layer.slab.prepare(most, 0, EACH);
+            at_least(&mut layer.keys, most, 0);
+        }
+        if most > self.ranges.capacity() {
+            self.ranges = Vec::new();
+            self.ranges.reserve_exact(most);
+        }
+        let mut layers = layers(&self.places).peekable();
+        let mut filled = None;
+        while let Some(places) = layers.next() {
+            let number = layer_of(&places[0]);
+            if filled != Some(number) {
+                fill(this, places, sink);
+            }
+            let beside = layers.peek().filter(|places| layer_of(&places[0]) == number + 1);
+            fill(next, beside.copied().unwrap_or_default(), sink);
+            filled = Some(number + 1);
+            find(this, next, &mut self.ranges, sink);
+            let (slab, next_slab) = (&this.slab, &next.slab);
+            let find = Listed { cells: &slab.cells, ranges: &self.ranges };
+            Sweep::<_, D, EACH> {
+                slab,
+                next: next_slab,
+                places: 0..slab.len,
+                find,
+                bounds,
+                scratch: &mut self.scratch,
+                sink: &mut *sink,
+            }
+            .on(level);
+            std::mem::swap(this, next);
+        }
+    }
+}
+
+/// A function of its own, compiled once for both dimensions.
+fn sort<R>(places: &mut [Place<R>], probe: &mut impl Probe) {
+    places.sort_unstable_by(|a, b| {
+        probe.count(Op::KeyCompare);
+        (a.row, a.x).cmp(&(b.row, b.x))
+    });
+}
+
+/// The elements of each layer that has any.
+fn layers<R>(places: &[Place<R>]) -> impl Iterator<Item = &[Place<R>]> {
+    places.chunk_by(|a, b| layer_of(a) == layer_of(b))
+}
+
+fn layer_of<R>(place: &Place<R>) -> u64 {
+    place.row >> 32
+}
+
+/// Makes a layer hold these elements, in their order.
+fn fill<const D: usize, R: Size>(
+    layer: &mut Layer<D>,
+    places: &[Place<R>],
+    sink: &mut dyn PairSink,
+) {
+    sink.count(Op::Move, places.len() as u64);
+    layer.slab.len = places.len();
+    let (mut cell, mut last) = (0, None);
+    for (at, place) in places.iter().enumerate() {
+        // Cells count from 1: one less is a number, too.
+        let key = ((place.row & u64::from(u32::MAX)) + 1) << 32 | ((place.x >> FRACTION) + 1);
+        cell += u32::from(last.is_some_and(|last| last != key));
+        last = Some(key);
+        layer.keys[at] = key;
+        let slab = &mut layer.slab;
+        slab.lanes[0][at] = (place.x % STEPS) as f32;
+        for k in 1..D {
+            slab.lanes[k][at] = f32::from(place.fractions[if k == D - 1 { 1 } else { 0 }]);
+        }
+        if R::EACH {
+            slab.radii[at] = place.radius.get();
+        }
+        slab.ids[at] = place.id;
+        slab.cells[at] = cell;
+    }
+}
+
+/// Finds the ranges of every occupied cell of `layer`.
+fn find<const D: usize>(
+    layer: &Layer<D>,
+    next: &Layer<D>,
+    ranges: &mut Vec<Ranges>,
+    sink: &mut dyn PairSink,
+) {
+    const ROW: u64 = 1 << 32;
+    let (own, next) = (&layer.keys[..layer.slab.len], &next.keys[..next.slab.len]);
+    let (mut cursors, mut compared) = ([[0usize; 2]; 5], 0);
+    let mut to = |keys: &[u64], cursor: &mut usize, key: u64| {
+        let from = *cursor;
+        while *cursor < keys.len() && keys[*cursor] < key {
+            *cursor += 1;
+        }
+        compared += (*cursor - from) as u64 + 1;
+    };
+    ranges.clear();
+    let mut last = None;
+    for &key in own {
+        if last == Some(key) {
+            continue;
+        }
+        last = Some(key);
+        // The first range ends after the next cell of the row; the others are three cells.
+        to(own, &mut cursors[0][1], key + 2);
+        let others: &[(&[u64], u64)] = if D == 2 {
+            &[(next, key)]
+        } else {
+            &[(own, key + ROW), (next, key - ROW), (next, key), (next, key + ROW)]
+        };
+        let mut all = [(0, cursors[0][1] as u32), (0, 0), (0, 0), (0, 0), (0, 0)];
+        for (r, &(keys, middle)) in others.iter().enumerate() {
+            let [begin, end] = &mut cursors[r + 1];
+            to(keys, begin, middle - 1);
+            *end = (*end).max(*begin);
+            to(keys, end, middle + 2);
+            all[r + 1] = (*begin as u32, (*end - *begin) as u32);
+        }
+        ranges.push(all);
+    }
+    sink.count(Op::KeyCompare, compared);
+}

@@ -1,0 +1,354 @@
+//! The truth about a scene, for a given arithmetic.
+//!
+//! * Up to [`BRUTE_FORCE`] particles: every pair is tested.
+//! * Above: two different detectors must give the same set of pairs, and for 1,000 random particles
+//!   every other particle is tested. Where fewer than two detectors take the scene, every pair is
+//!   tested after all.
+//!
+//! The tests compare the contact test itself with arbitrary-precision arithmetic.
+
+use rand::SeedableRng;
+use rand::seq::index;
+use rand_chacha::ChaCha8Rng;
+use serde::{Deserialize, Serialize};
+
+use crate::contact::depth::depth;
+use crate::contact::{Arithmetic, Bodies, Test, WithBodies, with_stored};
+use crate::detect::Options;
+use crate::detect::table::{self, Role};
+use crate::parallel;
+use crate::probe::Silent;
+use crate::refusal::Refusal;
+use crate::scene::{AnyScene, Real, array};
+use crate::sink::{Digest, normalise};
+use crate::with_scene;
+
+/// How a set of pairs differs from another that is taken for true.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Errors {
+    /// Touching pairs not reported.
+    pub missed: u64,
+    /// Reported pairs, of two particles, that do not touch.
+    pub spurious: u64,
+    /// Pairs reported again.
+    pub duplicate: u64,
+    /// Particles reported as touching themselves.
+    #[serde(default)]
+    pub self_pairs: u64,
+    /// Of the pairs missed, the largest overlap, in mean radii of the couple; 0 where all missed
+    /// pairs are exactly tangent.
+    #[serde(default)]
+    pub deepest_miss: f64,
+    /// Of the spurious pairs, the widest gap, in mean radii of the couple.
+    #[serde(default)]
+    pub widest_false: f64,
+}
+
+impl std::fmt::Display for Errors {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(
+            f,
+            "{} missed, {} spurious, {} duplicate",
+            self.missed, self.spurious, self.duplicate
+        )?;
+        if self.self_pairs > 0 {
+            write!(f, ", {} with itself", self.self_pairs)?;
+        }
+        if self.deepest_miss > 0.0 {
+            write!(f, ", deepest miss {:.1e} r", self.deepest_miss)?;
+        }
+        if self.widest_false > 0.0 {
+            write!(f, ", widest gap {:.1e} r", self.widest_false)?;
+        }
+        Ok(())
+    }
+}
+
+impl Errors {
+    /// Pairs that are there and should not be, or should be and are not.
+    pub fn wrong(&self) -> u64 {
+        self.missed + self.spurious + self.duplicate + self.self_pairs
+    }
+}
+
+/// The three causes of error (representation, predicate, search), each against the step before it.
+/// The fields bear the names of older records.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Causes {
+    /// Representation: exact decisions on the scene as stored, against exact decisions on the
+    /// scene as given.
+    pub input: Errors,
+    /// Predicate: the arithmetic's own contact test on all pairs, against exact decisions, both on
+    /// the scene as stored.
+    pub arithmetic: Errors,
+    /// Search: the detector's pairs, against the arithmetic's own contact test on all pairs.
+    pub algorithm: Errors,
+    /// Predicate and search together, which may cancel: the detector's pairs, against exact
+    /// decisions on the scene as stored.
+    pub stored: Errors,
+}
+
+/// Up to this number of particles every pair is tested.
+pub const BRUTE_FORCE: usize = 20_000;
+/// Above it, this many random particles are tested against all others.
+pub const SAMPLE: usize = 1_000;
+
+/// The set of touching pairs.
+pub struct Truth {
+    /// Each pair once, the smaller index first, in ascending order.
+    pub pairs: Vec<[u32; 2]>,
+    /// Their fingerprint.
+    pub digest: Digest,
+}
+
+/// Where fewer than two detectors take a scene, up to this number of particles every pair is
+/// tested.
+pub const LARGEST_BRUTE_FORCE: usize = 200_000;
+
+/// Why there is no truth.
+#[derive(Debug, thiserror::Error)]
+pub enum NoTruth {
+    /// The arithmetic cannot hold the scene.
+    #[error(transparent)]
+    Refused(#[from] Refusal),
+    /// The scene cannot be stored in the arithmetic's precision.
+    #[error("as stored: {0}")]
+    Stored(#[from] crate::scene::SceneError),
+    /// Nothing to hold an answer to.
+    #[error(
+        "fewer than two detectors take this scene, and {n} particles are too many to test all \
+         pairs (at most {LARGEST_BRUTE_FORCE})"
+    )]
+    TooLarge {
+        /// Particles.
+        n: usize,
+    },
+    /// A defect of this program, never to be ignored.
+    #[error(
+        "{first} and {second} disagree on this scene ({a} and {b} contacts): one of them is wrong"
+    )]
+    Disagree {
+        /// One detector.
+        first: &'static str,
+        /// The other.
+        second: &'static str,
+        /// Contacts of the one.
+        a: usize,
+        /// Contacts of the other.
+        b: usize,
+    },
+    /// A defect of this program, never to be ignored.
+    #[error(
+        "two detectors agree, but testing particle {element} against all others gives other \
+         contacts than theirs"
+    )]
+    Sample {
+        /// Its index.
+        element: u32,
+    },
+}
+
+/// The truth about `scene` in `arithmetic` (which may round the scene to f32 first): what all pairs
+/// tested give.
+pub fn truth(scene: &AnyScene<'_>, arithmetic: Arithmetic) -> Result<Truth, NoTruth> {
+    truth_as_stored(&scene.stored(arithmetic)?, arithmetic.test())
+}
+
+/// The truth about a scene as it is stored, in a contact test.
+pub fn truth_as_stored(scene: &AnyScene<'_>, test: Test) -> Result<Truth, NoTruth> {
+    let test = test.safe();
+    if test == Test::Exact && !scene.is_f64() {
+        return truth_as_stored(&scene.stored(Arithmetic::F64)?, test);
+    }
+    let pairs =
+        if scene.len() <= BRUTE_FORCE { brute_force(scene, test)? } else { agreed(scene, test)? };
+    let digest = Digest::of(&pairs);
+    Ok(Truth { pairs, digest })
+}
+
+fn brute_force(scene: &AnyScene<'_>, test: Test) -> Result<Vec<[u32; 2]>, Refusal> {
+    rows(scene, test, Rows { elements: None })
+}
+
+fn rows(scene: &AnyScene<'_>, test: Test, rows: Rows) -> Result<Vec<[u32; 2]>, Refusal> {
+    match scene {
+        AnyScene::Plane(scene) => with_stored(scene, test, rows),
+        AnyScene::Space(scene) => with_stored(scene, test, rows),
+    }
+}
+
+fn agreed(scene: &AnyScene<'_>, test: Test) -> Result<Vec<[u32; 2]>, NoTruth> {
+    let mut first: Option<(&'static str, Vec<[u32; 2]>)> = None;
+    for name in ["nbs", "sorting", "binary-tree", "screening"] {
+        let Some(entry) = table::find(name).filter(|entry| entry.role == Role::Detector) else {
+            continue;
+        };
+        let mut pairs = Vec::new();
+        if entry.make(Options::default()).list(scene, test, &mut pairs).is_err() {
+            continue;
+        }
+        normalise(&mut pairs);
+        let Some((earlier, agreed)) = &first else {
+            first = Some((entry.name, pairs));
+            continue;
+        };
+        if *agreed != pairs {
+            return Err(NoTruth::Disagree {
+                first: earlier,
+                second: entry.name,
+                a: agreed.len(),
+                b: pairs.len(),
+            });
+        }
+        check_sample(scene, test, &pairs)?;
+        return Ok(pairs);
+    }
+    if scene.len() > LARGEST_BRUTE_FORCE {
+        return Err(NoTruth::TooLarge { n: scene.len() });
+    }
+    Ok(brute_force(scene, test)?)
+}
+
+/// Tests random particles against all others.
+fn check_sample(scene: &AnyScene<'_>, test: Test, pairs: &[[u32; 2]]) -> Result<(), NoTruth> {
+    let mut random = ChaCha8Rng::seed_from_u64(scene.len() as u64);
+    let mut elements: Vec<u32> = index::sample(&mut random, scene.len(), SAMPLE.min(scene.len()))
+        .into_iter()
+        .map(|k| k as u32)
+        .collect();
+    elements.sort_unstable();
+    let mut chosen = vec![false; scene.len()];
+    elements.iter().for_each(|&k| chosen[k as usize] = true);
+    let theirs: Vec<[u32; 2]> =
+        pairs.iter().copied().filter(|[i, j]| chosen[*i as usize] || chosen[*j as usize]).collect();
+    let mut ours = rows(scene, test, Rows { elements: Some(elements) })?;
+    ours.dedup(); // pairs of two chosen particles were tested from both sides
+    if ours == theirs {
+        return Ok(());
+    }
+    let differs = ours
+        .iter()
+        .zip(&theirs)
+        .find(|(a, b)| a != b)
+        .map_or_else(|| ours.last().or(theirs.last()), |(a, _)| Some(a));
+    Err(NoTruth::Sample {
+        element: differs.map_or(0, |[i, j]| if chosen[*i as usize] { *i } else { *j }),
+    })
+}
+
+/// Tests all pairs, or the given particles against all others; pairs in ascending order (twice
+/// where both particles are given).
+struct Rows {
+    elements: Option<Vec<u32>>,
+}
+
+impl<T: Real, const D: usize> WithBodies<T, D> for Rows {
+    type Output = Result<Vec<[u32; 2]>, Refusal>;
+    fn call<B: Bodies<T, D>>(self, bodies: B) -> Self::Output {
+        let n = bodies.len() as u32;
+        let others = |i: u32, from: u32| {
+            (from..n)
+                .filter(move |&j| j != i && bodies.touch(i, j, &mut Silent))
+                .map(move |j| [i, j])
+        };
+        let rows = self.elements.as_ref().map_or(n as usize, Vec::len);
+        let found = parallel::contacts(rows, rayon::current_num_threads(), &|rows, pairs| {
+            for row in rows {
+                match &self.elements {
+                    None => pairs.extend(others(row as u32, row as u32 + 1)),
+                    Some(elements) => pairs.extend(others(elements[row], 0)),
+                }
+            }
+        });
+        let mut pairs = found.concat();
+        normalise(&mut pairs);
+        Ok(pairs)
+    }
+}
+
+/// What a detector's pairs, in any order, miss and add; `truth` is in ascending order, depths are
+/// those of `scene`.
+pub fn compare(reported: &[[u32; 2]], truth: &[[u32; 2]], scene: &AnyScene<'_>) -> Errors {
+    let mut reported = reported.to_vec();
+    normalise(&mut reported);
+    let all = reported.len();
+    reported.dedup();
+    let mut errors = Errors { duplicate: (all - reported.len()) as u64, ..Errors::default() };
+    let mut miss = |pair: [u32; 2]| {
+        errors.missed += 1;
+        errors.deepest_miss = errors.deepest_miss.max(depth_of(scene, pair));
+    };
+    let mut truth = truth.iter().copied().peekable();
+    for pair in reported {
+        while let Some(missed) = truth.next_if(|&t| t < pair) {
+            miss(missed);
+        }
+        if truth.next_if_eq(&pair).is_some() {
+        } else if pair[0] == pair[1] {
+            errors.self_pairs += 1;
+        } else {
+            errors.spurious += 1;
+            errors.widest_false = errors.widest_false.max(-depth_of(scene, pair));
+        }
+    }
+    truth.for_each(miss);
+    errors
+}
+
+/// See [`depth`]; infinity, which a record cannot hold, becomes the largest double. 0 for particles
+/// that the scene does not have.
+fn depth_of(scene: &AnyScene<'_>, [i, j]: [u32; 2]) -> f64 {
+    let (i, j) = (i as usize, j as usize);
+    with_scene!(scene, scene => {
+        let centres = scene.centres();
+        let (Some(a), Some(b)) = (centres.get(i), centres.get(j)) else { return 0.0 };
+        let (a, b) = (array(a).map(Real::wide), array(b).map(Real::wide));
+        depth(&a, &b, scene.radius(i).wide(), scene.radius(j).wide()).clamp(-f64::MAX, f64::MAX)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{Radii, Scene};
+
+    #[test]
+    fn errors_are_counted_apart() {
+        // Unit discs in a row, the centres 0, 1.5, 2, ... 6.5 apart from the first.
+        let centres = [0.0, 1.5, 2.0, 3.5, 4.0, 5.5, 6.5].map(|x| nalgebra::Point::from([x, 0.0]));
+        let scene: AnyScene<'_> = Scene::new(centres.to_vec(), Radii::Uniform(1.0)).unwrap().into();
+        let truth = truth(&scene, Arithmetic::Exact).unwrap().pairs;
+        assert_eq!(
+            truth,
+            [[0, 1], [0, 2], [1, 2], [1, 3], [2, 3], [2, 4], [3, 4], [3, 5], [4, 5], [5, 6]]
+        );
+        assert_eq!(compare(&truth, &truth, &scene), Errors::default());
+        let reported = [
+            [2, 0],
+            [0, 2],
+            [2, 1],
+            [3, 1],
+            [3, 2],
+            [4, 2],
+            [4, 3],
+            [6, 4],
+            [4, 5],
+            [0, 0],
+            [6, 3],
+            [6, 5],
+        ];
+        let errors = Errors {
+            missed: 2,
+            spurious: 2,
+            duplicate: 1,
+            self_pairs: 1,
+            deepest_miss: 0.5,
+            widest_false: 1.0,
+        };
+        assert_eq!(compare(&reported, &truth, &scene), errors);
+        // Tangent pairs are missed at depth 0.
+        let without: Vec<[u32; 2]> =
+            truth.iter().copied().filter(|&pair| pair != [0, 2] && pair != [2, 4]).collect();
+        assert_eq!(compare(&without, &truth, &scene), Errors { missed: 2, ..Errors::default() });
+    }
+}

@@ -1,0 +1,99 @@
+//! Shares of work for several threads.
+//!
+//! Everything goes through one function that is not generic, so that rayon's pipeline is compiled
+//! once and not for every detector and kind of bodies. A call through a reference is paid once per
+//! share, never per particle.
+
+use std::ops::Range;
+use std::sync::{Mutex, PoisonError};
+
+use rayon::prelude::*;
+
+/// Contacts in the order in which they were found.
+type Pairs = Vec<[u32; 2]>;
+
+/// Shares for each thread where shares may differ in cost: few enough to cost nothing themselves.
+const SHARES_PER_THREAD: usize = 16;
+
+/// Share `k` of `count` things, in `shares` shares of about equal size.
+pub fn share(count: usize, shares: usize, k: usize) -> Range<usize> {
+    k * count / shares..(k + 1) * count / shares
+}
+
+/// Calls `work` with every item and its place, side by side on rayon's threads; on this thread if
+/// there is one item.
+pub fn for_each<A: Send>(items: &mut [A], work: impl Fn(usize, &mut A) + Sync) {
+    if let [item] = items {
+        return work(0, item);
+    }
+    // Locks that nobody waits for: each is taken once.
+    let items: Vec<Mutex<&mut A>> = items.iter_mut().map(Mutex::new).collect();
+    run(items.len(), &|k| work(k, &mut items[k].lock().unwrap_or_else(PoisonError::into_inner)));
+}
+
+fn run(shares: usize, work: &(dyn Fn(usize) + Sync)) {
+    (0..shares).into_par_iter().with_max_len(1).for_each(work);
+}
+
+/// The contacts that `work` finds in ranges of `0..count`, in the order of the ranges. With one
+/// thread the range is one.
+pub fn contacts(
+    count: usize,
+    threads: usize,
+    work: &(dyn Fn(Range<usize>, &mut Pairs) + Sync),
+) -> Vec<Pairs> {
+    let shares = if threads > 1 { (SHARES_PER_THREAD * threads).min(count).max(1) } else { 1 };
+    let mut found = vec![Vec::new(); shares];
+    for_each(&mut found, |k, pairs| work(share(count, shares, k), pairs));
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Point;
+
+    use super::*;
+    use crate::contact::Test;
+    use crate::detect::Options;
+    use crate::detect::table::TABLE;
+    use crate::scene::{AnyScene, Radii, Scene};
+    use crate::sink::{normalise, splitmix64};
+
+    #[test]
+    fn every_thing_is_in_one_share_and_results_are_in_order() {
+        for (count, threads) in [(0, 1), (0, 4), (1, 4), (7, 1), (7, 3), (1000, 2), (1001, 5)] {
+            let found = contacts(count, threads, &|range, pairs| {
+                pairs.extend(range.map(|k| [k as u32, 0]));
+            });
+            assert!(threads > 1 || found.len() == 1);
+            let all: Vec<usize> = found.iter().flatten().map(|pair| pair[0] as usize).collect();
+            assert_eq!(all, (0..count).collect::<Vec<_>>(), "{count} by {threads}");
+        }
+        let mut squares = [0; 5];
+        for_each(&mut squares, |k, square| *square = k * k);
+        assert_eq!(squares, [0, 1, 4, 9, 16]);
+    }
+
+    /// From 20,000 particles on `streamed-nbs` uses them, too.
+    #[test]
+    fn several_threads_find_what_one_finds() {
+        for entry in TABLE.iter().filter(|entry| entry.threads) {
+            let n = if entry.name == "direct" { 1500 } else { 21_000 };
+            let centre = |k: u32| {
+                let at = |salt: u64| (splitmix64(u64::from(k) ^ salt << 40) % 2900) as f64 / 20.0;
+                Point::from([at(1), at(2)])
+            };
+            let scene = Scene::new((0..n).map(centre).collect::<Vec<_>>(), Radii::Uniform(0.3));
+            let scene = AnyScene::from(scene.unwrap());
+            let found = [1, 2, 3].map(|threads| {
+                let mut pairs = Vec::new();
+                let options = Options { threads, ..Options::default() };
+                entry.make(options).list(&scene, Test::Exact, &mut pairs).unwrap();
+                normalise(&mut pairs);
+                pairs
+            });
+            assert!(found[0].len() > 10, "{}: {}", entry.name, found[0].len());
+            assert!(found[0] == found[1] && found[0] == found[2], "{}", entry.name);
+        }
+    }
+}

@@ -1,0 +1,324 @@
+//! Cells: all passes and blocks of one measurement, with the variables that expressions and filters
+//! see.
+
+pub mod errors;
+pub mod expression;
+pub mod label;
+pub mod machine;
+pub mod select;
+pub mod series;
+#[cfg(test)]
+pub(crate) mod testing;
+
+use std::collections::{BTreeMap, BTreeSet};
+
+pub use crate::cells::expression::{Expression, Reading};
+use crate::oracle::{Causes, Errors};
+use crate::probe::Op;
+pub use crate::record::id::{CellId, FIELDS};
+use crate::record::role::Role;
+use crate::record::row::{Measurement, Outcome, Pass, Row};
+pub use crate::record::value::AxisValue;
+use crate::scene::stats::Stats;
+use crate::stats::interval::{Interval, interval};
+
+/// Variables measured, besides operations and errors.
+const MEASURED: [&str; 11] = [
+    "time_ns",
+    "contacts",
+    "peak_bytes",
+    "live_bytes",
+    "allocations",
+    "warm_allocations",
+    "formula_bytes",
+    "packing_fraction",
+    "coordination",
+    "radius_ratio",
+    "true_contacts",
+];
+
+/// All that was measured of one detector on one scene.
+#[derive(Clone, Debug, Default)]
+pub struct Cell {
+    /// Which cell.
+    pub id: CellId,
+    /// What its detector is there for.
+    pub role: Role,
+    /// How each pass ended, with the reason.
+    pub passes: BTreeMap<Pass, (Outcome, String)>,
+    /// Nanoseconds per detection, by block.
+    pub times: BTreeMap<u32, u64>,
+    /// The same of as many copies with one thread each, at work beside each other; empty where that
+    /// was not measured.
+    pub copies_ns: BTreeMap<u32, u64>,
+    /// Why there are no copies, or not in all blocks.
+    pub copies_failure: Option<(Outcome, String)>,
+    /// Pairs reported.
+    pub contacts: Option<u64>,
+    /// Operation counts, if they were taken.
+    pub counts: Option<BTreeMap<String, u64>>,
+    /// The numbers of the memory pass, by their names in the record.
+    pub memory: BTreeMap<&'static str, u64>,
+    /// Against exact decisions on the scene as given.
+    pub errors: Option<Errors>,
+    /// The same by cause.
+    pub causes: Option<Causes>,
+    /// The scene as realised.
+    pub stats: Stats,
+}
+
+/// The cell that each row belongs to. Times of several machines are not values of one thing: where
+/// rows of several are together, the machine is an axis.
+pub fn ids(rows: &[Row]) -> impl Iterator<Item = (CellId, &Row)> {
+    let several = rows.iter().any(|row| row.id.machine != rows[0].id.machine);
+    rows.iter().map(move |row| {
+        let id = row.id.clone();
+        (if several { id } else { id.anywhere() }, row)
+    })
+}
+
+/// Puts the rows of each cell together, in the order of the ids. Of rows measured twice (a resumed
+/// run), the later counts.
+pub fn cells(rows: &[Row]) -> Vec<Cell> {
+    let mut latest: BTreeMap<Measurement, &Row> = BTreeMap::new();
+    for (id, row) in ids(rows) {
+        latest.insert(Measurement { id, ..row.measurement() }, row);
+    }
+    let mut cells: BTreeMap<CellId, Cell> = BTreeMap::new();
+    for (Measurement { id, .. }, row) in latest {
+        let cell = cells.entry(id.clone()).or_insert_with(|| Cell {
+            id,
+            role: row.role.clone(),
+            stats: row.stats.clone(),
+            ..Cell::default()
+        });
+        cell.add(row);
+    }
+    cells.into_values().collect()
+}
+
+/// The cells of each machine apart, with its name where there are several: for what is said of a
+/// machine and not of a scene.
+pub fn by_machine<'a>(cells: &[&'a Cell]) -> Vec<(Option<String>, Vec<&'a Cell>)> {
+    let mut machines: BTreeMap<Option<String>, Vec<&Cell>> = BTreeMap::new();
+    for &cell in cells {
+        machines.entry(cell.id.machine.clone()).or_default().push(cell);
+    }
+    machines.into_iter().collect()
+}
+
+impl Cell {
+    fn add(&mut self, row: &Row) {
+        if row.pass == Pass::Ceiling && row.outcome != Outcome::Wrong {
+            match row.time_ns {
+                Some(time) => {
+                    self.copies_ns.insert(row.block, time);
+                }
+                None => self.copies_failure = Some((row.outcome, row.reason.clone())),
+            }
+            return;
+        }
+        let pass = self.passes.entry(row.pass).or_insert((row.outcome, row.reason.clone()));
+        if severity(row.outcome) > severity(pass.0) {
+            *pass = (row.outcome, row.reason.clone());
+        }
+        if let (Pass::Time, Some(time)) = (row.pass, row.time_ns) {
+            self.times.insert(row.block, time);
+        }
+        if row.pass == Pass::Count && row.outcome.is_good() {
+            self.counts = Some(row.counts.clone());
+        }
+        self.contacts = row.contacts.or(self.contacts);
+        self.errors = row.errors.or(self.errors);
+        self.causes = row.causes.or(self.causes);
+        for (name, value) in [
+            ("peak_bytes", row.peak_bytes),
+            ("live_bytes", row.live_bytes),
+            ("allocations", row.allocations),
+            ("warm_allocations", row.warm_allocations),
+            ("formula_bytes", row.formula_bytes),
+        ] {
+            if let Some(value) = value {
+                self.memory.insert(name, value);
+            }
+        }
+    }
+
+    /// How the cell ended, as far as these passes go. A wrong answer in any pass makes the whole
+    /// cell wrong; a pass that was never reached shares the fate of the pass that failed before it.
+    pub fn outcome(&self, needed: &[Pass]) -> (Outcome, &str) {
+        let worst = |passes: &mut dyn Iterator<Item = &'_ (Outcome, String)>| {
+            passes.max_by_key(|pass| severity(pass.0)).map(|pass| (pass.0, pass.1.clone()))
+        };
+        let find = |outcome: Outcome| {
+            self.passes.values().find(|pass| pass.0 == outcome).map_or("", |pass| pass.1.as_str())
+        };
+        let over_all = worst(&mut self.passes.values()).map_or(Outcome::Ok, |pass| pass.0);
+        let absent = needed.is_empty() || needed.iter().any(|pass| !self.passes.contains_key(pass));
+        if over_all == Outcome::Wrong || absent {
+            return (over_all, find(over_all));
+        }
+        let outcome = worst(&mut needed.iter().filter_map(|pass| self.passes.get(pass)))
+            .map_or(Outcome::Ok, |pass| pass.0);
+        (outcome, find(outcome))
+    }
+
+    /// How the cell ended in all.
+    pub fn overall(&self) -> (Outcome, &str) {
+        self.outcome(&[])
+    }
+
+    /// The median time with its interval over the blocks; none unless all blocks ended well.
+    pub fn time(&self) -> Option<Interval> {
+        self.blocks().filter(|_| self.outcome(&[Pass::Time]).0.is_good())
+    }
+
+    /// The median time of a wrong answer: never compared with anything, but shown, marked.
+    pub fn wrong_time(&self) -> Option<f64> {
+        self.blocks().filter(|_| self.overall().0 == Outcome::Wrong).map(|time| time.median)
+    }
+
+    fn blocks(&self) -> Option<Interval> {
+        interval(&self.times.values().map(|&t| t as f64).collect::<Vec<_>>())
+    }
+
+    /// A variable, with this time in place of the median where one is given.
+    pub fn variable(&self, name: &str, time_ns: Option<f64>) -> Option<f64> {
+        match name {
+            "time_ns" => time_ns.or_else(|| Some(self.time()?.median)),
+            "contacts" => self.contacts.map(|v| v as f64),
+            "packing_fraction" => Some(self.stats.packing_fraction),
+            "coordination" => Some(self.stats.coordination),
+            "radius_ratio" => self.stats.radius_ratio,
+            "true_contacts" => Some(errors::true_contacts(self)),
+            _ if is_operation(name) => {
+                self.counts.as_ref().map(|counts| counts.get(name).copied().unwrap_or(0) as f64)
+            }
+            _ => match self.memory.get(name) {
+                Some(&bytes) => Some(bytes as f64),
+                None => self
+                    .id
+                    .axis(name)
+                    .and_then(|value| value.number())
+                    .or_else(|| errors::variable(self, name)),
+            },
+        }
+    }
+}
+
+pub(crate) fn is_operation(name: &str) -> bool {
+    Op::ALL.iter().any(|op| op.name() == name)
+}
+
+/// Which outcome speaks for a cell whose rows differ.
+fn severity(outcome: Outcome) -> u8 {
+    match outcome {
+        Outcome::Ok => 0,
+        Outcome::Lossy | Outcome::Control => 1,
+        Outcome::Unavailable => 2,
+        Outcome::Refused => 3,
+        Outcome::Timeout => 4,
+        Outcome::OutOfMemory => 5,
+        Outcome::Crashed => 6,
+        Outcome::Wrong => 7,
+    }
+}
+
+/// The names that expressions over these cells may use.
+pub fn variables(cells: &[Cell]) -> BTreeSet<String> {
+    let fixed = ["n", "dim", "seed", "threads"]
+        .into_iter()
+        .chain(MEASURED)
+        .chain(Op::ALL.iter().map(|op| op.name()));
+    let numbers = cells.iter().flat_map(|cell| {
+        let names = cell.id.names().filter(|name| !FIELDS.contains(&name.as_str()));
+        names.filter(|name| cell.id.axis(name).is_some_and(|value| value.number().is_some()))
+    });
+    fixed.map(String::from).chain(errors::names()).chain(numbers).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cells::testing::Lab;
+
+    #[test]
+    fn passes_are_merged_and_expressions_see_them() {
+        let mut lab = Lab::new("e", "packed");
+        lab.param("per-cluster", 8)
+            .time(&[300, 100, 200])
+            .count(&[("list_push", 40), ("contact_test", 60)])
+            .memory(1024, 1000);
+        let cells = cells(&lab.rows());
+        assert_eq!(cells.len(), 1);
+        let value = |text: &str| -> anyhow::Result<Reading> {
+            let expression = Expression::parse(text)?;
+            expression.check(&cells)?;
+            Ok(expression.read(&cells[0]))
+        };
+        assert_eq!(
+            value("(list_push + contact_test + list_step) / n").unwrap(),
+            Reading::Value(1.0)
+        );
+        assert_eq!(value("time_ns").unwrap(), Reading::Value(200.0));
+        assert_eq!(
+            value("peak_bytes - formula_bytes + per_cluster").unwrap(),
+            Reading::Value(32.0)
+        );
+        assert_eq!(value("n * (n - 1) / 2").unwrap(), Reading::Value(4950.0));
+        assert_eq!(value("1 / (n - 100)").unwrap(), Reading::Missing);
+        let error = value("list_pushes / n").unwrap_err().to_string();
+        assert!(
+            error.contains("unknown variable 'list_pushes' at column 1")
+                && error.contains("did you mean list_push?")
+                && error.contains("per_cluster")
+                && error.contains("list_push,"),
+            "{error}"
+        );
+    }
+
+    #[test]
+    fn outcomes_concern_the_passes_that_are_needed() {
+        let mut lab = Lab::new("e", "packed");
+        lab.count(&[("contact_test", 10)]).fail(Pass::Time, Outcome::Timeout, "30 s");
+        let cells = cells(&lab.rows());
+        let read = |text: &str| Expression::parse(text).unwrap().read(&cells[0]);
+        assert_eq!(read("contact_test"), Reading::Value(10.0));
+        assert_eq!(read("time_ns"), Reading::Not(Outcome::Timeout));
+        assert_eq!(read("peak_bytes"), Reading::Not(Outcome::Timeout));
+        lab.fail(Pass::Memory, Outcome::Wrong, "digest");
+        assert_eq!(
+            Expression::parse("contact_test").unwrap().read(&super::cells(&lab.rows())[0]),
+            Reading::Not(Outcome::Wrong)
+        );
+    }
+
+    #[test]
+    fn a_row_measured_again_replaces_the_first() {
+        let mut lab = Lab::new("e", "packed");
+        lab.time(&[100]).time(&[700]);
+        assert_eq!(cells(&lab.rows())[0].time().map(|t| t.median), Some(700.0));
+    }
+
+    #[test]
+    fn times_of_several_machines_are_not_one_median() {
+        let mut lab = Lab::new("e", "packed");
+        lab.param("spacing", 1).machine("a").time(&[100, 100]).machine("b").time(&[300, 300]);
+        let cells = cells(&lab.rows());
+        let times: Vec<_> = cells
+            .iter()
+            .map(|cell| (cell.id.axis("machine").unwrap().to_string(), cell.time().unwrap().median))
+            .collect();
+        assert_eq!(times, [("a".into(), 100.0), ("b".into(), 300.0)]);
+        let apart = by_machine(&cells.iter().collect::<Vec<_>>());
+        assert_eq!(
+            apart
+                .iter()
+                .map(|(name, cells)| (name.as_deref().unwrap(), cells.len()))
+                .collect::<Vec<_>>(),
+            [("a", 1), ("b", 1)]
+        );
+        // One machine is no parameter, whatever its name.
+        assert_eq!(super::cells(&lab.rows()[..2])[0].id.axis("machine"), None);
+    }
+}

@@ -1,0 +1,115 @@
+//! Filters of claims and figures: `where = { detector = "nbs", s = [2, 20], n = ">= 1000" }`.
+//!
+//! All entries must match. A value matches an equal one (2 and 2.0 are equal), a list matches if
+//! one of its values does, and a text that begins with <, <=, >, >=, = or != and goes on with a
+//! number is a comparison.
+
+use anyhow::bail;
+
+use crate::cells::{Cell, variables};
+use crate::experiment::Where;
+use crate::record::id::variable;
+use crate::record::value::AxisValue;
+
+/// The cells that match; an error if an entry names neither a field nor a parameter nor a variable
+/// of any cell.
+pub fn select<'a>(cells: &'a [Cell], filter: &Where) -> anyhow::Result<Vec<&'a Cell>> {
+    let filter: Vec<(String, &[toml::Value])> =
+        filter.iter().map(|(name, values)| (variable(name), &values[..])).collect();
+    for (name, _) in &filter {
+        let known = |cell: &Cell| cell.id.axis(name).is_some();
+        if !cells.is_empty() && !cells.iter().any(known) && !variables(cells).contains(name) {
+            let mut names: Vec<String> = cells.iter().flat_map(|cell| cell.id.names()).collect();
+            names.sort_unstable();
+            names.dedup();
+            bail!(
+                "where names '{name}', which no row has; the fields and parameters are: {}",
+                names.join(", ")
+            );
+        }
+    }
+    let matches = |cell: &&Cell| {
+        filter.iter().all(|(name, wanted)| {
+            let found =
+                cell.id.axis(name).or_else(|| cell.variable(name, None).map(AxisValue::from));
+            found.is_some_and(|found| wanted.iter().any(|wanted| equal(&found, wanted)))
+        })
+    };
+    Ok(cells.iter().filter(matches).collect())
+}
+
+fn equal(found: &AxisValue, wanted: &toml::Value) -> bool {
+    match (found.number(), wanted) {
+        (Some(found), toml::Value::Integer(wanted)) => close(found, *wanted as f64),
+        (Some(found), toml::Value::Float(wanted)) => close(found, *wanted),
+        (Some(found), toml::Value::String(wanted)) => compare(found, wanted),
+        (Some(_), _) => false,
+        (None, toml::Value::String(wanted)) => found.to_string() == *wanted,
+        (None, wanted) => found.to_string() == wanted.to_string(),
+    }
+}
+
+fn close(a: f64, b: f64) -> bool {
+    a == b || (a - b).abs() <= 1e-12 * a.abs().max(b.abs())
+}
+
+/// `>= 2` and its like; a text without a comparison is a number to be equal to.
+fn compare(found: f64, wanted: &str) -> bool {
+    let wanted = wanted.trim();
+    for (sign, holds) in [
+        ("<=", (|a, b| a <= b || close(a, b)) as fn(f64, f64) -> bool),
+        (">=", |a, b| a >= b || close(a, b)),
+        ("!=", |a, b| !close(a, b)),
+        ("<", |a, b| a < b),
+        (">", |a, b| a > b),
+        ("=", close),
+        ("", close),
+    ] {
+        if let Some(rest) = wanted.strip_prefix(sign) {
+            return rest.trim().parse().is_ok_and(|limit| holds(found, limit));
+        }
+    }
+    false
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cells;
+    use crate::cells::testing;
+    use crate::cells::testing::Lab;
+
+    #[test]
+    fn every_kind_of_entry_selects() {
+        let mut lab = Lab::new("e", "pack-c");
+        for s in [2, 20, 200] {
+            lab.param("s-over-d", s).param("kind", "hexagonal").n(1000 * s).count(&[]);
+        }
+        let cells = cells::cells(&lab.rows());
+        let count = |filter: &str| {
+            let claim = testing::experiment(&format!(
+                "[[claim]]\nname = 'x'\nkind = 'constant'\nvalue = 'n'\nwhere = {{ {filter} }}"
+            ));
+            select(&cells, &claim.claims[0].filter).map(|found| found.len())
+        };
+        for (filter, expected) in [
+            ("", 3),
+            ("scene = 'pack-c'", 3),
+            ("scene = 'loose'", 0),
+            ("s-over-d = 20", 1),
+            ("s_over_d = 20.0", 1),
+            ("s-over-d = [2, 200, 7]", 2),
+            ("s-over-d = '>= 20'", 2),
+            ("s-over-d = '<20'", 1),
+            ("s-over-d = '!= 20', kind = 'hexagonal'", 2),
+            ("s-over-d = 'about 20'", 0),
+            ("n = '> 2000', detector = ['nbs', 'direct']", 2),
+            ("kind = 7", 0),
+            ("coordination = 5", 3),
+        ] {
+            assert_eq!(count(filter).unwrap(), expected, "{filter}");
+        }
+        let error = count("spacing = 1").unwrap_err().to_string();
+        assert!(error.contains("spacing") && error.contains("s_over_d"), "{error}");
+    }
+}

@@ -1,0 +1,177 @@
+//! Cells in the order of tables: a group per scene without its N, a line per contender, a column
+//! per N.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use crate::cells::label::title;
+use crate::cells::{Cell, label};
+use crate::record::id::Projection;
+use crate::record::role::Role;
+use crate::record::row::{Outcome, Pass};
+use crate::stats::interval::{Blocks, Interval, median, typical_ratio};
+
+/// Who is compared: the same in all scenes.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Line {
+    /// The detector, with its parameters.
+    pub detector: String,
+    /// How it decides.
+    pub arithmetic: String,
+    /// Its threads.
+    pub threads: u32,
+    /// What it is there for.
+    pub role: Role,
+}
+
+/// The cells of a contender at one N: one per seed, in the order of seeds.
+pub type Seeds<'a> = Vec<&'a Cell>;
+
+/// A scene at all its N.
+pub struct Group<'a> {
+    /// `packed, 3D, morton`.
+    pub title: String,
+    /// Its cells, by contender and N.
+    pub lines: BTreeMap<Line, BTreeMap<u64, Seeds<'a>>>,
+}
+
+/// A value per contender and N of one scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BySize<T> {
+    /// The scene, without its N.
+    pub title: String,
+    /// All N, ascending.
+    pub sizes: Vec<u64>,
+    /// The contenders.
+    pub lines: Vec<LineValues<T>>,
+}
+
+/// The values of a contender.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LineValues<T> {
+    /// Who it is.
+    pub line: Line,
+    /// How it is called among the others.
+    pub name: String,
+    /// One for each N of the scene.
+    pub values: Vec<Option<T>>,
+}
+
+/// Makes the groups, in the order of keys. The control that reports nothing is left out.
+pub fn groups<'a>(cells: &[&'a Cell]) -> Vec<Group<'a>> {
+    let swept = label::swept(cells);
+    let mut groups: BTreeMap<Projection, Group<'a>> = BTreeMap::new();
+    for &cell in cells.iter().filter(|cell| cell.role != Role::Nothing) {
+        let key = cell.id.scene_id().without(&["n", "seed"]);
+        let name = title(&key, &swept);
+        let group =
+            groups.entry(key).or_insert_with(|| Group { title: name, lines: BTreeMap::new() });
+        group.lines.entry(Line::new(cell)).or_default().entry(cell.id.n).or_default().push(cell);
+    }
+    groups.into_values().collect()
+}
+
+/// The label of a line: its arithmetic where there are several, its threads where they are not one.
+pub fn label(line: &Line, cells: &[&Cell]) -> String {
+    let arithmetics: BTreeSet<&str> =
+        cells.iter().map(|cell| cell.id.arithmetic.as_str()).collect();
+    let mut label = line.detector.clone();
+    if arithmetics.len() > 1 {
+        label += &format!(" ({})", line.arithmetic);
+    }
+    if line.threads > 1 {
+        label += &format!(" ({} threads)", line.threads);
+    }
+    label
+}
+
+impl Line {
+    /// The line that a cell belongs to.
+    pub fn new(cell: &Cell) -> Line {
+        Line {
+            detector: cell.id.contender(),
+            arithmetic: cell.id.arithmetic.clone(),
+            threads: cell.id.threads(),
+            role: cell.role.clone(),
+        }
+    }
+}
+
+impl<'a> Group<'a> {
+    /// All N, in order.
+    pub fn sizes(&self) -> BTreeSet<u64> {
+        self.lines.values().flat_map(|cells| cells.keys().copied()).collect()
+    }
+
+    /// The cells of a line at one N.
+    pub fn at(&self, line: &Line, n: u64) -> Option<&Seeds<'a>> {
+        self.lines.get(line)?.get(&n)
+    }
+
+    /// The fastest of those that are right, are no controls, and have one thread.
+    pub fn fastest(&self, n: u64) -> Option<(&Line, f64)> {
+        let able =
+            self.lines.iter().filter(|(line, _)| line.threads == 1 && !line.role.is_control());
+        let timed = able.filter_map(|(line, cells)| Some((line, time(cells.get(&n)?)?)));
+        timed.min_by(|a, b| a.1.total_cmp(&b.1))
+    }
+
+    /// A value per line and N of this group, with the lines in the order of the last `rank` that
+    /// they have; lines without any value are left out.
+    pub fn by_size<T>(
+        &self,
+        label: impl Fn(&Line) -> String,
+        value: impl Fn(&Line, u64) -> Option<T>,
+        rank: impl Fn(&T) -> Option<f64>,
+    ) -> BySize<T> {
+        let sizes: Vec<u64> = self.sizes().into_iter().collect();
+        let mut lines: Vec<LineValues<T>> = Vec::new();
+        for line in self.lines.keys() {
+            let values: Vec<Option<T>> = sizes.iter().map(|&n| value(line, n)).collect();
+            if values.iter().any(Option::is_some) {
+                lines.push(LineValues { line: line.clone(), name: label(line), values });
+            }
+        }
+        // How many N before the end, and the rank there.
+        let last = |line: &LineValues<T>| {
+            let mut ranks = line.values.iter().rev().map(|value| value.as_ref().and_then(&rank));
+            let k = ranks.clone().position(|rank| rank.is_some());
+            (k.unwrap_or(usize::MAX), ranks.nth(k.unwrap_or(0)).flatten().unwrap_or(f64::INFINITY))
+        };
+        lines.sort_by(|a, b| {
+            let (a, b) = (last(a), last(b));
+            a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
+        });
+        BySize { title: self.title.clone(), sizes, lines }
+    }
+}
+
+/// The median over seeds of the median times; none if any of them did not end well.
+pub fn time(cells: &Seeds<'_>) -> Option<f64> {
+    let times: Option<Vec<f64>> = cells.iter().map(|cell| Some(cell.time()?.median)).collect();
+    median(&times?)
+}
+
+/// How the cells of a line ended, as far as times go: the worst of the seeds, with its reason.
+pub fn outcome<'a>(cells: &Seeds<'a>) -> (Outcome, &'a str) {
+    let found = cells.iter().map(|cell| cell.outcome(&[Pass::Time]));
+    found.max_by_key(|(outcome, _)| (!outcome.is_good(), *outcome)).unwrap_or((Outcome::Ok, ""))
+}
+
+/// The ratio of two lines' times, each cell against that of the same seed, in each block the median
+/// over the seeds.
+pub fn ratio(a: &Seeds<'_>, b: &Seeds<'_>) -> Option<Interval> {
+    ratio_of(a, |cell| &cell.times, b, |cell| &cell.times)
+}
+
+/// The same of other numbers per block.
+pub fn ratio_of<'a>(
+    a: &Seeds<'a>,
+    of_a: fn(&Cell) -> &Blocks,
+    b: &Seeds<'a>,
+    of_b: fn(&Cell) -> &Blocks,
+) -> Option<Interval> {
+    let other = |cell: &Cell| b.iter().find(|other| other.id.seed == cell.id.seed);
+    let couples: Vec<(&Blocks, &Blocks)> =
+        a.iter().filter_map(|cell| Some((of_a(cell), of_b(other(cell)?)))).collect();
+    typical_ratio(&couples)
+}

@@ -1,0 +1,126 @@
+//! Made-up rows for the tests of everything right of the record, with a clock that says what it is
+//! told.
+
+use crate::experiment::Experiment;
+use crate::oracle::{Causes, Errors};
+use crate::record::id::CellId;
+use crate::record::role::Role;
+use crate::record::row::{Outcome, Pass, Row};
+use crate::scene::stats::Stats;
+
+/// Writes rows for one cell after another; the setters change the cell that the next rows belong
+/// to.
+pub struct Lab {
+    base: Row,
+    rows: Vec<Row>,
+}
+
+impl Lab {
+    /// A 2D scene with 100 elements, seed 1, and the detector `nbs`.
+    pub fn new(experiment: &str, scene: &str) -> Lab {
+        let id = CellId {
+            experiment: experiment.into(),
+            scene: scene.into(),
+            dim: 2,
+            order: "shuffled".into(),
+            n: 100,
+            seed: 1,
+            arithmetic: "exact".into(),
+            ..CellId::default()
+        };
+        let base = Row {
+            id: id.with_contender("nbs").with_threads(1),
+            contacts: Some(250),
+            digest: Some("0x00".into()),
+            stats: Stats { packing_fraction: 0.9, coordination: 5.0, ..Stats::default() },
+            ..Row::default()
+        };
+        Lab { base, rows: Vec::new() }
+    }
+    pub fn rows(&self) -> Vec<Row> {
+        self.rows.clone()
+    }
+    pub fn scene(&mut self, scene: &str, dim: u32) -> &mut Lab {
+        self.base.id.scene = scene.into();
+        self.base.id.dim = dim;
+        self
+    }
+    /// The detector, with parameters if it has any, in the role that its name says.
+    pub fn detector(&mut self, spec: &str) -> &mut Lab {
+        self.base.id = self.base.id.clone().with_contender(spec);
+        self.base.role = Role::by_name(&self.base.id.detector);
+        self
+    }
+    pub fn arithmetic(&mut self, name: &str) -> &mut Lab {
+        self.base.id.arithmetic = name.into();
+        self
+    }
+    pub fn machine(&mut self, name: &str) -> &mut Lab {
+        self.base.id.machine = Some(name.into());
+        self
+    }
+    pub fn n(&mut self, n: u64) -> &mut Lab {
+        self.base.id.n = n;
+        self
+    }
+    pub fn threads(&mut self, threads: u32) -> &mut Lab {
+        self.base.id = self.base.id.clone().with_threads(threads);
+        self
+    }
+    pub fn seed(&mut self, seed: u64) -> &mut Lab {
+        self.base.id.seed = seed;
+        self
+    }
+    pub fn param(&mut self, name: &str, value: impl Into<serde_json::Value>) -> &mut Lab {
+        self.base.id.params.insert(name.into(), (&value.into()).into());
+        self
+    }
+    fn push(&mut self, pass: Pass, change: impl FnOnce(&mut Row)) -> &mut Lab {
+        let mut row = Row { pass, ..self.base.clone() };
+        change(&mut row);
+        self.rows.push(row);
+        self
+    }
+    pub fn time(&mut self, blocks: &[u64]) -> &mut Lab {
+        for (block, &time) in blocks.iter().enumerate() {
+            self.push(Pass::Time, |row| (row.block, row.time_ns) = (block as u32, Some(time)));
+        }
+        self
+    }
+    /// Times of copies beside each other.
+    pub fn copies(&mut self, blocks: &[u64]) -> &mut Lab {
+        for (block, &time) in blocks.iter().enumerate() {
+            self.push(Pass::Ceiling, |row| (row.block, row.time_ns) = (block as u32, Some(time)));
+        }
+        self
+    }
+    pub fn count(&mut self, counts: &[(&str, u64)]) -> &mut Lab {
+        let counts = counts.iter().map(|&(name, count)| (name.into(), count)).collect();
+        self.push(Pass::Count, |row| row.counts = counts)
+    }
+    pub fn memory(&mut self, peak: u64, formula: u64) -> &mut Lab {
+        self.push(Pass::Memory, |row| {
+            (row.peak_bytes, row.formula_bytes) = (Some(peak), Some(formula))
+        })
+    }
+    pub fn fail(&mut self, pass: Pass, outcome: Outcome, reason: &str) -> &mut Lab {
+        self.push(pass, |row| {
+            (row.outcome, row.reason, row.contacts) = (outcome, reason.into(), None)
+        })
+    }
+    /// Errors of the last row.
+    pub fn errors(&mut self, errors: Errors, causes: Causes) -> &mut Lab {
+        self.edit(|row| (row.errors, row.causes) = (Some(errors), Some(causes)))
+    }
+    pub fn edit(&mut self, change: impl FnOnce(&mut Row)) -> &mut Lab {
+        self.rows.last_mut().map(change);
+        self
+    }
+}
+
+/// An experiment with these claims and figures, in TOML.
+pub fn experiment(rest: &str) -> Experiment {
+    let head = "name = 'e'\ntitle = 'A title'\nquestion = 'Which is fastest?'\nreading = 'Lower \
+                is better.'\ndetectors = []\nscene = []\n";
+    Experiment::unchecked(&format!("{head}{rest}")).unwrap()
+}

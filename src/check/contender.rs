@@ -1,0 +1,271 @@
+//! Who is checked: a detector in a thread of its own, or a runner (see [`crate::check::process`]).
+//!
+//! A detector under test works in a thread: one that panics or hangs ends neither the check nor the
+//! program.
+//!
+//! The thread keeps the detector, and so its buffers, from call to call. After a panic the detector
+//! is made anew. A thread that does not answer in time is left behind (nothing can end it but the
+//! end of the process), and another takes its place.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::time::Duration;
+
+use anyhow::Context;
+
+use crate::check::process::{Foreign, Process};
+use crate::check::{Differences, Wrong};
+use crate::contact::{Arithmetic, Test};
+use crate::detect::any::AnyDetector;
+use crate::detect::table::DetectorSpec;
+use crate::detect::{Options, Refusal};
+use crate::oracle::Truth;
+use crate::scene::AnyScene;
+use crate::sink::{Digest, Sink};
+
+/// The name of the threads: panics in them are findings, not defects of the check.
+pub const THREAD: &str = "detector under test";
+
+/// Who is checked.
+pub enum Contender {
+    /// A detector of the table.
+    Detector {
+        /// Which, with its parameters.
+        spec: DetectorSpec,
+        /// Its normal form.
+        name: String,
+    },
+    /// A runner.
+    Runner(Foreign),
+}
+
+impl<S: Into<DetectorSpec>> From<S> for Contender {
+    fn from(spec: S) -> Contender {
+        let spec = spec.into();
+        Contender::Detector { name: spec.to_string(), spec }
+    }
+}
+
+impl Contender {
+    /// The detector's name.
+    pub fn name(&self) -> &str {
+        match self {
+            Contender::Detector { name, .. } => name,
+            Contender::Runner(foreign) => &foreign.name,
+        }
+    }
+
+    /// One to be asked, without a history; a detection may take until `deadline`.
+    pub fn respondent(
+        &self,
+        options: Options,
+        deadline: Duration,
+    ) -> anyhow::Result<Box<dyn Respondent>> {
+        Ok(match self {
+            Contender::Detector { spec, .. } => {
+                Box::new(Thread::new(spec.clone(), options, deadline)?)
+            }
+            Contender::Runner(foreign) => Box::new(Process::new(foreign, deadline)?),
+        })
+    }
+
+    /// Does a fresh one take a while?
+    pub(super) fn is_slow_to_make(&self) -> bool {
+        matches!(self, Contender::Runner(_))
+    }
+}
+
+/// What is asked.
+pub struct Question<'a> {
+    /// The scene.
+    pub given: &'a AnyScene<'static>,
+    /// The same as the arithmetic stores it.
+    pub stored: &'a Arc<AnyScene<'static>>,
+    /// How contacts are decided.
+    pub arithmetic: Arithmetic,
+    /// Asked of a detector without a history.
+    pub fresh: bool,
+    /// The right answer.
+    pub truth: &'a Truth,
+}
+
+/// Answers questions, each with what those before have left behind, unless it is to be fresh.
+pub trait Respondent {
+    /// Asks for the pairs.
+    fn ask(&mut self, question: &Question<'_>) -> anyhow::Result<Answer>;
+}
+
+/// What came of a detection.
+pub enum Answer {
+    /// Right, or lossy where the arithmetic allows it.
+    Right,
+    /// Pairs as reported.
+    Pairs(Vec<[u32; 2]>),
+    /// It refused the scene, after so many reported pairs.
+    Refused(Refusal, u64),
+    /// It panicked, with this message.
+    Panicked(String),
+    /// It was not ready in time.
+    Hangs(Duration),
+    /// A runner refused the scene, for this reason.
+    Declined(String),
+    /// A runner was wrong in a way of its own.
+    Wrong(Wrong),
+}
+
+impl Answer {
+    /// Why the scene was refused, if it was, as it may be.
+    pub fn refusal(&self) -> Option<String> {
+        match self {
+            Answer::Refused(refusal, 0) => Some(refusal.to_string()),
+            Answer::Declined(reason) => Some(reason.clone()),
+            _ => None,
+        }
+    }
+
+    /// In which way the answer is wrong, if it is.
+    pub fn wrong(self, truth: &Truth) -> Option<Wrong> {
+        match self {
+            Answer::Right => None,
+            Answer::Pairs(pairs) if Digest::of(&pairs) == truth.digest => None,
+            Answer::Pairs(pairs) => Some(Wrong::Pairs(Differences::new(pairs, &truth.pairs))),
+            Answer::Refused(_, 0) | Answer::Declined(_) => None,
+            Answer::Wrong(wrong) => Some(wrong),
+            Answer::Refused(_, reported) => Some(Wrong::RefusesLate(reported)),
+            Answer::Panicked(message) => Some(Wrong::Panics(message)),
+            Answer::Hangs(deadline) => Some(Wrong::Hangs(deadline)),
+        }
+    }
+}
+
+/// The pairs reported, as many as are kept: a detector that reports without end must not fill the
+/// memory.
+struct Kept {
+    pairs: Vec<[u32; 2]>,
+    most: usize,
+    reported: u64,
+}
+
+impl Sink for Kept {
+    fn contact(&mut self, i: u32, j: u32) {
+        self.reported += 1;
+        if self.pairs.len() < self.most {
+            self.pairs.push([i, j]);
+        }
+    }
+}
+
+/// What a detector says in this thread, asked twice: counted, where a detector that reports without
+/// end does no harm, and if that is right, as it is timed, which is other code to the compiler.
+pub fn answer(
+    detector: &mut dyn AnyDetector,
+    scene: &AnyScene<'_>,
+    test: Test,
+    expected: Expected,
+) -> Answer {
+    let mut kept = Kept { pairs: Vec::new(), most: expected.most, reported: 0 };
+    let both = || {
+        detector.visit(scene, test, &mut kept)?;
+        if Digest::of(&kept.pairs) == expected.digest {
+            kept.pairs.clear();
+            detector.list(scene, test, &mut kept.pairs)?;
+        }
+        Ok(())
+    };
+    match catch_unwind(AssertUnwindSafe(both)) {
+        Ok(Ok(())) => Answer::Pairs(kept.pairs),
+        Ok(Err(refusal)) => Answer::Refused(refusal, kept.reported),
+        Err(cause) => {
+            Answer::Panicked(match (cause.downcast_ref::<&str>(), cause.downcast_ref::<String>()) {
+                (Some(text), _) => text.to_string(),
+                (_, Some(text)) => text.clone(),
+                _ => "no message".into(),
+            })
+        }
+    }
+}
+
+/// What need be known of the truth to ask a detector.
+#[derive(Clone, Copy, Default)]
+pub struct Expected {
+    /// Of the right pairs.
+    digest: Digest,
+    /// More pairs than this need not be kept to see that an answer is wrong, and how.
+    most: usize,
+}
+
+impl From<&Truth> for Expected {
+    fn from(truth: &Truth) -> Expected {
+        Expected { digest: truth.digest, most: 2 * truth.pairs.len() + 1000 }
+    }
+}
+
+struct Job {
+    scene: Arc<AnyScene<'static>>,
+    test: Test,
+    fresh: bool,
+    expected: Expected,
+}
+
+/// A detector in a thread of its own.
+struct Thread {
+    spec: DetectorSpec,
+    options: Options,
+    deadline: Duration,
+    jobs: Sender<Job>,
+    answers: Receiver<Answer>,
+}
+
+impl Thread {
+    fn new(spec: DetectorSpec, options: Options, deadline: Duration) -> anyhow::Result<Thread> {
+        let (jobs, to_do) = channel();
+        let (done, answers) = channel();
+        let served = spec.clone();
+        let work = move || serve(&served, options, &to_do, &done);
+        std::thread::Builder::new()
+            .name(THREAD.into())
+            .spawn(work)
+            .context("cannot start a thread for a detector")?;
+        Ok(Thread { spec, options, deadline, jobs, answers })
+    }
+}
+
+impl Respondent for Thread {
+    fn ask(&mut self, question: &Question<'_>) -> anyhow::Result<Answer> {
+        let Question { stored, arithmetic, fresh, truth, .. } = *question;
+        let job =
+            Job { scene: stored.clone(), test: arithmetic.test(), fresh, expected: truth.into() };
+        // If the thread is gone, there will be no answer either.
+        let _ = self.jobs.send(job);
+        let lost = match self.answers.recv_timeout(self.deadline) {
+            Ok(answer) => return Ok(answer),
+            Err(RecvTimeoutError::Timeout) => Answer::Hangs(self.deadline),
+            Err(RecvTimeoutError::Disconnected) => Answer::Panicked("its thread ended".into()),
+        };
+        *self = Thread::new(self.spec.clone(), self.options, self.deadline)?;
+        Ok(lost)
+    }
+}
+
+/// The thread: serves until nobody asks any more.
+fn serve(spec: &DetectorSpec, options: Options, jobs: &Receiver<Job>, answers: &Sender<Answer>) {
+    let mut detector = None;
+    for job in jobs {
+        if job.fresh {
+            detector = None;
+        }
+        let answer = answer(
+            &mut **detector.get_or_insert_with(|| spec.make(options)),
+            &job.scene,
+            job.test,
+            job.expected,
+        );
+        if matches!(answer, Answer::Panicked(_)) {
+            detector = None;
+        }
+        if answers.send(answer).is_err() {
+            return;
+        }
+    }
+}

@@ -1,0 +1,168 @@
+//! What continuous integration reads: JUnit XML, and annotations as GitHub shows them next to
+//! a change.
+
+use std::fmt::Write as _;
+use std::io::Write;
+use std::path::PathBuf;
+
+use anyhow::Context;
+
+use crate::present::escape;
+
+/// Options of verbs with a verdict.
+#[derive(clap::Args, Clone, Debug, Default)]
+pub struct Outputs {
+    /// Also write the verdicts as JUnit XML
+    #[arg(long, value_name = "FILE")]
+    pub junit: Option<PathBuf>,
+    /// Also print failures as GitHub annotations (::error ...)
+    #[arg(long)]
+    pub annotations: bool,
+}
+
+/// A verdict on one thing.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Case {
+    /// What it belongs to, with dots: `scaling.packed`.
+    pub class: String,
+    /// What it is.
+    pub name: String,
+    /// What came of it.
+    pub result: Outcome,
+}
+
+/// What came of a case.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Outcome {
+    /// As it should be.
+    Passed,
+    /// No failure, but to be seen: why.
+    Noted(String),
+    /// A failure: why.
+    Failed(String),
+    /// Nothing can be said: why.
+    Skipped(String),
+}
+
+impl Outputs {
+    /// Writes what was asked for.
+    pub fn write(&self, suite: &str, cases: &[Case], out: &mut dyn Write) -> anyhow::Result<()> {
+        if let Some(path) = &self.junit {
+            std::fs::write(path, junit(suite, cases))
+                .with_context(|| format!("cannot write {}", path.display()))?;
+        }
+        if self.annotations {
+            out.write_all(annotations(suite, cases).as_bytes())?;
+        }
+        Ok(())
+    }
+}
+
+/// The cases as a document with one suite.
+pub fn junit(suite: &str, cases: &[Case]) -> String {
+    let count =
+        |wanted: fn(&Outcome) -> bool| cases.iter().filter(|case| wanted(&case.result)).count();
+    let (failed, skipped) = (
+        count(|result| matches!(result, Outcome::Failed(_))),
+        count(|result| matches!(result, Outcome::Skipped(_))),
+    );
+    let (tests, suite) = (cases.len(), xml(suite));
+    let mut out = format!(
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites name=\"contactbench\" \
+         tests=\"{tests}\" failures=\"{failed}\" skipped=\"{skipped}\" errors=\"0\">\n<testsuite \
+         name=\"{suite}\" tests=\"{tests}\" failures=\"{failed}\" skipped=\"{skipped}\" \
+         errors=\"0\">\n"
+    );
+    for Case { class, name, result } in cases {
+        let _ = write!(out, "<testcase classname=\"{}\" name=\"{}\"", xml(class), xml(name));
+        let _ = match result {
+            Outcome::Passed => writeln!(out, "/>"),
+            Outcome::Noted(why) => {
+                writeln!(out, "><system-out>{}</system-out></testcase>", xml(why))
+            }
+            Outcome::Failed(why) => {
+                let first = why.lines().next().unwrap_or_default();
+                writeln!(
+                    out,
+                    "><failure message=\"{}\">{}</failure></testcase>",
+                    xml(first),
+                    xml(why)
+                )
+            }
+            Outcome::Skipped(why) => {
+                writeln!(out, "><skipped message=\"{}\"/></testcase>", xml(why))
+            }
+        };
+    }
+    out + "</testsuite>\n</testsuites>\n"
+}
+
+/// Text for elements and attributes. In an attribute a bare line break would be read as a blank.
+fn xml(text: &str) -> String {
+    let broken = [('\n', "&#10;"), ('\t', "&#9;"), ('\r', "&#13;")];
+    broken.into_iter().fold(escape::html(text), |text, (c, name)| text.replace(c, name))
+}
+
+/// A line per failure and per note.
+pub fn annotations(suite: &str, cases: &[Case]) -> String {
+    let mut out = String::new();
+    for Case { class, name, result } in cases {
+        let (kind, why) = match result {
+            Outcome::Failed(why) => ("error", why),
+            Outcome::Noted(why) => ("warning", why),
+            Outcome::Passed | Outcome::Skipped(_) => continue,
+        };
+        let title = command(&format!("contactbench {suite}: {class}: {name}"))
+            .replace(':', "%3A")
+            .replace(',', "%2C");
+        let _ = writeln!(out, "::{kind} title={title}::{}", command(why));
+    }
+    out
+}
+
+/// The text of a workflow command: one line, in which % begins an escape.
+fn command(text: &str) -> String {
+    text.replace('%', "%25").replace('\r', "%0D").replace('\n', "%0A")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn cases() -> Vec<Case> {
+        let case = |name: &str, result| Case { class: "a.b".into(), name: name.into(), result };
+        vec![
+            case("good", Outcome::Passed),
+            case("bad <&\"'> \u{1}", Outcome::Failed("50% off: a, b\nsecond ]]> line\r".into())),
+            case("seen", Outcome::Noted("n".into())),
+            case("none", Outcome::Skipped("s".into())),
+        ]
+    }
+
+    #[test]
+    fn junit_is_well_formed_and_counts() {
+        let text = junit("compare & more", &cases());
+        let document = roxmltree::Document::parse(&text).unwrap();
+        let suite = document.descendants().find(|node| node.has_tag_name("testsuite")).unwrap();
+        let numbers = ["tests", "failures", "skipped"].map(|name| suite.attribute(name).unwrap());
+        assert_eq!((numbers, suite.attribute("name")), (["4", "1", "1"], Some("compare & more")));
+        let failure = document.descendants().find(|node| node.has_tag_name("failure")).unwrap();
+        assert_eq!(failure.attribute("message"), Some("50% off: a, b"));
+        assert_eq!(failure.text(), Some("50% off: a, b\nsecond ]]> line\r"));
+        assert_eq!(failure.parent().unwrap().attribute("name"), Some("bad <&\"'> \u{fffd}"));
+        assert_eq!(document.descendants().filter(|node| node.has_tag_name("testcase")).count(), 4);
+    }
+
+    #[test]
+    fn annotations_are_one_line_each() {
+        let text = annotations("compare", &cases());
+        let lines: Vec<&str> = text.lines().collect();
+        assert_eq!(lines.len(), 2);
+        assert_eq!(
+            lines[0],
+            "::error title=contactbench compare%3A a.b%3A bad <&\"'> \u{1}::50%25 off: a, \
+             b%0Asecond ]]> line%0D"
+        );
+        assert!(lines[1].starts_with("::warning title=") && lines[1].ends_with("::n"));
+    }
+}

@@ -1,0 +1,40 @@
+//! A scene as named on the command line: a file, or a generator with its parameters.
+
+use std::path::Path;
+
+use anyhow::ensure;
+
+use crate::cli::shared::input::Input;
+use crate::scene::AnyScene;
+
+/// Where a scene comes from.
+#[derive(clap::Args)]
+pub struct Source {
+    /// A particle file, or a scene such as packed:n=200,seed=2 (see: contactbench list scenes)
+    pub scene: Option<String>,
+    /// What the file does not say
+    #[command(flatten)]
+    pub input: Input,
+}
+
+impl Source {
+    /// Reads or makes it; its name and the scene, or none if none was named. A file goes before a
+    /// generator of the same name.
+    pub fn get(&self) -> anyhow::Result<Option<(String, AnyScene<'static>)>> {
+        let Some(text) = &self.scene else {
+            ensure!(
+                !self.input.given(),
+                "--radius, --dim, --frame and --format belong to a particle file, and none is \
+                 named"
+            );
+            return Ok(None);
+        };
+        let scene = self.input.scene(text)?;
+        // A file goes by its name without folders.
+        let file = Path::new(text).file_name().filter(|_| Path::new(text).exists());
+        Ok(Some((
+            file.map_or_else(|| text.clone(), |name| name.to_string_lossy().into_owned()),
+            scene,
+        )))
+    }
+}

@@ -1,0 +1,95 @@
+//! The experiments that come with the program; a name on the command line that is not a file is
+//! looked up here.
+
+use std::path::Path;
+
+use anyhow::{Context, anyhow};
+
+use crate::experiment::Experiment;
+
+/// Name and text of each file in `experiments/`.
+pub const FILES: &[(&str, &str)] = &[
+    ("scaling", include_str!("../../experiments/scaling.toml")),
+    ("book-1", include_str!("../../experiments/book-1.toml")),
+    ("book-2", include_str!("../../experiments/book-2.toml")),
+    ("book-3", include_str!("../../experiments/book-3.toml")),
+    ("book-4", include_str!("../../experiments/book-4.toml")),
+    ("arithmetic", include_str!("../../experiments/arithmetic.toml")),
+    ("speed-error", include_str!("../../experiments/speed-error.toml")),
+    ("hard-cases", include_str!("../../experiments/hard-cases.toml")),
+    ("price", include_str!("../../experiments/price.toml")),
+    ("scale", include_str!("../../experiments/scale.toml")),
+    ("million", include_str!("../../experiments/million.toml")),
+    ("peers", include_str!("../../experiments/peers.toml")),
+];
+
+/// All of them.
+pub fn all() -> anyhow::Result<Vec<Experiment>> {
+    FILES.iter().map(|(name, text)| parse(name, text)).collect()
+}
+
+/// The experiment of a name or file, and its text.
+pub fn find(name: &str) -> anyhow::Result<(Experiment, String)> {
+    if let Some((name, text)) = FILES.iter().find(|(known, _)| *known == name) {
+        return Ok((parse(name, text)?, text.to_string()));
+    }
+    let path = Path::new(name);
+    if !path.exists() {
+        let known: Vec<&str> = FILES.iter().map(|(name, _)| *name).collect();
+        return Err(anyhow!(
+            "there is no experiment '{name}': it is neither a file nor one of {}",
+            known.join(", ")
+        ));
+    }
+    let text = std::fs::read_to_string(path)
+        .with_context(|| format!("cannot read the experiment {name}"))?;
+    Ok((Experiment::read(path)?, text))
+}
+
+fn parse(name: &str, text: &str) -> anyhow::Result<Experiment> {
+    Experiment::parse(text, Path::new("experiments"))
+        .with_context(|| format!("in experiments/{name}.toml"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_file_is_in_the_list_and_well_formed() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("experiments");
+        let mut files: Vec<String> = std::fs::read_dir(folder)
+            .unwrap()
+            .map(|f| f.unwrap().file_name().into_string().unwrap())
+            .collect();
+        let mut listed: Vec<String> =
+            FILES.iter().map(|(name, _)| format!("{name}.toml")).collect();
+        files.sort();
+        listed.sort();
+        assert_eq!(files, listed);
+        for (experiment, (name, _)) in all().unwrap().iter().zip(FILES) {
+            assert_eq!(experiment.name, *name);
+            assert!(
+                experiment.plan(true).unwrap().len() <= 16,
+                "{name}: a quick run has few scenes"
+            );
+        }
+    }
+
+    #[test]
+    fn experiments_of_committed_records_are_still_read() {
+        let results = Path::new(env!("CARGO_MANIFEST_DIR")).join("results");
+        let mut count = 0;
+        for folder in std::fs::read_dir(results).unwrap() {
+            let Ok(files) = std::fs::read_dir(folder.unwrap().path().join("experiments")) else {
+                continue;
+            };
+            for file in files {
+                let path = file.unwrap().path();
+                Experiment::read(&path).unwrap_or_else(|error| panic!("{error:#}"));
+                count += 1;
+            }
+        }
+        assert!(count > 5, "{count}");
+    }
+}

@@ -1,0 +1,122 @@
+//! Names of detectors in experiments: groups become the detectors in them, and every detector with
+//! parameters has one way of being written.
+
+use crate::detect::peers::PEERS;
+use crate::detect::table::{self, Group, SpecError, TABLE};
+use crate::experiment::nearest::hint;
+
+/// Groups that are not a [`Group`] of the table, but several.
+const ALL: (&str, [Group; 3]) = ("@all", [Group::Book, Group::Modern, Group::Streamed]);
+
+/// The names of all groups, for messages and the documentation.
+pub fn groups() -> impl Iterator<Item = &'static str> {
+    Group::ALL.iter().map(|group| group.name()).chain([ALL.0])
+}
+
+/// The detectors that these names and groups stand for, in order. Who is named by a group, too, is
+/// there once; who is named twice by name is refused.
+pub fn expand(names: &[String]) -> Result<Vec<String>, String> {
+    let (mut all, mut named) = (Vec::new(), Vec::new());
+    for name in names {
+        if name.starts_with('@') {
+            all.extend(members(name)?);
+            continue;
+        }
+        let name = match table::parse(name) {
+            Ok(spec) => spec.to_string(),
+            // Its rows say how to get it.
+            Err(SpecError::NotBuilt { .. }) => name.clone(),
+            Err(error) => return Err(error.to_string()),
+        };
+        if named.contains(&name) {
+            return Err(twice(&name));
+        }
+        named.push(name.clone());
+        all.push(name);
+    }
+    let mut seen = std::collections::BTreeSet::new();
+    all.retain(|name| seen.insert(name.clone()));
+    Ok(all)
+}
+
+/// The detectors of a group, in the order of the table.
+pub fn members(group: &str) -> Result<Vec<String>, String> {
+    let one = Group::ALL.iter().find(|known| known.name() == group);
+    let groups = match one {
+        Some(one) => std::slice::from_ref(one),
+        None if group == ALL.0 => &ALL.1,
+        None => {
+            let hint = hint(group, self::groups());
+            let list = self::groups().collect::<Vec<_>>().join(", ");
+            return Err(format!("there is no group '{group}'{hint}; the groups are: {list}"));
+        }
+    };
+    let names = TABLE.iter().filter(|entry| groups.contains(&entry.group)).map(|entry| entry.name);
+    // Peers are asked for also where they were not compiled: their rows say how to get them.
+    let peers = groups.contains(&Group::Peers).then(|| PEERS.iter().map(|peer| peer.name));
+    let mut names: Vec<String> = names.map(String::from).collect();
+    for peer in peers.into_iter().flatten() {
+        if !names.iter().any(|name| name == peer) {
+            names.push(peer.into());
+        }
+    }
+    Ok(names)
+}
+
+/// The one way of writing a detector; a name that is not in the table stays as it is.
+pub fn normal(name: &str) -> String {
+    table::parse(name).map_or_else(|_| name.to_string(), |spec| spec.to_string())
+}
+
+pub(super) fn twice(name: &str) -> String {
+    format!("there are two runners named '{name}'; their rows could not be told apart: rename one")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn expanded(names: &[&str]) -> Result<String, String> {
+        let names: Vec<String> = names.iter().map(|name| name.to_string()).collect();
+        expand(&names).map(|names| names.join(" "))
+    }
+
+    #[test]
+    fn groups_stand_for_their_detectors_once() {
+        assert_eq!(expanded(&["@book"]).unwrap(), "direct binary-tree screening sorting nbs");
+        assert_eq!(
+            expanded(&["nbs", "@book", "@book"]).unwrap(),
+            "nbs direct binary-tree screening sorting"
+        );
+        assert_eq!(expanded(&["@controls"]).unwrap(), "nothing nbs-twin");
+        assert_eq!(expanded(&["@peers"]).unwrap(), "kiddo kd-tree-crate rstar parry zelll");
+        let all = expanded(&["@all"]).unwrap();
+        assert_eq!(all, expanded(&["@book", "@streamed", "@modern"]).unwrap());
+        let searches = TABLE.iter().filter(|entry| entry.role == table::Role::Detector).count();
+        assert_eq!(all.split(' ').count(), searches);
+    }
+
+    #[test]
+    fn unknown_names_and_repeated_ones_are_refused() {
+        for (names, words) in [
+            (&["@boks"][..], "there is no group '@boks'; did you mean @book?; the groups are: "),
+            (&["nbs", "nbs"], "two runners named 'nbs'"),
+            (
+                &[
+                    "streamed-nbs:form=dense,level=portable",
+                    "streamed-nbs:level=portable,form=dense",
+                ],
+                "two runners named 'streamed-nbs:form=dense,level=portable'",
+            ),
+            (&["nsb"], "there is no detector 'nsb'"),
+            (&["streamed-nbs:levle=avx2"], "levle"),
+        ] {
+            let error = expanded(names).unwrap_err();
+            assert!(error.contains(words), "{names:?}: {error}");
+        }
+        assert_eq!(
+            expanded(&["streamed-nbs", "streamed-nbs:level=portable"]).unwrap(),
+            "streamed-nbs streamed-nbs:level=portable"
+        );
+    }
+}

@@ -1,0 +1,97 @@
+//! Figures: what an experiment draws.
+
+use serde::Deserialize;
+
+use crate::experiment::claims::Where;
+use crate::experiment::expression::Expression;
+
+/// A figure.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Figure {
+    /// The file name, without ending.
+    pub name: String,
+    /// The heading.
+    pub title: String,
+    /// What is drawn.
+    pub kind: FigureKind,
+    /// Which rows; all without.
+    #[serde(rename = "where", default)]
+    pub filter: Where,
+}
+
+/// What is drawn; `lines` where a file does not say.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum FigureKind {
+    /// y against x, one panel per scene and dimension, one line per detector.
+    Lines(Lines),
+    /// Error rate against time per particle, one panel per scene, one mark per detector and
+    /// arithmetic.
+    SpeedError(SpeedError),
+}
+
+/// Options of a figure of lines.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub struct Lines {
+    /// n or a parameter of the scenes.
+    pub x: String,
+    /// The label of the x axis, with unit.
+    pub x_label: String,
+    /// `time_ns` is the median over blocks, drawn with its interval.
+    pub y: Expression,
+    /// The label of the y axis, with unit.
+    pub y_label: String,
+    /// Both axes logarithmic, or both linear.
+    #[serde(default = "logarithmic")]
+    pub log: bool,
+    /// Draw reference slopes N, N log N and N².
+    #[serde(default)]
+    pub slopes: bool,
+    /// y is per particle: an algorithm of cost N is flat, and so is the slope N.
+    #[serde(default)]
+    pub per_element: bool,
+    /// Mark where the input outgrows the caches of the machine.
+    #[serde(default)]
+    pub caches: bool,
+}
+
+fn logarithmic() -> bool {
+    true
+}
+
+impl Lines {
+    /// Options that contradict each other.
+    pub(super) fn problem(&self) -> Option<&'static str> {
+        if self.caches && self.x != "n" {
+            return Some("caches = true: its x must be n");
+        }
+        if self.slopes && !(self.x == "n" && self.log) {
+            return Some("slopes = true: its x must be n, and its axes logarithmic");
+        }
+        None
+    }
+}
+
+/// Options of a figure of speed against error.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct SpeedError {
+    /// Which errors.
+    pub against: Against,
+    /// The parameter that makes the columns; without, the one with the most values.
+    pub columns: String,
+}
+
+/// What answers are compared with.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Against {
+    /// Exact decisions on the scene as given: all causes of error.
+    #[default]
+    Given,
+    /// Exact decisions on the scene as stored in the arithmetic: predicate and search, without
+    /// representation.
+    Stored,
+}

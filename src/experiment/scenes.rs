@@ -1,0 +1,163 @@
+//! Scenes of an experiment: a generator, and lists of values to sweep over.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use anyhow::{Context, bail, ensure};
+use serde::Deserialize;
+
+use crate::experiment::{Experiment, List};
+use crate::scene::spec::{Order, Spec};
+use crate::scene::{generate, hard};
+
+/// Parameters of a generator, by name.
+pub type Params = BTreeMap<String, List<toml::Value>>;
+
+/// A generator and the values of its parameters; any of them may be a list.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct SceneSweep {
+    /// The generator: packed, loose, clustered, pack-a ... pack-d; file; or hard, which without a
+    /// `case` means all cases.
+    pub name: String,
+    /// Dimensions.
+    pub dim: List<u32>,
+    /// Numbers of particles; not for `file` and `hard`, which bring their own.
+    pub n: Option<List<u64>>,
+    /// Seeds.
+    pub seed: List<u64>,
+    /// Orders of the particles.
+    pub order: List<Order>,
+    /// What a quick run takes instead.
+    pub quick: Quick,
+    /// The generator's parameters: in a file, all other keys.
+    pub params: Params,
+    /// The line in the file, for messages.
+    #[serde(skip)]
+    pub line: usize,
+}
+
+impl Default for SceneSweep {
+    fn default() -> SceneSweep {
+        SceneSweep {
+            name: String::new(),
+            dim: 2.into(),
+            n: None,
+            seed: 1.into(),
+            order: Order::Shuffled.into(),
+            quick: Quick::default(),
+            params: Params::new(),
+            line: 0,
+        }
+    }
+}
+
+/// Values that replace those of a sweep in a quick run.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Quick {
+    /// Dimensions.
+    pub dim: Option<List<u32>>,
+    /// Numbers of particles.
+    pub n: Option<List<u64>>,
+    /// Seeds.
+    pub seed: Option<List<u64>>,
+    /// Orders of the particles.
+    pub order: Option<List<Order>>,
+    /// The generator's parameters.
+    pub params: Params,
+}
+
+impl Experiment {
+    /// All scenes of the experiment, in the order run.
+    pub fn plan(&self, quick: bool) -> anyhow::Result<Vec<Spec>> {
+        let mut specs = Vec::new();
+        for sweep in &self.scenes {
+            let sweep = if quick { sweep.quickened() } else { sweep.clone() };
+            sweep.add(&mut specs).with_context(|| format!("line {}", sweep.line))?;
+        }
+        Ok(specs)
+    }
+}
+
+impl SceneSweep {
+    fn quickened(&self) -> SceneSweep {
+        let mut sweep = self.clone();
+        let quick = self.quick.clone();
+        sweep.n = quick.n.or(sweep.n);
+        sweep.dim = quick.dim.unwrap_or(sweep.dim);
+        sweep.seed = quick.seed.unwrap_or(sweep.seed);
+        sweep.order = quick.order.unwrap_or(sweep.order);
+        sweep.params.extend(quick.params);
+        sweep
+    }
+
+    /// Takes relative paths of files from this folder.
+    pub(super) fn relative_to(&mut self, folder: &Path) -> anyhow::Result<()> {
+        for params in [&mut self.params, &mut self.quick.params] {
+            match params.get_mut("path").map(|list| list.0.as_mut_slice()) {
+                None => {}
+                Some([toml::Value::String(path)]) => {
+                    *path = folder.join(&*path).display().to_string();
+                }
+                Some(_) => bail!("path must be one string"),
+            }
+        }
+        Ok(())
+    }
+
+    fn add(&self, specs: &mut Vec<Spec>) -> anyhow::Result<()> {
+        let generator = generate::table::find(&self.name)?;
+        let numbers = match &self.n {
+            Some(numbers) => numbers.to_vec(),
+            None if generator.own_n => vec![0],
+            None => bail!(
+                "scene {}: n is missing; give the numbers of particles, as in n = [100, 1000]",
+                self.name
+            ),
+        };
+        for &dim in self.dim.iter() {
+            let mut axes: Vec<(&str, Vec<toml::Value>)> =
+                self.params.iter().map(|(name, list)| (name.as_str(), list.to_vec())).collect();
+            if self.name == generate::hard::NAME && !self.params.contains_key("case") {
+                let cases = hard::cases().filter(|case| case.dims.contains(&dim));
+                axes.push(("case", cases.map(|case| case.name.into()).collect()));
+            }
+            for &order in self.order.iter() {
+                for combination in product(&axes) {
+                    for &n in &numbers {
+                        for &seed in self.seed.iter() {
+                            let spec = Spec::new(&self.name, dim, n, seed, order, &combination)?;
+                            ensure!(
+                                !specs.contains(&spec),
+                                "scene {} stands there twice with the same parameters; leave one \
+                                 out",
+                                spec.name
+                            );
+                            specs.push(spec);
+                        }
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// All combinations of one value per axis.
+fn product(axes: &[(&str, Vec<toml::Value>)]) -> Vec<BTreeMap<String, toml::Value>> {
+    let mut all = vec![BTreeMap::new()];
+    for (name, values) in axes {
+        all = all
+            .into_iter()
+            .flat_map(|head| {
+                values.iter().map(move |value| {
+                    let mut head = head.clone();
+                    head.insert((*name).to_string(), value.clone());
+                    head
+                })
+            })
+            .collect();
+    }
+    all
+}

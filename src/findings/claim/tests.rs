@@ -1,0 +1,138 @@
+//! Claims of every kind, holding and failing, on made-up rows.
+
+use super::*;
+use crate::cells;
+use crate::cells::testing;
+use crate::cells::testing::Lab;
+
+fn lab() -> Lab {
+    let mut lab = Lab::new("e", "packed");
+    for (k, n) in [100, 300, 1000, 3000, 10_000, 30_000].into_iter().enumerate() {
+        lab.n(n);
+        lab.detector("direct").count(&[("contact_test", n * (n - 1) / 2)]).time(&[n * n; 15]);
+        lab.detector("nbs")
+            .count(&[("list_push", 2 * n + k as u64), ("contact_test", 6 * n)])
+            .memory(20 * n + 100, 20 * n + 100);
+        lab.time(&[60 * n; 15]);
+        lab.detector("nothing").fail(Pass::Time, Outcome::Control, "");
+    }
+    lab
+}
+
+fn judge(lab: &Lab, claim: &str) -> Verdict {
+    let experiment = testing::experiment(&format!("[[claim]]\nname = 'c'\n{claim}"));
+    verdicts(&experiment, &cells::cells(&lab.rows())).remove(0)
+}
+
+#[test]
+fn each_kind_holds_and_fails() {
+    use Status::*;
+    let nbs = "where = { detector = 'nbs' }";
+    for (claim, status, evidence) in [
+        (
+            format!("kind = 'constant'\nvalue = 'list_push / n'\nwithin = 0.01\n{nbs}"),
+            Holds,
+            "2 to 2.003 over n = 100..30000 (0.2%)",
+        ),
+        (
+            format!("kind = 'constant'\nvalue = 'list_push / n'\nwithin = 0.001\n{nbs}"),
+            Fails,
+            "lowest at n = 100, highest at n = 300",
+        ),
+        (format!("kind = 'constant'\nvalue = 'list_step'\n{nbs}"), Holds, "0 to 0"),
+        (format!("kind = 'constant'\nvalue = 'list_push - 200'\n{nbs}"), Fails, "not positive"),
+        (
+            format!("kind = 'equal'\nvalue = 'peak_bytes'\nto = '20 * n + 100'\n{nbs}"),
+            Holds,
+            "exactly, in 6 cells",
+        ),
+        (
+            format!("kind = 'equal'\nvalue = 'peak_bytes'\nto = '20 * n'\nwithin = 0.01\n{nbs}"),
+            Fails,
+            "worst: 2100 differs from 2000 by 5.0% at n = 100",
+        ),
+        (format!("kind = 'equal'\nvalue = 'peak_bytes'\nto = '0'\n{nbs}"), Fails, "differs from 0"),
+        (
+            format!("kind = 'at-most'\nvalue = 'list_push'\nto = '3 * n'\n{nbs}"),
+            Holds,
+            "nearest: 601 against 900 at n = 300",
+        ),
+        (
+            format!("kind = 'at-most'\nvalue = 'list_push'\nto = '2 * n + 4'\n{nbs}"),
+            Fails,
+            "in 1 of 6 cells; worst: 60005 exceeds 60004",
+        ),
+        (
+            format!("kind = 'model'\nvalue = 'contact_test'\nmodel = 'N'\n{nbs}"),
+            Holds,
+            "exponent 1.000",
+        ),
+        (
+            format!("kind = 'model'\nvalue = 'contact_test'\nmodel = 'N^2'\n{nbs}"),
+            Fails,
+            "N fits, not N²",
+        ),
+        ("kind = 'model'\nvalue = 'contact_test'\nmodel = 'N'".into(), Fails, "direct: exponent"),
+        (
+            format!("kind = 'model'\nvalue = 'n ^ 1.5'\nmodel = 'N log N'\n{nbs}"),
+            NotShown,
+            "undecided",
+        ),
+        (
+            "kind = 'faster'\nthan = 'direct'\nwhere = { detector = 'nbs' }".into(),
+            Holds,
+            "worst 0.60 [0.60, 0.60] at n = 100",
+        ),
+        (
+            "kind = 'faster'\nthan = 'nbs'\nwhere = { detector = 'direct' }".into(),
+            Fails,
+            "slower in 6 of them",
+        ),
+        (
+            "kind = 'faster'\nthan = 'quick'\nwhere = { detector = 'nbs' }".into(),
+            NotShown,
+            "no cell has times",
+        ),
+        (
+            "kind = 'equal'\nvalue = 'list_pusch'\nto = 'n'".into(),
+            Fails,
+            "unknown variable 'list_pusch'",
+        ),
+        (
+            "kind = 'equal'\nvalue = 'n'\nto = 'n'\nwhere = { detector = 'x' }".into(),
+            NotShown,
+            "no cell matches",
+        ),
+        ("kind = 'equal'\nvalue = 'n'\nto = 'n'\nwhere = { spin = 1 }".into(), Fails, "spin"),
+    ] {
+        let verdict = judge(&lab(), &claim);
+        assert_eq!(verdict.status, status, "{claim}: {}", verdict.evidence);
+        assert!(verdict.evidence.contains(evidence), "{claim}: {}", verdict.evidence);
+        assert_eq!(verdict.machine_independent, !claim.contains("faster"));
+    }
+}
+
+#[test]
+fn wrong_cells_fail_and_missing_ones_are_named() {
+    let claim = "kind = 'equal'\nvalue = 'contact_test'\nto = 'n * (n - 1) / 2'\nwhere = { \
+                 detector = 'direct' }";
+    let mut lab = lab();
+    lab.detector("direct").n(100_000).fail(Pass::Count, Outcome::Timeout, "30 s");
+    let verdict = judge(&lab, claim);
+    assert_eq!(verdict.status, Status::Holds);
+    assert!(verdict.evidence.contains("without 1 of 7 cells: 1 timeout"), "{}", verdict.evidence);
+    lab.fail(Pass::Memory, Outcome::Wrong, "digest");
+    let verdict = judge(&lab, claim);
+    assert_eq!(verdict.status, Status::Fails);
+    assert!(verdict.evidence.contains("wrong answers in 1 cell"), "{}", verdict.evidence);
+    assert!(any_failed(&[verdict]));
+}
+
+#[test]
+fn a_straddling_ratio_cannot_tell() {
+    let mut lab = Lab::new("e", "packed");
+    lab.detector("a").time(&[90, 110, 95, 105, 100, 100, 90, 110]).detector("b").time(&[100; 8]);
+    let verdict = judge(&lab, "kind = 'faster'\nthan = 'b'\nwhere = { detector = 'a' }");
+    assert_eq!(verdict.status, Status::NotShown);
+    assert!(!any_failed(&[verdict]));
+}

@@ -1,0 +1,319 @@
+//! Two records compared cell by cell: what must be the same (pairs, counts, bytes, outcomes), and
+//! how the times differ.
+
+pub mod records;
+mod timing;
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use timing::timing;
+pub use timing::{Judgement, Note, Timing};
+
+use crate::cells::label::place;
+use crate::cells::{AxisValue, Cell, cells, ids};
+use crate::contact::Arithmetic;
+use crate::record::id::{CellId, FIELDS, MACHINE};
+use crate::record::machines::Machine;
+use crate::record::row::{Outcome, Pass, Row};
+
+/// How times are compared.
+#[derive(Clone, Debug, Default)]
+pub struct Options {
+    /// A difference within this share is none.
+    pub band: f64,
+    /// Times are taken as multiples of this detector's in the same block.
+    pub against: Option<String>,
+    /// The machines of the two records where they differ: without a reference no time is judged.
+    pub machines: Option<[Machine; 2]>,
+    /// The kinds of builds where they differ: no time is judged.
+    pub builds: Option<[String; 2]>,
+}
+
+/// One of the two records.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// The first.
+    A,
+    /// The second.
+    B,
+}
+
+impl Side {
+    /// `A` or `B`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Side::A => "A",
+            Side::B => "B",
+        }
+    }
+
+    /// The one of two that has it; none if both have it, or neither.
+    fn only(a: bool, b: bool) -> Option<Side> {
+        (a != b).then_some(if a { Side::A } else { Side::B })
+    }
+}
+
+/// Something that must be the same and is not.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct Change {
+    /// `digest`, `list_push`, `peak_bytes`, `outcome (time)`, ...
+    pub what: String,
+    /// In A.
+    pub a: String,
+    /// In B.
+    pub b: String,
+}
+
+/// A cell of either record.
+#[derive(Clone, Debug)]
+pub struct Compared {
+    /// `nbs, packed, 3D, n = 1000, ...`: all that tells it from other cells.
+    pub place: String,
+    /// Which cell.
+    pub id: CellId,
+    /// What must be the same and is not.
+    pub changes: Vec<Change>,
+    /// Why there is nothing to compare, if so.
+    pub absent: Option<Absent>,
+    /// What cannot be compared though the cell is in both: a run was cut short.
+    pub lacks: Vec<Lack>,
+    /// The times, where both have some.
+    pub timing: Option<Timing>,
+}
+
+/// Why a cell cannot be compared.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Absent {
+    /// It stands in one record only.
+    OnlyIn(Side),
+    /// The contender was not available in one: why.
+    UnavailableIn(Side, String),
+}
+
+/// What cannot be compared of a cell that is in both records.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Lack {
+    /// Only one has made this pass.
+    Pass(Pass, Side),
+    /// Only one has this: `times`, `contacts`, `counts`, or the name of a number of bytes.
+    Value(&'static str, Side),
+    /// Both have times, but no ratio of them.
+    Blocks,
+}
+
+/// How many cells came out how.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Summary {
+    /// All of either record.
+    pub cells: usize,
+    /// Those in which something differs that must be the same.
+    pub changed: usize,
+    /// Those that cannot be compared.
+    pub absent: usize,
+    /// Those of which a part cannot be compared.
+    pub lacking: usize,
+    /// Those with times in both, by verdict.
+    pub judged: BTreeMap<Judgement, usize>,
+}
+
+impl Summary {
+    /// Counts the cells.
+    pub fn new(cells: &[Compared]) -> Summary {
+        let count = |wanted: fn(&&Compared) -> bool| cells.iter().filter(wanted).count();
+        let mut judged = BTreeMap::new();
+        for timing in cells.iter().filter_map(|cell| cell.timing.as_ref()) {
+            *judged.entry(timing.judgement).or_default() += 1;
+        }
+        Summary {
+            cells: cells.len(),
+            changed: count(|cell| !cell.changes.is_empty()),
+            absent: count(|cell| cell.absent.is_some()),
+            lacking: count(|cell| !cell.lacks.is_empty()),
+            judged,
+        }
+    }
+}
+
+/// The cells of a record.
+struct Record {
+    cells: BTreeMap<CellId, Cell>,
+    /// The fingerprints of the pairs: one, unless answers differ.
+    digests: BTreeMap<CellId, BTreeSet<String>>,
+}
+
+impl Record {
+    fn new(rows: &[Row]) -> Record {
+        let mut digests: BTreeMap<CellId, BTreeSet<String>> = BTreeMap::new();
+        for (key, row) in ids(rows) {
+            if let Some(digest) = &row.digest {
+                digests.entry(key).or_default().insert(digest.clone());
+            }
+        }
+        Record {
+            cells: cells(rows).into_iter().map(|cell| (cell.id.clone(), cell)).collect(),
+            digests,
+        }
+    }
+
+    /// The detector that a cell's times are divided by: on the same scene, in the same arithmetic
+    /// if it can be, with as few threads as there are.
+    fn reference(&self, id: &CellId, name: &str) -> Option<&Cell> {
+        let scene = id.scene_id();
+        let known = self.cells.values().filter(|cell| {
+            cell.id.contender() == name && cell.time().is_some() && cell.id.scene_id() == scene
+        });
+        known.min_by_key(|cell| {
+            (
+                cell.id.arithmetic != id.arithmetic,
+                cell.id.arithmetic != Arithmetic::Exact.name(),
+                cell.id.threads(),
+            )
+        })
+    }
+}
+
+/// Compares two records of the same machine each, or of the same several. Cells come in the order
+/// of keys, those of one record only included.
+pub fn compare(a: &[Row], b: &[Row], options: &Options) -> Vec<Compared> {
+    let (a, b) = (Record::new(a), Record::new(b));
+    let keys: BTreeSet<&CellId> = a.cells.keys().chain(b.cells.keys()).collect();
+    let swept = swept(&keys);
+    let compared = |key: &CellId| {
+        let mut cell = Compared {
+            place: place(key, &swept),
+            id: key.clone(),
+            changes: Vec::new(),
+            absent: None,
+            lacks: Vec::new(),
+            timing: None,
+        };
+        match (a.cells.get(key), b.cells.get(key)) {
+            (Some(in_a), Some(in_b)) => fill(&mut cell, (&a, in_a), (&b, in_b), options),
+            (in_a, in_b) => {
+                cell.absent = Side::only(in_a.is_some(), in_b.is_some()).map(Absent::OnlyIn);
+            }
+        }
+        cell
+    };
+    keys.into_iter().map(compared).collect()
+}
+
+/// Compares a cell that both records have.
+fn fill(
+    cell: &mut Compared,
+    (a, in_a): (&Record, &Cell),
+    (b, in_b): (&Record, &Cell),
+    options: &Options,
+) {
+    let gone = |cell: &Cell| cell.overall().0 == Outcome::Unavailable;
+    // Of what was available in neither, nothing is missing.
+    if let Some(side) = Side::only(gone(in_a), gone(in_b)) {
+        let reason = if side == Side::A { in_a.overall().1 } else { in_b.overall().1 };
+        cell.absent = Some(Absent::UnavailableIn(side, reason.to_string()));
+        return;
+    }
+    let mut note = |what: &str, a: &str, b: &str| {
+        if a != b {
+            cell.changes.push(Change { what: what.into(), a: a.into(), b: b.into() });
+        }
+    };
+    note("scene", &in_a.stats.scene_hash, &in_b.stats.scene_hash);
+    if !cell.changes.is_empty() {
+        // All else follows from that.
+        return;
+    }
+    cell.changes = changes(in_a, in_b);
+    if let (Some(in_a), Some(in_b)) = (a.digests.get(&cell.id), b.digests.get(&cell.id))
+        && in_a != in_b
+    {
+        let text = |digests: &BTreeSet<String>| {
+            digests.iter().map(String::as_str).collect::<Vec<_>>().join(" and ")
+        };
+        cell.changes.push(Change { what: "digest".into(), a: text(in_a), b: text(in_b) });
+    }
+    cell.timing = timing((a, in_a), (b, in_b), options);
+    // What an outcome explains is said by the outcome.
+    if cell.changes.is_empty() {
+        cell.lacks = lacks(in_a, in_b, cell.timing.is_some());
+    }
+}
+
+/// All fields but the parameters that are the same wherever the scene is.
+fn swept(keys: &BTreeSet<&CellId>) -> Vec<String> {
+    let mut values: BTreeMap<(&str, u32, String), BTreeSet<AxisValue>> = BTreeMap::new();
+    for key in keys {
+        for (name, value) in key.parameters() {
+            values.entry((&key.scene, key.dim, name)).or_default().insert(value);
+        }
+    }
+    let params: BTreeSet<String> = values
+        .into_iter()
+        .filter(|(place, values)| values.len() > 1 || place.2 == MACHINE)
+        .map(|((.., name), _)| name)
+        .collect();
+    let differs =
+        |name: &str| keys.iter().map(|key| key.axis(name)).collect::<BTreeSet<_>>().len() > 1;
+    let rarely = ["experiment", "order", "seed", "threads"];
+    let first = ["detector", "arithmetic", "scene", "dim", "n"];
+    let others = FIELDS.into_iter().filter(|name| rarely.contains(name) && differs(name));
+    first.into_iter().map(String::from).chain(params).chain(others.map(String::from)).collect()
+}
+
+/// Outcomes, contacts, counts and bytes that differ. What one side did not measure, because it
+/// ended otherwise, is said by the outcome.
+fn changes(a: &Cell, b: &Cell) -> Vec<Change> {
+    let mut found = Vec::new();
+    let mut note = |what: &str, a: String, b: String| {
+        if a != b {
+            found.push(Change { what: what.to_string(), a, b });
+        }
+    };
+    for pass in Pass::ALL {
+        if let (Some((in_a, _)), Some((in_b, _))) = (a.passes.get(&pass), b.passes.get(&pass)) {
+            note(&format!("outcome ({})", pass.name()), in_a.name().into(), in_b.name().into());
+        }
+    }
+    if let (Some(in_a), Some(in_b)) = (a.contacts, b.contacts) {
+        note("contacts", in_a.to_string(), in_b.to_string());
+    }
+    if let (Some(in_a), Some(in_b)) = (&a.counts, &b.counts) {
+        // An operation that a version does not know yet has happened no time.
+        let names: BTreeSet<&String> = in_a.keys().chain(in_b.keys()).collect();
+        let count = |counts: &BTreeMap<String, u64>, name: &str| {
+            counts.get(name).copied().unwrap_or(0).to_string()
+        };
+        names.into_iter().for_each(|name| note(name, count(in_a, name), count(in_b, name)));
+    }
+    for (name, in_a) in &a.memory {
+        if let Some(in_b) = b.memory.get(name) {
+            note(name, in_a.to_string(), in_b.to_string());
+        }
+    }
+    found
+}
+
+/// What one side has measured and the other has not.
+fn lacks(a: &Cell, b: &Cell, timed: bool) -> Vec<Lack> {
+    let mut found = Vec::new();
+    for pass in Pass::ALL {
+        let only = Side::only(a.passes.contains_key(&pass), b.passes.contains_key(&pass));
+        found.extend(only.map(|side| Lack::Pass(pass, side)));
+    }
+    let mut see = |what: &'static str, a: bool, b: bool| {
+        found.extend(Side::only(a, b).map(|side| Lack::Value(what, side)));
+    };
+    see("times", a.time().is_some(), b.time().is_some());
+    see("contacts", a.contacts.is_some(), b.contacts.is_some());
+    see("counts", a.counts.is_some(), b.counts.is_some());
+    let names: BTreeSet<&'static str> = a.memory.keys().chain(b.memory.keys()).copied().collect();
+    for name in names {
+        see(name, a.memory.contains_key(name), b.memory.contains_key(name));
+    }
+    if !timed && a.time().is_some() && b.time().is_some() {
+        found.push(Lack::Blocks);
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,74 @@
+//! What two records are of: their machines, their builds, and the rows that can be compared.
+
+use std::collections::BTreeSet;
+
+use anyhow::ensure;
+use serde_json::Value;
+
+use crate::record::machines::Machine;
+use crate::record::merge::Part;
+use crate::record::row::Row;
+
+/// The names of the machines that measured a record.
+pub fn machines(part: &Part) -> BTreeSet<String> {
+    part.rows.iter().map(|row| row.id.machine.clone().unwrap_or_default()).collect()
+}
+
+/// The detectors, with their parameters, that a record has rows of.
+pub fn detectors(part: &Part) -> BTreeSet<String> {
+    part.rows.iter().map(|row| row.id.contender()).collect()
+}
+
+/// The rows to compare: where a record is of several machines, those of the machines that both
+/// have. An error if there is none of these.
+pub fn common(parts: &[Part; 2]) -> anyhow::Result<[Vec<Row>; 2]> {
+    let names = parts.each_ref().map(machines);
+    if names.iter().all(|names| names.len() == 1) {
+        return Ok(parts.each_ref().map(|part| part.rows.clone()));
+    }
+    let both: BTreeSet<&String> = names[0].intersection(&names[1]).collect();
+    let list = |names: &BTreeSet<String>| names.iter().cloned().collect::<Vec<_>>().join(", ");
+    ensure!(
+        !both.is_empty(),
+        "{} is of the machines {}, {} of {}: compare folders of one machine each, or of the same",
+        parts[0].folder.display(),
+        list(&names[0]),
+        parts[1].folder.display(),
+        list(&names[1])
+    );
+    let in_both = |row: &&Row| row.id.machine.as_ref().is_some_and(|name| both.contains(name));
+    let kept = |part: &Part| part.rows.iter().filter(in_both).cloned().collect();
+    Ok(parts.each_ref().map(kept))
+}
+
+/// The machines of the two, if they differ. They are told apart by name, processor and number of
+/// cores.
+pub fn two_machines(parts: &[Part; 2]) -> Option<[Machine; 2]> {
+    let names = parts.each_ref().map(machines);
+    let apart = |a: &str, b: &str| {
+        let found = [parts[0].machine(a), parts[1].machine(b)];
+        let differ = !found[0].may_be(&found[1]);
+        let [first, second] = found;
+        // As the records call them: in a merged one a machine's own name may stand behind a label.
+        let named = |name: &str, machine| Machine { name: name.into(), ..machine };
+        differ.then(|| [named(a, first), named(b, second)])
+    };
+    if names.iter().all(|names| names.len() == 1) {
+        apart(names[0].first()?, names[1].first()?)
+    } else {
+        names[0].intersection(&names[1]).find_map(|name| apart(name, name))
+    }
+}
+
+/// The kinds of builds of the two, if they differ.
+pub fn two_builds(parts: &[Part; 2]) -> Option<[String; 2]> {
+    let profile = |part: &Part| field(part, "profile").as_str().map(String::from);
+    let [a, b] = parts.each_ref().map(profile);
+    Some([a?, b?]).filter(|[a, b]| a != b)
+}
+
+/// A field of a record's provenance; null where there is none.
+pub fn field(part: &Part, name: &str) -> Value {
+    let fields = part.provenance.as_ref();
+    fields.and_then(|fields| fields.get(name)).cloned().unwrap_or(Value::Null)
+}

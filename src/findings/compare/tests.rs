@@ -1,0 +1,163 @@
+//! Made-up records compared.
+
+use super::*;
+use crate::cells::testing::Lab;
+
+fn options() -> Options {
+    Options { band: 0.05, ..Options::default() }
+}
+
+fn two() -> [Machine; 2] {
+    ["one", "two"].map(|name| Machine { name: name.into(), ..Machine::default() })
+}
+
+/// 15 times about `base`, with some scatter.
+fn times(base: u64) -> Vec<u64> {
+    (0..15).map(|k| base + base * (k * 7 % 15) / 1000).collect()
+}
+
+fn lab(nbs: u64, sweep: u64) -> Lab {
+    let mut lab = Lab::new("e", "packed");
+    lab.detector("nbs").count(&[("list_push", 40)]).memory(1000, 900).time(&times(nbs));
+    lab.detector("sweep").count(&[("list_push", 0)]).memory(500, 500).time(&times(sweep));
+    lab
+}
+
+fn judgements(a: &Lab, b: &Lab, options: &Options) -> Vec<(String, Judgement)> {
+    let cells = compare(&a.rows(), &b.rows(), options);
+    assert!(cells.iter().all(|cell| cell.changes.is_empty() && cell.absent.is_none()), "{cells:?}");
+    cells.into_iter().map(|cell| (cell.id.detector, cell.timing.unwrap().judgement)).collect()
+}
+
+#[test]
+fn times_are_judged_by_the_whole_interval() {
+    use Judgement::{Equal, Faster, NotJudged, Slower, Undecided};
+    let judged = |nbs, sweep, options: &Options| {
+        let found = judgements(&lab(100_000, 200_000), &lab(nbs, sweep), options);
+        assert_eq!([&*found[0].0, &*found[1].0], ["nbs", "sweep"]);
+        [found[0].1, found[1].1]
+    };
+    assert_eq!(judged(100_500, 300_000, &options()), [Equal, Slower]);
+    assert_eq!(judged(105_000, 100_000, &options()), [Undecided, Faster]);
+    assert_eq!(judged(105_000, 100_000, &Options { band: 0.5, ..options() }), [Equal, Faster]);
+    // The machine has become half as fast: against nbs nothing has changed.
+    let against = Options { against: Some("nbs".into()), machines: Some(two()), ..options() };
+    assert_eq!(judged(200_000, 400_000, &against), [NotJudged, Equal]);
+    assert_eq!(judged(200_000, 200_000, &against), [NotJudged, Faster]);
+    assert_eq!(
+        judged(200_000, 400_000, &Options { machines: Some(two()), ..options() }),
+        [NotJudged; 2]
+    );
+    assert_eq!(
+        judged(
+            200_000,
+            200_000,
+            &Options { builds: Some(["debug", "release"].map(String::from)), ..against }
+        ),
+        [NotJudged; 2]
+    );
+    assert_eq!(
+        judged(200_000, 200_000, &Options { against: Some("bvh".into()), ..options() }),
+        [NotJudged; 2]
+    );
+}
+
+#[test]
+fn few_blocks_decide_nothing() {
+    let few = |time| {
+        let mut lab = Lab::new("e", "packed");
+        lab.time(&[time, time + 1, time + 2]);
+        lab
+    };
+    let cells = compare(&few(100).rows(), &few(900).rows(), &options());
+    let timing = cells[0].timing.as_ref().unwrap();
+    assert_eq!(
+        (timing.judgement, &timing.note),
+        (Judgement::Undecided, &Some(Note::FewBlocks(3, 3)))
+    );
+    assert!((timing.ratio.median - 901.0 / 101.0).abs() < 0.05, "shown all the same: {timing:?}");
+}
+
+#[test]
+fn whatever_must_be_the_same_is_named() {
+    let a = lab(100, 200).rows();
+    let changed = |change: fn(&mut Row)| {
+        let mut b = a.clone();
+        b.iter_mut().for_each(change);
+        let cells = compare(&a, &b, &options());
+        cells
+            .iter()
+            .flat_map(|cell| {
+                cell.changes
+                    .iter()
+                    .map(|c| format!("{}: {} {} -> {}", cell.id.detector, c.what, c.a, c.b))
+            })
+            .collect::<Vec<_>>()
+    };
+    assert!(changed(|_| ()).is_empty());
+    let nbs = |row: &Row| row.id.detector == "nbs";
+    assert!(nbs(&a[0]));
+    let one: fn(&mut Row) = |row| row.counts.values_mut().for_each(|count| *count += 1);
+    assert_eq!(changed(one), ["nbs: list_push 40 -> 41", "sweep: list_push 0 -> 1"]);
+    let unknown: fn(&mut Row) = |row| {
+        row.counts =
+            row.counts.iter().filter(|count| *count.1 > 0).map(|(k, v)| (k.clone(), *v)).collect()
+    };
+    assert!(changed(unknown).is_empty(), "an operation that did not happen need not be named");
+    assert_eq!(
+        changed(|row| row.peak_bytes = row.peak_bytes.map(|b| b.min(900))),
+        ["nbs: peak_bytes 1000 -> 900"]
+    );
+    assert_eq!(
+        changed(|row| if row.id.detector == "sweep" && row.pass == Pass::Time {
+            row.digest = Some("0x01".into())
+        }),
+        ["sweep: digest 0x00 -> 0x00 and 0x01"]
+    );
+    assert_eq!(
+        changed(|row| if row.id.detector == "sweep" && row.pass == Pass::Count {
+            row.outcome = Outcome::Wrong
+        }),
+        ["sweep: outcome (count) ok -> wrong"]
+    );
+    assert_eq!(
+        changed(|row| row.stats.scene_hash = "0x2".into()),
+        ["nbs: scene  -> 0x2", "sweep: scene  -> 0x2"]
+    );
+}
+
+#[test]
+fn cells_of_one_side_and_unavailable_ones_are_absent() {
+    let (a, mut b) = (lab(100, 200), Lab::new("e", "packed"));
+    b.time(&times(100)).detector("sweep").fail(Pass::Count, Outcome::Unavailable, "not installed");
+    b.detector("bvh").time(&times(7));
+    let absent: Vec<_> = compare(&a.rows(), &b.rows(), &options())
+        .into_iter()
+        .map(|cell| (cell.id.detector, cell.absent))
+        .collect();
+    assert_eq!(
+        absent,
+        [
+            ("bvh".into(), Some(Absent::OnlyIn(Side::B))),
+            ("nbs".into(), None),
+            ("sweep".into(), Some(Absent::UnavailableIn(Side::B, "not installed".into())))
+        ]
+    );
+}
+
+#[test]
+fn what_one_has_not_measured_is_lacking() {
+    let (a, mut b) = (lab(100, 200), Lab::new("e", "packed"));
+    b.count(&[("list_push", 40)]).time(&times(100)).detector("sweep").count(&[]).memory(500, 500);
+    let cells = compare(&a.rows(), &b.rows(), &options());
+    let lacks = |k: usize| cells[k].lacks.clone();
+    let only = |what| Lack::Value(what, Side::A);
+    assert_eq!(
+        lacks(0),
+        [Lack::Pass(Pass::Memory, Side::A), only("formula_bytes"), only("peak_bytes")]
+    );
+    assert_eq!(lacks(1), [Lack::Pass(Pass::Time, Side::A), only("times")]);
+    let found = Summary::new(&cells);
+    assert_eq!((found.cells, found.changed, found.absent, found.lacking), (2, 0, 0, 2));
+    assert_eq!(found.judged.values().sum::<usize>(), 1);
+}

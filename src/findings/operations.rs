@@ -1,0 +1,54 @@
+//! How the operations of each detector grow with N: exponent and law, fitted to exact counts.
+
+use std::collections::BTreeMap;
+
+use crate::cells::{Cell, label};
+use crate::probe::Op;
+use crate::record::id::{Axes, Projection};
+use crate::record::row::Pass;
+use crate::stats::growth::{self, Choice};
+
+/// All operations of a detector on a scene, over N.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Operations {
+    /// The scene.
+    pub scene: String,
+    /// The detector.
+    pub detector: String,
+    /// The law that fits, if one does.
+    pub choice: Choice,
+}
+
+/// A line per scene and detector with counts at two N or more.
+pub fn operations(cells: &[&Cell]) -> Vec<Operations> {
+    let mut series: BTreeMap<Projection, Vec<(f64, f64)>> = BTreeMap::new();
+    // Operations are counted with one thread whatever the times are taken with.
+    let again = |cell: &Cell| {
+        cells
+            .iter()
+            .any(|other| cell.id.threads() > 1 && other.id == cell.id.clone().with_threads(1))
+    };
+    let counted = |cell: &&&Cell| {
+        !cell.role.is_control() && cell.outcome(&[Pass::Count]).0.is_good() && !again(cell)
+    };
+    for cell in cells.iter().filter(counted) {
+        let operations =
+            Op::ALL.into_iter().map(|op| cell.variable(op.name(), None)).sum::<Option<f64>>();
+        if let Some(operations) = operations.filter(|&operations| operations > 0.0) {
+            let key = cell.id.without(&["n", "seed"]);
+            series.entry(key).or_default().push((cell.id.n as f64, operations));
+        }
+    }
+    series.retain(|_, points| points.iter().any(|point| point.0 != points[0].0));
+    let more = label::varying(cells)
+        .into_iter()
+        .filter(|name| !["scene", "dim", "n", "seed", "detector"].contains(&name.as_str()));
+    let fields: Vec<String> =
+        ["scene".to_string(), "dim".to_string()].into_iter().chain(more).collect();
+    let line = |(key, points): (&Projection, &Vec<(f64, f64)>)| Operations {
+        scene: label::place(key, &fields),
+        detector: key.contender().unwrap_or_default(),
+        choice: growth::choose(points),
+    };
+    series.iter().map(line).collect()
+}

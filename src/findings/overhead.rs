@@ -1,0 +1,101 @@
+//! What the harness adds to the times that it measures.
+//!
+//! The control `nothing` takes what is left of a measurement without a detector: clock, call, an
+//! emptied list. Its time over that of the fastest detector is the largest share that the harness
+//! can have in any time at that N.
+
+use std::collections::BTreeMap;
+
+use crate::cells::{Cell, CellId, series};
+use crate::record::id::Projection;
+use crate::record::role::Role;
+
+/// A share below this does not matter.
+pub const LEAST: f64 = 0.01;
+
+/// The share of the harness in the time of the fastest detector.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Overhead {
+    /// The largest share.
+    pub share: f64,
+    /// The N of that scene.
+    pub n: u64,
+    /// The fastest detector there.
+    pub detector: String,
+    /// The scene.
+    pub scene: String,
+    /// From this N on the share is below [`LEAST`] everywhere; none if it never is.
+    pub clear_from: Option<u64>,
+}
+
+impl Overhead {
+    /// None without the control, or without times.
+    pub fn new(cells: &[&Cell]) -> Option<Overhead> {
+        let mut idle: BTreeMap<Projection, f64> = BTreeMap::new();
+        for cell in cells.iter().filter(|cell| cell.role == Role::Nothing) {
+            // Below a nanosecond the record has no numbers.
+            let time = cell.time()?.median.max(1.0);
+            let known = idle.entry(scene(&cell.id)).or_insert(time);
+            *known = known.max(time);
+        }
+        let mut shares: BTreeMap<u64, Overhead> = BTreeMap::new();
+        for group in series::groups(cells) {
+            for n in group.sizes() {
+                let Some((line, time)) = group.fastest(n) else { continue };
+                let Some(first) = group.at(line, n).and_then(|cells| cells.first()) else {
+                    continue;
+                };
+                let Some(idle) = idle.get(&scene(&first.id)).filter(|_| time > 0.0) else {
+                    continue;
+                };
+                let (detector, scene) = (line.detector.clone(), group.title.clone());
+                let found = Overhead { share: idle / time, n, detector, scene, clear_from: None };
+                let worst = shares.entry(n).or_insert_with(|| found.clone());
+                if found.share > worst.share {
+                    *worst = found;
+                }
+            }
+        }
+        let clear = shares.iter().rev().take_while(|(_, found)| found.share < LEAST).last();
+        let clear_from = clear.map(|(n, _)| *n);
+        let worst = shares.values().max_by(|a, b| a.share.total_cmp(&b.share))?;
+        Some(Overhead { clear_from, ..worst.clone() })
+    }
+}
+
+/// A scene, whoever works on it.
+fn scene(id: &CellId) -> Projection {
+    id.scene_id().without(&["seed"])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cells;
+    use crate::cells::testing::Lab;
+    use crate::record::row::Outcome;
+
+    #[test]
+    fn the_largest_share_and_the_n_from_which_it_does_not_matter() {
+        for (idle, share, clear_from) in
+            [(0, 0.001, Some(10)), (50, 0.05, Some(1000)), (5000, 5.0, None)]
+        {
+            let mut lab = Lab::new("e", "packed");
+            for n in [10_u64, 1000] {
+                lab.n(n).detector("nbs").time(&[100 * n; 15]);
+                lab.detector("direct").time(&[n * n * 30; 15]);
+                lab.detector("nothing")
+                    .time(&[idle; 15])
+                    .edit(|row| row.outcome = Outcome::Control);
+            }
+            let cells = cells::cells(&lab.rows());
+            let all: Vec<&Cell> = cells.iter().collect();
+            let found = Overhead::new(&all).unwrap();
+            assert!((found.share - share).abs() < 1e-9, "{found:?}");
+            assert_eq!((found.n, &*found.detector, found.clear_from), (10, "nbs", clear_from));
+            let none: Vec<&Cell> =
+                all.iter().filter(|cell| cell.id.detector != "nothing").copied().collect();
+            assert_eq!(Overhead::new(&none), None);
+        }
+    }
+}

@@ -1,0 +1,101 @@
+//! Every contender on every scene, at its largest N, in every setting that was measured.
+
+use std::collections::BTreeSet;
+
+use crate::cells::Cell;
+use crate::findings::winners::{largest, time};
+use crate::record::row::Outcome;
+use crate::stats::interval::{Interval, ratio};
+
+/// All contenders of a scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SceneResults {
+    /// `packed, 3D, N = 1000`.
+    pub title: String,
+    /// The fastest first.
+    pub results: Vec<Contender>,
+}
+
+/// What was measured of a contender; numbers are per particle.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Contender {
+    /// The detector; its arithmetic and threads where there are several.
+    pub name: String,
+    /// Nanoseconds; of a wrong answer, too.
+    pub time: Option<f64>,
+    /// Timed blocks.
+    pub blocks: usize,
+    /// Its time over that of the fastest, which has 1.
+    pub versus: Versus,
+    /// Pairs whose distance was compared.
+    pub contact_tests: Option<f64>,
+    /// Steps in linked lists.
+    pub list_operations: Option<f64>,
+    /// Most heap bytes at one time.
+    pub peak_bytes: Option<f64>,
+    /// The same by the detector's formula.
+    pub formula_bytes: Option<f64>,
+    /// How it ended.
+    pub outcome: Outcome,
+}
+
+/// A time beside that of the fastest contender of any setting.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Versus {
+    /// It is the fastest.
+    Fastest,
+    /// The ratio of times.
+    Slower(Interval),
+    /// No time, or no common block.
+    Unknown,
+}
+
+/// All scenes.
+pub fn scenes(cells: &[&Cell]) -> Vec<SceneResults> {
+    let results = |scene: crate::findings::winners::Scene<'_>| {
+        let mut cells = scene.cells;
+        cells.sort_by(|a, b| time(a).total_cmp(&time(b)));
+        let right = |cell: &&&Cell| !cell.role.is_control() && time(cell).is_finite();
+        let fastest = cells.iter().find(right).copied();
+        let several = |field: &str| {
+            cells.iter().map(|cell| cell.id.axis(field)).collect::<BTreeSet<_>>().len() > 1
+        };
+        let (arithmetics, threads) = (several("arithmetic"), several("threads"));
+        let result = |cell: &&Cell| {
+            let mut name = cell.id.detector.clone();
+            if arithmetics {
+                name += &format!(" {}", cell.id.arithmetic);
+            }
+            match cell.id.threads() {
+                1 if threads => name += " (1 thread)",
+                count if threads => name += &format!(" ({count} threads)"),
+                _ => {}
+            }
+            contender(cell, name, scene.n.max(1) as f64, fastest)
+        };
+        SceneResults { title: scene.title, results: cells.iter().map(result).collect() }
+    };
+    largest(cells).into_iter().map(results).collect()
+}
+
+fn contender(cell: &Cell, name: String, n: f64, fastest: Option<&Cell>) -> Contender {
+    let per = |name: &str| cell.variable(name, None).map(|value| value / n);
+    let lists = ["list_push", "list_step", "list_reset"];
+    Contender {
+        name,
+        time: cell.wrong_time().or(cell.time().map(|time| time.median)).map(|time| time / n),
+        blocks: cell.times.len(),
+        versus: match (fastest, cell.time()) {
+            (Some(fastest), Some(_)) if fastest.id == cell.id => Versus::Fastest,
+            (Some(fastest), Some(_)) => {
+                ratio(&cell.times, &fastest.times).map_or(Versus::Unknown, Versus::Slower)
+            }
+            _ => Versus::Unknown,
+        },
+        contact_tests: per("contact_test"),
+        list_operations: lists.into_iter().map(per).sum(),
+        peak_bytes: per("peak_bytes"),
+        formula_bytes: per("formula_bytes"),
+        outcome: cell.overall().0,
+    }
+}

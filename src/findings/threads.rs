@@ -1,0 +1,174 @@
+//! What several threads gain, against what the machine lets them gain.
+//!
+//! Of each block: the speed-up is the time with one thread over that with k. The ceiling is the
+//! throughput of k copies with one thread each, at work together, over that of one alone: k times
+//! the time alone over the time of the copies. Their quotient is the fraction of the ceiling that
+//! was reached. A detector can pass the ceiling: k threads on one scene share their caches, k
+//! copies share nothing.
+
+use std::collections::BTreeMap;
+
+use crate::cells::series::{Line, Seeds};
+use crate::cells::{Cell, series};
+use crate::record::row::Outcome;
+use crate::stats::interval::{Interval, median};
+
+/// What threads gain, wherever a detector was timed with one and with several.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Threads {
+    /// Per detector and number of threads, over all scenes and N.
+    pub typical: Vec<Typical>,
+    /// Per scene, N, detector and number of threads.
+    pub gains: Vec<Gain>,
+}
+
+/// What a detector gains with so many threads, over all scenes and N.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Typical {
+    /// The detector with its threads.
+    pub name: String,
+    /// How many scenes, each N counted.
+    pub scenes: usize,
+    /// Median of the speed-ups.
+    pub speedup: f64,
+    /// The least of them.
+    pub least: f64,
+    /// The largest of them.
+    pub most: f64,
+    /// Median of the fractions of the ceiling; none where no copies were timed.
+    pub fraction: Option<f64>,
+}
+
+/// Speed-up, ceiling and the fraction of it, of k threads against one. All are ratios of times.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Gain {
+    /// The experiment's name.
+    pub experiment: String,
+    /// The scene, without its N.
+    pub scene: String,
+    /// Particles.
+    pub n: u64,
+    /// The detector, its arithmetic, and k.
+    pub line: Line,
+    /// How the detector is called, without its threads.
+    pub name: String,
+    /// Time with one thread over time with k.
+    pub speedup: Interval,
+    /// The throughput of k copies over that of one.
+    pub ceiling: Option<Interval>,
+    /// The first over the second.
+    pub fraction: Option<Interval>,
+    /// Why copies were not timed, or not in all blocks.
+    pub failure: Option<(Outcome, String)>,
+}
+
+impl Threads {
+    /// Finds the gains; none where no detector was timed with one thread and with several.
+    pub fn new(cells: &[&Cell]) -> Option<Threads> {
+        let mut gains = Vec::new();
+        for group in series::groups(cells) {
+            for n in group.sizes() {
+                for line in group.lines.keys().filter(|line| line.threads > 1) {
+                    let alone = Line { threads: 1, ..line.clone() };
+                    let both = group.at(line, n).zip(group.at(&alone, n));
+                    let gain = both.and_then(|(many, one)| {
+                        let name = series::label(&alone, cells);
+                        gain(&group.title, n, line, name, one, many)
+                    });
+                    gains.extend(gain);
+                }
+            }
+        }
+        let mut by_line: BTreeMap<&Line, Vec<&Gain>> = BTreeMap::new();
+        gains.iter().for_each(|gain| by_line.entry(&gain.line).or_default().push(gain));
+        let typical = by_line
+            .into_iter()
+            .filter_map(|(line, gains)| typical(series::label(line, cells), &gains))
+            .collect();
+        (!gains.is_empty()).then_some(Threads { typical, gains })
+    }
+}
+
+/// None unless all cells ended well.
+fn gain(
+    scene: &str,
+    n: u64,
+    line: &Line,
+    name: String,
+    one: &Seeds<'_>,
+    many: &Seeds<'_>,
+) -> Option<Gain> {
+    series::time(many).and(series::time(one))?;
+    let k = f64::from(line.threads);
+    Some(Gain {
+        experiment: many.first()?.id.experiment.clone(),
+        scene: scene.to_string(),
+        n,
+        line: line.clone(),
+        name,
+        speedup: series::ratio(one, many)?,
+        ceiling: series::ratio_of(one, |cell| &cell.times, many, |cell| &cell.copies_ns)
+            .map(|ratio| ratio.scaled(k)),
+        fraction: series::ratio_of(many, |cell| &cell.copies_ns, many, |cell| &cell.times)
+            .map(|ratio| ratio.scaled(1.0 / k)),
+        failure: many.iter().find_map(|cell| cell.copies_failure.clone()),
+    })
+}
+
+fn typical(name: String, gains: &[&Gain]) -> Option<Typical> {
+    let speedups: Vec<f64> = gains.iter().map(|gain| gain.speedup.median).collect();
+    let fractions: Vec<f64> = gains.iter().filter_map(|gain| Some(gain.fraction?.median)).collect();
+    Some(Typical {
+        name,
+        scenes: speedups.len(),
+        speedup: median(&speedups)?,
+        least: speedups.iter().copied().fold(f64::INFINITY, f64::min),
+        most: speedups.iter().copied().fold(f64::NEG_INFINITY, f64::max),
+        fraction: median(&fractions),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cells;
+    use crate::cells::testing::Lab;
+    use crate::record::row::Pass;
+
+    #[test]
+    fn speedup_ceiling_and_fraction_are_paired() {
+        let mut lab = Lab::new("e", "packed");
+        // The machine slows down from block to block; the ratios stay.
+        let times = |unit: u64| (1..=15).map(|block| unit * (100 + block)).collect::<Vec<u64>>();
+        lab.detector("direct").time(&times(12)).count(&[]);
+        lab.threads(2).time(&times(8)).copies(&times(15));
+        lab.threads(4).time(&times(6)).fail(Pass::Ceiling, Outcome::OutOfMemory, "no room for 4");
+        lab.threads(1).detector("nbs").time(&times(1));
+        let cells = cells::cells(&lab.rows());
+        assert!(
+            cells.iter().all(|cell| cell.overall().0 == Outcome::Ok),
+            "failed copies are not the detector's failure"
+        );
+        let all: Vec<&Cell> = cells.iter().collect();
+        let found = Threads::new(&all).unwrap();
+        let is = |found: Interval, value: f64| {
+            [found.low, found.median, found.high].iter().all(|v| (v - value).abs() < 1e-9)
+                && found.count == 15
+        };
+        let [two, four] = &*found.gains else { panic!("{found:?}") };
+        assert_eq!((&*two.scene, &*two.name, two.line.threads), ("packed, 2D", "direct", 2));
+        assert!(is(two.speedup, 12.0 / 8.0), "{two:?}");
+        assert!(is(two.ceiling.unwrap(), 2.0 * 12.0 / 15.0), "{two:?}");
+        assert!(is(two.fraction.unwrap(), 15.0 / (2.0 * 8.0)), "{two:?}");
+        assert_eq!(two.failure, None);
+        assert!(is(four.speedup, 2.0) && four.ceiling.is_none() && four.fraction.is_none());
+        assert_eq!(four.failure, Some((Outcome::OutOfMemory, "no room for 4".into())));
+        let first = &found.typical[0];
+        assert_eq!((&*first.name, first.scenes), ("direct (2 threads)", 1));
+        assert!((first.speedup - 1.5).abs() < 1e-9 && (first.most - 1.5).abs() < 1e-9);
+        assert!((first.fraction.unwrap() - 15.0 / 16.0).abs() < 1e-9);
+        assert_eq!(found.typical[1].fraction, None);
+        let sequential: Vec<&Cell> = cells.iter().filter(|cell| cell.id.threads() == 1).collect();
+        assert_eq!(Threads::new(&sequential), None);
+    }
+}

@@ -1,0 +1,152 @@
+//! LAMMPS data files: a header with the number of atoms and the box, then sections; `Atoms` holds
+//! the particles.
+//!
+//! The columns follow from the atom style, which stands behind the section's name: `Atoms #
+//! sphere`. In the styles of spheres the size is a *diameter*, which is halved; the others need a
+//! radius from the options. Without a style the number of columns must leave no doubt.
+//!
+//! Format: <https://docs.lammps.org/read_data.html>.
+
+use anyhow::{Context, bail, ensure};
+
+use crate::io::lines::{Lines, Separator, Source, number, short, shown, words};
+use crate::io::particles::{Columns, Particles, loaded};
+use crate::io::{About, Options};
+
+/// The columns of each style; image flags may follow.
+const STYLES: [(&str, &str); 16] = [
+    ("sphere", "id type diameter density x y z"),
+    ("granular", "id type diameter density x y z"),
+    ("bpm/sphere", "id mol type diameter density x y z"),
+    ("atomic", "id type x y z"),
+    ("charge", "id type q x y z"),
+    ("bond", "id mol type x y z"),
+    ("angle", "id mol type x y z"),
+    ("molecular", "id mol type x y z"),
+    ("full", "id mol type q x y z"),
+    ("dipole", "id type q x y z"),
+    ("ellipsoid", "id type flag density x y z"),
+    ("line", "id mol type flag density x y z"),
+    ("tri", "id mol type flag density x y z"),
+    ("body", "id type flag mass x y z"),
+    ("dpd", "id type theta x y z"),
+    ("sph", "id type rho e cv x y z"),
+];
+
+/// A line `100 atoms` in the header tells.
+pub(crate) fn tells(head: &[u8]) -> bool {
+    head.split(|&b| b == b'\n').take(40).any(|line| is_count(line).is_some())
+}
+
+fn is_count(line: &[u8]) -> Option<&[u8]> {
+    let mut words = words(line.split(|&b| b == b'#').next().unwrap_or_default());
+    let (n, atoms) = (words.next()?, words.next()?);
+    (atoms == b"atoms" && words.next().is_none() && n.iter().all(u8::is_ascii_digit)).then_some(n)
+}
+
+pub(crate) fn read(source: Source<'_>, options: Options) -> anyhow::Result<(Particles, About)> {
+    let mut lines = Lines::new(source);
+    let (mut n, mut ranges, mut tilted) = (None, Vec::new(), false);
+    // The first line is a comment, whatever it holds.
+    lines.advance()?;
+    while lines.advance_over_blanks()? {
+        let line = lines.line();
+        if let Some(count) = is_count(line) {
+            n = Some(lines.count(count, "the number of atoms")?);
+        } else if let [lo, hi, b"xlo" | b"ylo" | b"zlo", ..] = words(line).collect::<Vec<_>>()[..] {
+            let bound = |k: usize, cell: &[u8]| {
+                let place = || {
+                    format!(
+                        "{}: column {k}: '{}' is not a finite number; a bound of the box is \
+                         expected",
+                        lines.place(),
+                        shown(cell)
+                    )
+                };
+                number(cell).filter(|x| x.is_finite()).with_context(place)
+            };
+            ranges.push([bound(1, lo)?, bound(2, hi)?]);
+        } else if line.ends_with(b"xy xz yz") {
+            tilted = true;
+        } else if words(line).next() == Some(b"Atoms") {
+            let n = n.with_context(|| {
+                format!(
+                    "{}: no line such as '100 atoms' stands before the section Atoms",
+                    lines.place()
+                )
+            })?;
+            let style = lines
+                .text()
+                .split_once('#')
+                .map(|(_, style)| style.trim().to_string())
+                .filter(|style| !style.is_empty());
+            let (particles, columns) = atoms(&mut lines, n, style, options)?;
+            let (particles, mut about) = loaded("LAMMPS data", particles, columns.radius());
+            about.bounds = (ranges.len() == 3 && !tilted).then_some(ranges);
+            return Ok((particles, about));
+        }
+    }
+    bail!("{} has no section Atoms; is it a LAMMPS data file?", lines.source.name)
+}
+
+fn atoms(
+    lines: &mut Lines<'_>,
+    n: u64,
+    style: Option<String>,
+    options: Options,
+) -> anyhow::Result<(Particles, Columns)> {
+    let place = lines.place();
+    let mut columns = match &style {
+        Some(style) => Some(styled(style).with_context(|| place.clone())?),
+        None => None,
+    };
+    let mut particles = match &columns {
+        Some(columns) => columns.particles(&place, options)?,
+        None => Particles::new(3, false),
+    };
+    for k in 0..n {
+        ensure!(
+            lines.advance_over_blanks()?,
+            "{} ends after {k} of the {n} atoms that its header announces; write it again",
+            lines.source.name
+        );
+        let line = lines.line().split(|&b| b == b'#').next().unwrap_or_default();
+        if columns.is_none() {
+            let unstyled = unstyled(words(line).count()).with_context(|| lines.place())?;
+            particles = unstyled.particles(&place, options)?;
+            columns = Some(unstyled);
+        }
+        let Some(columns) = &columns else { continue };
+        columns.push(
+            &mut particles,
+            Separator::Blanks.cells(line),
+            || lines.place(),
+            || format!(" ({})", crate::io::lines::listed(&columns.names)),
+        )?;
+    }
+    Ok((particles, columns.unwrap_or_else(|| Columns::named(["x", "y", "z"]))))
+}
+
+fn styled(style: &str) -> anyhow::Result<Columns> {
+    let Some((_, names)) = STYLES.iter().find(|(name, _)| *name == style) else {
+        let known = STYLES.map(|(name, _)| name).join(", ");
+        bail!(
+            "the atom style '{}' is not read, only {known}; write the particles as a dump with x \
+             y z radius",
+            short(style)
+        );
+    };
+    Ok(Columns { or_more: true, ..Columns::named(names.split(' ')) })
+}
+
+fn unstyled(count: usize) -> anyhow::Result<Columns> {
+    let names = match count {
+        5 => "id type x y z",
+        6 => "id other type x y z",
+        _ => bail!(
+            "{count} columns, and no atom style behind 'Atoms': several are possible; write it \
+             there, as in 'Atoms # sphere'"
+        ),
+    };
+    Ok(Columns { or_more: true, ..Columns::named(names.split(' ')) })
+}

@@ -1,0 +1,95 @@
+//! MercuryDPM `.data`: frames of a header `N time xmin ymin zmin xmax ymax zmax` (in 2D also
+//! without zmin and zmax) and N lines.
+//!
+//! Spheres have 14 columns or more: position, velocity, orientation and angular velocity (three
+//! each), radius, species. Discs have 8: x y vx vy radius angle angular-velocity species. Format:
+//! the MercuryDPM documentation, "data file".
+
+use anyhow::{bail, ensure};
+
+use crate::io::frames::{Frames, Step};
+use crate::io::lines::{Lines, Separator, Source, number, words};
+use crate::io::particles::{Columns, Particles, loaded};
+use crate::io::{About, Options};
+
+const SPACE: &str = "x y z vx vy vz qx qy qz wx wy wz radius species";
+const PLANE: &str = "x y vx vy radius angle omega species";
+
+/// Six or eight numbers, the first of them whole, and 8 or at least 14 in the next line.
+pub(crate) fn tells(head: &[u8]) -> bool {
+    let mut lines = head.split(|&b| b == b'\n').filter(|line| !line.trim_ascii().is_empty());
+    let (first, second) = (lines.next().unwrap_or_default(), lines.next().unwrap_or_default());
+    let numbers = |line| words(line).all(|word| number(word).is_some());
+    header(first) && matches!(words(second).count(), 8 | 14..=16) && numbers(second)
+}
+
+fn header(line: &[u8]) -> bool {
+    let whole = words(line).next().is_some_and(|word| word.iter().all(u8::is_ascii_digit));
+    whole && matches!(words(line).count(), 6 | 8) && words(line).all(|word| number(word).is_some())
+}
+
+pub(crate) fn read(source: Source<'_>, options: Options) -> anyhow::Result<(Particles, About)> {
+    let mut lines = Lines::new(source);
+    let mut frames = Frames::new(options);
+    let mut result = None;
+    while lines.advance_over_blanks()? {
+        ensure!(
+            header(lines.line()),
+            "{}: a line 'N time xmin ymin zmin xmax ymax zmax' is expected; is the number of \
+             particles before it right?",
+            lines.place()
+        );
+        let n = lines
+            .count(words(lines.line()).next().unwrap_or_default(), "the number of particles")?;
+        let bounds: Vec<f64> = words(lines.line()).skip(2).filter_map(number).collect();
+        let step = frames.begin(|| lines.place())?;
+        if step == Step::Stop {
+            break;
+        }
+        let mut rows: Option<(Columns, Particles)> = None;
+        for k in 0..n {
+            ensure!(
+                lines.advance()?,
+                "{} ends after {k} of the {n} particles that the frame's first line announces; \
+                 write it again, or take an earlier --frame",
+                lines.source.name
+            );
+            if step == Step::Skip {
+                continue;
+            }
+            if rows.is_none() {
+                let columns = match words(lines.line()).count() {
+                    8 => Columns::named(PLANE.split(' ')),
+                    14.. => Columns { or_more: true, ..Columns::named(SPACE.split(' ')) },
+                    count => bail!(
+                        "{}: {count} columns; 8 (discs) or 14 (spheres) are expected",
+                        lines.place()
+                    ),
+                };
+                let particles = columns.particles(&lines.place(), options)?;
+                rows = Some((columns, particles));
+            }
+            let Some((columns, particles)) = &mut rows else { continue };
+            columns.push(
+                particles,
+                Separator::Blanks.cells(lines.line()),
+                || lines.place(),
+                || format!(" ({})", crate::io::lines::listed(&columns.names)),
+            )?;
+        }
+        if step == Step::Keep {
+            let (columns, particles) =
+                rows.unwrap_or_else(|| (Columns::named(SPACE.split(' ')), Particles::new(3, true)));
+            let (particles, mut about) = loaded("MercuryDPM data", particles, columns.radius());
+            let half = bounds.len() / 2;
+            about.bounds = Some(
+                (0..particles.dim().min(half)).map(|k| [bounds[k], bounds[k + half]]).collect(),
+            );
+            about.bounds =
+                about.bounds.filter(|bounds| bounds.iter().flatten().all(|x| x.is_finite()));
+            result = Some((particles, about));
+        }
+    }
+    let (particles, about) = result.unwrap_or_else(|| (Particles::new(3, true), About::default()));
+    Ok((particles, frames.end(lines.source.name, about)?))
+}

@@ -1,0 +1,349 @@
+//! NumPy npy: versions 1 to 3, f64 and f32 of either byte order, C and Fortran order.
+//!
+//! Shape N x 2: x, y. N x 3: x, y, z, or x, y, radius where the options ask for two dimensions. N x
+//! 4: x, y, z, radius. f32 widens without error. Format:
+//! <https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html>.
+
+use std::io::{self, Write};
+
+use anyhow::{Context, bail, ensure};
+use nalgebra::Point;
+
+use crate::io::lines::{Source, short};
+use crate::io::particles::{Centres, Column, Particles, loaded, room};
+use crate::io::scalars::Kind;
+use crate::io::{About, Options, RadiusSource};
+
+/// The first bytes of every npy file.
+pub const MAGIC: &[u8] = b"\x93NUMPY";
+
+/// Longest header read; NumPy's own default limit is 10,000.
+const LONGEST_HEADER: usize = 1 << 20;
+
+pub(crate) fn read(mut source: Source<'_>, options: Options) -> anyhow::Result<(Particles, About)> {
+    let header = header(&mut source)?;
+    let (particles, radius) = particles(&mut source, &header, options)?;
+    source.end(&header)?;
+    Ok(loaded("NumPy npy", particles, radius))
+}
+
+/// The particles of an array of two dimensions.
+pub(crate) fn particles(
+    source: &mut Source<'_>,
+    header: &Header,
+    options: Options,
+) -> anyhow::Result<(Particles, RadiusSource)> {
+    let name = source.name;
+    let rows = header.rows;
+    let Some(columns @ 2..=4) = header.columns else {
+        bail!(
+            "{name}: the shape is ({}); it must be (N, 2), (N, 3) or (N, 4): x, y, z, and the \
+             radius last",
+            header.shape
+        )
+    };
+    ensure!(
+        header.is_real(),
+        "{name}: the type {} is not read; convert with .astype('f8')",
+        header.descr
+    );
+    ensure!(
+        rows <= u64::from(u32::MAX),
+        "{name}: {rows} particles; at most 2^32 - 1 = {} can be numbered: split the file",
+        u32::MAX
+    );
+    let (dim, has_radii) = match (columns, options.dim) {
+        (2, _) => (2, false),
+        (3, Some(2)) => (2, true),
+        (3, _) => (3, false),
+        _ => (3, true),
+    };
+    let mut particles = Particles::new(dim, has_radii);
+    let checked = |value: f64, row: u64, column: usize| {
+        let axis = if column == dim { "radius" } else { ["x", "y", "z"][column.min(2)] };
+        ensure!(
+            value.is_finite(),
+            "{name}: particle {row} (from 0): {axis} is {value}; it must be finite: mend or \
+             remove the row"
+        );
+        let negative = column == dim && value < 0.0;
+        ensure!(
+            !negative,
+            "{name}: particle {row} (from 0): the radius {value} is negative; mend or remove the \
+             row"
+        );
+        Ok(value)
+    };
+    let radius = if has_radii {
+        RadiusSource::Column(format!("last of {columns} columns"))
+    } else {
+        RadiusSource::Missing
+    };
+    if header.fortran {
+        // The first column brings the particles, the others fill them up.
+        header.values(source, rows, |row, x| {
+            particles.push([checked(x, row, 0)?, 0.0, 0.0], 0.0, 0)
+        })?;
+        for column in 1..columns {
+            header.values(source, rows, |row, value| {
+                let (value, row) = (checked(value, row, column)?, row as usize);
+                match (&mut particles.centres, &mut particles.radii) {
+                    (_, Some(radii)) if column == dim => radii[row] = value,
+                    (Centres::Plane(points), _) => points[row][column] = value,
+                    (Centres::Space(points), _) => points[row][column] = value,
+                }
+                Ok(())
+            })?;
+        }
+        return Ok((particles, radius));
+    }
+    let (mut point, mut column, mut row) = ([0.0; 3], 0, 0);
+    header.values(source, rows.saturating_mul(columns as u64), |_, value| {
+        // The last of a row's numbers is still at hand when the row is complete.
+        let value = checked(value, row, column)?;
+        if column < dim {
+            point[column] = value;
+        }
+        column += 1;
+        if column == columns {
+            particles.push(point, value, 0)?;
+            (column, row) = (0, row + 1);
+        }
+        Ok(())
+    })?;
+    Ok((particles, radius))
+}
+
+/// The numbers of an array of one dimension: a coordinate of every particle, or its size.
+pub(crate) fn list(
+    source: &mut Source<'_>,
+    header: &Header,
+    label: &str,
+    column: Column,
+) -> anyhow::Result<Vec<f64>> {
+    let mut list = Vec::new();
+    let name = source.name;
+    header.values(source, header.rows, |row, value| {
+        let value = match column {
+            Column::Axis(_) if value.is_finite() => Ok(value),
+            Column::Axis(_) => Err("is not a finite number"),
+            _ => column.size(value),
+        };
+        let value = value.map_err(|why| {
+            anyhow::anyhow!(
+                "{name}: particle {row} (from 0): a number of '{label}' {why}; mend or remove it"
+            )
+        })?;
+        room(&mut list)?;
+        list.push(value);
+        Ok(())
+    })?;
+    Ok(list)
+}
+
+/// Particles of coordinates that came one axis after the other.
+pub(crate) fn zip(
+    axes: [Option<Vec<f64>>; 3],
+    radii: Option<Vec<f64>>,
+    name: &str,
+) -> anyhow::Result<Particles> {
+    let [Some(x), Some(y), z] = axes else {
+        bail!("{name}: arrays x and y of the same length are needed")
+    };
+    let lengths = [Some(y.len()), z.as_ref().map(Vec::len), radii.as_ref().map(Vec::len)];
+    ensure!(
+        lengths.into_iter().flatten().all(|n| n == x.len()),
+        "{name}: the arrays x, y, z and r are not of the same length"
+    );
+    let centres = match z {
+        None => Centres::Plane(x.into_iter().zip(y).map(|(x, y)| Point::from([x, y])).collect()),
+        Some(z) => Centres::Space(
+            x.into_iter().zip(y).zip(z).map(|((x, y), z)| Point::from([x, y, z])).collect(),
+        ),
+    };
+    Ok(Particles { centres, radii, ids: None })
+}
+
+impl Source<'_> {
+    /// Nothing may follow an array.
+    pub(crate) fn end(&mut self, header: &Header) -> anyhow::Result<()> {
+        let more = self.fill(&mut [0])?;
+        ensure!(
+            !more,
+            "{} goes on after the {} numbers that its header announces; write it again",
+            self.name,
+            header.shape_in_words()
+        );
+        Ok(())
+    }
+}
+
+/// What the header of an array says.
+#[derive(Debug)]
+pub(crate) struct Header {
+    pub kind: Kind,
+    pub descr: String,
+    pub big: bool,
+    pub fortran: bool,
+    pub rows: u64,
+    /// None for an array of one dimension.
+    pub columns: Option<usize>,
+    pub shape: String,
+}
+
+impl Header {
+    /// Are these the numbers of particles, in a type that is read?
+    pub fn is_real(&self) -> bool {
+        matches!(self.kind, Kind::F64 | Kind::F32)
+    }
+
+    fn shape_in_words(&self) -> String {
+        self.columns
+            .map_or(format!("{}", self.rows), |columns| format!("{} x {columns}", self.rows))
+    }
+
+    /// The next `count` numbers in file order, with their places. They are read in pieces, so that
+    /// a false shape cannot ask for more memory than the file has bytes.
+    pub fn values(
+        &self,
+        source: &mut Source<'_>,
+        count: u64,
+        mut then: impl FnMut(u64, f64) -> anyhow::Result<()>,
+    ) -> anyhow::Result<()> {
+        let width = self.kind.width();
+        let mut piece = vec![0; 1 << 16];
+        let mut at = 0;
+        while at < count {
+            let bytes = (count - at).min((piece.len() / width) as u64) as usize * width;
+            if !source.fill(&mut piece[..bytes])? {
+                bail!(
+                    "{} ends before the {} numbers that its header announces; write it again",
+                    source.name,
+                    self.shape_in_words()
+                );
+            }
+            match (self.kind, self.big) {
+                (Kind::F64, false) => {
+                    for word in piece[..bytes].as_chunks().0 {
+                        then(at, f64::from_le_bytes(*word))?;
+                        at += 1;
+                    }
+                }
+                (kind, big) => {
+                    for word in piece[..bytes].chunks_exact(width) {
+                        then(at, kind.get(word, big))?;
+                        at += 1;
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+pub(crate) fn header(source: &mut Source<'_>) -> anyhow::Result<Header> {
+    let name = source.name;
+    let mut need = |bytes: &mut [u8]| match source.fill(bytes) {
+        Ok(true) => Ok(()),
+        Ok(false) => bail!("{name}: the npy header is cut off; write the file again"),
+        Err(error) => Err(error),
+    };
+    let mut start = [0; 8];
+    need(&mut start)?;
+    ensure!(
+        start.starts_with(MAGIC),
+        "{name} is not a NumPy file: it does not begin with \\x93NUMPY; write it with numpy.save"
+    );
+    let length = match start[6] {
+        1 => {
+            let mut length = [0; 2];
+            need(&mut length)?;
+            usize::from(u16::from_le_bytes(length))
+        }
+        2 | 3 => {
+            let mut length = [0; 4];
+            need(&mut length)?;
+            u32::from_le_bytes(length) as usize
+        }
+        version => bail!(
+            "{name} is npy version {version}; versions 1 to 3 are read: write it with numpy.save"
+        ),
+    };
+    ensure!(
+        length <= LONGEST_HEADER,
+        "{name}: the npy header has {length} bytes; at most {LONGEST_HEADER} are read"
+    );
+    let mut text = vec![0; length];
+    need(&mut text)?;
+    let text = String::from_utf8_lossy(&text).to_string();
+    parse(&text).with_context(|| format!("{name}: npy header {}", short(text.trim())))
+}
+
+/// The header of an array of two dimensions in C order, version 1.
+pub(crate) fn write_header(
+    out: &mut dyn Write,
+    kind: &str,
+    rows: usize,
+    columns: usize,
+) -> io::Result<()> {
+    let header =
+        format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': ({rows}, {columns}), }}");
+    // NumPy aligns the data to 64 bytes: magic, version, length and header, which blanks fill up
+    // and a newline ends.
+    let length = (10 + header.len() + 1).next_multiple_of(64) - 10;
+    out.write_all(MAGIC)?;
+    out.write_all(&[1, 0])?;
+    out.write_all(&(length as u16).to_le_bytes())?;
+    writeln!(out, "{header:width$}", width = length - 1)
+}
+
+/// Parses the Python dictionary of the header, such as `{'descr': '<f8', 'fortran_order': False,
+/// 'shape': (10, 3), }`.
+fn parse(text: &str) -> anyhow::Result<Header> {
+    let value = |key: &str| -> anyhow::Result<&str> {
+        let at = [format!("'{key}'"), format!("\"{key}\"")]
+            .iter()
+            .find_map(|quoted| Some(text.find(quoted.as_str())? + quoted.len()));
+        let rest = text[at.with_context(|| format!("it has no '{key}'"))?..].trim_start();
+        Ok(rest.strip_prefix(':').with_context(|| format!("'{key}' has no value"))?.trim_start())
+    };
+    let descr = short(value("descr")?.split(',').next().unwrap_or_default());
+    let inner = descr.trim_matches(['\'', '"']);
+    let kind = match inner.get(1..) {
+        Some("f8") => Kind::F64,
+        Some("f4") => Kind::F32,
+        Some("u4") => Kind::U32,
+        Some("i4") => Kind::I32,
+        Some("u8") => Kind::U64,
+        Some("i8") => Kind::I64,
+        _ => bail!("the type {descr} is not read; convert with .astype('f8')"),
+    };
+    let big = match inner.as_bytes().first() {
+        Some(b'<') => false,
+        Some(b'>') => true,
+        _ => bail!("the type {descr} is not read; convert with .astype('f8')"),
+    };
+    let order = value("fortran_order")?;
+    let fortran = order.starts_with("True");
+    ensure!(fortran || order.starts_with("False"), "fortran_order is neither True nor False");
+    let shape = value("shape")?
+        .strip_prefix('(')
+        .and_then(|rest| rest.split_once(')'))
+        .map(|(shape, _)| shape);
+    let shape = short(shape.context("the shape is not of the form (N, 3)")?);
+    let sizes: Option<Vec<u64>> = shape
+        .split(',')
+        .map(str::trim)
+        .filter(|size| !size.is_empty())
+        .map(|size| size.parse().ok())
+        .collect();
+    let (rows, columns) = match sizes.as_deref() {
+        Some(&[rows]) => (rows, None),
+        Some(&[rows, columns @ 1..=1000]) => (rows, Some(columns as usize)),
+        _ => bail!(
+            "the shape is ({shape}); it must be (N, 2), (N, 3) or (N, 4): x, y, z, and the radius \
+             last"
+        ),
+    };
+    Ok(Header { kind, descr, big, fortran, rows, columns, shape })
+}

@@ -1,0 +1,159 @@
+//! PLY: the element `vertex` with properties x, y, z and `radius`, `r`, `diameter` or `d`; text, or
+//! binary of either byte order.
+//!
+//! `scalar_radius` and the like, as CloudCompare names them, are understood without `scalar_`.
+//! Elements before the vertices may hold no lists; those behind are not read. Format:
+//! <http://paulbourke.net/dataformats/ply/>.
+
+use anyhow::{Context, bail, ensure};
+
+use crate::io::lines::{Lines, Separator, Source, short, texts};
+use crate::io::particles::{Column, Columns, Particles, loaded};
+use crate::io::scalars::Kind;
+use crate::io::{About, Options};
+
+/// One `element` of the header.
+struct Element {
+    name: String,
+    count: u64,
+    kinds: Vec<Kind>,
+    names: Vec<String>,
+    lists: bool,
+}
+
+pub(crate) fn read(source: Source<'_>, options: Options) -> anyhow::Result<(Particles, About)> {
+    let mut lines = Lines::new(source);
+    let (layout, elements) = header(&mut lines)?;
+    let name = lines.source.name;
+    let Some(at) = elements.iter().position(|element| element.name == "vertex") else {
+        bail!("{name} has no element vertex")
+    };
+    let (before, vertex) = (&elements[..at], &elements[at]);
+    ensure!(
+        !vertex.lists && (layout.is_none() || before.iter().all(|element| !element.lists)),
+        "{name}: lists before or among the vertices are not read; write the vertices first, and \
+         without lists"
+    );
+    let columns = Columns::named(
+        vertex.names.iter().map(|name| name.strip_prefix("scalar_").unwrap_or(name)),
+    );
+    let mut particles = columns.particles(&format!("{name}: the properties of vertex"), options)?;
+    let torn = |k: u64| {
+        anyhow::anyhow!(
+            "{name} ends after {k} of the {} vertices that its header announces; write it again",
+            vertex.count
+        )
+    };
+    let Some(big) = layout else {
+        let skipped: u64 = before.iter().fold(0, |sum, element| sum.saturating_add(element.count));
+        for k in 0..skipped.saturating_add(vertex.count) {
+            if !lines.advance()? {
+                return Err(torn(k.saturating_sub(skipped)));
+            }
+            if k >= skipped {
+                let between = || format!(" ({})", crate::io::lines::listed(&columns.names));
+                columns.push(
+                    &mut particles,
+                    Separator::Blanks.cells(lines.line()),
+                    || lines.place(),
+                    between,
+                )?;
+            }
+        }
+        return Ok(loaded("PLY, text", particles, columns.radius()));
+    };
+    for element in before {
+        let width: usize = element.kinds.iter().map(|kind| kind.width()).sum();
+        if !lines.source.skip(element.count.saturating_mul(width as u64))? {
+            return Err(torn(0));
+        }
+    }
+    let mut row = vec![0; vertex.kinds.iter().map(|kind| kind.width()).sum()];
+    for k in 0..vertex.count {
+        if !lines.source.fill(&mut row)? {
+            return Err(torn(k));
+        }
+        let (mut point, mut radius, mut id, mut at) = ([0.0; 3], 0.0, k as i64, 0);
+        for ((kind, column), label) in vertex.kinds.iter().zip(&columns.meaning).zip(&columns.names)
+        {
+            let value = kind.get(&row[at..], big);
+            at += kind.width();
+            match column {
+                Column::Axis(axis) => {
+                    ensure!(
+                        value.is_finite(),
+                        "{name}: vertex {k} (from 0): {label} is {value}; it must be finite"
+                    );
+                    point[*axis] = value;
+                }
+                Column::Radius | Column::Diameter => {
+                    let size = column.size(value).map_err(|why| {
+                        anyhow::anyhow!("{name}: vertex {k} (from 0): '{label}': {value} {why}")
+                    })?;
+                    radius = size;
+                }
+                Column::Id if particles.ids().is_some() => {
+                    let whole = value.fract() == 0.0 && value.abs() < 9e15;
+                    ensure!(
+                        whole,
+                        "{name}: vertex {k} (from 0): '{label}': {value} is not a whole number"
+                    );
+                    id = value as i64;
+                }
+                Column::Id | Column::Other => {}
+            }
+        }
+        particles.push(point, radius, id)?;
+    }
+    Ok(loaded("PLY, binary", particles, columns.radius()))
+}
+
+/// The byte order (none for text), and the elements.
+fn header(lines: &mut Lines<'_>) -> anyhow::Result<(Option<bool>, Vec<Element>)> {
+    let (mut layout, mut elements): (_, Vec<Element>) = (None, Vec::new());
+    lines.advance()?;
+    ensure!(lines.line() == b"ply", "{}: a PLY file begins with the line 'ply'", lines.place());
+    for _ in 0..10_000 {
+        ensure!(lines.advance()?, "{} ends in its header; write it again", lines.source.name);
+        let (place, words) = (lines.place(), texts(lines.line()));
+        let words: Vec<&str> = words.iter().map(String::as_str).collect();
+        match words[..] {
+            ["end_header"] => {
+                let layout =
+                    layout.with_context(|| format!("{place}: the header has no line 'format'"))?;
+                return Ok((layout, elements));
+            }
+            ["format", "ascii", ..] => layout = Some(None),
+            ["format", "binary_little_endian", ..] => layout = Some(Some(false)),
+            ["format", "binary_big_endian", ..] => layout = Some(Some(true)),
+            ["element", name, n] => {
+                let count = lines.count(n.as_bytes(), "a number of elements")?;
+                elements.push(Element {
+                    name: name.to_string(),
+                    count,
+                    kinds: Vec::new(),
+                    names: Vec::new(),
+                    lists: false,
+                });
+            }
+            ["property", "list", ..] => {
+                elements
+                    .last_mut()
+                    .with_context(|| format!("{place}: a property of no element"))?
+                    .lists = true
+            }
+            ["property", kind, name] => {
+                let element = elements
+                    .last_mut()
+                    .with_context(|| format!("{place}: a property of no element"))?;
+                let kind = Kind::named(kind)
+                    .with_context(|| format!("{place}: '{}' is no type of number", short(kind)))?;
+                element.kinds.push(kind);
+                element.names.push(name.to_string());
+            }
+            [] | ["comment" | "obj_info", ..] => {}
+            _ => bail!("{place}: '{}' is no line of a PLY header", short(&words.join(" "))),
+        }
+    }
+    bail!("{}: the header has more than 10000 lines", lines.source.name)
+}

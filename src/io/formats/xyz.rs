@@ -1,0 +1,160 @@
+//! XYZ and extended XYZ: the number of particles, a comment line, then one particle per line;
+//! frames follow each other.
+//!
+//! * Extended: the comment holds `Properties=species:S:1:pos:R:3:radius:R:1` (the value may be
+//!   quoted): names, types and numbers of columns. `pos` gives two or three coordinates; `r`,
+//!   `radius`, `d` or `diameter` the size; the rest is skipped, as are `Lattice` and `pbc`:
+//!   boundaries are open here.
+//! * Plain: `species x y z`. What further columns mean, nobody knows: it may be a radius, a charge
+//!   or a velocity. So a plain file with more columns is refused, unless the options give the
+//!   radius: then the columns are skipped.
+
+use anyhow::{Context, bail, ensure};
+
+use crate::io::frames::{Frames, Step};
+use crate::io::lines::{Lines, Source, short, words};
+use crate::io::particles::{Column, Columns, Particles};
+use crate::io::{About, Options};
+
+const MOST_COLUMNS: usize = 10_000;
+
+pub(crate) fn read(source: Source<'_>, options: Options) -> anyhow::Result<(Particles, About)> {
+    let mut lines = Lines::new(source);
+    let mut frames = Frames::new(options);
+    let mut result: Option<(Particles, About)> = None;
+    lines.advance()?;
+    loop {
+        let n = lines.count(
+            lines.line(),
+            "the number of particles, which is the first line of an XYZ file",
+        )?;
+        let step = frames.begin(|| lines.place())?;
+        if step == Step::Stop {
+            break;
+        }
+        // A file of no particles may end before its comment line.
+        let comment = if lines.advance()? { lines.text() } else { String::new() };
+        let short_of = |k: u64, name: &str| {
+            anyhow::anyhow!(
+                "{name} ends after {k} of the {n} particles that its first line announces; mend \
+                 the number or the file"
+            )
+        };
+        if step == Step::Keep {
+            let columns = columns(&comment).with_context(|| lines.place())?;
+            let mut particles = columns.particles(&lines.place(), options)?;
+            let between = || format!(" ({})", crate::io::lines::listed(&columns.names));
+            for k in 0..n {
+                if !lines.advance()? {
+                    return Err(short_of(k, lines.source.name));
+                }
+                let line = lines.line();
+                if columns.or_more && options.radius.is_none() {
+                    let count = words(line).count();
+                    ensure!(
+                        count <= columns.names.len(),
+                        "{}: {count} columns in a plain XYZ file: it is not known whether the \
+                         others are radii; give --radius R to skip them, or name them in line 2 \
+                         as in Properties=species:S:1:pos:R:3:radius:R:1",
+                        lines.place()
+                    );
+                }
+                columns.push(
+                    &mut particles,
+                    crate::io::lines::Separator::Blanks.cells(line),
+                    || lines.place(),
+                    between,
+                )?;
+            }
+            let format = if columns.or_more { "XYZ" } else { "extended XYZ" };
+            result = Some(crate::io::particles::loaded(format, particles, columns.radius()));
+        } else {
+            for k in 0..n {
+                if !lines.advance()? {
+                    return Err(short_of(k, lines.source.name));
+                }
+            }
+        }
+        if !lines.advance_over_blanks()? {
+            break;
+        }
+    }
+    let (particles, about) = result.unwrap_or_else(|| (Particles::new(3, false), About::default()));
+    Ok((particles, frames.end(lines.source.name, about)?))
+}
+
+/// The columns that the comment line announces, or those of a plain file.
+fn columns(comment: &str) -> anyhow::Result<Columns> {
+    match properties(comment) {
+        Some(text) => announced(&text).with_context(|| format!("Properties={}", short(&text))),
+        None => Ok(Columns { or_more: true, ..Columns::named(["species", "x", "y", "z"]) }),
+    }
+}
+
+/// The value of `Properties` in a comment of `key=value` and `key="some value"` pairs.
+fn properties(comment: &str) -> Option<String> {
+    let mut rest = comment.trim_start();
+    while !rest.is_empty() {
+        let end = rest.find(|c: char| c == '=' || c.is_whitespace()).unwrap_or(rest.len());
+        let (key, after) = rest.split_at(end);
+        rest = after;
+        if let Some(value) = after.strip_prefix('=') {
+            let quote = value.chars().next().filter(|c| ['"', '\''].contains(c));
+            let value = quote.map_or(value, |_| &value[1..]);
+            let end = value
+                .find(|c: char| quote.map_or(c.is_whitespace(), |quote| c == quote))
+                .unwrap_or(value.len());
+            if key.eq_ignore_ascii_case("properties") {
+                return Some(value[..end].to_string());
+            }
+            rest = &value[end..];
+            rest = quote.and_then(|quote| rest.strip_prefix(quote)).unwrap_or(rest);
+        }
+        rest = rest.trim_start();
+    }
+    None
+}
+
+/// The columns that `name:type:number` triples announce.
+fn announced(properties: &str) -> anyhow::Result<Columns> {
+    let parts: Vec<&str> = properties.split(':').map(str::trim).collect();
+    let mut columns = Columns { meaning: Vec::new(), names: Vec::new(), or_more: false };
+    ensure!(
+        parts.len().is_multiple_of(3),
+        "it must be triples name:type:number, as in species:S:1:pos:R:3:radius:R:1"
+    );
+    for triple in parts.chunks_exact(3) {
+        let (name, count) =
+            (triple[0], triple[2].parse::<usize>().ok().filter(|count| (1..=1000).contains(count)));
+        let Some(count) = count else {
+            bail!("'{}' is not a number of columns from 1 to 1000", short(triple[2]))
+        };
+        // Else a line of a million letters could ask for gigabytes of columns.
+        ensure!(
+            columns.names.len() + count <= MOST_COLUMNS,
+            "it announces more than {MOST_COLUMNS} columns; remove what is not needed"
+        );
+        for k in 0..count {
+            let (meaning, name) = match (name.to_ascii_lowercase().as_str(), Column::named(name)) {
+                ("pos", _) => {
+                    ensure!(
+                        count == 2 || count == 3,
+                        "pos has {count} columns; it must have 2 or 3"
+                    );
+                    (Column::Axis(k), ["x", "y", "z"][k].to_string())
+                }
+                (_, meaning @ (Column::Radius | Column::Diameter | Column::Id)) if count == 1 => {
+                    (meaning, name.to_string())
+                }
+                _ => (Column::Other, name.to_string()),
+            };
+            columns.meaning.push(meaning);
+            columns.names.push(name);
+        }
+    }
+    ensure!(
+        columns.meaning.contains(&Column::Axis(0)),
+        "there is no pos; the positions must be named pos:R:3"
+    );
+    Ok(columns)
+}

@@ -1,0 +1,198 @@
+//! Files that people bring: particles in, contact lists in, pairs and scenes out.
+//!
+//! One file per format, one line each in [`FORMATS`]. The format is told by the file's first bytes,
+//! then by its ending; `format` overrides both. A file may be compressed with gzip. Numbers are
+//! converted with correct rounding. Errors name file, line and column, and elements are numbered
+//! from 0 as everywhere.
+//!
+//! **Dimension.** Columns z or three-vectors give spheres, even where all z are 0: a plane scene
+//! written with z = 0 stays a scene of spheres unless `dim: Some(2)` asks for discs; then every z
+//! must be 0. An array of three columns without names is x, y, z; with `dim: Some(2)` it is x, y,
+//! radius.
+//!
+//! **Radii.** From the file (a column of diameters is halved, without error above 10^-307), or one
+//! for all from the options; both, or neither, is refused. Equal radii become one radius for all.
+//!
+//! **Frames.** A file of several frames is refused unless the options say which one.
+//!
+//! **Memory.** Particles grow by a quarter, with the bytes that are there, whatever the file
+//! promises; nothing else is kept.
+
+pub mod exchange;
+mod formats;
+mod frames;
+mod lines;
+pub mod pairs;
+mod particles;
+mod scalars;
+pub mod write;
+
+use std::fs::File;
+use std::io::{BufRead, BufReader, Read};
+use std::path::Path;
+
+use anyhow::{Context, ensure};
+use formats::gzip;
+pub use formats::{FORMATS, Format};
+pub use frames::Frame;
+pub use lines::LONGEST_LINE;
+use lines::Source;
+pub use particles::Particles;
+
+use crate::scene::AnyScene;
+
+/// What the file does not say.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Options {
+    /// The radius of all particles, for files that hold none.
+    pub radius: Option<f64>,
+    /// 2 or 3, where the file leaves it open; none lets the file decide.
+    pub dim: Option<u32>,
+    /// Which frame, of a file that has several.
+    pub frame: Frame,
+    /// The format; none lets the file decide.
+    pub format: Option<Format>,
+    /// Keep the file's own numbers of the particles.
+    pub ids: bool,
+    /// Read on to the end of the file, to count its frames.
+    pub survey: bool,
+}
+
+impl Options {
+    /// The file says everything.
+    pub const NONE: Options = Options {
+        radius: None,
+        dim: None,
+        frame: Frame::Only,
+        format: None,
+        ids: false,
+        survey: false,
+    };
+}
+
+/// Where radii come from.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum RadiusSource {
+    /// A column or array of that name.
+    Column(String),
+    /// A column or array of diameters of that name, halved.
+    Halved(String),
+    /// The options.
+    Given,
+    /// Nowhere.
+    #[default]
+    Missing,
+}
+
+/// What was understood of a file, beside its particles.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct About {
+    /// The format's name.
+    pub format: &'static str,
+    /// It was compressed with gzip.
+    pub gzip: bool,
+    /// Where the radius comes from.
+    pub radius: RadiusSource,
+    /// Frames in the file, as far as it was read.
+    pub frames: u64,
+    /// The frame that was read.
+    pub frame: u64,
+    /// The box that the file declares: least and largest coordinate along each axis.
+    pub bounds: Option<Vec<[f64; 2]>>,
+    /// What else is worth saying.
+    pub notes: Vec<String>,
+}
+
+/// Reads the particles of a file, in file order.
+pub fn scene(path: &Path, options: Options) -> anyhow::Result<AnyScene<'static>> {
+    let (particles, _) = load(path, options)?;
+    particles.scene(&path.display().to_string(), options.radius)
+}
+
+/// Reads particles from a stream; `name` stands in messages, `ending` is the file name's, in lower
+/// case.
+pub fn from(
+    reader: impl BufRead,
+    name: &str,
+    ending: &str,
+    options: Options,
+) -> anyhow::Result<AnyScene<'static>> {
+    let (particles, _) = load_from(reader, name, ending, options)?;
+    particles.scene(name, options.radius)
+}
+
+/// Reads the particles of a file, which need not have radii, and says what was understood.
+pub fn load(path: &Path, options: Options) -> anyhow::Result<(Particles, About)> {
+    let name = path.display().to_string();
+    let file = File::open(path).with_context(|| format!("cannot read {name}"))?;
+    load_from(BufReader::with_capacity(1 << 18, file), &name, &ending(path), options)
+}
+
+/// The ending of a file's name in lower case, without `.gz`.
+fn ending(path: &Path) -> String {
+    let ending = |path: &Path| {
+        path.extension()
+            .map(|ending| ending.to_string_lossy().to_ascii_lowercase())
+            .unwrap_or_default()
+    };
+    match (ending(path), path.file_stem()) {
+        (last, Some(stem)) if last == "gz" => ending(Path::new(stem)),
+        (last, _) => last,
+    }
+}
+
+/// As [`load`], from a stream; `ending` is the file name's, in lower case.
+pub fn load_from(
+    mut reader: impl BufRead,
+    name: &str,
+    ending: &str,
+    options: Options,
+) -> anyhow::Result<(Particles, About)> {
+    if let Some(radius) = options.radius {
+        ensure!(
+            radius.is_finite() && radius >= 0.0,
+            "the radius given is {radius}; it must be finite and not negative"
+        );
+    }
+    if let Some(dim) = options.dim {
+        ensure!(dim == 2 || dim == 3, "the dimension given is {dim}; it must be 2 or 3");
+    }
+    let head = head(&mut reader, name)?;
+    let mut reader = std::io::Cursor::new(&head[..]).chain(reader);
+    let (mut particles, mut about) = if head.starts_with(gzip::MAGIC) {
+        let mut reader = BufReader::with_capacity(1 << 17, gzip::expand(reader));
+        let head = self::head(&mut reader, name)?;
+        ensure!(!head.starts_with(gzip::MAGIC), "{name} is compressed twice; unpack it once");
+        let mut reader = std::io::Cursor::new(&head[..]).chain(reader);
+        let (particles, about) = (formats::of(&head, name, ending, options)?.read)(
+            Source { input: &mut reader, name },
+            options,
+        )?;
+        (particles, About { gzip: true, ..about })
+    } else {
+        (formats::of(&head, name, ending, options)?.read)(
+            Source { input: &mut reader, name },
+            options,
+        )?
+    };
+    particles.as_asked(name, options)?;
+    if let (RadiusSource::Missing, Some(_)) = (&about.radius, options.radius) {
+        about.radius = RadiusSource::Given;
+    }
+    about.frames = about.frames.max(1);
+    Ok((particles, about))
+}
+
+/// The first bytes, which tell the format.
+fn head(reader: &mut impl BufRead, name: &str) -> anyhow::Result<Vec<u8>> {
+    let mut head = Vec::new();
+    reader.take(4096).read_to_end(&mut head).with_context(|| format!("cannot read {name}"))?;
+    ensure!(
+        !head.is_empty(),
+        "{name} is empty; a particle file has at least a header such as x,y,r"
+    );
+    Ok(head)
+}
+
+#[cfg(test)]
+mod tests;

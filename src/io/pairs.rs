@@ -1,0 +1,352 @@
+//! Contact lists that other codes wrote: CSV, npy, MercuryDPM `.fstat`, LAMMPS dump local.
+//!
+//! A list names particles by numbers, whose meaning is the caller's business: indices from 0 or 1,
+//! or the ids of the particles' file.
+
+use std::fs::File;
+use std::io::{BufRead, BufReader, Read};
+use std::path::Path;
+
+use anyhow::{Context, bail, ensure};
+
+use crate::io::Frame;
+use crate::io::formats::{gzip, npy};
+use crate::io::frames::{Frames, Step};
+use crate::io::lines::{Lines, Separator, Source, number, shown};
+use crate::io::particles::room;
+
+/// A contact list as it was read.
+#[derive(Debug, Default, PartialEq)]
+pub struct List {
+    /// The format's name.
+    pub format: &'static str,
+    /// Couples of numbers, in file order.
+    pub pairs: Vec<[i64; 2]>,
+    /// Contacts with walls, which were left out.
+    pub walls: u64,
+    /// The numbers are those that the program gave its particles (LAMMPS), not places in a file.
+    pub ids: bool,
+    /// Every contact stands there from both sides (MercuryDPM), and was taken once.
+    pub both_sides: bool,
+}
+
+/// Reads a contact list. `columns` names the two columns of a LAMMPS dump or a CSV that hold the
+/// numbers.
+pub fn read(path: &Path, columns: Option<[&str; 2]>, frame: Frame) -> anyhow::Result<List> {
+    let name = path.display().to_string();
+    let file = File::open(path).with_context(|| format!("cannot read {name}"))?;
+    from(BufReader::with_capacity(1 << 17, file), &name, columns, frame)
+}
+
+/// As [`read`], from a stream.
+pub fn from(
+    mut reader: impl BufRead,
+    name: &str,
+    columns: Option<[&str; 2]>,
+    frame: Frame,
+) -> anyhow::Result<List> {
+    let mut head = Vec::new();
+    (&mut reader)
+        .take(4096)
+        .read_to_end(&mut head)
+        .with_context(|| format!("cannot read {name}"))?;
+    let mut reader = std::io::Cursor::new(&head[..]).chain(reader);
+    if head.starts_with(gzip::MAGIC) {
+        let mut unpacked = BufReader::with_capacity(1 << 17, gzip::expand(reader));
+        let mut inner = Vec::new();
+        (&mut unpacked)
+            .take(4096)
+            .read_to_end(&mut inner)
+            .with_context(|| format!("cannot read {name}"))?;
+        return plain(
+            Source { input: &mut std::io::Cursor::new(&inner[..]).chain(unpacked), name },
+            &inner,
+            columns,
+            frame,
+        );
+    }
+    plain(Source { input: &mut reader, name }, &head, columns, frame)
+}
+
+fn plain(
+    source: Source<'_>,
+    head: &[u8],
+    columns: Option<[&str; 2]>,
+    frame: Frame,
+) -> anyhow::Result<List> {
+    let name = source.name;
+    if head.starts_with(npy::MAGIC) {
+        return array(source);
+    }
+    ensure!(
+        !head.contains(&0),
+        "{name} is binary, and no npy file; write the pairs as CSV with a header i,j"
+    );
+    if head.starts_with(b"ITEM:") {
+        return dump_local(Lines::new(source), columns, frame);
+    }
+    // MercuryDPM writes three lines that begin with #, then lines of 14 numbers.
+    let mut data = head
+        .split(|&b| b == b'\n')
+        .map(<[u8]>::trim_ascii)
+        .filter(|line| !line.is_empty() && !line.starts_with(b"#"));
+    if head.starts_with(b"#")
+        && data.next().is_some_and(|line| crate::io::lines::words(line).count() >= 13)
+        || name.ends_with(".fstat")
+    {
+        return fstat(Lines::new(source), frame);
+    }
+    csv(Lines::new(source), columns)
+}
+
+fn push(list: &mut List, pair: [i64; 2]) -> anyhow::Result<()> {
+    room(&mut list.pairs)?;
+    list.pairs.push(pair);
+    Ok(())
+}
+
+/// A whole number; some programs write it as 12.0.
+fn whole(cell: &[u8]) -> Option<i64> {
+    let text = std::str::from_utf8(cell).ok()?;
+    // An exponent is the mark of %g, which keeps six digits of a number.
+    let plain = !cell.iter().any(|c| matches!(c, b'e' | b'E'));
+    text.parse().ok().or_else(|| {
+        number(cell).filter(|x| plain && x.fract() == 0.0 && x.abs() < 9e15).map(|x| x as i64)
+    })
+}
+
+fn cell(lines: &Lines<'_>, cells: &[&[u8]], k: usize) -> anyhow::Result<i64> {
+    let found = cells.get(k).copied().unwrap_or_default();
+    whole(found).with_context(|| {
+        format!(
+            "{}: column {}: '{}' is not the number of a particle",
+            lines.place(),
+            k + 1,
+            shown(found)
+        )
+    })
+}
+
+fn array(mut source: Source<'_>) -> anyhow::Result<List> {
+    let header = npy::header(&mut source)?;
+    let name = source.name;
+    ensure!(
+        header.columns == Some(2) && !header.fortran,
+        "{name}: the shape is ({}); pairs have the shape (pairs, 2), in C order",
+        header.shape
+    );
+    let mut list = List { format: "npy", ..List::default() };
+    let mut first = 0;
+    header.values(&mut source, header.rows.saturating_mul(2), |k, value| {
+        ensure!(
+            value.fract() == 0.0 && value.abs() < 9e15,
+            "{name}: pair {}: {value} is not the number of a particle",
+            k / 2
+        );
+        if k % 2 == 0 {
+            first = value as i64;
+            return Ok(());
+        }
+        push(&mut list, [first, value as i64])
+    })?;
+    source.end(&header)?;
+    Ok(list)
+}
+
+/// Two columns of whole numbers: the first two, or those that a header names `i,j`, or `columns`.
+fn csv(mut lines: Lines<'_>, columns: Option<[&str; 2]>) -> anyhow::Result<List> {
+    let mut list = List { format: "CSV", ..List::default() };
+    let mut layout: Option<(Separator, [usize; 2])> = None;
+    while lines.advance()? {
+        let line = lines.line();
+        if line.is_empty() || line.starts_with(b"#") {
+            continue;
+        }
+        let separator = layout.map_or_else(|| Separator::of(line), |(separator, _)| separator);
+        let cells: Vec<&[u8]> = separator.cells(line).collect();
+        let Some((_, [i, j])) = layout else {
+            let named = |label: &str| {
+                cells.iter().position(|cell| cell.eq_ignore_ascii_case(label.as_bytes()))
+            };
+            let by_name = named("i").zip(named("j"));
+            let header = columns.is_some()
+                || by_name.is_some()
+                || cells.iter().take(2).any(|cell| number(cell).is_none());
+            let found = match columns {
+                Some([i, j]) => {
+                    let missing =
+                        |label: &str| format!("{}: there is no column '{label}'", lines.place());
+                    [named(i).with_context(|| missing(i))?, named(j).with_context(|| missing(j))?]
+                }
+                None => by_name.map_or([0, 1], |(i, j)| [i, j]),
+            };
+            ensure!(cells.len() >= 2, "{}: a pair needs two columns; write i,j", lines.place());
+            ensure!(
+                !header || columns.is_some() || by_name.is_some() || cells.len() == 2,
+                "{}: which columns hold the numbers of a pair? Name them with --columns I,J",
+                lines.place()
+            );
+            if !header {
+                push(&mut list, [cell(&lines, &cells, 0)?, cell(&lines, &cells, 1)?])?;
+            }
+            layout = Some((separator, found));
+            continue;
+        };
+        let pair = [cell(&lines, &cells, i)?, cell(&lines, &cells, j)?];
+        push(&mut list, pair)?;
+    }
+    Ok(list)
+}
+
+/// `time i j x y z overlap ...`, indices from 0, walls negative; each contact of two particles from
+/// both sides.
+fn fstat(mut lines: Lines<'_>, frame: Frame) -> anyhow::Result<List> {
+    let mut frames = Frames::new(crate::io::Options { frame, ..crate::io::Options::default() });
+    let mut list = List { format: "MercuryDPM fstat", ..List::default() };
+    let (mut in_header, mut step) = (false, Step::Keep);
+    while lines.advance_over_blanks()? {
+        if lines.line().starts_with(b"#") {
+            if !in_header {
+                step = frames.begin(|| lines.place())?;
+                if step == Step::Stop {
+                    break;
+                }
+                if step == Step::Keep {
+                    list = List { format: list.format, ..List::default() };
+                }
+            }
+            in_header = true;
+            continue;
+        }
+        in_header = false;
+        if step != Step::Keep {
+            continue;
+        }
+        let cells: Vec<&[u8]> = crate::io::lines::words(lines.line()).collect();
+        ensure!(
+            cells.len() >= 13,
+            "{}: {} columns; lines of an .fstat file have 14: is it cut off?",
+            lines.place(),
+            cells.len()
+        );
+        let pair = [cell(&lines, &cells, 1)?, cell(&lines, &cells, 2)?];
+        if pair.iter().any(|&k| k < 0) {
+            list.walls += 1;
+        } else {
+            push(&mut list, pair)?;
+        }
+    }
+    if let Frame::Number(_) = frame {
+        frames.end(lines.source.name, crate::io::About::default())?;
+    }
+    // Where all are there from both sides, one side is taken.
+    let mut turned: Vec<[i64; 2]> = list.pairs.iter().map(|&[i, j]| [j, i]).collect();
+    let mut sorted = list.pairs.clone();
+    turned.sort_unstable();
+    sorted.sort_unstable();
+    list.both_sides = turned == sorted && !sorted.is_empty();
+    if list.both_sides {
+        list.pairs.retain(|[i, j]| i <= j);
+    }
+    Ok(list)
+}
+
+/// `ITEM: ENTRIES` of a LAMMPS dump local.
+fn dump_local(
+    mut lines: Lines<'_>,
+    columns: Option<[&str; 2]>,
+    frame: Frame,
+) -> anyhow::Result<List> {
+    let mut frames = Frames::new(crate::io::Options { frame, ..crate::io::Options::default() });
+    let mut list = List { format: "LAMMPS dump local", ids: true, ..List::default() };
+    let (mut n, mut open) = (None, false);
+    while lines.advance_over_blanks()? {
+        let (text, place) = (lines.text(), lines.place());
+        let Some(item) = text.strip_prefix("ITEM:").map(str::trim) else {
+            bail!(
+                "{place}: '{}' stands where a line 'ITEM: ...' is expected; mend the file",
+                crate::io::lines::short(&text)
+            );
+        };
+        // The header of a frame has begun, and its entries have not come.
+        open = !item.starts_with("ENTRIES");
+        if item.starts_with("NUMBER OF") {
+            ensure!(
+                lines.advance()?,
+                "{} is cut off in a header; write it again",
+                lines.source.name
+            );
+            n = Some(lines.count(lines.line(), "the number of entries")?);
+        } else if item.starts_with("BOX BOUNDS") {
+            for _ in 0..3 {
+                lines.advance()?;
+            }
+        } else if let Some(names) = item.strip_prefix("ENTRIES") {
+            let names: Vec<&str> = names.split_whitespace().collect();
+            let which = chosen(&names, columns).with_context(|| place.clone())?;
+            let n = n.take().with_context(|| {
+                format!("{place}: no 'ITEM: NUMBER OF ENTRIES' stands before the entries")
+            })?;
+            let step = frames.begin(|| lines.place())?;
+            if step == Step::Stop {
+                break;
+            }
+            if step == Step::Keep {
+                list.pairs.clear();
+            }
+            for k in 0..n {
+                ensure!(
+                    lines.advance()?,
+                    "{} ends after {k} of the {n} entries that its header announces",
+                    lines.source.name
+                );
+                if step == Step::Keep {
+                    let cells: Vec<&[u8]> = crate::io::lines::words(lines.line()).collect();
+                    let pair = [cell(&lines, &cells, which[0])?, cell(&lines, &cells, which[1])?];
+                    push(&mut list, pair)?;
+                }
+            }
+        } else {
+            ensure!(
+                !item.starts_with("ATOMS"),
+                "{place}: this is a dump of atoms, not of pairs; write pairs with dump local"
+            );
+            lines.advance()?;
+        }
+    }
+    let name = lines.source.name;
+    let about = frames.end(name, crate::io::About::default())?;
+    ensure!(about.frames > 0, "{name} ends before a section 'ITEM: ENTRIES'; write it again");
+    ensure!(
+        !open,
+        "{name} is cut off in the header of a frame; write it again, or take an earlier \
+         --pairs-frame"
+    );
+    Ok(list)
+}
+
+/// Which columns hold the two ids: those asked for, `patom1 patom2`, or the first two of one
+/// compute.
+fn chosen(names: &[&str], columns: Option<[&str; 2]>) -> anyhow::Result<[usize; 2]> {
+    let at = |label: &str| names.iter().position(|name| *name == label);
+    if let Some([i, j]) = columns {
+        let missing = |label: &str| {
+            format!("there is no column '{label}' among {}", crate::io::lines::listed(names))
+        };
+        return Ok([at(i).with_context(|| missing(i))?, at(j).with_context(|| missing(j))?]);
+    }
+    for (i, j) in [("patom1", "patom2"), ("natom1", "natom2"), ("id1", "id2"), ("i", "j")] {
+        if let (Some(i), Some(j)) = (at(i), at(j)) {
+            return Ok([i, j]);
+        }
+    }
+    let first = names.iter().position(|name| name.ends_with("[1]"));
+    let second = first.and_then(|first| at(&names[first].replace("[1]", "[2]")));
+    let (Some(i), Some(j)) = (first, second) else {
+        bail!(
+            "which columns hold the ids of a pair? Name them with --columns I,J; there are {}",
+            crate::io::lines::listed(names)
+        )
+    };
+    Ok([i, j])
+}

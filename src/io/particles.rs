@@ -1,0 +1,349 @@
+//! Particles as they are read: centres and radii that grow with the bytes of the file, never with
+//! what it promises.
+
+use anyhow::{Context, bail, ensure};
+use nalgebra::Point;
+
+use crate::io::lines::{number, short, shown};
+use crate::io::{About, Options, RadiusSource};
+use crate::scene::{AnyScene, Radii, Scene};
+
+/// Room for one more, a quarter at a time: a list doubled may be twice as large as needed, and this
+/// is where the memory goes.
+pub(crate) fn room<T>(list: &mut Vec<T>) -> anyhow::Result<()> {
+    if list.len() == list.capacity() {
+        let more = list.len() / 4 + 1024;
+        list.try_reserve_exact(more).with_context(|| {
+            format!("no memory for more than {} particles; split the file", list.len())
+        })?;
+    }
+    Ok(())
+}
+
+/// Centres of either dimension, in file order.
+#[derive(Debug, PartialEq)]
+pub(crate) enum Centres {
+    Plane(Vec<Point<f64, 2>>),
+    Space(Vec<Point<f64, 3>>),
+}
+
+/// Particles as read.
+#[derive(Debug, PartialEq)]
+pub struct Particles {
+    pub(crate) centres: Centres,
+    pub(crate) radii: Option<Vec<f64>>,
+    /// The file's own numbers of the particles, where they were asked for and are there.
+    pub(crate) ids: Option<Vec<i64>>,
+}
+
+impl Particles {
+    pub(crate) fn new(dim: usize, has_radii: bool) -> Particles {
+        let centres =
+            if dim == 2 { Centres::Plane(Vec::new()) } else { Centres::Space(Vec::new()) };
+        Particles { centres, radii: has_radii.then(Vec::new), ids: None }
+    }
+
+    /// The number of particles.
+    pub fn len(&self) -> usize {
+        match &self.centres {
+            Centres::Plane(points) => points.len(),
+            Centres::Space(points) => points.len(),
+        }
+    }
+
+    /// True if there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// 2 or 3.
+    pub fn dim(&self) -> usize {
+        if matches!(self.centres, Centres::Plane(_)) { 2 } else { 3 }
+    }
+
+    /// Has the file a radius for each?
+    pub fn has_radii(&self) -> bool {
+        self.radii.is_some()
+    }
+
+    /// The file's own numbers of the particles, if they were asked for and are there.
+    pub fn ids(&self) -> Option<&[i64]> {
+        self.ids.as_deref()
+    }
+
+    /// Coordinates of particle `k`; z is 0 in the plane.
+    pub fn centre(&self, k: usize) -> [f64; 3] {
+        match &self.centres {
+            Centres::Plane(points) => [points[k][0], points[k][1], 0.0],
+            Centres::Space(points) => [points[k][0], points[k][1], points[k][2]],
+        }
+    }
+
+    pub(crate) fn push(&mut self, point: [f64; 3], radius: f64, id: i64) -> anyhow::Result<()> {
+        ensure!(
+            self.len() < u32::MAX as usize,
+            "more than 2^32 - 1 = {} particles; split the file",
+            u32::MAX
+        );
+        match &mut self.centres {
+            Centres::Plane(points) => {
+                room(points)?;
+                points.push(Point::from([point[0], point[1]]));
+            }
+            Centres::Space(points) => {
+                room(points)?;
+                points.push(Point::from(point));
+            }
+        }
+        if let Some(radii) = &mut self.radii {
+            room(radii)?;
+            radii.push(radius);
+        }
+        if let Some(ids) = &mut self.ids {
+            room(ids)?;
+            ids.push(id);
+        }
+        Ok(())
+    }
+
+    /// Particles of which coordinates and sizes came one after the other; `name` stands in
+    /// messages.
+    pub(crate) fn of(
+        points: Vec<Point<f64, 3>>,
+        radii: Option<Vec<f64>>,
+        name: &str,
+    ) -> anyhow::Result<Particles> {
+        if let Some(radii) = &radii {
+            ensure!(
+                radii.len() == points.len(),
+                "{name} holds {} points but {} radii; write it again",
+                points.len(),
+                radii.len()
+            );
+        }
+        Ok(Particles { centres: Centres::Space(points), radii, ids: None })
+    }
+
+    /// Turns spheres with z = 0 into discs, if that is asked for; refuses what cannot be had.
+    pub(crate) fn as_asked(&mut self, name: &str, options: Options) -> anyhow::Result<()> {
+        ensure!(
+            !(self.has_radii() && options.radius.is_some()),
+            "{name} holds radii, but the radius {} was given too; leave one out",
+            options.radius.unwrap_or_default()
+        );
+        ensure!(
+            options.dim != Some(3) || self.dim() == 3,
+            "{name} holds plane points (x and y only); it cannot be read as 3D: add a column z"
+        );
+        if let (Some(2), Centres::Space(points)) = (options.dim, &mut self.centres) {
+            if let Some(k) = points.iter().position(|point| point[2] != 0.0) {
+                bail!(
+                    "{name}: particle {k} has z = {}; only particles with z = 0 can be read as 2D",
+                    points[k][2]
+                );
+            }
+            self.centres = Centres::Plane(
+                std::mem::take(points).into_iter().map(|p| Point::from([p[0], p[1]])).collect(),
+            );
+        }
+        Ok(())
+    }
+
+    /// The scene. Radii must be in the file or given.
+    pub fn scene(self, name: &str, radius: Option<f64>) -> anyhow::Result<AnyScene<'static>> {
+        let radii = match (self.radii, radius) {
+            (None, None) => bail!(
+                "{name} holds no radii; give --radius R (half the diameter), or add a column \
+                 named r"
+            ),
+            (None, Some(radius)) => Radii::Uniform(radius),
+            (Some(radii), _) => match radii.first() {
+                Some(&first) if radii.iter().all(|&r| r == first) => Radii::Uniform(first),
+                _ => Radii::Each(radii.into()),
+            },
+        };
+        Ok(match self.centres {
+            Centres::Plane(points) => AnyScene::from(
+                Scene::<f64, 2>::new(points, radii).with_context(|| name.to_string())?,
+            ),
+            Centres::Space(points) => AnyScene::from(
+                Scene::<f64, 3>::new(points, radii).with_context(|| name.to_string())?,
+            ),
+        })
+    }
+}
+
+/// What a column of a file means.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Column {
+    /// x, y or z, as 0, 1 or 2.
+    Axis(usize),
+    Radius,
+    Diameter,
+    /// The file's own number of the particle.
+    Id,
+    /// Something else, which is skipped.
+    Other,
+}
+
+impl Column {
+    /// What a column of that name holds.
+    pub fn named(name: &str) -> Column {
+        match name.to_ascii_lowercase().as_str() {
+            "x" => Column::Axis(0),
+            "y" => Column::Axis(1),
+            "z" => Column::Axis(2),
+            "r" | "radius" | "radii" => Column::Radius,
+            "d" | "diameter" | "diameters" => Column::Diameter,
+            "id" => Column::Id,
+            _ => Column::Other,
+        }
+    }
+
+    /// A size must be finite and not negative; a diameter is halved.
+    pub fn size(self, value: f64) -> Result<f64, &'static str> {
+        match value {
+            _ if !value.is_finite() => Err("is not a finite number"),
+            _ if value < 0.0 => Err("is negative"),
+            _ if self == Column::Diameter => Ok(0.5 * value),
+            _ => Ok(value),
+        }
+    }
+}
+
+/// The columns of a file of text, by meaning, and their names for messages.
+#[derive(Clone, Debug)]
+pub(crate) struct Columns {
+    pub meaning: Vec<Column>,
+    pub names: Vec<String>,
+    /// Lines may have more columns than these.
+    pub or_more: bool,
+}
+
+impl Columns {
+    /// Columns that mean what their names say.
+    pub fn named(names: impl IntoIterator<Item = impl Into<String>>) -> Columns {
+        let names: Vec<String> = names.into_iter().map(Into::into).collect();
+        Columns {
+            meaning: names.iter().map(|name| Column::named(name)).collect(),
+            names,
+            or_more: false,
+        }
+    }
+
+    /// Checks that there are x and y, and nothing twice; gives an empty set of particles of that
+    /// kind.
+    pub fn particles(&self, place: &str, options: Options) -> anyhow::Result<Particles> {
+        let count = |column| self.meaning.iter().filter(|&&other| other == column).count();
+        for (k, column) in self.meaning.iter().enumerate() {
+            let single = matches!(column, Column::Other | Column::Id) || count(*column) == 1;
+            ensure!(
+                single,
+                "{place}: the column '{}' stands twice; remove one",
+                short(&self.names[k])
+            );
+        }
+        for (axis, name) in ["x", "y"].into_iter().enumerate() {
+            ensure!(
+                count(Column::Axis(axis)) == 1,
+                "{place}: there is no column '{name}' among {}; name the columns x,y[,z][,r], \
+                 with r, radius, d or diameter",
+                self.names
+                    .iter()
+                    .map(|name| format!("'{}'", short(name)))
+                    .take(8)
+                    .collect::<Vec<_>>()
+                    .join(", ")
+            );
+        }
+        let sizes = count(Column::Radius) + count(Column::Diameter);
+        ensure!(sizes <= 1, "{place}: there are a radius and a diameter column; remove one");
+        let mut particles = Particles::new(2 + count(Column::Axis(2)), sizes == 1);
+        particles.ids = (options.ids && count(Column::Id) == 1).then(Vec::new);
+        Ok(particles)
+    }
+
+    /// Where the radius comes from.
+    pub fn radius(&self) -> RadiusSource {
+        let named = |column| {
+            self.meaning.iter().position(|&other| other == column).map(|k| self.names[k].clone())
+        };
+        match (named(Column::Radius), named(Column::Diameter)) {
+            (Some(name), _) => RadiusSource::Column(name),
+            (_, Some(name)) => RadiusSource::Halved(name),
+            _ => RadiusSource::Missing,
+        }
+    }
+
+    /// Adds the particle of one line. `between` says what separates the cells.
+    pub fn push<'a>(
+        &self,
+        particles: &mut Particles,
+        mut cells: impl Iterator<Item = &'a [u8]> + Clone,
+        place: impl Fn() -> String,
+        between: impl Fn() -> String,
+    ) -> anyhow::Result<()> {
+        let (mut point, mut radius, mut id, mut bad) = ([0.0; 3], 0.0, 0, None);
+        let all = cells.clone();
+        for (k, column) in self.meaning.iter().enumerate() {
+            let Some(cell) = cells.next() else {
+                bad = Some((k, ""));
+                break;
+            };
+            match column {
+                Column::Other => continue,
+                Column::Id if particles.ids.is_none() => continue,
+                Column::Id => {
+                    match std::str::from_utf8(cell).ok().and_then(|cell| cell.parse().ok()) {
+                        Some(value) => id = value,
+                        // Nobody may need them; whoever does is told that there are none.
+                        None => particles.ids = None,
+                    }
+                }
+                Column::Axis(axis) => match number(cell) {
+                    Some(value) if value.is_finite() => point[*axis] = value,
+                    Some(_) => bad = Some((k, "is not a finite number")),
+                    None => bad = Some((k, "is not a number")),
+                },
+                Column::Radius | Column::Diameter => {
+                    match number(cell).ok_or("is not a number").and_then(|value| column.size(value))
+                    {
+                        Ok(value) => radius = value,
+                        Err(why) => bad = Some((k, why)),
+                    }
+                }
+            }
+            if bad.is_some() {
+                break;
+            }
+        }
+        if bad.is_some() || !self.or_more && cells.next().is_some() {
+            let (count, wanted) = (all.clone().count(), self.meaning.len());
+            ensure!(
+                count == wanted || self.or_more && count > wanted,
+                "{}: {count} columns where {wanted} are expected{}",
+                place(),
+                between()
+            );
+            if let Some((k, why)) = bad {
+                let cell = all.clone().nth(k).unwrap_or_default();
+                bail!(
+                    "{}: column '{}': '{}' {why}; mend or remove the line",
+                    place(),
+                    short(&self.names[k]),
+                    shown(cell)
+                );
+            }
+        }
+        particles.push(point, radius, id).with_context(place)
+    }
+}
+
+/// Particles of columns, and what was understood.
+pub(crate) fn loaded(
+    format: &'static str,
+    particles: Particles,
+    radius: RadiusSource,
+) -> (Particles, About) {
+    (particles, About { format, radius, ..About::default() })
+}

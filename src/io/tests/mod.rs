@@ -1,0 +1,76 @@
+//! The formats: what is read (`text`, `npy`), what is refused and in which words, and that no bytes
+//! make a reader panic (`refused`).
+
+mod npy;
+mod refused;
+mod text;
+
+use super::*;
+use crate::io::formats::npy::MAGIC;
+use crate::scene::{Real, array};
+use crate::with_scene;
+
+const NONE: Options = Options::NONE;
+const HALF: Options = Options { radius: Some(0.5), ..NONE };
+
+fn read(bytes: &[u8], ending: &str, options: Options) -> Result<AnyScene<'static>, String> {
+    from(bytes, "p", ending, options).map_err(|error| format!("{error:#}"))
+}
+
+/// Coordinates and radii of all particles, one list each.
+fn rows(scene: &AnyScene<'_>) -> Vec<Vec<f64>> {
+    with_scene!(scene, scene => {
+        let centre = |k: usize| array(&scene.centres()[k]).map(|x| x.wide());
+        let row = |k: usize| centre(k).into_iter().chain([scene.radius(k).wide()]).collect();
+        (0..scene.len()).map(row).collect()
+    })
+}
+
+fn npy_file(descr: &str, fortran: &str, shape: &str, data: &[u8]) -> Vec<u8> {
+    let header =
+        format!("{{'descr': '{descr}', 'fortran_order': {fortran}, 'shape': {shape}, }}\n");
+    let mut bytes =
+        [MAGIC, &[1, 0], &(header.len() as u16).to_le_bytes(), header.as_bytes()].concat();
+    bytes.extend_from_slice(data);
+    bytes
+}
+
+fn doubles(values: &[f64]) -> Vec<u8> {
+    values.iter().flat_map(|x| x.to_le_bytes()).collect()
+}
+
+#[test]
+fn dimension_and_radii_follow_the_rules() {
+    let flat = b"x,y,z,r\n1,2,0,1\n3,4,-0,1\n";
+    assert_eq!(read(flat, "csv", NONE).unwrap().dim(), 3);
+    let plane = read(flat, "csv", Options { radius: None, dim: Some(2), ..NONE }).unwrap();
+    assert_eq!(rows(&plane), [[1.0, 2.0, 1.0], [3.0, 4.0, 1.0]]);
+    assert!(plane.uniform(), "equal radii are one radius");
+    assert!(!read(b"x,y,r\n1,2,1\n3,4,2\n", "csv", NONE).unwrap().uniform());
+    assert_eq!(read(b"x,y,r\n", "csv", NONE).unwrap().len(), 0);
+    assert_eq!(read(b"# x y r\n", "csv", NONE).unwrap().len(), 0);
+}
+
+/// Sizes as listed in the data folder's index; the folder is not part of the project.
+#[test]
+fn real_files_have_their_number_of_particles() {
+    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data");
+    if !data.is_dir() {
+        eprintln!("skipped: no folder {}", data.display());
+        return;
+    }
+    for (file, radius, n, dim) in [
+        ("liggghts_packing/packing.csv", None, 22_410, 3),
+        ("rcp_packing/centres.npy", Some(0.5), 10_000, 3),
+        ("galaxies/xyz.npy", Some(1.0), 84_383, 3),
+        ("craters/craters.csv", None, 24_520, 2),
+    ] {
+        let scene = scene(&data.join(file), Options { radius, dim: None, ..NONE })
+            .unwrap_or_else(|error| panic!("{error:#}"));
+        assert_eq!(
+            (scene.len(), scene.dim(), scene.uniform()),
+            (n, dim, radius.is_some()),
+            "{file}"
+        );
+    }
+}

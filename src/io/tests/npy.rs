@@ -1,0 +1,73 @@
+//! Arrays of NumPy: particles in, pairs out.
+
+use super::*;
+
+#[test]
+fn npy_of_both_widths_byte_orders_and_layouts() {
+    let expected = [[1.0, 2.0, 3.0, 0.5], [4.0, 5.0, 6.0, 0.25]];
+    let by_rows: [f64; 8] = [1.0, 2.0, 3.0, 0.5, 4.0, 5.0, 6.0, 0.25];
+    let by_columns: [f64; 8] = [1.0, 4.0, 2.0, 5.0, 3.0, 6.0, 0.5, 0.25];
+    for (fortran, values) in [("False", by_rows), ("True", by_columns)] {
+        for (descr, data) in [
+            ("<f8", values.iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>()),
+            (">f8", values.iter().flat_map(|x| x.to_be_bytes()).collect()),
+            ("<f4", values.iter().flat_map(|&x| (x as f32).to_le_bytes()).collect()),
+            (">f4", values.iter().flat_map(|&x| (x as f32).to_be_bytes()).collect()),
+        ] {
+            let bytes = npy_file(descr, fortran, "(2, 4)", &data);
+            assert_eq!(rows(&read(&bytes, "npy", NONE).unwrap()), expected, "{descr} {fortran}");
+            // The versions 2 and 3 have a longer length field.
+            for version in [2, 3] {
+                let bytes =
+                    [&bytes[..6], &[version, 0], &bytes[8..10], &[0, 0], &bytes[10..]].concat();
+                assert_eq!(rows(&read(&bytes, "", NONE).unwrap()), expected);
+            }
+        }
+    }
+    let three = npy_file("<f8", "False", "(1, 3)", &doubles(&[1.0, 2.0, 3.0]));
+    assert_eq!(rows(&read(&three, "npy", HALF).unwrap()), [[1.0, 2.0, 3.0, 0.5]]);
+    assert_eq!(
+        rows(&read(&three, "npy", Options { radius: None, dim: Some(2), ..NONE }).unwrap()),
+        [[1.0, 2.0, 3.0]]
+    );
+    let two = npy_file("<f8", "False", "(1, 2)", &doubles(&[1.0, 2.0]));
+    assert_eq!(rows(&read(&two, "npy", HALF).unwrap()), [[1.0, 2.0, 0.5]]);
+    assert_eq!(read(&npy_file("<f8", "False", "(0, 3)", &[]), "npy", HALF).unwrap().len(), 0);
+    // More values than one piece of the stream.
+    let many: Vec<f64> = (0..60_000).map(f64::from).collect();
+    let scene = read(&npy_file("<f8", "True", "(30000, 2)", &doubles(&many)), "npy", HALF).unwrap();
+    assert_eq!(rows(&scene)[29_999], [29_999.0, 59_999.0, 0.5]);
+}
+
+#[test]
+fn pairs_are_written_as_csv_and_npy() {
+    let folder = tempfile::tempdir().unwrap();
+    let list = [[0, 1], [7, 0xfedc_ba98]];
+    let path = folder.path().join("pairs.CSV");
+    write::pairs(&path, &list).unwrap();
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), "i,j\n0,1\n7,4275878552\n");
+    let path = folder.path().join("pairs.npy");
+    for list in [&list[..], &[]] {
+        write::pairs(&path, list).unwrap();
+        let bytes = std::fs::read(&path).unwrap();
+        let start = bytes.len() - 8 * list.len();
+        assert_eq!(start % 64, 0);
+        assert_eq!(
+            (&bytes[..8], usize::from(bytes[8])),
+            (b"\x93NUMPY\x01\0".as_slice(), start - 10)
+        );
+        let header =
+            format!("{{'descr': '<u4', 'fortran_order': False, 'shape': ({}, 2), }}", list.len());
+        assert_eq!(std::str::from_utf8(&bytes[10..start]).unwrap().trim_end(), header);
+        assert_eq!(bytes[start - 1], b'\n');
+        let words: Vec<u32> =
+            bytes[start..].as_chunks().0.iter().map(|&word| u32::from_le_bytes(word)).collect();
+        assert_eq!(words, list.as_flattened());
+    }
+    let message = write::pairs(Path::new("pairs.txt"), &list).unwrap_err().to_string();
+    assert_eq!(message, "pairs.txt: the ending of a file of pairs must be .csv, .npy or .vtk");
+    assert!(
+        format!("{:#}", write::pairs(Path::new("/nowhere/pairs.csv"), &list).unwrap_err())
+            .starts_with("cannot write /nowhere/pairs.csv: ")
+    );
+}

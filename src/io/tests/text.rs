@@ -1,0 +1,84 @@
+//! CSV and XYZ.
+
+use super::*;
+
+#[test]
+fn csv_headers_decide() {
+    let plane = vec![vec![1.0, 2.0, 0.5], vec![-3.5, 4e2, 0.25]];
+    for text in [
+        "x,y,r\n1,2,0.5\n-3.5,4e2,0.25\n",
+        "\u{feff}X;Y;Radius\r\n1;2;0.5\r\n-3.5;4e2;0.25",
+        "# made by hand\n\nname\td\ty\tx\n\nfirst\t1\t2\t1\n# more\nsecond\t.5\t+400\t-3.5\n",
+        "  y   x   diameter \n 2   1  1 \n 4e2 -3.5 0.5\n\n",
+        "\"x\",\"y\",\"r\"\n\"1\",\"2\",\"0.5\"\n-3.5,400,0.25\n",
+        "# x y r\n# in metres\n1 2 .5\n-3.5 400 .25",
+        "# x y r\n1,2,.5\n-3.5,400,.25",
+    ] {
+        assert_eq!(
+            rows(&read(text.as_bytes(), "csv", NONE).unwrap_or_else(|e| panic!("{text}: {e}"))),
+            plane,
+            "{text}"
+        );
+    }
+    let space = read(b"z,y,x\n3,2,1\n", "csv", HALF).unwrap();
+    assert_eq!(rows(&space), [[1.0, 2.0, 3.0, 0.5]]);
+    // Names are not guessed inside other names; foreign bytes in other columns are no obstacle.
+    assert_eq!(
+        rows(&read(b"x,y,rx,caf\xe9\n1,2,9,\xff\n", "csv", HALF).unwrap()),
+        [[1.0, 2.0, 0.5]]
+    );
+}
+
+#[test]
+fn csv_without_a_header_is_read_where_it_has_one_meaning() {
+    let with = |radius, dim| Options { radius, dim, ..NONE };
+    assert_eq!(
+        rows(&read(b"1 2\n3 4\n", "txt", HALF).unwrap()),
+        [[1.0, 2.0, 0.5], [3.0, 4.0, 0.5]]
+    );
+    assert_eq!(rows(&read(b"1,2,3,4\n", "", NONE).unwrap()), [[1.0, 2.0, 3.0, 4.0]]);
+    assert_eq!(rows(&read(b"1,2,3\n", "csv", HALF).unwrap()), [[1.0, 2.0, 3.0, 0.5]]);
+    assert_eq!(rows(&read(b"1,2,3\n", "csv", with(None, Some(2))).unwrap()), [[1.0, 2.0, 3.0]]);
+    assert_eq!(
+        read(b"1,2,3\n", "csv", with(None, Some(3))).unwrap_err(),
+        "p holds no radii; give --radius R (half the diameter), or add a column named r"
+    );
+}
+
+/// A scene written as CSV in shortest form comes back to the bit.
+#[test]
+fn csv_gives_back_every_bit() {
+    let scene = crate::scene::spec::Spec::parse("clustered:dim=3,n=500,size-ratio=7")
+        .unwrap()
+        .make()
+        .unwrap();
+    let text: String = rows(&scene)
+        .iter()
+        .map(|row| row.iter().map(f64::to_string).collect::<Vec<_>>().join(",") + "\n")
+        .collect();
+    assert_eq!(read(format!("x,y,z,r\n{text}").as_bytes(), "csv", NONE).unwrap(), scene);
+}
+
+#[test]
+fn xyz_plain_and_extended() {
+    let plain = read(b"2\nany comment = 3\nAr 1 2 3\nNe 4 5 6\n\n", "xyz", HALF).unwrap();
+    assert_eq!(rows(&plain), [[1.0, 2.0, 3.0, 0.5], [4.0, 5.0, 6.0, 0.5]]);
+    assert_eq!(rows(&read(b"1\n\nAr 1 2 3 9 9 9\n", "dat", HALF).unwrap()), [[1.0, 2.0, 3.0, 0.5]]);
+    for comment in [
+        "Properties=species:S:1:pos:R:3:radius:R:1",
+        "Lattice=\"5 0 0 0 5 0 0 0 5\" pbc='T T F' properties=\"species:S:1:pos:R:3:radius:R:1\" \
+         energy=-1",
+    ] {
+        let text = format!("2\n{comment}\nAr 1 2 3 0.25\nNe 4 5 6 0.5\n");
+        assert_eq!(
+            rows(&read(text.as_bytes(), "xyz", NONE).unwrap()),
+            [[1.0, 2.0, 3.0, 0.25], [4.0, 5.0, 6.0, 0.5]]
+        );
+    }
+    let plane =
+        read(b"1\nProperties=id:I:1:diameter:R:1:vel:R:3:pos:R:2\n7 3 0 0 0 1 2\n", "xyz", NONE)
+            .unwrap();
+    assert_eq!(rows(&plane), [[1.0, 2.0, 1.5]]);
+    assert_eq!(read(b"0\n", "xyz", HALF).unwrap().len(), 0);
+    assert_eq!(read(b"0\nProperties=pos:R:3:r:R:1\n", "xyz", NONE).unwrap().len(), 0);
+}

@@ -1,0 +1,190 @@
+//! Files out: pairs of touching particles as CSV with the header `i,j`, npy of shape (pairs, 2) in
+//! u32, or lines in VTK legacy; scenes as CSV, extended XYZ or npy.
+//!
+//! Pairs are written as given: see [`crate::sink::normalise`] for the order in which lists are
+//! published. Numbers are the shortest that read back to the same bits.
+
+use std::fs::File;
+use std::io::{self, BufWriter, Write};
+use std::path::Path;
+
+use anyhow::{Context, bail};
+
+use crate::io::formats::npy;
+use crate::scene::{AnyScene, Real, Scene, array};
+use crate::with_scene;
+
+/// What a file of pairs can be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PairFormat {
+    /// `i,j` and one pair per line.
+    Csv,
+    /// NumPy, u32.
+    Npy,
+    /// VTK legacy, text: centres with radii, and a line from centre to centre.
+    Vtk,
+}
+
+/// What a file of a scene can be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SceneFormat {
+    /// `x,y[,z],r` and one particle per line.
+    Csv,
+    /// Extended XYZ; discs have two coordinates.
+    Xyz,
+    /// NumPy, f64: coordinates, and the radius last.
+    Npy,
+}
+
+fn ending(path: &Path) -> String {
+    path.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase()).unwrap_or_default()
+}
+
+/// The format of a file of pairs, by its ending; asked before the work is done.
+pub fn format(path: &Path) -> anyhow::Result<PairFormat> {
+    match &*ending(path) {
+        "csv" => Ok(PairFormat::Csv),
+        "npy" => Ok(PairFormat::Npy),
+        "vtk" => Ok(PairFormat::Vtk),
+        _ => bail!("{}: the ending of a file of pairs must be .csv, .npy or .vtk", path.display()),
+    }
+}
+
+/// The format of a file of a scene, by its ending; asked before the work is done.
+pub fn scene_format(path: &Path) -> anyhow::Result<SceneFormat> {
+    match &*ending(path) {
+        "csv" => Ok(SceneFormat::Csv),
+        "xyz" | "extxyz" => Ok(SceneFormat::Xyz),
+        "npy" => Ok(SceneFormat::Npy),
+        _ => {
+            bail!("{}: the ending of a file of a scene must be .csv, .xyz or .npy", path.display())
+        }
+    }
+}
+
+fn create(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> anyhow::Result<()> {
+    let create = || -> io::Result<()> {
+        let mut file = BufWriter::new(File::create(path)?);
+        write(&mut file)?;
+        file.flush()
+    };
+    create().with_context(|| format!("cannot write {}", path.display()))
+}
+
+/// Writes pairs to a file whose ending, `.csv` or `.npy`, gives the format.
+pub fn pairs(path: &Path, pairs: &[[u32; 2]]) -> anyhow::Result<()> {
+    match format(path)? {
+        PairFormat::Csv => create(path, |out| csv(out, pairs)),
+        PairFormat::Npy => create(path, |out| npy(out, pairs)),
+        PairFormat::Vtk => bail!("{}: lines need the particles; see pairs_of", path.display()),
+    }
+}
+
+/// Writes pairs of a scene to a file whose ending, `.csv`, `.npy` or `.vtk`, gives the format.
+pub fn pairs_of(path: &Path, pairs: &[[u32; 2]], scene: &AnyScene<'_>) -> anyhow::Result<()> {
+    match format(path)? {
+        PairFormat::Vtk => create(path, |out| with_scene!(scene, scene => vtk(out, pairs, scene))),
+        _ => self::pairs(path, pairs),
+    }
+}
+
+/// Writes a scene to a file whose ending, `.csv`, `.xyz` or `.npy`, gives the format.
+pub fn scene(path: &Path, scene: &AnyScene<'_>) -> anyhow::Result<()> {
+    let format = scene_format(path)?;
+    create(path, |out| scene_to(out, format, scene))
+}
+
+/// Writes a scene.
+pub fn scene_to(out: &mut dyn Write, format: SceneFormat, scene: &AnyScene<'_>) -> io::Result<()> {
+    with_scene!(scene, scene => match format {
+        SceneFormat::Csv => scene_csv(out, scene),
+        SceneFormat::Xyz => scene_xyz(out, scene),
+        SceneFormat::Npy => scene_npy(out, scene),
+    })
+}
+
+/// The header `i,j`, then one pair per line.
+pub fn csv(out: &mut dyn Write, pairs: &[[u32; 2]]) -> io::Result<()> {
+    out.write_all(b"i,j\n")?;
+    for [i, j] in pairs {
+        writeln!(out, "{i},{j}")?;
+    }
+    Ok(())
+}
+
+/// NumPy version 1.0, '<u4', C order.
+pub fn npy(out: &mut dyn Write, pairs: &[[u32; 2]]) -> io::Result<()> {
+    npy::write_header(out, "<u4", pairs.len(), 2)?;
+    for &pair in pairs {
+        let [i, j] = pair.map(u32::to_le_bytes);
+        out.write_all(&[i[0], i[1], i[2], i[3], j[0], j[1], j[2], j[3]])?;
+    }
+    Ok(())
+}
+
+/// The numbers of one particle, the radius last.
+fn row<T: Real, const D: usize>(scene: &Scene<'_, T, D>, k: usize) -> impl Iterator<Item = f64> {
+    array(&scene.centres()[k]).map(|x| x.wide()).into_iter().chain([scene.radius(k).wide()])
+}
+
+fn line(out: &mut dyn Write, row: impl Iterator<Item = f64>, separator: &str) -> io::Result<()> {
+    for (k, x) in row.enumerate() {
+        // {:?} is the shortest form that reads back, with an exponent where that is shorter.
+        write!(out, "{}{x:?}", if k == 0 { "" } else { separator })?;
+    }
+    out.write_all(b"\n")
+}
+
+fn scene_csv<T: Real, const D: usize>(
+    out: &mut dyn Write,
+    scene: &Scene<'_, T, D>,
+) -> io::Result<()> {
+    out.write_all(if D == 2 { b"x,y,r\n" } else { b"x,y,z,r\n" })?;
+    (0..scene.len()).try_for_each(|k| line(out, row(scene, k), ","))
+}
+
+fn scene_xyz<T: Real, const D: usize>(
+    out: &mut dyn Write,
+    scene: &Scene<'_, T, D>,
+) -> io::Result<()> {
+    writeln!(out, "{}\nProperties=species:S:1:pos:R:{D}:radius:R:1", scene.len())?;
+    (0..scene.len()).try_for_each(|k| {
+        out.write_all(b"X ")?;
+        line(out, row(scene, k), " ")
+    })
+}
+
+fn scene_npy<T: Real, const D: usize>(
+    out: &mut dyn Write,
+    scene: &Scene<'_, T, D>,
+) -> io::Result<()> {
+    npy::write_header(out, "<f8", scene.len(), D + 1)?;
+    (0..scene.len())
+        .try_for_each(|k| row(scene, k).try_for_each(|x| out.write_all(&x.to_le_bytes())))
+}
+
+/// Points with radii, and a line for each pair. Discs lie in the plane z = 0.
+fn vtk<T: Real, const D: usize>(
+    out: &mut dyn Write,
+    pairs: &[[u32; 2]],
+    scene: &Scene<'_, T, D>,
+) -> io::Result<()> {
+    writeln!(
+        out,
+        "# vtk DataFile Version 3.0\ncontacts\nASCII\nDATASET POLYDATA\nPOINTS {} double",
+        scene.len()
+    )?;
+    for k in 0..scene.len() {
+        line(
+            out,
+            array(&scene.centres()[k]).map(|x| x.wide()).into_iter().chain((D == 2).then_some(0.0)),
+            " ",
+        )?;
+    }
+    writeln!(out, "LINES {} {}", pairs.len(), 3 * pairs.len())?;
+    for [i, j] in pairs {
+        writeln!(out, "2 {i} {j}")?;
+    }
+    writeln!(out, "POINT_DATA {}\nSCALARS radius double 1\nLOOKUP_TABLE default", scene.len())?;
+    (0..scene.len()).try_for_each(|k| writeln!(out, "{:?}", scene.radius(k).wide()))
+}

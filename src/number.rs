@@ -1,0 +1,123 @@
+//! Numbers and words as every output prints them: four significant digits, percentages, ratios with
+//! their interval, wrapped lines.
+
+use crate::stats::interval::Interval;
+
+/// A number with about four significant digits; whole numbers below 10^7 in full.
+pub fn number(value: f64) -> String {
+    let size = value.abs();
+    if !value.is_finite() {
+        return value.to_string();
+    }
+    if value == value.round() && size < 1e7 {
+        return format!("{value:.0}");
+    }
+    match size {
+        s if !(1e-3..1e7).contains(&s) => {
+            let text = format!("{value:.3e}");
+            match text.split_once('e') {
+                Some((mantissa, power)) if mantissa.ends_with(".000") => {
+                    format!("{}e{power}", mantissa.trim_end_matches(".000"))
+                }
+                _ => text,
+            }
+        }
+        s if s < 1.0 => format!("{value:.4}"),
+        s if s < 10.0 => format!("{value:.3}"),
+        s if s < 100.0 => format!("{value:.2}"),
+        s if s < 1000.0 => format!("{value:.1}"),
+        _ => format!("{value:.0}"),
+    }
+}
+
+/// A fraction as a percentage.
+pub fn percent(fraction: f64) -> String {
+    let value = 100.0 * fraction;
+    if value == 0.0 {
+        "0%".into()
+    } else if value.abs() < 1e-3 {
+        "< 0.001%".into()
+    } else if value.abs() < 0.1 {
+        format!("{value:.3}%")
+    } else if value.abs() < 10.0 {
+        format!("{value:.1}%")
+    } else {
+        format!("{value:.0}%")
+    }
+}
+
+/// A ratio without its interval: `1.25`.
+pub fn times(ratio: f64) -> String {
+    if ratio < 10.0 { format!("{ratio:.2}") } else { format!("{ratio:.1}") }
+}
+
+/// `1.25 (1.20 to 1.31)`.
+pub fn with_interval(ratio: &Interval) -> String {
+    let digits = if ratio.median < 10.0 { 2 } else { 1 };
+    format!("{:.digits$} ({:.digits$} to {:.digits$})", ratio.median, ratio.low, ratio.high)
+}
+
+/// `1 cell`, `2 cells`.
+pub fn plural(count: usize, noun: &str) -> String {
+    if count == 1 { format!("1 {noun}") } else { format!("{count} {noun}s") }
+}
+
+/// Breaks text into lines of at most `width` characters; longer words are cut.
+pub fn wrap(text: &str, width: usize) -> Vec<String> {
+    let width = width.max(1);
+    let (mut lines, mut line, mut length) = (Vec::new(), String::new(), 0);
+    for word in text.split_whitespace() {
+        let mut word: Vec<char> = word.chars().collect();
+        if length > 0 && length + 1 + word.len() > width {
+            lines.push(std::mem::take(&mut line));
+            length = 0;
+        }
+        while word.len() > width {
+            let rest = word.split_off(width);
+            lines.push(std::mem::replace(&mut word, rest).into_iter().collect());
+        }
+        if length > 0 {
+            line.push(' ');
+            length += 1;
+        }
+        length += word.len();
+        line.extend(word);
+    }
+    if !line.is_empty() || lines.is_empty() {
+        lines.push(line);
+    }
+    lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_short() {
+        for (value, text) in [
+            (0.0, "0"),
+            (4.0004, "4.000"),
+            (12.0, "12"),
+            (499_500.0, "499500"),
+            (1e8, "1e8"),
+            (1.25e9, "1.250e9"),
+            (0.5, "0.5000"),
+            (1e-9, "1e-9"),
+            (-3.25, "-3.250"),
+            (123_456.7, "123457"),
+        ] {
+            assert_eq!(number(value), text);
+        }
+        assert_eq!([0.003, 0.5, 1e-7].map(percent), ["0.3%", "50%", "< 0.001%"]);
+        let wide = Interval { median: 1.25, low: 1.2, high: 11.0, coverage: 0.96, count: 15 };
+        assert_eq!(with_interval(&wide), "1.25 (1.20 to 11.00)");
+        assert_eq!([1.254, 12.54].map(times), ["1.25", "12.5"]);
+    }
+
+    #[test]
+    fn lines_keep_their_width() {
+        assert_eq!(wrap("one two abcdefgh", 5), ["one", "two", "abcde", "fgh"]);
+        assert_eq!(wrap("", 5), [""]);
+    }
+}

@@ -1,0 +1,90 @@
+//! `summary.csv`: one line per cell with all its values.
+
+use std::collections::BTreeSet;
+
+use crate::cells::{Cell, FIELDS, errors};
+use crate::present::table::{self, Column, Table};
+use crate::stats::interval::{mad, median};
+
+/// One line per cell with all its values.
+pub fn summary(cells: &[Cell]) -> Table {
+    let params: BTreeSet<String> = cells
+        .iter()
+        .flat_map(|cell| cell.id.names())
+        .filter(|name| !FIELDS.contains(&name.as_str()))
+        .collect();
+    let counts: BTreeSet<&str> = cells
+        .iter()
+        .filter_map(|cell| cell.counts.as_ref())
+        .flat_map(|c| c.keys().map(String::as_str))
+        .collect();
+    let bytes = ["peak_bytes", "live_bytes", "allocations", "warm_allocations", "formula_bytes"];
+    let stats = ["packing_fraction", "coordination", "radius_ratio"];
+    let times =
+        ["time_ns_median", "time_ns_low", "time_ns_high", "time_ns_min", "time_ns_mad", "blocks"];
+    let errors: Vec<String> = errors::names().collect();
+    // Only where copies were timed: other tables keep their columns.
+    let beside: &[&str] = if cells.iter().any(|cell| !cell.copies_ns.is_empty()) {
+        &["beside_ns_median"]
+    } else {
+        &[]
+    };
+    let fields: Vec<&str> = FIELDS.into_iter().chain(params.iter().map(String::as_str)).collect();
+    let numbers: Vec<&str> = ["contacts"]
+        .into_iter()
+        .chain(counts)
+        .chain(bytes)
+        .chain(["true_contacts"])
+        .chain(errors.iter().map(String::as_str))
+        .chain(stats)
+        .collect();
+    let columns = fields.iter().chain(&["outcome", "reason"]).chain(&times).chain(beside);
+    let columns = columns.chain(&numbers).map(|name| Column::left(*name)).collect();
+    let row = |cell: &Cell| {
+        let (outcome, reason) = cell.overall();
+        let mut row: Vec<table::Cell> = fields
+            .iter()
+            .map(|name| {
+                cell.id
+                    .axis(name)
+                    .map_or_else(table::Cell::absent, |value| value.to_string().into())
+            })
+            .collect();
+        row.extend([outcome.name(), reason].map(table::Cell::from));
+        row.extend(time(cell).map(table::Cell::from));
+        let copies: Vec<f64> = cell.copies_ns.values().map(|&t| t as f64).collect();
+        row.extend(beside.iter().map(|_| table::Cell::from(median(&copies))));
+        row.extend(numbers.iter().map(|name| table::Cell::from(cell.variable(name, None))));
+        row
+    };
+    Table::new("", columns).with(cells.iter().map(row))
+}
+
+/// Median, interval, minimum, deviation and number of the times.
+fn time(cell: &Cell) -> [Option<f64>; 6] {
+    let Some(time) = cell.time() else { return [None; 6] };
+    let all: Vec<f64> = cell.times.values().map(|&t| t as f64).collect();
+    let least = all.iter().copied().fold(f64::INFINITY, f64::min);
+    let deviation = mad(&all).unwrap_or(0.0);
+    [time.median, time.low, time.high, least, deviation, time.count as f64].map(Some)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cells;
+    use crate::cells::testing::Lab;
+    use crate::record::row::{Outcome, Pass};
+
+    #[test]
+    fn every_cell_is_a_line_with_all_its_digits() {
+        let mut lab = Lab::new("e", "packed");
+        lab.detector("nbs").time(&[100, 200, 301, 400]).memory(20_000, 21_000);
+        lab.detector("direct").fail(Pass::Time, Outcome::Timeout, "30 s, the limit");
+        let text = table::csv(&[summary(&cells::cells(&lab.rows()))]);
+        assert_eq!(text.lines().count(), 3);
+        assert!(text.starts_with("experiment,scene,dim,order,n,seed,arithmetic,threads,detector,"));
+        assert!(text.contains(",timeout,\"30 s, the limit\",,,"), "{text}");
+        assert!(text.contains(",ok,,250.5,100,400,100,"), "{text}");
+    }
+}

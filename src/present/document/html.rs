@@ -1,0 +1,48 @@
+use super::{Block, Span, Text};
+use crate::present::escape;
+
+/// The blocks in HTML. Links lead to files in the folder of the page or to a section of it, else
+/// they are only text; figures are named, and shown by the page.
+pub fn html(blocks: &[Block]) -> String {
+    blocks.iter().map(block_text).collect()
+}
+
+fn block_text(block: &Block) -> String {
+    match block {
+        Block::Heading(level, text) => {
+            let level = level.clamp(&1, &6);
+            format!("<h{level}>{}</h{level}>\n", words(text))
+        }
+        Block::Paragraph(text) => format!("<p>{}</p>\n", words(text)),
+        Block::Warning(text) => format!("<p class=\"warning\">{}</p>\n", words(text)),
+        Block::List(items) => {
+            let items: String =
+                items.iter().map(|item| format!("<li>{}</li>\n", words(item))).collect();
+            format!("<ul>\n{items}</ul>\n")
+        }
+        Block::Code(text) => format!("<pre tabindex=\"0\">{}</pre>\n", escape::html(text)),
+        Block::Table(table) => table.html(),
+        Block::Figure { title, .. } => format!("<p>{}</p>\n", escape::html(title)),
+    }
+}
+
+/// Words in HTML, without a paragraph around them.
+pub fn words(text: &Text) -> String {
+    let span = |span: &Span| match span {
+        Span::Plain(text) => escape::html(text),
+        Span::Strong(text) => format!("<strong>{}</strong>", escape::html(text)),
+        Span::Emphasis(text) => format!("<em>{}</em>", escape::html(text)),
+        Span::Code(text) => format!("<code>{}</code>", escape::html(text)),
+        Span::Link { text, target } if is_local(target) => {
+            format!("<a href=\"{}\">{}</a>", escape::html(target), escape::html(text))
+        }
+        Span::Link { text, .. } => escape::html(text),
+    };
+    text.0.iter().map(span).collect()
+}
+
+fn is_local(target: &str) -> bool {
+    target.chars().all(|c| c.is_ascii_alphanumeric() || "-_./#".contains(c))
+        && !target.starts_with('/')
+        && !target.contains("..")
+}

@@ -1,0 +1,70 @@
+//! From lengths of the scene to pixels of the page.
+
+/// The drawing's place on the sheet, in pixels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PageCoordinates {
+    low: [f64; 2],
+    /// Pixels per length.
+    scale: f64,
+    /// Left and bottom of the drawing.
+    corner: [f64; 2],
+    /// Width and height of the drawing.
+    pub size: [f64; 2],
+}
+
+impl PageCoordinates {
+    /// Fits a box into at most `most` pixels, below a header of `top` pixels; with a margin all
+    /// around.
+    pub fn around([low, high]: [[f64; 2]; 2], most: [f64; 2], top: f64) -> PageCoordinates {
+        const MARGIN: f64 = 14.0;
+        const LEAST: [f64; 2] = [420.0, 60.0];
+        let extent = [high[0] - low[0], high[1] - low[1]];
+        let longest = extent[0].max(extent[1]);
+        // A single point: any scale will do.
+        let extent = if longest > 0.0 { extent } else { [1.0, 1.0] };
+        let fits = |k: usize| if extent[k] > 0.0 { most[k] / extent[k] } else { f64::INFINITY };
+        let scale = fits(0).min(fits(1));
+        let drawn = extent.map(|x| x * scale);
+        let size = [0, 1].map(|k| drawn[k].max(LEAST[k]) + 2.0 * MARGIN);
+        let corner = [0.5 * (size[0] - drawn[0]), top + 0.5 * (size[1] + drawn[1])];
+        PageCoordinates { low, scale, corner, size }
+    }
+
+    /// Where a point is; y points up in the scene and down on the sheet.
+    pub fn at(&self, point: [f64; 2]) -> [f64; 2] {
+        [
+            self.corner[0] + (point[0] - self.low[0]) * self.scale,
+            self.corner[1] - (point[1] - self.low[1]) * self.scale,
+        ]
+    }
+
+    /// How long a length is.
+    pub fn length(&self, length: f64) -> f64 {
+        length * self.scale
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_box_fits_its_page() {
+        for (low, high) in [
+            ([0.0, 0.0], [1.0, 1.0]),
+            ([1e15, -3.0], [1e15 + 1000.0, -2.0]),
+            ([5.0, 5.0], [5.0, 5.0]),
+            ([0.0, 0.0], [0.0, 1e-300]),
+        ] {
+            let page = PageCoordinates::around([low, high], [960.0, 720.0], 40.0);
+            for point in [low, high] {
+                let [x, y] = page.at(point);
+                assert!(
+                    (0.0..=page.size[0]).contains(&x) && (40.0..=40.0 + page.size[1]).contains(&y),
+                    "{low:?} {high:?}: {x} {y}"
+                );
+            }
+            assert!(page.size[0] <= 1000.0 && page.size[1] <= 760.0);
+        }
+    }
+}

@@ -1,0 +1,79 @@
+//! Text that comes from outside, made harmless: one function per language that is written.
+
+/// Text for Markdown: nothing that Markdown would take for markup, no line breaks.
+pub fn markdown(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '|' | '*' | '_' | '<' | '>' | '`' | '\\' | '[' | ']' | '#' => out.extend(['\\', c]),
+            c if c.is_control() => out.push(' '),
+            c => out.push(c),
+        }
+    }
+    out
+}
+
+/// Text for HTML and XML, between tags or in a quoted attribute; characters that neither may hold
+/// become U+FFFD.
+pub fn html(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '&' => out += "&amp;",
+            '<' => out += "&lt;",
+            '>' => out += "&gt;",
+            '"' => out += "&quot;",
+            '\'' => out += "&#39;",
+            '\t' | '\n' | '\r' => out.push(c),
+            '\0'..' ' | '\u{7f}'..'\u{a0}' | '\u{fffe}' | '\u{ffff}' => out.push('\u{fffd}'),
+            c => out.push(c),
+        }
+    }
+    out
+}
+
+/// Text for LaTeX: none of it is a command.
+pub fn latex(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '&' | '%' | '$' | '#' | '_' | '{' | '}' => out.extend(['\\', c]),
+            '\\' => out += "\\textbackslash{}",
+            '~' => out += "\\textasciitilde{}",
+            '^' => out += "\\textasciicircum{}",
+            '<' => out += "\\textless{}",
+            '>' => out += "\\textgreater{}",
+            '|' => out += "\\textbar{}",
+            '"' => out += "\\textquotedbl{}",
+            // At the start of a line it would be an option of the line break before it.
+            '[' | ']' => out.extend(['{', c, '}']),
+            '–' => out += "--",
+            '×' => out += "$\\times$",
+            '²' => out += "$^2$",
+            'Δ' => out += "$\\Delta$",
+            c if c.is_control() => out.push(' '),
+            c => out.push(c),
+        }
+    }
+    out
+}
+
+/// One line of text, as a comment needs it.
+pub fn one_line(text: &str) -> String {
+    text.chars()
+        .map(|c| if c.is_control() || c == '\u{2028}' || c == '\u{2029}' { ' ' } else { c })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nothing_becomes_markup() {
+        assert_eq!(markdown("a|b*c_d<e>\n`f`[g]#"), "a\\|b\\*c\\_d\\<e\\> \\`f\\`\\[g\\]\\#");
+        assert_eq!(html("<a href=\"x\">&'\u{1}"), "&lt;a href=&quot;x&quot;&gt;&amp;&#39;\u{fffd}");
+        assert_eq!(latex("my_50% & {[a]}\\"), "my\\_50\\% \\& \\{{[}a{]}\\}\\textbackslash{}");
+        assert_eq!(one_line("a\nb\u{2028}c"), "a b c");
+    }
+}

@@ -1,0 +1,161 @@
+//! One colour and one marker per detector, the same in every figure.
+//!
+//! The colours of the book's detectors are those of Okabe and Ito, which people with any of the
+//! common colour blindnesses tell apart; the others were chosen beside them, from Okabe and Ito and
+//! from Tol, to differ in lightness where hues can be mistaken. The marker says the same again, so
+//! that a figure survives a grey printer. Controls are grey, thin and dashed.
+
+use std::collections::BTreeMap;
+
+use crate::cells::Cell;
+
+/// Red, green, blue.
+pub type Colour = (u8, u8, u8);
+/// Text and axes.
+pub const INK: Colour = (40, 40, 40);
+/// Secondary text.
+pub const FAINT: Colour = (110, 110, 110);
+/// Grid lines.
+pub const GRID: Colour = (228, 228, 228);
+/// Lines where data outgrow a cache.
+pub const CACHE: Colour = (170, 160, 200);
+/// Their names.
+pub const CACHE_NAME: Colour = (115, 100, 160);
+/// Controls.
+pub const CONTROL: Colour = (150, 150, 150);
+/// The background of the strip for cells without a value.
+pub const STRIP: Colour = (246, 246, 244);
+
+/// The shape of a marker.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Marker {
+    /// Filled circle.
+    Circle,
+    /// Filled square.
+    Square,
+    /// Triangle, point up.
+    Up,
+    /// Triangle, point down.
+    Down,
+    /// Square on its corner.
+    Diamond,
+    /// Diagonal cross.
+    Cross,
+    /// Upright cross.
+    Plus,
+}
+
+/// How lines are drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Style {
+    /// Line and marker.
+    pub colour: Colour,
+    /// The marker.
+    pub marker: Marker,
+    /// Drawn thin and dashed.
+    pub control: bool,
+}
+
+/// The book's detectors, then the others.
+const KNOWN: [(&str, Colour, Marker); 11] = [
+    ("direct", (0, 0, 0), Marker::Square),
+    ("binary-tree", (230, 159, 0), Marker::Up),
+    ("screening", (86, 180, 233), Marker::Diamond),
+    ("sorting", (0, 158, 115), Marker::Down),
+    ("nbs", (213, 94, 0), Marker::Circle),
+    ("streamed-nbs", (0, 80, 200), Marker::Circle),
+    ("cell-grid", (204, 121, 167), Marker::Square),
+    ("hash-grid", (136, 34, 85), Marker::Cross),
+    ("sweep", (178, 161, 0), Marker::Plus),
+    ("kd-tree", (51, 34, 136), Marker::Up),
+    ("bvh", (140, 110, 70), Marker::Diamond),
+];
+const REST: [Colour; 3] = [(0, 114, 178), (204, 102, 119), (90, 140, 90)];
+const MARKERS: [Marker; 5] =
+    [Marker::Cross, Marker::Plus, Marker::Diamond, Marker::Square, Marker::Up];
+
+/// The styles of all detectors of a record.
+#[derive(Clone, Debug, Default)]
+pub struct Styles(BTreeMap<String, Style>);
+
+impl Styles {
+    /// Names that have no style of their own get the remaining ones in alphabetical order.
+    pub fn new<'a>(cells: impl Iterator<Item = &'a Cell>) -> Styles {
+        let mut styles: BTreeMap<String, Style> = BTreeMap::new();
+        let contenders: BTreeMap<String, bool> =
+            cells.map(|cell| (cell.id.contender(), cell.role.is_control())).collect();
+        let (mut others, mut controls) = (0, 0);
+        for (name, control) in contenders {
+            let style = if control {
+                controls += 1;
+                Style {
+                    colour: CONTROL,
+                    marker: if controls % 2 == 1 { Marker::Circle } else { Marker::Cross },
+                    control: true,
+                }
+            } else if let Some(&(_, colour, marker)) = KNOWN.iter().find(|known| known.0 == name) {
+                Style { colour, marker, control: false }
+            } else {
+                others += 1;
+                let (colour, marker) =
+                    (REST[(others - 1) % REST.len()], MARKERS[(others - 1) % MARKERS.len()]);
+                Style { colour, marker, control: false }
+            };
+            styles.insert(name, style);
+        }
+        Styles(styles)
+    }
+
+    /// The style of a detector; grey for names that were not announced.
+    pub fn of(&self, name: &str) -> Style {
+        self.0.get(name).copied().unwrap_or(Style {
+            colour: CONTROL,
+            marker: Marker::Plus,
+            control: true,
+        })
+    }
+}
+
+/// The place of a detector in legends: the book's order, then others, then controls.
+pub fn rank(cell: &Cell) -> usize {
+    let other = if cell.role.is_control() { 99 } else { 50 };
+    KNOWN.iter().position(|known| known.0 == cell.id.contender()).unwrap_or(other)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cells;
+    use crate::cells::testing::Lab;
+    use crate::detect::table::{Role, TABLE};
+
+    #[test]
+    fn every_detector_has_a_style_of_its_own() {
+        // New detectors have one of the rest, until they are given one that is kept for them.
+        let detectors: Vec<&str> = TABLE
+            .iter()
+            .filter(|entry| entry.role == Role::Detector)
+            .map(|entry| entry.name)
+            .collect();
+        let mut lab = Lab::new("e", "packed");
+        detectors.iter().for_each(|name| {
+            lab.detector(name).time(&[1]);
+        });
+        let styles = Styles::new(cells::cells(&lab.rows()).iter());
+        for (k, name) in detectors.iter().enumerate() {
+            let of = |name: &str| styles.of(name);
+            assert!(
+                !of(name).control
+                    && detectors[..k].iter().all(|other| of(other).colour != of(name).colour),
+                "{name}"
+            );
+        }
+        let apart = |a: Colour, b: Colour| {
+            [a.0.abs_diff(b.0), a.1.abs_diff(b.1), a.2.abs_diff(b.2)].into_iter().max()
+        };
+        for (k, a) in KNOWN.iter().enumerate() {
+            assert!(KNOWN[..k].iter().all(|b| apart(a.1, b.1) >= Some(45)), "{}", a.0);
+            assert!(REST.iter().all(|&b| apart(a.1, b) >= Some(30)), "{}", a.0);
+        }
+    }
+}

@@ -1,0 +1,14 @@
+//! What findings look like: tables, reports, pages, figures, pictures of scenes.
+
+pub mod csv;
+pub mod document;
+pub mod draw;
+pub mod escape;
+pub mod figure;
+pub mod latex;
+pub mod page;
+pub mod report;
+pub mod sections;
+pub mod svg;
+pub mod table;
+pub mod trace;

@@ -1,0 +1,414 @@
+//! `report.html`: a whole report in one file that opens from disk, without a server, the network,
+//! or the files beside it.
+//!
+//! What can be said without a program stands in the page as HTML, made here: the answer, verdicts,
+//! figures, what did not end well, machine and method. [`data`] gives the charts and the table
+//! their numbers; [`marks`] keeps the colours of the figures; [`markup`] lets no text of a record
+//! become markup. Style and program are in `assets/report`, the charting library, uPlot, in
+//! `assets/uplot`. A content security policy in the page forbids every request.
+
+pub mod answer;
+pub mod data;
+pub mod marks;
+pub mod markup;
+
+use std::collections::BTreeSet;
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+use markup::{data_uri, markdown};
+use serde_json::Value;
+
+use crate::cells::Cell;
+use crate::findings::claim::{self, Status, Verdict};
+use crate::findings::failures::failures;
+use crate::findings::winners::Contest;
+use crate::number::plural;
+use crate::present::escape::html as escape;
+use crate::present::figure::style::{Styles, rank};
+use crate::present::report::Part;
+use crate::present::{document, sections};
+use crate::record::row::Outcome;
+
+const TEMPLATE: &str = include_str!("../../../assets/report/page.html");
+const STYLE: &str = include_str!("../../../assets/report/style.css");
+const CHART: &str = include_str!("../../../assets/report/chart.js");
+const TABLE: &str = include_str!("../../../assets/report/table.js");
+const UPLOT: &str = include_str!("../../../assets/uplot/uPlot.iife.min.js");
+const UPLOT_STYLE: &str = include_str!("../../../assets/uplot/uPlot.min.css");
+const UPLOT_LICENCE: &str = include_str!("../../../assets/uplot/LICENSE");
+const BIAS: &str = include_str!("../../../BIAS.md");
+
+/// Figures are put into the page up to so many bytes together; those beyond are linked.
+const FIGURE_BYTES: usize = 2_500_000;
+
+/// A page.
+pub struct Page<'a> {
+    /// Its experiments.
+    pub parts: &'a [Part<'a>],
+    /// All cells of the record.
+    pub cells: &'a [Cell],
+    /// Colours and markers.
+    pub styles: &'a Styles,
+    /// Command, revision and machine.
+    pub provenance: Option<&'a Value>,
+    /// The same of runs that were resumed.
+    pub resumed: Vec<Value>,
+    /// What was left out.
+    pub warnings: &'a [String],
+}
+
+impl Page<'_> {
+    /// The page.
+    pub fn html(&self) -> String {
+        let detectors = self.detectors();
+        let detectors: Vec<&str> = detectors.iter().map(String::as_str).collect();
+        let titles: Vec<(&str, &str)> = self
+            .parts
+            .iter()
+            .map(|part| (part.experiment.name.as_str(), part.experiment.title.as_str()))
+            .collect();
+        let title = if let [(_, title)] = titles[..] {
+            title.to_string()
+        } else {
+            "Contact detection: results".into()
+        };
+        let data = data::json(&titles, self.cells, &detectors, self.styles);
+        let values = [
+            ("title", escape(&title)),
+            ("source", escape(&self.source())),
+            (
+                "warnings",
+                self.warnings
+                    .iter()
+                    .map(|line| format!("<p class=\"warning\">{}</p>\n", escape(line)))
+                    .collect(),
+            ),
+            ("cards", self.cards()),
+            ("answers", self.answers(&detectors)),
+            ("claims", self.claims()),
+            ("figures", self.figures()),
+            ("outcomes", self.outcomes()),
+            ("tables", self.tables()),
+            ("machine", self.machine()),
+            ("bias", details("All of BIAS.md", &markdown(BIAS), false)),
+            ("commands", self.commands()),
+            ("colours", marks::css(&detectors, self.styles)),
+            ("data", markup::script_safe(&data.to_string())),
+            ("style", STYLE.into()),
+            ("chart", CHART.into()),
+            ("table", TABLE.into()),
+            ("uplot", UPLOT.into()),
+            ("uplot-style", UPLOT_STYLE.into()),
+            ("uplot-licence", escape(UPLOT_LICENCE)),
+        ];
+        markup::fill(TEMPLATE, &values.each_ref().map(|(name, value)| (*name, value.as_str())))
+    }
+
+    /// In the order of legends.
+    fn detectors(&self) -> Vec<String> {
+        let ranked: BTreeSet<(usize, String)> =
+            self.cells.iter().map(|cell| (rank(cell), cell.id.contender())).collect();
+        ranked.into_iter().map(|(_, name)| name).collect()
+    }
+
+    /// The line below the title: when, on what, by which program.
+    fn source(&self) -> String {
+        let field = |name: &str| {
+            self.provenance
+                .and_then(|fields| fields.get(name))
+                .filter(|value| !value.is_null())
+                .map(shown)
+        };
+        let date =
+            field("date_utc").map(|date| date.split('T').next().unwrap_or_default().to_string());
+        let cores = field("cores").map(|cores| format!("{cores} cores"));
+        let program = field("contactbench").map(|version| format!("contactbench {version}"));
+        let revision = field("revision")
+            .map(|revision| format!("revision {}", revision.chars().take(10).collect::<String>()));
+        let quick = (field("quick").as_deref() == Some("true"))
+            .then(|| "a quick run: times say little".into());
+        [date, field("cpu"), cores, program, revision, quick]
+            .into_iter()
+            .flatten()
+            .collect::<Vec<_>>()
+            .join(" · ")
+    }
+
+    /// The three answers at a glance: speed, correctness, claims.
+    fn cards(&self) -> String {
+        // Where arithmetics are compared, the detectors are not the question.
+        let asked = self.parts.iter().filter(|part| self.parts.len() == 1 || part.price.is_empty());
+        let contests: Vec<Contest> = asked.flat_map(|part| part.contests.iter().cloned()).collect();
+        let own = || self.parts.iter().flat_map(|part| &part.cells);
+        let count = |wanted: &dyn Fn(&Cell) -> bool| own().filter(|cell| wanted(cell)).count();
+        let good = count(&|cell| cell.overall().0.is_good());
+        let off = count(&|cell| {
+            cell.overall().0.is_good() && cell.errors.is_some_and(|errors| errors.wrong() > 0)
+        });
+        let defects = count(&|cell| cell.overall().0 == Outcome::Wrong);
+        let (all, without) =
+            (count(&|_| true), count(&|cell| !cell.overall().0.is_good()) - defects);
+        let mut right = match defects {
+            0 => {
+                format!(
+                    "<strong>No detector was wrong</strong>: {good} of {} ended well, every \
+                     answer checked.",
+                    plural(all, "cell")
+                )
+            }
+            _ => {
+                let wrong = own()
+                    .filter(|cell| cell.overall().0 == Outcome::Wrong)
+                    .map(|cell| cell.id.detector.as_str());
+                let names: BTreeSet<&str> = wrong.collect();
+                let names = escape(&names.into_iter().collect::<Vec<_>>().join(", "));
+                format!(
+                    "<strong>Wrong in {} of {all}</strong>: {names}. Such times are compared with \
+                     nothing.",
+                    plural(defects, "cell")
+                )
+            }
+        };
+        if off > 0 {
+            let _ = write!(
+                right,
+                " In {} rounding lost or added pairs against exact arithmetic.",
+                plural(off, "cell")
+            );
+        }
+        if without > 0 {
+            let _ = write!(right, " <a href=\"#outcomes\">Without an answer</a>: {without}.");
+        }
+        let verdicts: Vec<Verdict> =
+            self.parts.iter().flat_map(|part| part.verdicts.clone()).collect();
+        let count =
+            |status: Status| verdicts.iter().filter(|verdict| verdict.status == status).count();
+        let (fails, open) = (count(Status::Fails), count(Status::NotShown));
+        let mut claims = match verdicts.len() {
+            0 => "No claims were checked.".to_string(),
+            all => format!(
+                "<a href=\"#claims\"><strong>{} of {} hold</strong></a>",
+                count(Status::Holds),
+                plural(all, "claim")
+            ),
+        };
+        if fails > 0 {
+            let ours = if claim::any_failed(&verdicts) { "" } else { ", of times on this machine" };
+            let _ = write!(claims, "; {fails} {}{ours}", if fails == 1 { "fails" } else { "fail" });
+        }
+        if open > 0 {
+            let _ = write!(claims, "; {open} could not be shown");
+        }
+        let class = match fails {
+            _ if claim::any_failed(&verdicts) => "bad",
+            0 => "good",
+            _ => "open",
+        };
+        let card = |class: &str, head: &str, body: &str| {
+            format!("<div class=\"card {class}\"><h3>{head}</h3><p>{body}</p></div>\n")
+        };
+        card("speed", "Fastest", &document::inline_html(&sections::winners::sentence(&contests)))
+            + &card(if defects > 0 { "bad" } else { "good" }, "Right", &right)
+            + &card(class, "Claims", &claims)
+    }
+
+    /// Question and answer of every experiment.
+    fn answers(&self, detectors: &[&str]) -> String {
+        let mut out = String::from("<ul class=\"who\" aria-label=\"Marks of the detectors\">");
+        for (k, name) in
+            detectors.iter().enumerate().filter(|(_, name)| !self.styles.of(name).control)
+        {
+            let _ = write!(
+                out,
+                "<li>{}{}</li>",
+                marks::chip(k, self.styles.of(name).marker),
+                escape(name)
+            );
+        }
+        out += "</ul>\n";
+        for part in self.parts {
+            let _ = write!(out, "<article>\n<h3>{}</h3>\n", escape(&part.experiment.question));
+            // Of a single experiment the card has said it.
+            if self.parts.len() > 1 && !part.contests.is_empty() {
+                let sentence = sections::winners::sentence(&part.contests);
+                let _ = writeln!(out, "<p class=\"lead\">{}</p>", document::inline_html(&sentence));
+            }
+            if let Some(headline) = &part.headline {
+                let _ = writeln!(out, "<p>{}</p>", document::inline_html(headline));
+            }
+            if part.contests.iter().any(|contest| !contest.others.is_empty()) {
+                let marks = answer::Marks { detectors, styles: self.styles };
+                out += &answer::table(&part.contests, &marks);
+            }
+            if let Some(matrix) = &part.matrix {
+                let blocks = document::html(&sections::verdicts::blocks(matrix));
+                out += &details("Who is right, case by case", &blocks, part.contests.is_empty());
+            }
+            if let Some((sentence, table)) = part.price.split_first() {
+                // The sentence at once, the table on demand.
+                out += &document::html(std::slice::from_ref(sentence));
+                let table = document::html(table);
+                out += &details("Price and error of each arithmetic", &table, false);
+            }
+            out += "</article>\n";
+        }
+        out
+    }
+
+    fn claims(&self) -> String {
+        let mut out = String::new();
+        for part in self.parts.iter().filter(|part| !part.verdicts.is_empty()) {
+            let _ = write!(
+                out,
+                "<h3>{}</h3>\n<div class=\"scroll\" tabindex=\"0\"><table \
+                 class=\"claims\"><thead><tr>",
+                escape(&part.experiment.title)
+            );
+            out += "<th>claim</th><th>verdict</th><th>evidence</th></tr></thead><tbody>\n";
+            for verdict in &part.verdicts {
+                let (class, sign) = match verdict.status {
+                    Status::Holds => ("good", "✓"),
+                    Status::Fails => ("bad", "✗"),
+                    Status::NotShown => ("open", "–"),
+                };
+                let source = if verdict.source.is_empty() {
+                    String::new()
+                } else {
+                    format!("<br><small>{}</small>", escape(&verdict.source))
+                };
+                let _ = writeln!(
+                    out,
+                    "<tr><td>{}{source}</td><td class=\"verdict {class}\">{sign} \
+                     {}</td><td><small>{}</small></td></tr>",
+                    escape(&verdict.claim),
+                    verdict.status.name(),
+                    escape(&verdict.evidence)
+                );
+            }
+            out += "</tbody></table></div>\n";
+        }
+        if out.is_empty() { "<p>No claims were checked.</p>".into() } else { out }
+    }
+
+    /// The figures, and links to their files.
+    fn figures(&self) -> String {
+        let (mut out, mut room) = (String::new(), FIGURE_BYTES);
+        for (title, paths) in self.parts.iter().flat_map(|part| &part.figures) {
+            let (title, mut links) = (escape(title), String::new());
+            for path in paths {
+                let name = escape(&path.file_name().unwrap_or_default().to_string_lossy());
+                let kind =
+                    escape(&path.extension().unwrap_or_default().to_string_lossy().to_uppercase());
+                let _ = write!(
+                    links,
+                    " <a href=\"figures/{name}\" data-kind=\"{kind}\" \
+                     download=\"{name}\">{kind}</a>"
+                );
+            }
+            let svg = paths.iter().find(|path| path.extension().is_some_and(|kind| kind == "svg"));
+            let svg = svg
+                .and_then(|path| std::fs::read_to_string(path).ok())
+                .map(|svg| data_uri(&svg))
+                .filter(|svg| svg.len() <= room);
+            let image = match &svg {
+                Some(svg) => format!("<img alt=\"{title}\" loading=\"lazy\" src=\"{svg}\">"),
+                None => "<p>(too large for this page)</p>".into(),
+            };
+            room -= svg.map_or(0, |svg| svg.len());
+            let _ = writeln!(
+                out,
+                "<figure>{image}<figcaption>{title}<span \
+                 class=\"links\">Download:{links}</span></figcaption></figure>"
+            );
+        }
+        if out.is_empty() { "<p>The experiments ask for no figures.</p>".into() } else { out }
+    }
+
+    fn outcomes(&self) -> String {
+        let found = |part: &Part| sections::failures::blocks(&failures(&part.cells));
+        match &*self.parts.iter().flat_map(found).collect::<Vec<_>>() {
+            [] => "<p>Every cell has a right answer.</p>".into(),
+            blocks => document::html(blocks),
+        }
+    }
+
+    fn tables(&self) -> String {
+        let part = |part: &Part| {
+            let reading = format!(
+                "<p><em>How to read the figures:</em> {}</p>",
+                escape(&part.experiment.reading)
+            );
+            details(
+                &escape(&part.experiment.title),
+                &(reading + &document::html(&part.tables)),
+                false,
+            )
+        };
+        self.parts.iter().map(part).collect()
+    }
+
+    fn machine(&self) -> String {
+        let Some(Value::Object(fields)) = self.provenance else {
+            return "<p>This folder has no provenance.json: nothing is known.</p>".into();
+        };
+        let line = |(name, value): (&String, &Value)| {
+            format!(
+                "<dt>{}</dt><dd>{}</dd>\n",
+                escape(&name.replace('_', " ")),
+                escape(&shown(value))
+            )
+        };
+        format!("<dl>\n{}</dl>", fields.iter().map(line).collect::<String>())
+    }
+
+    /// The commands that made the record and this page.
+    fn commands(&self) -> String {
+        let made = self.provenance.into_iter().chain(&self.resumed);
+        let mut lines: Vec<String> =
+            made.filter_map(|fields| fields.get("command")).map(command).collect();
+        lines.push("contactbench report FOLDER".into());
+        let comments = ["# makes this page again, from the record alone"];
+        let revision = self
+            .provenance
+            .and_then(|fields| fields.get("revision")?.as_str())
+            .map(|revision| format!("git checkout {revision}"));
+        let dirty =
+            self.provenance.is_some_and(|fields| fields.get("dirty") == Some(&Value::Bool(true)));
+        let last = lines.pop().map(|line| format!("{line}   {}", comments[0]));
+        let text: Vec<String> = revision
+            .into_iter()
+            .chain(["cargo install --path .".into()])
+            .chain(lines)
+            .chain(last)
+            .collect();
+        let note =
+            if dirty { "<p>The checkout had changes that were not committed.</p>" } else { "" };
+        format!("<pre tabindex=\"0\">{}</pre>{note}", escape(&text.join("\n")))
+    }
+}
+
+/// A command as it was typed; older records hold a list of words.
+pub fn command(value: &Value) -> String {
+    match value {
+        Value::Array(words) => words.iter().map(shown).collect::<Vec<_>>().join(" "),
+        word => shown(word),
+    }
+}
+
+/// Text as it is, anything else as JSON.
+pub fn shown(value: &Value) -> String {
+    value.as_str().map_or_else(|| value.to_string(), String::from)
+}
+
+fn details(head: &str, body: &str, open: bool) -> String {
+    format!(
+        "<details{}><summary>{head}</summary>\n{body}</details>\n",
+        if open { " open" } else { "" }
+    )
+}
+
+/// The page of a folder: its name beside `report.md`.
+pub fn path(folder: &Path) -> PathBuf {
+    folder.join("report.html")
+}

@@ -1,0 +1,283 @@
+//! The report of a result folder: `report.md`, `report.html`, `summary.csv` and `figures/`, from
+//! the record alone. Report and page are written from the same findings and blocks.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
+use serde_json::Value;
+
+use crate::cells::machine::Machine;
+use crate::cells::{Cell, cells};
+use crate::experiment::{Experiment, Table};
+use crate::findings::claim::{self, Verdict};
+use crate::findings::price::Price;
+use crate::findings::verdicts::Matrix;
+use crate::findings::winners::{Contest, contests};
+use crate::present::document::{self, Block, Text};
+use crate::present::figure::style::Styles;
+use crate::present::page::{Page, command, shown};
+use crate::present::sections::{self, Files};
+use crate::present::table::csv;
+use crate::present::{csv as files, figure, page};
+use crate::record::row::Row;
+
+/// What was written.
+pub struct Report {
+    /// All claims, in the order of the experiments.
+    pub verdicts: Vec<Verdict>,
+    /// What a terminal shows: answers, winners, claims.
+    pub terminal: Vec<Block>,
+    /// The figures, SVG and PNG.
+    pub figures: Vec<PathBuf>,
+    /// The report in Markdown.
+    pub path: PathBuf,
+    /// The report as a page, with charts.
+    pub page: PathBuf,
+    /// Sentences about what was left out: those given, and figures that could not be drawn.
+    pub warnings: Vec<String>,
+}
+
+/// What is found in one experiment.
+pub struct Part<'a> {
+    /// The experiment.
+    pub experiment: &'a Experiment,
+    /// Its cells.
+    pub cells: Vec<&'a Cell>,
+    /// Its claims.
+    pub verdicts: Vec<Verdict>,
+    /// Who is the fastest.
+    pub contests: Vec<Contest>,
+    /// How the detector of interest compares, in a sentence, if the experiment asks.
+    pub headline: Option<Text>,
+    /// What each arithmetic costs.
+    pub price: Vec<Block>,
+    /// Who is right, case by case, if the experiment asks.
+    pub matrix: Option<Matrix>,
+    /// Its figures: title, and files as SVG and PNG.
+    pub figures: Vec<(String, Vec<PathBuf>)>,
+    /// All its tables.
+    pub tables: Vec<Block>,
+}
+
+/// Writes the report of these experiments into `folder`. Rows of other experiments are in
+/// `summary.csv` only. A figure that cannot be drawn as written is a warning; files that cannot be
+/// written are an error.
+pub fn write(
+    folder: &Path,
+    experiments: &[Experiment],
+    rows: &[Row],
+    warnings: &[String],
+) -> anyhow::Result<Report> {
+    let cells = cells(rows);
+    let styles = Styles::new(cells.iter());
+    let figure_folder = folder.join("figures");
+    std::fs::create_dir_all(&figure_folder)
+        .with_context(|| format!("cannot make the folder {}", figure_folder.display()))?;
+    let provenance = std::fs::read(folder.join("provenance.json"))
+        .ok()
+        .and_then(|bytes| serde_json::from_slice::<Value>(&bytes).ok());
+    let provenance = provenance.as_ref();
+    let machine = Machine::of(provenance);
+    let (mut parts, mut csv_files, mut warnings) =
+        (Vec::new(), Files::default(), warnings.to_vec());
+    for experiment in experiments {
+        let mut part = Part::new(experiment, &cells, &machine, &mut csv_files);
+        for plan in &experiment.figures {
+            match figure::draw(&figure_folder, experiment, plan, &cells, &styles, &machine) {
+                Ok(paths) if paths.is_empty() => {}
+                Ok(paths) => part.figures.push((plan.title.clone(), paths)),
+                Err(error) => warnings.push(format!(
+                    "the figure {} of {} was not drawn: {error:#}",
+                    plan.name, experiment.name
+                )),
+            }
+        }
+        parts.push(part);
+    }
+    let (path, page) = (folder.join("report.md"), page::path(folder));
+    let text = document::markdown(&blocks(&parts, &warnings, provenance));
+    let (resumed, cells, styles) = (resumed(folder), &cells, &styles);
+    let warned = &warnings;
+    let html = Page { parts: &parts, cells, styles, provenance, resumed, warnings: warned }.html();
+    for (path, text) in [(&path, text), (&page, html)] {
+        std::fs::write(path, text)
+            .with_context(|| format!("cannot write the report {}", path.display()))?;
+    }
+    let mut tables = vec![("summary.csv", csv(&[files::summary(cells)]))];
+    let asked: Vec<&Cell> = parts
+        .iter()
+        .filter(|part| part.matrix.is_some())
+        .flat_map(|part| part.cells.iter().copied())
+        .collect();
+    if !asked.is_empty() {
+        tables.push(("verdicts.csv", csv(&[sections::verdicts::rows(&asked)])));
+    }
+    tables.extend(csv_files.all());
+    for (name, text) in tables {
+        let path = folder.join(name);
+        std::fs::write(&path, text).with_context(|| format!("cannot write {}", path.display()))?;
+    }
+    Ok(Report {
+        terminal: terminal(&parts),
+        figures: parts.iter().flat_map(|part| &part.figures).flat_map(|it| it.1.clone()).collect(),
+        verdicts: parts.into_iter().flat_map(|part| part.verdicts).collect(),
+        path,
+        page,
+        warnings,
+    })
+}
+
+impl<'a> Part<'a> {
+    fn new(
+        experiment: &'a Experiment,
+        cells: &'a [Cell],
+        machine: &Machine,
+        files: &mut Files,
+    ) -> Part<'a> {
+        let own: Vec<&Cell> =
+            cells.iter().filter(|cell| cell.id.experiment == experiment.name).collect();
+        let matrix = Matrix::new(&own).filter(|_| experiment.table == Some(Table::Verdicts));
+        let mut tables = sections::sections(experiment, &own, machine, files);
+        // The matrix says all that these would, of a hundred scenes.
+        if matrix.is_none() {
+            tables.extend(sections::tables(&own));
+        }
+        Part {
+            experiment,
+            verdicts: claim::verdicts(experiment, cells),
+            contests: contests(&own),
+            headline: sections::headline(experiment, &own),
+            price: Price::new(&own).map_or(Vec::new(), |price| sections::price::blocks(&price)),
+            matrix,
+            figures: Vec::new(),
+            tables,
+            cells: own,
+        }
+    }
+}
+
+/// The provenance of runs that went on with a record, in the order of their dates.
+fn resumed(folder: &Path) -> Vec<Value> {
+    let names = std::fs::read_dir(folder)
+        .into_iter()
+        .flatten()
+        .filter_map(|entry| Some(entry.ok()?.path()));
+    let is_resumed = |path: &PathBuf| {
+        path.file_name()
+            .is_some_and(|name| name.to_string_lossy().starts_with("provenance-resumed-"))
+    };
+    let mut paths: Vec<PathBuf> = names.filter(is_resumed).collect();
+    paths.sort();
+    paths
+        .iter()
+        .filter_map(|path| serde_json::from_slice(&std::fs::read(path).ok()?).ok())
+        .collect()
+}
+
+/// What a terminal shows.
+fn terminal(parts: &[Part<'_>]) -> Vec<Block> {
+    let mut out = Vec::new();
+    for part in parts {
+        let answers = part.matrix.as_ref().map(sections::verdicts::terminal).unwrap_or_default();
+        let said: Vec<Block> =
+            answers.into_iter().chain(sections::winners::blocks(&part.contests)).collect();
+        if !said.is_empty() {
+            let Experiment { name, title, .. } = part.experiment;
+            out.push(Block::heading(2, format!("{name}: {title}")));
+            out.extend(said);
+        }
+    }
+    let verdicts: Vec<Verdict> = parts.iter().flat_map(|part| part.verdicts.clone()).collect();
+    out.extend(sections::claims::terminal(&verdicts));
+    out
+}
+
+/// All of the report.
+fn blocks(parts: &[Part<'_>], warnings: &[String], provenance: Option<&Value>) -> Vec<Block> {
+    let mut out = head(parts, warnings, provenance);
+    for part in parts {
+        section(&mut out, part);
+    }
+    foot(&mut out, provenance);
+    out
+}
+
+/// Title, the command that made it, the score of the claims, warnings; each question with its
+/// answer: who won where.
+fn head(parts: &[Part<'_>], warnings: &[String], provenance: Option<&Value>) -> Vec<Block> {
+    let title = match parts {
+        [part] => part.experiment.title.as_str(),
+        _ => "Contact detection: results",
+    };
+    let mut out = vec![Block::heading(1, title)];
+    if let Some(command) = provenance.and_then(|fields| fields.get("command")).map(command) {
+        out.extend([Block::paragraph("Made by"), Block::Code(command)]);
+    }
+    let verdicts: Vec<Verdict> = parts.iter().flat_map(|part| part.verdicts.clone()).collect();
+    out.push(Block::Paragraph(match &*verdicts {
+        [] => "No claims were checked.".into(),
+        all => Text::new().strong(format!("{}.", sections::claims::score(all))),
+    }));
+    out.extend(warnings.iter().map(|warning| Block::Warning(warning.as_str().into())));
+    for part in parts {
+        out.push(Block::Paragraph(Text::new().strong(part.experiment.question.as_str())));
+        out.extend(part.headline.clone().map(Block::Paragraph));
+        out.extend(part.price.iter().cloned());
+        out.extend(sections::winners::blocks(&part.contests));
+    }
+    out
+}
+
+/// Question, verdicts, how to read, answers, figures, tables.
+fn section(out: &mut Vec<Block>, part: &Part<'_>) {
+    let experiment = part.experiment;
+    out.push(Block::heading(2, experiment.title.as_str()));
+    out.push(Block::paragraph(experiment.question.as_str()));
+    if part.cells.is_empty() {
+        out.push(Block::paragraph("The record has no rows of this experiment."));
+    }
+    out.extend(sections::claims::blocks(&part.verdicts));
+    let reading = Text::new().emphasis("How to read it:");
+    out.push(Block::Paragraph(reading.plain(format!(" {}", experiment.reading))));
+    if let Some(matrix) = &part.matrix {
+        out.push(Block::heading(3, "Who is right"));
+        out.extend(sections::verdicts::blocks(matrix));
+    }
+    for (title, paths) in &part.figures {
+        out.push(Block::Figure { title: title.clone(), paths: paths.clone() });
+    }
+    out.extend(part.tables.iter().cloned());
+}
+
+/// Legend of the tables, machine, bias.
+fn foot(out: &mut Vec<Block>, provenance: Option<&Value>) {
+    out.push(Block::heading(2, "How to read the tables"));
+    let text = Text::from(
+        "Times are medians over paired blocks, from raw coordinates to the complete list of \
+         pairs. Ratios are taken within a block; the numbers in brackets are the exact \
+         order-statistic interval of their median (15 blocks: the 4th to the 12th, 96.5%). The \
+         fastest detector of a scene is that at its largest N, where each detector takes part \
+         once, with its fewest threads, and in exact arithmetic if it can; it is decided if the \
+         interval excludes 1 and the ratio is beyond the noise floor. A time is compared only if \
+         the answer is right. Counts are exact and the same on every machine. All values, one \
+         line per cell, are in ",
+    );
+    let text = text
+        .link("summary.csv", "summary.csv")
+        .plain("; every single measurement is in ")
+        .link("samples.jsonl", "samples.jsonl");
+    out.push(Block::Paragraph(text.plain(".")));
+    out.push(Block::paragraph(
+        "BIAS.md, at the root of the project, lists the ways in which this comparison is unfair.",
+    ));
+    if let Some(Value::Object(fields)) = provenance {
+        out.push(Block::heading(2, "Machine and provenance"));
+        let line = |(name, value): (&String, &Value)| format!("{name}: {}", shown(value)).into();
+        out.push(Block::List(fields.iter().map(line).collect()));
+    }
+}
+
+#[cfg(test)]
+mod agreement;
+#[cfg(test)]
+mod tests;

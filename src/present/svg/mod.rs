@@ -1,0 +1,38 @@
+//! What all pictures share: numbers and lines as SVG writes them, the fonts that the program
+//! brings, and the way from SVG to PNG.
+
+pub mod font;
+mod outline;
+mod png;
+
+use std::fmt::Write;
+
+pub use png::png;
+
+/// A number of pixels with two decimals at most.
+pub fn px(x: f64) -> String {
+    let mut text = format!("{x:.2}");
+    if text.contains('.') {
+        text.truncate(text.trim_end_matches('0').trim_end_matches('.').len());
+    }
+    if text == "-0" { "0".into() } else { text }
+}
+
+/// Appends `M x y L x y` to the data of a path.
+pub fn segment(path: &mut String, a: [f64; 2], b: [f64; 2]) {
+    // Writing to a string cannot fail.
+    let _ = write!(path, "M{} {}L{} {}", px(a[0]), px(a[1]), px(b[0]), px(b[1]));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_short() {
+        assert_eq!(
+            [0.0, -0.001, 1.0, 12.5, 100.0, -4.25999].map(px),
+            ["0", "0", "1", "12.5", "100", "-4.26"]
+        );
+    }
+}

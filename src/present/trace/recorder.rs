@@ -1,0 +1,265 @@
+//! A probe that keeps what a detector tells, as steps.
+
+use crate::event::{Event, Part};
+use crate::present::trace::state::{Node, State};
+use crate::present::trace::words::Chain;
+use crate::present::trace::{Algorithm, Disc, MOST_STEPS, words};
+use crate::probe::{Op, Probe, Tally};
+
+/// How elements and cells are numbered where they are shown.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Names {
+    /// The number of the first element: 1 in the book, else 0.
+    pub first: u32,
+    /// Added to columns and rows.
+    pub shift: [u32; 2],
+    /// An example of the book, in 10 x 10 cells.
+    pub book: bool,
+}
+
+impl Names {
+    /// An element's number.
+    pub fn element(&self, k: u32) -> u32 {
+        k + self.first
+    }
+
+    /// An element's number, or -1 for none.
+    pub fn maybe(&self, k: Option<u32>) -> String {
+        k.map_or("-1".into(), |k| self.element(k).to_string())
+    }
+
+    /// A cell, as (column, row).
+    pub fn cell(&self, [column, row]: [u32; 2]) -> String {
+        format!("({}, {})", column + self.shift[0], row + self.shift[1])
+    }
+}
+
+/// What is marked in the picture of a step.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Marks {
+    /// The central row.
+    pub row: Option<u32>,
+    /// The central cell.
+    pub central: Option<[u32; 2]>,
+    /// A cell that is looked at.
+    pub cell: Option<[u32; 2]>,
+    /// An element that is dealt with.
+    pub element: Option<u32>,
+    /// A pair that is tested, and whether it touches.
+    pub pair: Option<(u32, u32, bool)>,
+    /// Array and place of what was written.
+    pub written: Vec<(char, usize)>,
+    /// Array and place of what was read.
+    pub read: Vec<(char, usize)>,
+    /// Places of sorting that are spoken of.
+    pub range: Option<[usize; 2]>,
+    /// Nodes of the tree that were visited.
+    pub path: Vec<u32>,
+}
+
+/// A step.
+#[derive(Clone, Debug)]
+pub struct Step {
+    /// What it does.
+    pub words: String,
+    /// The part to which it belongs.
+    pub part: usize,
+    /// What it is about.
+    pub marks: Marks,
+    /// The arrays after it.
+    pub state: State,
+    /// The operations up to it.
+    pub tally: Tally,
+}
+
+/// Listens to a detector.
+pub struct Recorder {
+    pub(super) algorithm: Algorithm,
+    pub(super) names: Names,
+    pub(super) count: [u32; 2],
+    pub(super) discs: Vec<Disc>,
+    pub(super) state: State,
+    /// Where the detector is.
+    pub(super) row: Option<u32>,
+    pub(super) central: Option<[u32; 2]>,
+    pub(super) visiting: Option<u32>,
+    /// What has been visited since the last step: places of a search, nodes of a tree.
+    pub(super) places: Vec<usize>,
+    pub(super) path: Vec<u32>,
+    pub(super) made: usize,
+    tally: Tally,
+    parts: Vec<String>,
+    steps: Vec<Step>,
+    all: usize,
+}
+
+impl Probe for Recorder {
+    const SILENT: bool = false;
+
+    fn add(&mut self, op: Op, n: u64) {
+        self.tally.add(op, n);
+    }
+
+    fn note(&mut self, event: impl FnOnce() -> Event) {
+        self.event(event());
+    }
+}
+
+impl Recorder {
+    /// Nothing has happened yet.
+    pub(super) fn new(
+        algorithm: Algorithm,
+        names: Names,
+        count: [u32; 2],
+        discs: &[Disc],
+    ) -> Recorder {
+        let [nx, ny] = count.map(|count| count as usize);
+        let (n, heads) = (discs.len(), |letter, lists| (letter, vec![Default::default(); lists]));
+        let mut state = State::default();
+        match algorithm {
+            Algorithm::Nbs => {
+                state.heads = vec![heads('B', ny), heads('A', nx), heads('a', nx)];
+                state.links = vec![('Y', vec![None; n]), ('X', vec![None; n])];
+            }
+            Algorithm::Screening => {
+                state.heads = vec![heads('C', nx * ny)];
+                state.links = vec![('E', vec![None; n])];
+            }
+            Algorithm::Sorting => {
+                state.keys = [vec![None; n], vec![None; n]];
+                state.elements = (0..n as u32).collect();
+            }
+            Algorithm::BinaryTree => {
+                state.nodes = vec![Node::default()];
+                state.links = vec![('E', vec![None; n])];
+            }
+        }
+        let mut recorder = Recorder {
+            algorithm,
+            names,
+            count,
+            discs: discs.to_vec(),
+            state,
+            row: None,
+            central: None,
+            visiting: None,
+            places: Vec::new(),
+            path: Vec::new(),
+            made: 0,
+            tally: Tally::default(),
+            parts: vec!["The beginning".into()],
+            steps: Vec::new(),
+            all: 0,
+        };
+        recorder.step(words::beginning(&recorder), Marks::default());
+        recorder
+    }
+
+    /// The last step; then steps, titles, counts, and how many steps there would have been.
+    pub(super) fn end(mut self) -> (Vec<Step>, Vec<String>, Tally, usize) {
+        self.part("The end".into());
+        (self.row, self.central) = (None, None);
+        self.step(words::end(&self), Marks::default());
+        (self.steps, self.parts, self.tally, self.all)
+    }
+
+    fn part(&mut self, title: String) {
+        if self.parts.last() != Some(&title) {
+            self.parts.push(title);
+        }
+    }
+
+    fn step(&mut self, words: String, mut marks: Marks) {
+        self.all += 1;
+        if self.all > MOST_STEPS {
+            return;
+        }
+        marks.row = marks.row.or(self.row);
+        marks.central = marks.central.or(self.central);
+        marks.path.append(&mut self.path);
+        self.made = 0;
+        self.places.clear();
+        // An equation is not broken at the end of a line.
+        let words = words.replace(" = ", "\u{a0}=\u{a0}");
+        self.steps.push(Step {
+            words,
+            part: self.parts.len() - 1,
+            marks,
+            state: self.state.clone(),
+            tally: self.tally,
+        });
+    }
+
+    fn event(&mut self, event: Event) {
+        let before = self.state.clone();
+        self.state.apply(&event);
+        match event {
+            Event::Begin(part) => {
+                match part {
+                    Part::CentralRow { row } => self.row = Some(row),
+                    Part::RemoveColumns | Part::RemoveCells => self.central = None,
+                    Part::RemoveRows => self.row = None,
+                    _ => {}
+                }
+                self.part(words::title(part, self.row, &self.names));
+                if let Part::Tree { halvings } = part {
+                    self.step(words::tree(halvings), Marks { path: vec![0], ..Marks::default() });
+                }
+            }
+            Event::Visit { element } => self.visiting = Some(element),
+            Event::Central { cell } => {
+                self.central = Some(cell);
+                match self.algorithm {
+                    // The step that found it is about it.
+                    Algorithm::Nbs | Algorithm::Screening => {
+                        if let Some(step) = self.steps.last_mut() {
+                            step.marks.central = Some(cell);
+                        }
+                    }
+                    Algorithm::Sorting => {}
+                    Algorithm::BinaryTree => {
+                        let words = format!(
+                            "The walk over the tree has come to the leaf of cell {}: it is \
+                             central.",
+                            self.names.cell(cell)
+                        );
+                        self.step(words, Marks::default());
+                    }
+                }
+            }
+            Event::Compare { place } => self.places.push(place),
+            Event::Node { node, .. } => self.path.push(node),
+            Event::Made { node, .. } => {
+                self.made += 1;
+                self.path.push(node);
+            }
+            _ => {
+                if matches!(event, Event::Take { heads: 'B', .. }) {
+                    (self.row, self.central) = (None, None);
+                    self.part("Which rows are new?".into());
+                }
+                if let Some((words, marks)) = words::of(self, &before, &event) {
+                    self.step(words, marks);
+                }
+                if matches!(event, Event::Take { .. }) {
+                    self.visiting = None;
+                }
+            }
+        }
+    }
+
+    /// The cell of a list, by the letter of its heads.
+    pub(super) fn cell_of(&self, heads: char, list: usize) -> Option<[u32; 2]> {
+        match heads {
+            'A' => self.row.map(|row| [list as u32, row]),
+            'a' => self.row.map(|row| [list as u32, row.saturating_sub(1)]),
+            'C' => Some([list as u32 % self.count[0], list as u32 / self.count[0]]),
+            _ => None,
+        }
+    }
+
+    /// The elements of a list as they are shown.
+    pub(super) fn chain(&self, letter: char, first: Option<u32>) -> Chain {
+        Chain(self.state.chain(letter, first).into_iter().map(|k| self.names.element(k)).collect())
+    }
+}

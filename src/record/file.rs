@@ -1,0 +1,311 @@
+//! The record as a file: one JSON line per measurement, appended and never edited.
+
+use std::fs::{File, OpenOptions};
+use std::io::{self, BufRead, BufReader, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use crate::record::id::THREADS;
+use crate::record::provenance;
+use crate::record::role::Role;
+use crate::record::row::Row;
+
+/// The name of the record in a result folder.
+pub const FILE: &str = "samples.jsonl";
+
+/// The version of the record's schema, the field `schema` of every row: see docs/RECORD.md. 1 had
+/// neither this field nor `machine`; 1 and 2 had `threads` in place of `resources`, and no `role`.
+pub const SCHEMA: u32 = 3;
+
+/// A line of the record.
+#[derive(Serialize)]
+struct Line<'a> {
+    schema: u32,
+    #[serde(flatten)]
+    row: &'a Row,
+}
+
+/// A row that could not be written. The record ends with the row before it.
+#[derive(Debug, thiserror::Error)]
+#[error(
+    "cannot write to {}: {cause}; the {rows} rows before stand there and are whole",
+    path.display()
+)]
+pub struct WriteError {
+    /// The record.
+    pub path: PathBuf,
+    /// Its rows.
+    pub rows: u64,
+    /// Why.
+    pub cause: io::Error,
+}
+
+/// Appends rows to a record; each is written, as one whole line, before the next is measured: a
+/// killed run loses at most one.
+pub struct Writer {
+    file: File,
+    path: PathBuf,
+    /// The bytes of the whole lines.
+    end: u64,
+    rows: u64,
+}
+
+impl Writer {
+    /// Opens a record for appending. A torn last line (of a killed run) is cut off. Fails where
+    /// another process is writing to it.
+    pub fn append(path: &Path) -> io::Result<Writer> {
+        let mut file =
+            OpenOptions::new().create(true).read(true).write(true).truncate(false).open(path)?;
+        // Two would write over each other. Where a file system knows no locks, nothing can be said.
+        if let Err(std::fs::TryLockError::WouldBlock) = file.try_lock() {
+            return Err(io::Error::new(io::ErrorKind::WouldBlock, "another run is writing to it"));
+        }
+        let (end, rows) = whole_lines(&file)?;
+        file.set_len(end)?;
+        file.seek(SeekFrom::Start(end))?;
+        Ok(Writer { file, path: path.to_path_buf(), end, rows })
+    }
+
+    /// Whole rows in the record.
+    pub fn rows(&self) -> u64 {
+        self.rows
+    }
+
+    /// Writes one row. Where that fails (the disk is full), what was written of it is taken back.
+    pub fn write(&mut self, row: &Row) -> Result<(), WriteError> {
+        let failed = |writer: &Writer, cause| WriteError {
+            path: writer.path.clone(),
+            rows: writer.rows,
+            cause,
+        };
+        let mut line = serde_json::to_vec(&Line { schema: SCHEMA, row })
+            .map_err(|e| failed(self, e.into()))?;
+        line.push(b'\n');
+        if let Err(cause) = self.file.write_all(&line) {
+            // Should this fail, too, the torn line is cut off when the run is resumed.
+            let _ = self
+                .file
+                .set_len(self.end)
+                .and_then(|()| self.file.seek(SeekFrom::Start(self.end)));
+            return Err(failed(self, cause));
+        }
+        self.end += line.len() as u64;
+        self.rows += 1;
+        Ok(())
+    }
+}
+
+/// The length of the file up to its last newline, and the number of its lines.
+fn whole_lines(file: &File) -> io::Result<(u64, u64)> {
+    let (mut end, mut rows, mut position, mut line) = (0, 0, 0, Vec::new());
+    let mut reader = BufReader::new(file);
+    loop {
+        line.clear();
+        let read = reader.read_until(b'\n', &mut line)?;
+        if read == 0 {
+            return Ok((end, rows));
+        }
+        position += read as u64;
+        if line.ends_with(b"\n") {
+            end = position;
+            rows += u64::from(!line.trim_ascii().is_empty());
+        }
+    }
+}
+
+/// A record as read, with what was wrong with it.
+pub struct Record {
+    /// The rows, in the order written.
+    pub rows: Vec<Row>,
+    /// Sentences about lines that were left out.
+    pub warnings: Vec<String>,
+}
+
+/// The version of a line; lines of the first schema do not say.
+#[derive(Deserialize)]
+#[serde(default)]
+struct Version {
+    schema: u32,
+}
+
+impl Default for Version {
+    fn default() -> Version {
+        Version { schema: 1 }
+    }
+}
+
+/// A row of this schema or an earlier one.
+fn parse(line: &[u8], schema: u32) -> serde_json::Result<Row> {
+    if schema == SCHEMA {
+        return serde_json::from_slice(line);
+    }
+    let mut fields: serde_json::Map<String, serde_json::Value> = serde_json::from_slice(line)?;
+    if let Some(threads) = fields.remove(THREADS) {
+        fields.insert("resources".into(), serde_json::json!({ THREADS: threads }));
+    }
+    let name = fields.get("detector").and_then(|name| name.as_str()).unwrap_or_default();
+    fields.insert("role".into(), serde_json::to_value(Role::by_name(name))?);
+    // Schema 1 has no machine, merged records of it an empty one.
+    fields.retain(|name, value| name != "machine" || value != "");
+    serde_json::from_value(fields.into())
+}
+
+/// Reads a record of this schema or an earlier one. A torn last line is reported and left out; any
+/// other line that is not a row is an error, and so is a line of a later schema.
+pub fn read(path: &Path) -> anyhow::Result<Record> {
+    let text = std::fs::read(path)
+        .map_err(|e| anyhow::anyhow!("cannot read the record {}: {e}", path.display()))?;
+    let mut beside = None;
+    let (mut rows, mut warnings) = (Vec::new(), Vec::new());
+    for (number, line) in text.split_inclusive(|&b| b == b'\n').enumerate() {
+        let at = || format!("{}: line {}", path.display(), number + 1);
+        if !line.ends_with(b"\n") {
+            warnings.push(format!(
+                "{} is torn (the run was killed while writing it) and was ignored",
+                at()
+            ));
+        } else if !line.trim_ascii().is_empty() {
+            let Version { schema } = serde_json::from_slice(line).unwrap_or_default();
+            if schema > SCHEMA {
+                let known = format!(
+                    "this contactbench ({}) reads schemas 1 to {SCHEMA}",
+                    env!("CARGO_PKG_VERSION")
+                );
+                anyhow::bail!(
+                    "{} has record schema {schema}, and {known}: take the version that wrote it, \
+                     or a later one",
+                    at()
+                );
+            }
+            let mut row =
+                parse(line, schema).map_err(|e| anyhow::anyhow!("{} is not a row: {e}", at()))?;
+            if row.id.machine.is_none() {
+                let machine = beside.get_or_insert_with(|| provenance::machine_of(path.parent()));
+                row.id.machine.clone_from(machine);
+            }
+            rows.push(row);
+        }
+    }
+    Ok(Record { rows, warnings })
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use super::*;
+    use crate::oracle::{Causes, Errors};
+    use crate::record::id::CellId;
+
+    /// A row with something in every field.
+    fn full() -> Row {
+        let mut row = Row {
+            id: CellId {
+                machine: Some("here".into()),
+                params: [("s".to_string(), 0.5.into())].into(),
+                seed: u64::MAX,
+                ..CellId::default()
+            },
+            role: Role::Twin("nbs".into()),
+            errors: Some(Errors { missed: 3, ..Errors::default() }),
+            causes: Some(Causes::default()),
+            time_ns: Some(7),
+            counts: [("list_push".to_string(), 2)].into(),
+            ..Row::default()
+        };
+        row.id = row.id.with_threads(2).with_contender("streamed-nbs:level=avx2");
+        row
+    }
+
+    fn line(row: &Row) -> serde_json::Value {
+        serde_json::to_value(Line { schema: SCHEMA, row }).unwrap()
+    }
+
+    fn read_text(text: &str) -> anyhow::Result<Record> {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join(FILE), text).unwrap();
+        read(&folder.path().join(FILE))
+    }
+
+    #[test]
+    fn a_row_is_read_as_it_was_written() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join(FILE);
+        let plain = Row { id: full().id.with_contender("nbs"), ..Row::default() };
+        let mut writer = Writer::append(&path).unwrap();
+        writer.write(&full()).unwrap();
+        writer.write(&plain).unwrap();
+        assert_eq!(read(&path).unwrap().rows, [full(), plain.clone()]);
+        assert_eq!(line(&full())["resources"], serde_json::json!({"threads": 2}));
+        assert_eq!(line(&full())["role"], serde_json::json!({"twin": "nbs"}));
+        assert_eq!(line(&full())["detector_params"], serde_json::json!({"level": "avx2"}));
+        assert_eq!(line(&plain).get("detector_params"), None);
+    }
+
+    #[test]
+    fn earlier_rows_get_their_role_and_later_ones_are_refused() {
+        let old = |name: &str| {
+            let mut fields = line(&full());
+            let fields = fields.as_object_mut().unwrap();
+            for new in ["schema", "role", "resources", "detector_params", "machine"] {
+                fields.remove(new);
+            }
+            fields.insert("detector".into(), name.into());
+            fields.insert("threads".into(), 4.into());
+            serde_json::to_string(fields).unwrap() + "\n"
+        };
+        for (name, role) in [
+            ("sorting", Role::Detector),
+            ("nothing", Role::Nothing),
+            ("nbs-twin", Role::Twin("nbs".into())),
+            ("rstar", Role::Peer),
+            ("nbs-c", Role::Runner),
+        ] {
+            let rows = read_text(&old(name)).unwrap().rows;
+            assert_eq!((&rows[0].role, rows[0].id.threads()), (&role, 4), "{name}");
+            assert_eq!(rows[0].id.machine, None);
+        }
+        let later = old("nbs").replacen('{', "{\"schema\": 4,", 1);
+        let error = read_text(&later).err().unwrap().to_string();
+        assert!(error.contains("record schema 4") && error.contains("schemas 1 to 3"), "{error}");
+    }
+
+    #[test]
+    fn every_committed_record_is_read() {
+        let results = Path::new(env!("CARGO_MANIFEST_DIR")).join("results");
+        let mut rows = 0;
+        for folder in std::fs::read_dir(results).unwrap() {
+            let path = folder.unwrap().path().join(FILE);
+            if path.exists() {
+                let record = read(&path).unwrap();
+                assert!(record.warnings.is_empty(), "{:?}", record.warnings);
+                let known = |row: &Row| row.id.threads() > 0 && row.id.machine.is_some();
+                assert!(record.rows.iter().all(known), "{}", path.display());
+                assert!(record.rows.iter().any(|row| row.role == Role::Detector));
+                rows += record.rows.len();
+            }
+        }
+        assert!(rows > 10_000, "{rows}");
+    }
+
+    /// Every field of a row has a line in docs/RECORD.md, and none has that is not there.
+    #[test]
+    fn the_page_on_the_record_names_every_field() {
+        let page = include_str!("../../docs/RECORD.md");
+        let documented: BTreeSet<String> = page
+            .lines()
+            .filter_map(|line| line.strip_prefix("| `")?.split('`').next())
+            .map(String::from)
+            .collect();
+        let mut fields = BTreeSet::new();
+        for (name, value) in line(&full()).as_object().unwrap() {
+            let nested = ["stats", "errors", "causes"].contains(&name.as_str());
+            let inner = value.as_object().filter(|_| nested);
+            fields.extend(inner.into_iter().flatten().map(|(inner, _)| format!("{name}.{inner}")));
+            fields.insert(name.clone());
+        }
+        assert_eq!(documented, fields);
+        assert!(page.contains(&format!("**schema {SCHEMA}**")));
+    }
+}

@@ -1,0 +1,219 @@
+//! Several result folders become one record: those of the shards of a sweep, or of several
+//! machines.
+
+use std::collections::{BTreeMap, HashMap, HashSet};
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, bail, ensure};
+use serde_json::Value;
+
+use crate::record::id::Projection;
+use crate::record::machines::{Labels, Machine};
+use crate::record::outcome::Pass;
+use crate::record::row::{Measurement, Row};
+use crate::record::{done, file, provenance};
+
+/// A result folder as read.
+pub struct Part {
+    /// Where it is.
+    pub folder: PathBuf,
+    /// Its rows.
+    pub rows: Vec<Row>,
+    /// Sentences about lines left out.
+    pub warnings: Vec<String>,
+    /// Name and text of its experiments.
+    pub experiments: BTreeMap<String, String>,
+    /// Its provenance, if it has one.
+    pub provenance: Option<Value>,
+}
+
+impl Part {
+    /// Reads a result folder.
+    pub fn read(folder: &Path) -> anyhow::Result<Part> {
+        let record = file::read(&folder.join(file::FILE))?;
+        let place = folder.join("experiments");
+        let files = std::fs::read_dir(&place).with_context(|| {
+            format!("{} is no result folder: cannot read {}", folder.display(), place.display())
+        })?;
+        let mut experiments = BTreeMap::new();
+        for file in files {
+            let path = file.with_context(|| format!("cannot read {}", place.display()))?.path();
+            if path.extension().is_some_and(|ending| ending == "toml") {
+                let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+                experiments.insert(
+                    name,
+                    std::fs::read_to_string(&path)
+                        .with_context(|| format!("cannot read {}", path.display()))?,
+                );
+            }
+        }
+        let provenance = provenance::of_folder(folder);
+        Ok(Part {
+            folder: folder.to_path_buf(),
+            rows: record.rows,
+            warnings: record.warnings,
+            experiments,
+            provenance,
+        })
+    }
+
+    /// What the provenance says about the machine of this name.
+    pub fn machine(&self, name: &str) -> Machine {
+        let own = self
+            .provenance
+            .as_ref()
+            .filter(|fields| fields.get("machine").and_then(Value::as_str) == Some(name));
+        let listed = || self.provenance.as_ref()?.get("machines")?.get(name);
+        let fields = own.or_else(listed);
+        let field = |field: &str| fields.and_then(|fields| fields.get(field));
+        let cpu = field("cpu").and_then(Value::as_str).map(String::from);
+        // In a merged folder its own name may stand behind a label.
+        let name = field("name").and_then(Value::as_str).unwrap_or(name);
+        Machine { name: name.into(), cpu, cores: field("cores").and_then(Value::as_u64) }
+    }
+}
+
+/// What came of a merge.
+pub struct Merged {
+    /// All rows.
+    pub rows: Vec<Row>,
+    /// Rows left out because they stood there already.
+    pub repeated: usize,
+    /// Timed rows of a machine that had measured the same before: their blocks have new numbers.
+    pub renumbered: usize,
+    /// The provenance of the whole.
+    pub provenance: Value,
+}
+
+/// Puts the rows of result folders together. Times of different machines stay apart by the rows'
+/// `machine`; a second run of the same on the same machine adds blocks. An error if the experiments
+/// are not the same, or the answers contradict each other.
+pub fn merge(parts: &[Part]) -> anyhow::Result<Merged> {
+    let Some(first) = parts.first() else {
+        bail!("nothing to merge: name at least one result folder")
+    };
+    for part in &parts[1..] {
+        same_experiments(first, part)?;
+    }
+    let (mut labels, mut rows) = (Labels::default(), Vec::new());
+    let mut known: HashMap<Measurement, Row> = HashMap::new();
+    // The last block of each scene on each machine.
+    let mut last: HashMap<Projection, u32> = HashMap::new();
+    // The fingerprint of each scene, and the first folder with it.
+    let mut scenes: HashMap<Projection, (String, usize)> = HashMap::new();
+    let (mut seen, mut repeated, mut renumbered) = (HashSet::new(), 0, 0);
+    // Samples of the folders before: one that was merged before calls their blocks by other
+    // numbers.
+    let mut samples: HashSet<String> = HashSet::new();
+    for (k, part) in parts.iter().enumerate() {
+        let mut fresh = Vec::new();
+        for row in &part.rows {
+            let mut row = row.clone();
+            row.id.machine = Some(labels.label(part, row.id.machine.as_deref().unwrap_or("")));
+            let known = sample(&row)?.is_some_and(|sample| samples.contains(&sample));
+            if seen.insert(serde_json::to_string(&row)?) && !known {
+                fresh.push(row);
+            } else {
+                repeated += 1;
+            }
+        }
+        let again: HashSet<Projection> = fresh
+            .iter()
+            .filter(|row| is_block(row) && known.contains_key(&row.measurement()))
+            .map(|row| done::scene(&row.id))
+            .collect();
+        let mut here = Vec::new();
+        for mut row in fresh {
+            let hash = row.stats.scene_hash.clone();
+            let anywhere = done::scene(&row.id.clone().anywhere());
+            let (before, at) = scenes.entry(anywhere).or_insert((hash.clone(), k));
+            ensure!(
+                *before == hash || hash.is_empty() || before.is_empty(),
+                "the scene {} with N = {} is not the same in {} and {}: they ran different files \
+                 or versions; compare them instead",
+                row.id.scene,
+                row.id.n,
+                parts[*at].folder.display(),
+                part.folder.display()
+            );
+            let scene = done::scene(&row.id);
+            if is_block(&row) && again.contains(&scene) {
+                row.block += last.get(&scene).copied().unwrap_or(0);
+                renumbered += 1;
+            } else if let Some(before) = known.get(&row.measurement()) {
+                agree(before, &row, &part.folder)?;
+                repeated += 1;
+                continue;
+            }
+            here.push(row);
+        }
+        // What this folder adds can be met again in the next only.
+        for row in &here {
+            let block = last.entry(done::scene(&row.id)).or_default();
+            *block = row.block.max(*block);
+            known.insert(row.measurement(), row.clone());
+            samples.extend(sample(row)?);
+        }
+        rows.extend(here);
+    }
+    let provenance = labels.provenance(parts);
+    Ok(Merged { rows, repeated, renumbered, provenance })
+}
+
+/// A timed row, whatever the number of its block.
+fn sample(row: &Row) -> anyhow::Result<Option<String>> {
+    let timed = is_block(row) && row.elapsed_ns.is_some();
+    Ok(if timed { Some(serde_json::to_string(&Row { block: 0, ..row.clone() })?) } else { None })
+}
+
+fn is_block(row: &Row) -> bool {
+    matches!(row.pass, Pass::Time | Pass::Ceiling) && row.block > 0
+}
+
+fn same_experiments(a: &Part, b: &Part) -> anyhow::Result<()> {
+    let names = |part: &Part| part.experiments.keys().cloned().collect::<Vec<_>>().join(", ");
+    let (first, second) = (a.folder.display(), b.folder.display());
+    ensure!(
+        a.experiments.keys().eq(b.experiments.keys()),
+        "{first} has the experiments {}, {second} has {}: only results of the same experiments \
+         can be merged",
+        names(a),
+        names(b)
+    );
+    for (name, text) in &a.experiments {
+        ensure!(
+            b.experiments.get(name) == Some(text),
+            "the experiment {name} is not the same in {first} and {second}: only results of the \
+             same experiments can be merged; see experiments/{name}.toml in both"
+        );
+    }
+    Ok(())
+}
+
+/// The same machine cannot have two answers to one question.
+fn agree(a: &Row, b: &Row, folder: &Path) -> anyhow::Result<()> {
+    let bytes = |row: &Row| {
+        [row.peak_bytes, row.live_bytes, row.allocations, row.warm_allocations, row.formula_bytes]
+    };
+    let what = if a.outcome != b.outcome {
+        "the outcome"
+    } else if a.digest != b.digest || a.contacts != b.contacts {
+        "the pairs"
+    } else if a.counts != b.counts {
+        "the counts"
+    } else if bytes(a) != bytes(b) {
+        "the bytes"
+    } else {
+        return Ok(());
+    };
+    bail!(
+        "{what} of {} ({}, {}) with N = {} in {} {} another than in a folder before, on the same \
+         machine: were they runs of different versions? Compare them instead",
+        a.id.contender(),
+        a.id.arithmetic,
+        a.id.scene,
+        a.id.n,
+        folder.display(),
+        if what == "the outcome" { "is" } else { "are" }
+    );
+}

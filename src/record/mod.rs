@@ -1,0 +1,12 @@
+//! The record: one JSON line per measurement, appended and never edited.
+
+pub mod done;
+pub mod file;
+pub mod id;
+pub mod machines;
+pub mod merge;
+pub mod outcome;
+pub mod provenance;
+pub mod role;
+pub mod row;
+pub mod value;

@@ -1,0 +1,79 @@
+//! One row of the record: one measurement. The record is a wall: left of it nothing knows about
+//! figures, right of it nothing runs a detector.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use crate::oracle::{Causes, Errors};
+pub use crate::record::file::{FILE, Record, SCHEMA, WriteError, Writer, read};
+use crate::record::id::CellId;
+pub use crate::record::outcome::{Outcome, Pass};
+use crate::record::role::Role;
+use crate::scene::stats::Stats;
+
+/// One measurement.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Row {
+    /// What was measured, on what, with what.
+    #[serde(flatten)]
+    pub id: CellId,
+    /// What the detector is there for.
+    pub role: Role,
+    /// What was measured.
+    pub pass: Pass,
+    /// Number of the paired block; 0 for counts and memory, and for copies that did not start.
+    pub block: u32,
+    /// Nanoseconds per detection, from raw coordinates to the complete list of pairs; of several
+    /// copies the harmonic mean.
+    pub time_ns: Option<u64>,
+    /// Detections in this sample.
+    pub calls: Option<u64>,
+    /// Nanoseconds of the whole sample.
+    pub elapsed_ns: Option<u64>,
+    /// How it ended.
+    pub outcome: Outcome,
+    /// Why, when it is not `ok`.
+    pub reason: String,
+    /// Pairs reported.
+    pub contacts: Option<u64>,
+    /// Order-free fingerprint of the pairs reported.
+    pub digest: Option<String>,
+    /// Operation counts; empty except in counting passes.
+    pub counts: BTreeMap<String, u64>,
+    /// Most heap bytes held at one time above the input.
+    pub peak_bytes: Option<u64>,
+    /// Heap bytes held after the detection.
+    pub live_bytes: Option<u64>,
+    /// Heap allocations of the first detection.
+    pub allocations: Option<u64>,
+    /// Heap allocations of a second detection of the same scene.
+    pub warm_allocations: Option<u64>,
+    /// Bytes by the detector's declared formula.
+    pub formula_bytes: Option<u64>,
+    /// Against exact decisions on the scene as given, where that was compared: all causes together.
+    pub errors: Option<Errors>,
+    /// The same by cause.
+    #[serde(default)]
+    pub causes: Option<Causes>,
+    /// The scene as realised.
+    pub stats: Stats,
+}
+
+/// What makes a row the same measurement as another: they are repetitions of one another.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Measurement {
+    /// Which cell.
+    pub id: CellId,
+    /// Which quantity.
+    pub pass: Pass,
+    /// In which block.
+    pub block: u32,
+}
+
+impl Row {
+    /// What this row measures.
+    pub fn measurement(&self) -> Measurement {
+        Measurement { id: self.id.clone(), pass: self.pass, block: self.block }
+    }
+}

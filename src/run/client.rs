@@ -1,0 +1,364 @@
+//! The harness's end of a conversation with a runner: a process, requests with a time limit, a
+//! memory limit, and a reason for every failure.
+
+use std::io::{BufRead, BufReader, Read, Write};
+use std::path::Path;
+use std::process::{Child, ChildStdin, Command, ExitStatus, Stdio};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+
+use crate::io::exchange;
+use crate::record::row::Outcome;
+use crate::run::interrupt;
+use crate::run::protocol::{OLDEST, Reply, Request, VERSION};
+
+/// How to start a runner, and what it may take.
+#[derive(Clone, Debug)]
+pub struct Start {
+    /// Program and arguments.
+    pub command: Vec<String>,
+    /// What to do if it is not there.
+    pub install: String,
+    /// For one request.
+    pub time_limit: Duration,
+    /// Address space in bytes.
+    pub memory_limit: u64,
+}
+
+impl Start {
+    /// What to do if the program is not there, to be put after the reason.
+    fn hint(&self) -> String {
+        if self.install.is_empty() { String::new() } else { format!("; {}", self.install) }
+    }
+}
+
+/// A request that failed: how, and why in one sentence.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Failure {
+    /// Not `ok`.
+    pub outcome: Outcome,
+    /// The reason.
+    pub reason: String,
+}
+
+/// A runner at work. Dropping it ends the process.
+pub struct Client {
+    child: Child,
+    input: Option<ChildStdin>,
+    lines: Receiver<String>,
+    errors: Arc<Mutex<String>>,
+    time_limit: Duration,
+    /// What the runner said in its first line.
+    pub hello: Hello,
+}
+
+/// The first line of a runner.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Hello {
+    /// The version of the protocol that it speaks.
+    pub protocol: u32,
+    /// Its own name.
+    pub detector: String,
+    /// The arithmetic in which its answers are right.
+    pub arithmetic: String,
+    /// Its version, or that of the library behind it; may be empty.
+    pub version: String,
+}
+
+/// How the reason begins where a line is no reply.
+pub const NO_REPLY: &str = "the runner's answer is not a reply";
+
+/// At most this much of what a runner says on its standard error is kept: the end, where the reason
+/// for its death stands.
+const KEPT: usize = 1 << 16;
+/// A line from a runner is not longer than this.
+const LONGEST_LINE: u64 = 1 << 20;
+
+/// So often a wait looks whether it was interrupted.
+const LOOK: Duration = Duration::from_millis(100);
+/// So long a runner may take to leave when it is told to, and when it is sent SIGTERM: what has
+/// started processes elsewhere needs the time to end them.
+const TO_LEAVE: Duration = Duration::from_millis(100);
+const TO_CLEAN_UP: Duration = Duration::from_millis(500);
+
+impl Client {
+    /// Starts a runner and waits for its first line. Whatever goes wrong, it is unavailable.
+    pub fn start(start: &Start) -> Result<Client, Failure> {
+        let mut runner = Client::spawn(start)?;
+        // Starting is not detecting: an interpreter may take a while to load its libraries.
+        match runner.greet(start.time_limit.max(Duration::from_secs(30))) {
+            Ok(()) => Ok(runner),
+            Err(Failure { reason, outcome: Outcome::Unavailable | Outcome::Wrong }) => {
+                Err(Failure { outcome: Outcome::Unavailable, reason })
+            }
+            Err(Failure { reason, .. }) => Err(Failure {
+                outcome: Outcome::Unavailable,
+                reason: format!("{reason}{}", start.hint()),
+            }),
+        }
+    }
+
+    /// Starts a process, which is to say hello: see [`Client::greet`].
+    pub fn spawn(start: &Start) -> Result<Client, Failure> {
+        let unavailable = |reason: String| Failure { outcome: Outcome::Unavailable, reason };
+        let [program, arguments @ ..] = &start.command[..] else {
+            return Err(unavailable("the runner's command is empty".into()));
+        };
+        let mut command = Command::new(program);
+        command.args(arguments).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+        // A group of its own: what the runner starts can be ended with it. When the harness ends,
+        // runners see the end of their input.
+        #[cfg(unix)]
+        std::os::unix::process::CommandExt::process_group(&mut command, 0);
+        let mut child = command
+            .spawn()
+            .map_err(|e| unavailable(format!("cannot start {program}: {e}{}", start.hint())))?;
+        interrupt::started(child.id());
+        limit_memory(&child, start.memory_limit);
+        // A runner that says more than it is asked waits, and does not fill the memory.
+        let (sender, lines) = sync_channel(1);
+        // The three pipes were asked for above.
+        let output = child.stdout.take();
+        std::thread::spawn(move || {
+            let Some(output) = output else { return };
+            let mut output = BufReader::new(output);
+            loop {
+                let mut line = String::new();
+                // A line that is not UTF-8 ends the conversation like the end of the output.
+                let read = (&mut output).take(LONGEST_LINE).read_line(&mut line);
+                if matches!(read, Ok(0) | Err(_)) || sender.send(line).is_err() {
+                    return;
+                }
+            }
+        });
+        let errors = Arc::new(Mutex::new(String::new()));
+        let (kept, output) = (errors.clone(), child.stderr.take());
+        std::thread::spawn(move || {
+            let Some(mut output) = output else { return };
+            let mut buffer = [0; 1024];
+            while let Ok(read @ 1..) = output.read(&mut buffer) {
+                let mut kept = kept.lock().unwrap_or_else(PoisonError::into_inner);
+                kept.push_str(&String::from_utf8_lossy(&buffer[..read]));
+                let surplus = kept.floor_char_boundary(kept.len().saturating_sub(KEPT));
+                kept.drain(..surplus);
+            }
+        });
+        let input = child.stdin.take();
+        Ok(Client {
+            child,
+            input,
+            lines,
+            errors,
+            time_limit: start.time_limit,
+            hello: Hello::default(),
+        })
+    }
+
+    /// Waits for the first line. One that is not hello, or hello in a version that is not spoken
+    /// here, is `wrong`.
+    pub fn greet(&mut self, limit: Duration) -> Result<(), Failure> {
+        let broken = |reason: String| Failure { outcome: Outcome::Wrong, reason };
+        match self.receive(limit)? {
+            Reply::Hello { protocol, detector, arithmetic, version } => {
+                if !(OLDEST..=VERSION).contains(&protocol) {
+                    return Err(broken(format!(
+                        "the runner speaks protocol {protocol}, this program {OLDEST} to {VERSION}"
+                    )));
+                }
+                self.hello = Hello { protocol, detector, arithmetic, version };
+                Ok(())
+            }
+            other => Err(broken(format!("the runner's first line is not hello but {other:?}"))),
+        }
+    }
+
+    /// From now on, a request may take so long.
+    pub fn allow(&mut self, time_limit: Duration) {
+        self.time_limit = time_limit;
+    }
+
+    /// The end of what the runner has said on its standard error so far.
+    pub fn errors(&self) -> String {
+        self.errors.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    /// Sends a request and waits for the answer. After a failure other than a refusal the runner is
+    /// of no more use.
+    pub fn ask(&mut self, request: &Request) -> Result<Reply, Failure> {
+        let message = self.message(request)?;
+        match self.exchange(&message)? {
+            Reply::Refused { reason } => Err(Failure { outcome: Outcome::Refused, reason }),
+            Reply::Error { reason } => Err(Failure { outcome: Outcome::Crashed, reason }),
+            reply => Ok(reply),
+        }
+    }
+
+    /// A request in the version that the runner speaks.
+    pub fn message(&self, request: &Request) -> Result<Value, Failure> {
+        request
+            .message(self.hello.protocol)
+            .map_err(|reason| Failure { outcome: Outcome::Unavailable, reason })
+    }
+
+    /// Sends a message and waits for the answer, whatever it says.
+    pub fn exchange(&mut self, message: &Value) -> Result<Reply, Failure> {
+        let line = format!("{message}\n");
+        let sent = self
+            .input
+            .as_mut()
+            .map(|input| input.write_all(line.as_bytes()).and_then(|()| input.flush()));
+        if !matches!(sent, Some(Ok(()))) {
+            return Err(self.post_mortem());
+        }
+        self.receive(self.time_limit)
+    }
+
+    /// The pairs of the last frame, by way of a file. `Err` says why they cannot be had.
+    pub fn pairs(&mut self, path: &Path) -> Result<Vec<[u32; 2]>, String> {
+        // What another runner wrote there is not this one's answer; mostly there is nothing to
+        // remove.
+        let _ = std::fs::remove_file(path);
+        self.ask(&Request::Pairs { path: path.to_path_buf() }).map_err(|failure| failure.reason)?;
+        exchange::read_pairs(path).map_err(|e| e.to_string())
+    }
+
+    fn receive(&mut self, limit: Duration) -> Result<Reply, Failure> {
+        match self.wait(limit) {
+            Ok(line) => match serde_json::from_str(&line) {
+                Ok(Reply::Unavailable { reason }) => {
+                    Err(Failure { outcome: Outcome::Unavailable, reason })
+                }
+                Ok(reply) => Ok(reply),
+                Err(e) => {
+                    self.kill();
+                    let shown: String = line.trim_end().chars().take(80).collect();
+                    Err(Failure {
+                        outcome: Outcome::Crashed,
+                        reason: format!("{NO_REPLY} ({e}): {shown}"),
+                    })
+                }
+            },
+            Err(RecvTimeoutError::Disconnected) => Err(self.post_mortem()),
+            Err(RecvTimeoutError::Timeout) => {
+                self.kill();
+                Err(Failure {
+                    outcome: Outcome::Timeout,
+                    reason: format!("no answer within {} s", limit.as_secs_f64()),
+                })
+            }
+        }
+    }
+
+    /// Waits for a line, with a look at the signals now and then. The failure of an interrupted
+    /// wait is never written: see [`interrupt::check`].
+    fn wait(&mut self, limit: Duration) -> Result<String, RecvTimeoutError> {
+        let started = Instant::now();
+        loop {
+            let left = limit.saturating_sub(started.elapsed());
+            match self.lines.recv_timeout(left.min(LOOK)) {
+                Err(RecvTimeoutError::Timeout) if left > LOOK && !interrupt::requested() => {}
+                answer => return answer,
+            }
+        }
+    }
+
+    /// The runner is gone: why?
+    fn post_mortem(&mut self) -> Failure {
+        self.input = None;
+        // It closed its output, so it is ending or ended; one that lingers for a second is ended
+        // here. At least one pause lets its last words arrive.
+        let mut ended = None;
+        for _ in 0..50 {
+            std::thread::sleep(Duration::from_millis(20));
+            ended = interrupt::reap(&mut self.child);
+            if ended.is_some() {
+                break;
+            }
+        }
+        let status = ended.map_or_else(
+            || "it closed its output without answering".into(),
+            |status| status.to_string(),
+        );
+        self.kill();
+        let errors = self.errors();
+        // The words of Rust's allocation failure, C++'s and Python's. A backtrace may follow them.
+        let starved = |line: &&str| {
+            ["memory allocation of", "bad_alloc", "MemoryError"]
+                .iter()
+                .any(|words| line.contains(words))
+        };
+        let (outcome, last) = match errors.lines().rfind(starved) {
+            Some(line) => (Outcome::OutOfMemory, line),
+            None => (
+                Outcome::Crashed,
+                errors.lines().rfind(|line| !line.trim().is_empty()).unwrap_or_default(),
+            ),
+        };
+        Failure {
+            outcome,
+            reason: if last.is_empty() { status } else { format!("{status}: {last}") },
+        }
+    }
+
+    /// Waits until the process has ended, but not longer than `limit`.
+    fn ends_within(&mut self, limit: Duration) -> Option<ExitStatus> {
+        let started = Instant::now();
+        loop {
+            let ended = interrupt::reap(&mut self.child);
+            if ended.is_some() || started.elapsed() >= limit {
+                return ended;
+            }
+            std::thread::sleep(Duration::from_millis(1));
+        }
+    }
+
+    /// Ends the process, and what it has started: SIGTERM, some time, SIGKILL.
+    fn kill(&mut self) {
+        #[cfg(unix)]
+        {
+            use rustix::process::Signal;
+            if interrupt::reap(&mut self.child).is_none() {
+                interrupt::signal_group(self.child.id(), Signal::TERM);
+                self.ends_within(TO_CLEAN_UP);
+            }
+            interrupt::signal_group(self.child.id(), Signal::KILL);
+        }
+        interrupt::ended(self.child.id());
+        // Either may fail only because the process has ended already.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+impl Drop for Client {
+    fn drop(&mut self) {
+        if let Some(mut input) = self.input.take() {
+            let told = input.write_all(b"{\"request\":\"quit\"}\n").is_ok();
+            drop(input);
+            if told {
+                self.ends_within(TO_LEAVE);
+            }
+        }
+        self.kill();
+    }
+}
+
+/// Limits the address space of a process that has just been started (Linux; elsewhere detectors
+/// still refuse by their own sums).
+fn limit_memory(child: &Child, bytes: u64) {
+    #[cfg(target_os = "linux")]
+    {
+        use rustix::process::{Pid, Resource, Rlimit, prlimit};
+        let limit = Rlimit { current: Some(bytes), maximum: Some(bytes) };
+        // If the process has ended already, the first answer that does not come will say so.
+        let _ = prlimit(Pid::from_raw(child.id() as i32), Resource::As, limit);
+    }
+    #[cfg(not(target_os = "linux"))]
+    let _ = (child, bytes);
+}
+
+#[cfg(all(test, unix))]
+mod tests;

@@ -1,0 +1,156 @@
+//! What a machine lets several threads gain: as many copies of a detector as it has threads, with
+//! one thread each, at work on the same scene at the same time.
+//!
+//! Copies share nothing but the machine: caches, memory, clock, and the cores that it really gives.
+//! What they lose beside each other no parallel form of the same algorithm can win back. One row
+//! per block: the harmonic mean of their times, so that k copies at `time_ns` each have the
+//! throughput that was measured.
+
+use std::sync::Barrier;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use crate::record::row::{Outcome, Pass, Row};
+use crate::run::client::{Client, Failure};
+use crate::run::judge::Judge;
+use crate::run::passes::{Running, astray, load_all};
+use crate::run::protocol::{Reply, Request};
+use crate::run::stage::Stage;
+use crate::run::trajectory::Trajectory;
+
+/// Longer than other samples: between two of its own a copy is idle for some tens of microseconds,
+/// in which its neighbours are not disturbed.
+const SAMPLE_NS: u64 = 10_000_000;
+
+impl Stage<'_> {
+    /// The record says that the copies of this detector failed on this scene.
+    pub fn no_ceiling(&self, blank: &Row) -> bool {
+        self.index.ended(&Row { pass: Pass::Ceiling, ..blank.clone() }).is_some()
+    }
+
+    /// Starts the copies of a detector with several threads, if they are asked for; a row says so
+    /// if they cannot be started.
+    pub fn start_copies(
+        &mut self,
+        running: &mut Running,
+        loads: &[Trajectory],
+    ) -> anyhow::Result<()> {
+        let blank = Row { pass: Pass::Ceiling, ..running.blank.clone() };
+        let Some(start) = running.contender.copy.clone().filter(|_| !self.no_ceiling(&blank))
+        else {
+            return Ok(());
+        };
+        if let Some(n) = self.too_slow.at(&blank) {
+            let reason = format!("copies not tried: over the time limit at N = {n} already");
+            return self.fail(
+                &blank,
+                Failure { outcome: Outcome::Timeout, reason },
+                Pass::Ceiling.rest(),
+            );
+        }
+        for _ in 0..running.contender.threads {
+            let mut contender = running.contender.clone();
+            contender.copy = None;
+            let started = Client::start(&start)
+                .and_then(|mut client| load_all(&mut client, loads).map(|()| client));
+            match started {
+                Ok(client) => running.copies.push(Running {
+                    contender,
+                    client,
+                    arithmetic: running.arithmetic,
+                    blank: blank.clone(),
+                    copies: Vec::new(),
+                }),
+                Err(failure) => {
+                    running.copies.clear();
+                    return self.fail(&blank, copies_failed(failure), Pass::Ceiling.rest());
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// One sample of all copies of a detector at once, if it has any. They are given up after a
+    /// failure, the detector is not.
+    pub fn ceiling(
+        &mut self,
+        running: &mut Running,
+        block: u32,
+        judge: &mut Judge<'_>,
+    ) -> anyhow::Result<()> {
+        let mut row = Row { pass: Pass::Ceiling, block, ..running.blank.clone() };
+        if running.copies.is_empty() || self.index.has(&row) {
+            return Ok(());
+        }
+        let answers = match together(&mut running.copies) {
+            Ok(answers) => answers,
+            Err(failure) => {
+                running.copies.clear();
+                return self.fail(&row, copies_failed(failure), Pass::Ceiling.rest());
+            }
+        };
+        let rate: f64 = answers.iter().map(|answer| 1.0 / answer.time_ns.max(1) as f64).sum();
+        row.time_ns = Some((answers.len() as f64 / rate).round() as u64);
+        row.calls = Some(answers.iter().map(|answer| answer.calls).sum());
+        row.elapsed_ns = answers.iter().map(|answer| answer.elapsed_ns).max();
+        for (copy, answer) in running.copies.iter_mut().zip(answers) {
+            // The first wrong answer speaks for all.
+            if row.outcome.is_good() {
+                (row.contacts, row.digest) = (Some(answer.contacts), Some(answer.digest));
+                self.judge(&mut row, copy, judge)?;
+            }
+        }
+        self.write(&row)?;
+        Ok(())
+    }
+}
+
+fn copies_failed(failure: Failure) -> Failure {
+    Failure { reason: format!("of the copies: {}", failure.reason), ..failure }
+}
+
+/// The first sample of a copy.
+struct Answer {
+    time_ns: u64,
+    calls: u64,
+    elapsed_ns: u64,
+    contacts: u64,
+    digest: String,
+}
+
+/// One sample of each copy, begun together. A copy that has answered goes on detecting until all
+/// have: no clock runs beside an idle neighbour.
+fn together(copies: &mut [Running]) -> Result<Vec<Answer>, Failure> {
+    let (start, answered, all) = (Barrier::new(copies.len()), AtomicUsize::new(0), copies.len());
+    let work = |copy: &mut Running| {
+        start.wait();
+        let first = sample(&mut copy.client);
+        // One that failed counts as well, or the others would wait for it.
+        let mut done = answered.fetch_add(1, Ordering::Relaxed) + 1;
+        while first.is_ok() && done < all {
+            if sample(&mut copy.client).is_err() {
+                // It will fail in the next block again, and be given up there.
+                break;
+            }
+            done = answered.load(Ordering::Relaxed);
+        }
+        first
+    };
+    std::thread::scope(|scope| {
+        let threads: Vec<_> = copies.iter_mut().map(|copy| scope.spawn(|| work(copy))).collect();
+        let failed = || Failure {
+            outcome: Outcome::Crashed,
+            reason: "the harness lost the thread that asked".into(),
+        };
+        threads.into_iter().map(|thread| thread.join().unwrap_or_else(|_| Err(failed()))).collect()
+    })
+}
+
+fn sample(client: &mut Client) -> Result<Answer, Failure> {
+    let request = Request::Sample { min_ns: SAMPLE_NS };
+    match client.ask(&request)? {
+        Reply::Sample { time_ns, calls, elapsed_ns, contacts, digest, .. } => {
+            Ok(Answer { time_ns, calls, elapsed_ns, contacts, digest })
+        }
+        other => Err(astray(&request, &other)),
+    }
+}

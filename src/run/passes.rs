@@ -1,0 +1,230 @@
+//! What is measured of one contender on one scene: its runner loads the scene, counts, measures the
+//! memory, and gives timed samples; every answer is judged before its row is written.
+
+use crate::contact::Arithmetic;
+use crate::record::role::Role;
+use crate::record::row::{Outcome, Pass, Row};
+use crate::run::client::{Client, Failure};
+use crate::run::contender::Contender;
+use crate::run::interrupt;
+use crate::run::judge::Judge;
+use crate::run::plan::describe;
+use crate::run::protocol::{Reply, Request};
+use crate::run::stage::Stage;
+use crate::run::trajectory::Trajectory;
+
+/// Samples are at least this long, or the clock would be measured.
+pub(crate) const SHORTEST_SAMPLE_NS: u64 = 1_000_000;
+
+/// A contender at work on a scene.
+pub(crate) struct Running {
+    pub contender: Contender,
+    pub client: Client,
+    pub arithmetic: Arithmetic,
+    pub blank: Row,
+    /// With one thread each; none if the ceiling is not asked for.
+    pub copies: Vec<Running>,
+}
+
+/// Gives a runner several scenes to load, one after the other, as hard cases with a history want
+/// it. They are other particles each time, and so trajectories of their own. What a detector makes
+/// of those before the last is not judged; only, they are to leave their traces.
+pub(crate) fn load_all(client: &mut Client, loads: &[Trajectory]) -> Result<(), Failure> {
+    let Some((last, history)) = loads.split_last() else { return Ok(()) };
+    for trajectory in history {
+        let request = Request::Sample { min_ns: 1 };
+        match load(client, trajectory).and_then(|()| client.ask(&request)) {
+            Err(failure) if failure.outcome != Outcome::Refused => return Err(failure),
+            _ => {}
+        }
+    }
+    load(client, last)
+}
+
+fn load(client: &mut Client, trajectory: &Trajectory) -> Result<(), Failure> {
+    let request = Request::Load(trajectory.clone());
+    match client.ask(&request)? {
+        Reply::Loaded => Ok(()),
+        other => Err(astray(&request, &other)),
+    }
+}
+
+/// An answer that does not belong to the request.
+pub(crate) fn astray(request: &Request, reply: &Reply) -> Failure {
+    // The variant's name alone: what else there is holds paths that differ from run to run.
+    let word = |text: String| text.split([' ', '(']).next().unwrap_or_default().to_string();
+    let reason = format!(
+        "the runner answered {} with {}",
+        word(format!("{request:?}")),
+        word(format!("{reply:?}"))
+    );
+    Failure { outcome: Outcome::Crashed, reason }
+}
+
+impl Stage<'_> {
+    /// Starts a contender, loads the scene, counts and measures the memory. `None` if it is out;
+    /// its rows say why.
+    pub fn enter(
+        &mut self,
+        contender: Contender,
+        mut blank: Row,
+        loads: &[Trajectory],
+        judge: &mut Judge<'_>,
+    ) -> anyhow::Result<Option<Running>> {
+        if self.too_slow(&blank)? {
+            return Ok(None);
+        }
+        let (mut client, arithmetic) = match start(&contender) {
+            Ok(started) => started,
+            Err(failure) => {
+                self.fail(&blank, failure, &Pass::ALL)?;
+                return Ok(None);
+            }
+        };
+        // An external runner has just said which arithmetic its rows bear.
+        blank.id.arithmetic = arithmetic.name().into();
+        if self.give_up(&blank)? || self.too_slow(&blank)? {
+            return Ok(None);
+        }
+        if let Err(failure) = load_all(&mut client, loads) {
+            self.fail(&blank, failure, &Pass::ALL)?;
+            return Ok(None);
+        }
+        let mut running = Running { contender, client, arithmetic, blank, copies: Vec::new() };
+        for pass in [Pass::Count, Pass::Memory] {
+            let mut row = Row { pass, ..running.blank.clone() };
+            if self.index.has(&row) {
+                continue;
+            }
+            if let Err(failure) = measure(&mut running.client, &mut row) {
+                self.fail(&running.blank, failure, pass.rest())?;
+                return Ok(None);
+            }
+            self.judge(&mut row, &mut running, judge)?;
+            self.write(&row)?;
+        }
+        self.start_copies(&mut running, loads)?;
+        Ok(Some(running))
+    }
+
+    /// One timed sample. False if the contender is out.
+    pub fn sample(
+        &mut self,
+        running: &mut Running,
+        mut row: Row,
+        judge: &mut Judge<'_>,
+    ) -> anyhow::Result<bool> {
+        let request = Request::Sample { min_ns: SHORTEST_SAMPLE_NS };
+        let failure = match running.client.ask(&request) {
+            Ok(Reply::Sample { time_ns, calls, elapsed_ns, contacts, digest, .. }) => {
+                row.time_ns = Some(time_ns);
+                row.calls = Some(calls);
+                row.elapsed_ns = Some(elapsed_ns);
+                row.contacts = Some(contacts);
+                row.digest = Some(digest);
+                self.judge(&mut row, running, judge)?;
+                self.write(&row)?;
+                return Ok(true);
+            }
+            Ok(other) => astray(&request, &other),
+            Err(failure) => failure,
+        };
+        self.fail(&row, failure, Pass::Time.rest())?;
+        Ok(false)
+    }
+
+    /// Judges a row's answer before the row is written.
+    pub fn judge(
+        &mut self,
+        row: &mut Row,
+        running: &mut Running,
+        judge: &mut Judge<'_>,
+    ) -> anyhow::Result<()> {
+        if running.contender.role == Role::Nothing {
+            row.outcome = Outcome::Control;
+            row.reason = "control: reports nothing by design".into();
+            return Ok(());
+        }
+        let (Some(contacts), Some(digest)) = (row.contacts, row.digest.as_deref()) else {
+            return Ok(());
+        };
+        let Running { contender, client, arithmetic, .. } = running;
+        let path = self.folder.join("pairs.npy");
+        let fetch = || client.pairs(&path);
+        let judged = judge.judge(&contender.name, *arithmetic, (contacts, digest), fetch)?;
+        interrupt::check()?;
+        row.outcome = judged.outcome;
+        row.reason = judged.reason;
+        row.errors = judged.errors;
+        row.causes = judged.causes;
+        if row.outcome == Outcome::Refused {
+            // No time without an answer that is known to be right.
+            row.time_ns = None;
+        }
+        if row.outcome == Outcome::Wrong {
+            let scene = describe(self.experiment, self.spec);
+            self.progress.note(&format!(
+                "WRONG: {} ({}) on {scene}: {}",
+                row.id.contender(),
+                row.id.arithmetic,
+                row.reason
+            ));
+        }
+        Ok(())
+    }
+}
+
+/// Starts the runner of a contender. The arithmetic is the contender's, or the one that the runner
+/// says.
+fn start(contender: &Contender) -> Result<(Client, Arithmetic), Failure> {
+    let unavailable = |reason: String| Failure { outcome: Outcome::Unavailable, reason };
+    if let Some(reason) = &contender.missing {
+        return Err(unavailable(reason.clone()));
+    }
+    let client = Client::start(&contender.start)?;
+    let said = || {
+        let name = &client.hello.arithmetic;
+        let found = Arithmetic::ALL.into_iter().find(|arithmetic| arithmetic.name() == name);
+        found.ok_or_else(|| {
+            let names = Arithmetic::names();
+            unavailable(format!("the runner says arithmetic '{name}'; it must be one of {names}"))
+        })
+    };
+    let arithmetic = contender.arithmetic.map_or_else(said, Ok)?;
+    Ok((client, arithmetic))
+}
+
+/// Counts, or measures the memory, as the row's pass says.
+fn measure(client: &mut Client, row: &mut Row) -> Result<(), Failure> {
+    let request = if row.pass == Pass::Count { Request::Count } else { Request::Memory };
+    match (client.ask(&request)?, row.pass) {
+        (Reply::Count { counts, contacts, digest }, Pass::Count) => {
+            row.counts = counts;
+            row.contacts = Some(contacts);
+            row.digest = Some(digest);
+        }
+        (
+            Reply::Memory {
+                peak_bytes,
+                live_bytes,
+                allocations,
+                warm_allocations,
+                formula_bytes,
+                contacts,
+                digest,
+            },
+            Pass::Memory,
+        ) => {
+            row.peak_bytes = Some(peak_bytes);
+            row.live_bytes = Some(live_bytes);
+            row.allocations = Some(allocations);
+            row.warm_allocations = warm_allocations;
+            row.formula_bytes = formula_bytes;
+            row.contacts = Some(contacts);
+            row.digest = Some(digest);
+        }
+        (Reply::Unsupported, _) => row.reason = "the runner does not measure this".into(),
+        (other, _) => return Err(astray(&request, &other)),
+    }
+    Ok(())
+}

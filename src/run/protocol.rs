@@ -1,0 +1,206 @@
+//! What harness and runner say to each other: one JSON object per line, over the runner's standard
+//! input and output. A runner in any language can join; docs/PROTOCOL.md is written for those who
+//! write one.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use crate::run::trajectory::Trajectory;
+use crate::sink::Digest;
+
+/// The version of the protocol that this program speaks as a runner; a runner names its own in its
+/// first line.
+pub const VERSION: u32 = 2;
+/// The oldest version that the harness speaks to a runner.
+pub const OLDEST: u32 = 1;
+
+/// From the harness.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "request", rename_all = "lowercase")]
+pub enum Request {
+    /// Take a trajectory; forget the one before.
+    Load(Trajectory),
+    /// Reset, then detect in one frame after the other: a pass. As many passes as last `min_ns`
+    /// nanoseconds, at least one. Say how long they took.
+    Sample {
+        /// The shortest sample wanted.
+        min_ns: u64,
+    },
+    /// Reset, and count operations in one pass.
+    Count,
+    /// Measure the memory of one pass with fresh buffers.
+    Memory,
+    /// Reset, go through one pass, and write the pairs of its last frame to a file: npy, `<u4`,
+    /// shape (pairs, 2).
+    Pairs {
+        /// Where to.
+        path: PathBuf,
+    },
+    /// Leave.
+    Quit,
+}
+
+impl Request {
+    /// The message for a runner that speaks `version`; or why it cannot be said in that version.
+    pub fn message(&self, version: u32) -> Result<Value, String> {
+        let mut message = serde_json::to_value(self).map_err(|e| format!("no message: {e}"))?;
+        if let (Request::Load(Trajectory { frames, .. }), 1, Some(fields)) =
+            (self, version, message.as_object_mut())
+        {
+            let [path] = &frames[..] else {
+                return Err(format!(
+                    "the runner speaks protocol 1, which knows scenes at rest; this trajectory has \
+                     {} frames: let the runner speak protocol 2",
+                    frames.len()
+                ));
+            };
+            fields.remove("frames");
+            fields.insert("path".into(), path.to_string_lossy().into());
+        }
+        Ok(message)
+    }
+}
+
+/// From the runner.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "reply", rename_all = "lowercase")]
+pub enum Reply {
+    /// The first line, before any request.
+    Hello {
+        /// From [`OLDEST`] to [`VERSION`].
+        protocol: u32,
+        /// The detector's name.
+        detector: String,
+        /// The arithmetic in which its answers are right.
+        #[serde(default = "exact")]
+        arithmetic: String,
+        /// Version of the runner or the library behind it.
+        #[serde(default)]
+        version: String,
+    },
+    /// The trajectory is there; a scene at rest is in memory.
+    Loaded,
+    /// To `sample`.
+    Sample {
+        /// Nanoseconds per detection.
+        time_ns: u64,
+        /// Detections in the sample.
+        calls: u64,
+        /// Nanoseconds of all detections together.
+        elapsed_ns: u64,
+        /// Nanoseconds per detection, frame by frame; may be missing where there is one frame.
+        #[serde(default)]
+        step_ns: Vec<u64>,
+        /// Pairs of the last detection.
+        contacts: u64,
+        /// Fingerprint of the pairs of the last detection.
+        digest: String,
+    },
+    /// To `count`.
+    Count {
+        /// Operation name to count.
+        counts: BTreeMap<String, u64>,
+        /// Pairs.
+        contacts: u64,
+        /// Fingerprint.
+        digest: String,
+    },
+    /// To `memory`.
+    Memory {
+        /// Most bytes held at one time, without the trajectory and the list of pairs.
+        peak_bytes: u64,
+        /// Bytes held after the pass.
+        live_bytes: u64,
+        /// Allocations.
+        allocations: u64,
+        /// Allocations of a second pass.
+        #[serde(default)]
+        warm_allocations: Option<u64>,
+        /// Bytes by the declared formula.
+        #[serde(default)]
+        formula_bytes: Option<u64>,
+        /// Pairs.
+        contacts: u64,
+        /// Fingerprint.
+        digest: String,
+    },
+    /// To `pairs`.
+    Pairs {
+        /// Pairs written.
+        contacts: u64,
+    },
+    /// The runner cannot do this (count or memory); everything else goes on.
+    Unsupported,
+    /// The detector does not work on this trajectory.
+    Refused {
+        /// One sentence.
+        reason: String,
+    },
+    /// The library behind the runner is not installed.
+    Unavailable {
+        /// One sentence, with the command that installs it.
+        reason: String,
+    },
+    /// The request could not be done.
+    Error {
+        /// One sentence.
+        reason: String,
+    },
+}
+
+fn exact() -> String {
+    "exact".into()
+}
+
+/// The digest in a reply, which is `0x` and 16 lower-case hexadecimal digits; or what is wrong with
+/// it.
+pub fn digest(contacts: u64, text: &str) -> Result<Digest, String> {
+    let hexadecimal = |c: char| matches!(c, '0'..='9' | 'a'..='f');
+    let digits = text
+        .strip_prefix("0x")
+        .filter(|digits| digits.len() == 16 && digits.chars().all(hexadecimal));
+    match digits.and_then(|digits| u64::from_str_radix(digits, 16).ok()) {
+        Some(sum) => Ok(Digest { contacts, sum }),
+        None => Err(format!(
+            "its digest is '{text}'; it must be 0x and 16 lower-case hexadecimal digits"
+        )),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn load(frames: &[&str]) -> Request {
+        Request::Load(Trajectory {
+            frames: frames.iter().map(PathBuf::from).collect(),
+            dim: 2,
+            n: 4,
+            radius: Some(0.5),
+        })
+    }
+
+    #[test]
+    fn version_1_has_scenes_at_rest() {
+        let rest = load(&["a.npy"]);
+        let common = r#""request":"load","dim":2,"n":4,"radius":0.5"#;
+        let message = |text: &str| serde_json::from_str::<Value>(text).unwrap();
+        assert_eq!(rest.message(1), Ok(message(&format!(r#"{{{common},"path":"a.npy"}}"#))));
+        assert_eq!(rest.message(2), Ok(message(&format!(r#"{{{common},"frames":["a.npy"]}}"#))));
+        let moving = load(&["a.npy", "b.npy", "a.npy"]);
+        assert!(moving.message(2).is_ok());
+        assert!(moving.message(1).unwrap_err().contains("this trajectory has 3 frames"));
+    }
+
+    #[test]
+    fn a_digest_is_0x_and_16_lower_case_digits() {
+        let right = Digest { contacts: 3, sum: 0xab };
+        assert_eq!(digest(3, &right.hex()), Ok(right));
+        for text in ["", "0xab", "00000000000000ab", "0x00000000000000AB", "0x+0000000000000ab"] {
+            assert!(digest(3, text).is_err(), "{text}");
+        }
+    }
+}

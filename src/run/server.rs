@@ -1,0 +1,228 @@
+//! The runner's end of a conversation: one detector in a process of its own, which answers the
+//! requests of [`crate::run::protocol`] on standard input. A detector that crashes, hangs or eats
+//! memory costs its own rows and nothing else.
+//!
+//! It takes scenes at rest, trajectories of one frame. Then a pass is one detection, and a reset
+//! has nothing to drop: the detectors of the table keep buffers, and nothing that was computed from
+//! coordinates.
+
+use std::hint::black_box;
+use std::io::{BufRead, Write};
+use std::time::Instant;
+
+use crate::contact::Arithmetic;
+use crate::detect::Options;
+use crate::detect::any::AnyDetector;
+use crate::detect::table::DetectorSpec;
+use crate::io::write;
+use crate::probe::Tally;
+use crate::run::alloc;
+use crate::run::protocol::{Reply, Request, VERSION};
+use crate::run::trajectory::Trajectory;
+use crate::scene::AnyScene;
+use crate::sink::Digest;
+
+/// A detector, its scene and its buffers.
+pub struct Server {
+    spec: DetectorSpec,
+    arithmetic: Arithmetic,
+    options: Options,
+    detector: Box<dyn AnyDetector>,
+    scene: Option<AnyScene<'static>>,
+    pairs: Vec<[u32; 2]>,
+    calls: Option<u64>,
+}
+
+/// A sample has at most so many detections, also of a detector that takes no time.
+const MOST_CALLS: u64 = 1 << 20;
+
+/// Either an answer or the reason why there is none.
+type Answer = Result<Reply, Reply>;
+
+impl Server {
+    /// A server without a scene.
+    pub fn new(spec: DetectorSpec, arithmetic: Arithmetic, options: Options) -> Server {
+        Server {
+            detector: spec.make(options),
+            spec,
+            arithmetic,
+            options,
+            scene: None,
+            pairs: Vec::new(),
+            calls: None,
+        }
+    }
+
+    /// Answers requests until `quit` or the end of the input.
+    pub fn serve(&mut self, input: impl BufRead, mut output: impl Write) -> std::io::Result<()> {
+        let mut say = |reply: &Reply| -> std::io::Result<()> {
+            serde_json::to_writer(&mut output, reply)?;
+            output.write_all(b"\n")?;
+            output.flush()
+        };
+        say(&Reply::Hello {
+            protocol: VERSION,
+            detector: self.spec.to_string(),
+            arithmetic: self.arithmetic.name().into(),
+            version: env!("CARGO_PKG_VERSION").into(),
+        })?;
+        for line in input.lines() {
+            match serde_json::from_str(&line?) {
+                Ok(Request::Quit) => break,
+                Ok(request) => say(&self.answer(request).unwrap_or_else(|reply| reply))?,
+                Err(e) => say(&Reply::Error { reason: format!("this is not a request: {e}") })?,
+            }
+        }
+        Ok(())
+    }
+
+    fn answer(&mut self, request: Request) -> Answer {
+        match request {
+            Request::Load(trajectory) => self.load(&trajectory),
+            Request::Sample { min_ns } => self.sample(min_ns),
+            Request::Count => {
+                let mut tally = Tally::default();
+                self.pairs.clear();
+                let test = self.arithmetic.test();
+                self.detector
+                    .count(loaded(&self.scene)?, test, &mut tally, &mut self.pairs)
+                    .map_err(refused)?;
+                let digest = Digest::of(&self.pairs);
+                let counts = tally.iter().map(|(op, count)| (op.name().into(), count)).collect();
+                Ok(Reply::Count { counts, contacts: digest.contacts, digest: digest.hex() })
+            }
+            Request::Memory => self.memory(),
+            Request::Pairs { path } => {
+                self.detect()?;
+                write::pairs(&path, &self.pairs).map_err(error)?;
+                Ok(Reply::Pairs { contacts: self.pairs.len() as u64 })
+            }
+            Request::Quit => Ok(Reply::Loaded),
+        }
+    }
+
+    fn load(&mut self, trajectory: &Trajectory) -> Answer {
+        self.scene = None;
+        self.calls = None;
+        let frames = &trajectory.frames;
+        let [path] = &frames[..] else {
+            let reason = format!(
+                "this runner takes scenes at rest, trajectories of one frame; this one has {}",
+                frames.len()
+            );
+            return Err(Reply::Refused { reason });
+        };
+        let scene = trajectory.read_frame(path).map_err(error)?;
+        self.scene = Some(scene.stored(self.arithmetic).map_err(|e| Reply::Refused {
+            reason: format!("in {}: {e}", self.arithmetic.name()),
+        })?);
+        Ok(Reply::Loaded)
+    }
+
+    /// One detection into the list of pairs.
+    fn detect(&mut self) -> Result<(), Reply> {
+        self.pairs.clear();
+        self.detector
+            .list(loaded(&self.scene)?, self.arithmetic.test(), &mut self.pairs)
+            .map_err(refused)
+    }
+
+    fn sample(&mut self, min_ns: u64) -> Answer {
+        // Since the last sample other runners had the caches: one detection wins them back before
+        // the clock starts.
+        self.detect()?;
+        let (calls, elapsed_ns) = match self.calls {
+            Some(calls) => (calls, self.repeat(calls)?),
+            None => self.calibrate(min_ns)?,
+        };
+        self.calls = Some(calls);
+        let digest = Digest::of(&self.pairs);
+        let time_ns = (elapsed_ns + calls / 2) / calls;
+        Ok(Reply::Sample {
+            time_ns,
+            calls,
+            elapsed_ns,
+            step_ns: vec![time_ns],
+            contacts: digest.contacts,
+            digest: digest.hex(),
+        })
+    }
+
+    /// How many detections make a sample of `min_ns`, and how long so many took.
+    fn calibrate(&mut self, min_ns: u64) -> Result<(u64, u64), Reply> {
+        let mut calls = 1;
+        loop {
+            let elapsed = self.repeat(calls)?;
+            if elapsed >= min_ns || calls >= MOST_CALLS {
+                return Ok((calls, elapsed));
+            }
+            // Ten times as many at once: the first guesses are mostly the cost of the clock.
+            let wanted = (u128::from(min_ns) * u128::from(calls) * 9 / 8)
+                .div_ceil(u128::from(elapsed.max(1)));
+            calls = (wanted as u64).clamp(calls + 1, (calls * 10).min(MOST_CALLS));
+        }
+    }
+
+    /// Nanoseconds of so many detections, each into the same list of pairs: the timed loop.
+    fn repeat(&mut self, calls: u64) -> Result<u64, Reply> {
+        let (scene, test) = (loaded(&self.scene)?, self.arithmetic.test());
+        let start = Instant::now();
+        for _ in 0..calls {
+            self.pairs.clear();
+            self.detector.list(black_box(scene), test, &mut self.pairs).map_err(refused)?;
+            black_box(&self.pairs);
+        }
+        Ok(start.elapsed().as_nanos() as u64)
+    }
+
+    /// Measures what is timed, with as many threads: the list of pairs goes where there is room for
+    /// it already, and is not measured.
+    fn memory(&mut self) -> Answer {
+        // Makes that room.
+        self.detect()?;
+        // The buffers of the detector at hand must not count against the limit of the one that is
+        // measured.
+        self.detector = self.spec.make(self.options);
+        let (scene, test, pairs) = (loaded(&self.scene)?, self.arithmetic.test(), &mut self.pairs);
+        pairs.clear();
+        let ((result, mut detector), cold) = alloc::measure(|| {
+            let mut detector = self.spec.make(self.options);
+            (detector.list(scene, test, pairs), detector)
+        });
+        result.map_err(refused)?;
+        let digest = Digest::of(pairs);
+        pairs.clear();
+        // A library declares no formula.
+        let formula_bytes = self.spec.entry.is_ours().then(|| detector.formula_bytes());
+        let (again, warm) = alloc::measure(|| detector.list(scene, test, pairs));
+        again.map_err(refused)?;
+        let (Some(cold), Some(warm)) = (cold, warm) else { return Ok(Reply::Unsupported) };
+        // The detector itself is one allocation of a few hundred bytes: its box is not part of the
+        // algorithm.
+        let frame = std::mem::size_of_val(&*detector) as u64;
+        let boxed = u64::from(frame > 0);
+        Ok(Reply::Memory {
+            peak_bytes: cold.peak_bytes - frame,
+            live_bytes: cold.live_bytes - frame,
+            allocations: cold.allocations - boxed,
+            warm_allocations: Some(warm.allocations),
+            formula_bytes,
+            contacts: digest.contacts,
+            digest: digest.hex(),
+        })
+    }
+}
+
+fn loaded<'a>(scene: &'a Option<AnyScene<'static>>) -> Result<&'a AnyScene<'static>, Reply> {
+    scene
+        .as_ref()
+        .ok_or_else(|| Reply::Error { reason: "no scene is loaded; send load first".into() })
+}
+
+fn refused(refusal: crate::detect::Refusal) -> Reply {
+    Reply::Refused { reason: refusal.to_string() }
+}
+
+fn error(error: anyhow::Error) -> Reply {
+    Reply::Error { reason: format!("{error:#}") }
+}

@@ -1,0 +1,250 @@
+//! One scene of one experiment: the scene is made, what is true is found, contenders are started,
+//! rows are written.
+//!
+//! Each contender's runner loads the scene, counts, and measures its memory; then blocks of timed
+//! samples, every contender once per block in a fresh random order, and right after one with
+//! several threads its copies, if the experiment asks for them. Rows go to the record one by one.
+//! What the record holds already (of a killed run) is not measured again.
+
+use std::path::Path;
+use std::time::Instant;
+
+use rand::SeedableRng;
+use rand::seq::SliceRandom;
+use rand_chacha::ChaCha8Rng;
+
+use crate::contact::Arithmetic;
+use crate::experiment::Experiment;
+use crate::record::done::{Index, TooSlow};
+use crate::record::row::{Outcome, Pass, Row, Writer};
+use crate::run::client::Failure;
+use crate::run::contender::{Contender, contenders};
+use crate::run::interrupt;
+use crate::run::judge::Judge;
+use crate::run::passes::Running;
+use crate::run::plan::{self, FEWEST_BLOCKS, Job, describe};
+use crate::run::trajectory::Trajectory;
+use crate::scene::generate::hard;
+use crate::scene::spec::Spec;
+use crate::scene::stats::Stats;
+use crate::scene::{AnyScene, SceneError, stats};
+use crate::sink::splitmix64;
+
+/// Hears how far a run has come.
+pub trait Progress {
+    /// `done` of `total` scenes are complete; `next` is being worked on.
+    fn scene(&mut self, done: usize, total: usize, next: &str);
+    /// Something the user should know now.
+    fn note(&mut self, text: &str);
+}
+
+/// One scene of one experiment.
+pub(crate) struct Stage<'a> {
+    pub job: &'a Job<'a>,
+    pub experiment: &'a Experiment,
+    pub spec: &'a Spec,
+    pub index: &'a Index,
+    /// For scenes and pairs.
+    pub folder: &'a Path,
+    pub record: &'a mut Writer,
+    pub too_slow: &'a mut TooSlow,
+    pub progress: &'a mut dyn Progress,
+}
+
+impl Stage<'_> {
+    pub fn run(&mut self) -> anyhow::Result<()> {
+        let blocks = plan::blocks(self.experiment, self.job.quick, false);
+        let contenders = contenders(self.experiment, &self.job.program);
+        let scene = match self.spec.make() {
+            Ok(scene) => scene,
+            Err(error) => return self.invalid(&contenders, error),
+        };
+        interrupt::check()?;
+        if self.is_complete(&contenders, &scene, blocks)? {
+            return Ok(());
+        }
+        let mut judge = Judge::new(&scene);
+        let running = self.enter_all(contenders, &scene, &mut judge)?;
+        self.blocks(running, blocks, &mut judge)
+    }
+
+    /// Starts the contenders one after the other; gives those that are to be timed.
+    fn enter_all(
+        &mut self,
+        contenders: Vec<Contender>,
+        scene: &AnyScene<'_>,
+        judge: &mut Judge<'_>,
+    ) -> anyhow::Result<Vec<Running>> {
+        let contacts = judge.truth(Arithmetic::Exact)?.map_or(0, |truth| truth.digest.contacts);
+        let stats = stats::stats(scene, contacts);
+        let mut loads = Vec::new();
+        let history = self.spec.history()?;
+        for (k, scene) in history.iter().chain([scene]).enumerate() {
+            let path = self.folder.join(format!("scene-{k}.npy"));
+            loads.push(Trajectory::write_at_rest(&path, scene)?);
+        }
+        let mut running = Vec::new();
+        for contender in contenders {
+            let contender = contender.allowing(scene, contacts);
+            let blank = contender.blank(self.experiment, self.spec, Some(scene), &stats);
+            if !self.give_up(&blank)? {
+                running.extend(self.enter(contender, blank, &loads, judge)?);
+            }
+        }
+        Ok(running)
+    }
+
+    /// Timed samples, until all blocks are done or their time is over.
+    fn blocks(
+        &mut self,
+        mut running: Vec<Running>,
+        blocks: u32,
+        judge: &mut Judge<'_>,
+    ) -> anyhow::Result<()> {
+        let started = Instant::now();
+        for block in 1..=blocks {
+            if block > FEWEST_BLOCKS
+                && started.elapsed().as_secs_f64() > self.experiment.block_budget_s
+            {
+                break;
+            }
+            // Another order in each block of each scene, the same whenever the scene is run.
+            let of_scene = describe(self.experiment, self.spec)
+                .bytes()
+                .fold(self.spec.seed, |seed, byte| splitmix64(seed ^ u64::from(byte)));
+            let mut random = ChaCha8Rng::seed_from_u64(of_scene.wrapping_add(u64::from(block)));
+            running.shuffle(&mut random);
+            let mut still = Vec::new();
+            for mut one in running {
+                let blank = Row { pass: Pass::Time, block, ..one.blank.clone() };
+                if self.index.has(&blank) || self.sample(&mut one, blank, judge)? {
+                    self.ceiling(&mut one, block, judge)?;
+                    still.push(one);
+                }
+            }
+            running = still;
+        }
+        Ok(())
+    }
+
+    /// Everything of the contenders on this scene is in the record; an error if the record is of
+    /// another scene.
+    fn is_complete(
+        &self,
+        contenders: &[Contender],
+        scene: &AnyScene<'_>,
+        blocks: u32,
+    ) -> anyhow::Result<bool> {
+        let blank = |contender: &Contender| {
+            contender.blank(self.experiment, self.spec, Some(scene), &Stats::default())
+        };
+        if let Some(one) = contenders.first() {
+            let before = self.index.scene_hash(&blank(one));
+            // Only where the record has rows of it: fingerprints of large scenes take a while.
+            if before.is_some() {
+                plan::same_scene(&stats::scene_hash(scene), before)?;
+            }
+        }
+        Ok(contenders.iter().all(|contender| self.complete(contender, &blank(contender), blocks)))
+    }
+
+    /// Everything of this contender on this scene is in the record.
+    fn complete(&self, contender: &Contender, blank: &Row, blocks: u32) -> bool {
+        let has = |pass, block| self.index.has(&Row { pass, block, ..blank.clone() });
+        // A budget may have ended the blocks early; an external runner says its arithmetic only
+        // when it is started.
+        let enough = if self.experiment.block_budget_s.is_finite() {
+            blocks.min(FEWEST_BLOCKS)
+        } else {
+            blocks
+        };
+        let ceiling =
+            |block| contender.copy.is_none() || self.no_ceiling(blank) || has(Pass::Ceiling, block);
+        let over = self
+            .index
+            .ended(blank)
+            .is_some_and(|last| last.pass.owed().iter().all(|&pass| has(pass, 0)));
+        contender.arithmetic.is_some()
+            && (over
+                || has(Pass::Count, 0)
+                    && has(Pass::Memory, 0)
+                    && (1..=enough).all(|block| has(Pass::Time, block) && ceiling(block)))
+    }
+
+    /// The rows of a case of the catalogue whose scene is not valid, as it should be. Any other
+    /// scene that cannot be made is an error.
+    fn invalid(&mut self, contenders: &[Contender], error: anyhow::Error) -> anyhow::Result<()> {
+        let Some(invalid) = error
+            .chain()
+            .find_map(|cause| cause.downcast_ref::<SceneError>())
+            .filter(|_| self.spec.name == hard::NAME)
+        else {
+            return Err(error);
+        };
+        for contender in contenders {
+            let blank = contender.blank(self.experiment, self.spec, None, &Stats::default());
+            self.fail(
+                &blank,
+                Failure { outcome: Outcome::Refused, reason: format!("invalid scene: {invalid}") },
+                &[Pass::Count],
+            )?;
+        }
+        Ok(())
+    }
+
+    /// True if the record says that this cell ended badly. Rows that the killed run still owed are
+    /// written now.
+    pub fn give_up(&mut self, blank: &Row) -> anyhow::Result<bool> {
+        let Some(last) = self.index.ended(blank) else { return Ok(false) };
+        for &pass in last.pass.owed() {
+            let row =
+                Row { pass, outcome: last.outcome, reason: last.reason.clone(), ..blank.clone() };
+            if !self.index.has(&row) {
+                self.write(&row)?;
+            }
+        }
+        Ok(true)
+    }
+
+    /// True, with rows that say so, if the detector was too slow with fewer particles already.
+    pub fn too_slow(&mut self, blank: &Row) -> anyhow::Result<bool> {
+        let Some(n) = self.too_slow.at(blank) else { return Ok(false) };
+        let reason = format!("not tried: over the time limit at N = {n} already");
+        self.fail(blank, Failure { outcome: Outcome::Timeout, reason }, &Pass::ALL)?;
+        Ok(true)
+    }
+
+    /// Writes a row; after a signal none, because a runner may have been stopped in the midst of
+    /// it.
+    pub fn write(&mut self, row: &Row) -> anyhow::Result<()> {
+        interrupt::check()?;
+        Ok(self.record.write(row)?)
+    }
+
+    pub fn fail(&mut self, blank: &Row, failure: Failure, passes: &[Pass]) -> anyhow::Result<()> {
+        interrupt::check()?;
+        if failure.outcome == Outcome::Timeout {
+            self.too_slow.note(blank);
+        }
+        if failure.outcome == Outcome::Crashed {
+            self.progress.note(&format!(
+                "CRASHED: {} on {}: {}",
+                blank.id.contender(),
+                describe(self.experiment, self.spec),
+                failure.reason
+            ));
+        }
+        for &pass in passes {
+            let row = Row {
+                pass,
+                outcome: failure.outcome,
+                reason: failure.reason.clone(),
+                ..blank.clone()
+            };
+            if !self.index.has(&row) {
+                self.write(&row)?;
+            }
+        }
+        Ok(())
+    }
+}

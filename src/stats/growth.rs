@@ -1,0 +1,400 @@
+//! How a quantity grows with N: the free exponent, and the choice among N, N log N and N².
+//!
+//! All in logarithms: ln y = ln c + ln f(N), one scale c per model, so that a model is judged by
+//! relative residuals. Models are compared by AICc. Meant for operation counts: a cache step makes
+//! the *time* of a truly linear algorithm fit N log N.
+//!
+//! "Undecided" is an answer, given when
+//! * there are fewer than five distinct N, or they span less than a factor of eight: over that
+//!   range log N is nearly constant;
+//! * the runner-up is within 4 of the best AICc (the usual mark of "considerably less support");
+//! * the best model leaves a trend: its exponent, averaged over the same N, differs from the free
+//!   exponent by more than 0.1, or by more than 0.05 over the upper half of the N. Without this the
+//!   least bad of three wrong models would win: N^1.5 would be called N log N. The gap between N
+//!   and N log N is about 0.13 over 10² to 10⁵, hence 0.1; the upper half is the better witness of
+//!   the asymptotic law (a surface or a constant term fades with N), hence the tighter limit there.
+//!   A constant term is thus forgiven when it fades: 4N + 100 is N.
+
+use std::fmt;
+
+use crate::stats::line::StraightLine;
+
+/// The residual, as a relative deviation, below which a fit cannot become better. Counts are
+/// deterministic, so a model can be exact; without the floor its AICc would be minus infinity, and
+/// deviations of a part in 10⁶ would decide between models.
+pub const FLOOR: f64 = 1e-3;
+/// Fewer distinct N than this decide nothing.
+pub const LEAST_POINTS: usize = 5;
+/// N must span this factor.
+pub const LEAST_SPAN: f64 = 8.0;
+/// The runner-up must be worse by this much.
+pub const LEAST_DELTA: f64 = 4.0;
+/// Largest difference of the free exponent from the model's.
+pub const TREND: f64 = 0.1;
+/// The same, over the upper half of the N.
+pub const UPPER_TREND: f64 = 0.05;
+
+/// A law of growth.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Model {
+    /// Proportional to N.
+    Linear,
+    /// Proportional to N log N.
+    Linearithmic,
+    /// Proportional to N².
+    Quadratic,
+}
+
+impl Model {
+    /// All models, slowest growth first.
+    pub const ALL: [Model; 3] = [Model::Linear, Model::Linearithmic, Model::Quadratic];
+
+    /// The name in claims and reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Model::Linear => "N",
+            Model::Linearithmic => "N log N",
+            Model::Quadratic => "N²",
+        }
+    }
+
+    /// Reads a model: `N`, `N log N` (or `N log2 N`), `N^2` (or `N²`).
+    pub fn parse(text: &str) -> Option<Model> {
+        let compact: String = text
+            .chars()
+            .filter(|c| !c.is_whitespace() && *c != '*')
+            .collect::<String>()
+            .to_lowercase();
+        match compact.as_str() {
+            "n" => Some(Model::Linear),
+            "nlogn" | "nlog2n" | "nlog(n)" | "nlog2(n)" => Some(Model::Linearithmic),
+            "n^2" | "n²" | "nn" => Some(Model::Quadratic),
+            _ => None,
+        }
+    }
+
+    /// f(N), up to its scale.
+    pub fn at(self, n: f64) -> f64 {
+        match self {
+            Model::Linear => n,
+            Model::Linearithmic => n * n.log2(),
+            Model::Quadratic => n * n,
+        }
+    }
+}
+
+/// The exponent b of y = c N^b.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Slope {
+    /// The exponent.
+    pub exponent: f64,
+    /// Its standard error.
+    pub error: f64,
+    /// Lower end of the 95% interval.
+    pub low: f64,
+    /// Upper end of the 95% interval.
+    pub high: f64,
+}
+
+/// Which law fits.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Choice {
+    /// The law, or why none is named.
+    pub law: Result<Model, Doubt>,
+    /// The free exponent.
+    pub slope: Option<Slope>,
+    /// The models by AICc, best first.
+    pub scores: Vec<(Model, f64)>,
+}
+
+/// Why no law is named.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Doubt {
+    /// A value has no logarithm.
+    NotPositive,
+    /// Fewer than [`LEAST_POINTS`] distinct N: how many.
+    FewSizes(usize),
+    /// The N span less than [`LEAST_SPAN`]: their largest over their smallest.
+    NarrowSpan(f64),
+    /// The best two differ by less than [`LEAST_DELTA`].
+    Tie {
+        /// The best.
+        best: Model,
+        /// The next.
+        second: Model,
+        /// By how much its AICc is worse.
+        delta: f64,
+    },
+    /// The exponent differs from the best model's over the same N.
+    Trend {
+        /// The best.
+        best: Model,
+        /// Over the upper half of the N only.
+        upper: bool,
+        /// The free exponent.
+        found: f64,
+        /// The model's.
+        expected: f64,
+    },
+}
+
+impl fmt::Display for Doubt {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Doubt::NotPositive => f.write_str("a value is not positive"),
+            Doubt::FewSizes(found) => {
+                write!(f, "only {found} distinct N, at least {LEAST_POINTS} are needed")
+            }
+            Doubt::NarrowSpan(factor) => {
+                write!(f, "N spans only a factor of {factor:.1}, at least {LEAST_SPAN} is needed")
+            }
+            Doubt::Tie { best, second, delta } => write!(
+                f,
+                "{} and {} fit about equally well (ΔAICc {delta:.1})",
+                best.name(),
+                second.name()
+            ),
+            Doubt::Trend { best, upper, found, expected } => {
+                let part = if *upper { " over the upper half of the N" } else { "" };
+                let name = best.name();
+                write!(
+                    f,
+                    "{name} fits best but leaves a trend{part}: exponent {found:.3}, not \
+                     {expected:.3}"
+                )
+            }
+        }
+    }
+}
+
+impl Choice {
+    /// How much worse the runner-up is, in AICc.
+    pub fn delta(&self) -> Option<f64> {
+        Some(self.scores.get(1)?.1 - self.scores.first()?.1)
+    }
+}
+
+/// (ln N, ln y) for the distinct N; several y at one N are averaged in logarithms. Points that have
+/// no logarithm are dropped.
+fn logs(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    let mut points: Vec<(f64, f64)> = points
+        .iter()
+        .filter(|(n, y)| *n >= 2.0 && *y > 0.0 && n.is_finite() && y.is_finite())
+        .map(|(n, y)| (n.ln(), y.ln()))
+        .collect();
+    points.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    points
+        .chunk_by(|a, b| a.0 == b.0)
+        .filter_map(|same| {
+            Some((same.first()?.0, same.iter().map(|p| p.1).sum::<f64>() / same.len() as f64))
+        })
+        .collect()
+}
+
+/// The free exponent of y = c N^b; none with fewer than three distinct N.
+pub fn slope(points: &[(f64, f64)]) -> Option<Slope> {
+    let points = logs(points);
+    let line = StraightLine::fit(&points)?;
+    let (exponent, error) = (line.slope, line.error?);
+    let half = student(points.len() - 2) * error;
+    Some(Slope { exponent, error, low: exponent - half, high: exponent + half })
+}
+
+/// The 97.5% point of Student's t: exact for 1 and 2 degrees of freedom, else by the Cornish-Fisher
+/// expansion, which is 0.13% too small for 3 and less wrong for more.
+fn student(freedom: usize) -> f64 {
+    match freedom {
+        0 | 1 => 12.7062,
+        2 => 4.30265,
+        _ => {
+            let (z, v) = (1.959_963_985_f64, freedom as f64);
+            let first = (z.powi(3) + z) / 4.0;
+            let second = (5.0 * z.powi(5) + 16.0 * z.powi(3) + 3.0 * z) / 96.0;
+            let third = (3.0 * z.powi(7) + 19.0 * z.powi(5) + 17.0 * z.powi(3) - 15.0 * z) / 384.0;
+            let fourth = (79.0 * z.powi(9) + 776.0 * z.powi(7) + 1482.0 * z.powi(5)
+                - 1920.0 * z.powi(3)
+                - 945.0 * z)
+                / 92160.0;
+            z + first / v + second / v.powi(2) + third / v.powi(3) + fourth / v.powi(4)
+        }
+    }
+}
+
+/// Chooses among the models, or says why it cannot.
+pub fn choose(points: &[(f64, f64)]) -> Choice {
+    let kept = logs(points);
+    let scores = scores(&kept);
+    let law = if points.iter().any(|(_, y)| !(*y > 0.0 && y.is_finite())) {
+        Err(Doubt::NotPositive)
+    } else {
+        law(&kept, &scores)
+    };
+    Choice { law, slope: slope(points), scores }
+}
+
+/// The best of the models, unless something speaks against it. Points in logarithms, by N.
+fn law(points: &[(f64, f64)], scores: &[(Model, f64)]) -> Result<Model, Doubt> {
+    let (Some(first), Some(last), [(best, least), (second, next), ..]) =
+        (points.first(), points.last(), scores)
+    else {
+        return Err(Doubt::FewSizes(points.len()));
+    };
+    if points.len() < LEAST_POINTS {
+        return Err(Doubt::FewSizes(points.len()));
+    }
+    let span = (last.0 - first.0).exp();
+    if span < LEAST_SPAN * (1.0 - 1e-9) {
+        return Err(Doubt::NarrowSpan(span));
+    }
+    if next - least < LEAST_DELTA {
+        return Err(Doubt::Tie { best: *best, second: *second, delta: next - least });
+    }
+    trend(points, *best).map_or(Ok(*best), Err)
+}
+
+/// AICc of every model, best first. All have two parameters (scale and variance), so with equal
+/// penalties the residual decides.
+fn scores(points: &[(f64, f64)]) -> Vec<(Model, f64)> {
+    let n = points.len() as f64;
+    if points.len() < 4 {
+        return Vec::new();
+    }
+    let score = |model: Model| {
+        let gaps: Vec<f64> = points.iter().map(|(x, y)| y - model.at(x.exp()).ln()).collect();
+        let scale = gaps.iter().sum::<f64>() / n;
+        let variance = gaps.iter().map(|gap| (gap - scale).powi(2)).sum::<f64>() / n;
+        n * variance.max(FLOOR * FLOOR).ln() + 4.0 + 12.0 / (n - 3.0)
+    };
+    let mut scores: Vec<(Model, f64)> =
+        Model::ALL.into_iter().map(|model| (model, score(model))).collect();
+    scores.sort_by(|a, b| a.1.total_cmp(&b.1));
+    scores
+}
+
+/// The doubt if the residuals of `best` still grow or fall with N.
+fn trend(points: &[(f64, f64)], best: Model) -> Option<Doubt> {
+    let half = &points[points.len() / 2 - usize::from(points.len() < 6)..];
+    for (part, limit, upper) in [(points, TREND, false), (half, UPPER_TREND, true)] {
+        let law: Vec<(f64, f64)> = part.iter().map(|(x, _)| (*x, best.at(x.exp()).ln())).collect();
+        let (found, expected) = (StraightLine::fit(part)?.slope, StraightLine::fit(&law)?.slope);
+        if (found - expected).abs() > limit {
+            return Some(Doubt::Trend { best, upper, found, expected });
+        }
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const N: [f64; 7] = [100.0, 300.0, 1e3, 3e3, 1e4, 3e4, 1e5];
+
+    fn points(f: impl Fn(f64) -> f64) -> Vec<(f64, f64)> {
+        N.iter().map(|&n| (n, f(n))).collect()
+    }
+
+    /// A fixed relative wobble of about one per cent.
+    fn wobble(n: f64) -> f64 {
+        1.0 + 0.01 * (n.ln() * 7.3).sin()
+    }
+
+    #[test]
+    fn laws_are_recognised_exact_and_with_noise() {
+        for (f, expected) in [
+            (Box::new(|n: f64| 4.0 * n) as Box<dyn Fn(f64) -> f64>, Model::Linear),
+            (Box::new(|n: f64| 4.0 * n + 100.0), Model::Linear),
+            (Box::new(|n: f64| 3.0 * n - 2.0 * n.sqrt()), Model::Linear),
+            (Box::new(|n: f64| n * n.log2()), Model::Linearithmic),
+            (Box::new(|n: f64| 2.0 * n * n.log2() - 2.0 * n), Model::Linearithmic),
+            (Box::new(|n: f64| n * (n - 1.0) / 2.0), Model::Quadratic),
+        ] {
+            for noisy in [false, true] {
+                let choice = choose(&points(|n| f(n) * if noisy { wobble(n) } else { 1.0 }));
+                assert_eq!(choice.law, Ok(expected), "{choice:?}");
+                // nothing scores better than the floor allows, however exact
+                assert!(
+                    choice
+                        .scores
+                        .iter()
+                        .all(|s| s.1.is_finite() && s.1 >= 7.0 * (FLOOR * FLOOR).ln())
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn it_says_why_it_is_undecided() {
+        use std::mem::discriminant;
+        let trend = |upper| Doubt::Trend { best: Model::Linear, upper, found: 0.0, expected: 0.0 };
+        let hundreds = |k: i32| (100.0 * f64::from(k), 100.0 * f64::from(k));
+        for (points, doubt) in [
+            (points(|n| n.powf(1.5)), trend(false)),
+            (points(|n| n.powf(1.2)), trend(false)),
+            (points(|n| n.powf(0.8)), trend(false)),
+            (points(|n| n)[..4].to_vec(), Doubt::FewSizes(4)),
+            ((1..=7).map(hundreds).collect(), Doubt::NarrowSpan(7.0)),
+            (points(|n| n - 100.0), Doubt::NotPositive),
+            (Vec::new(), Doubt::FewSizes(0)),
+        ] {
+            let found = choose(&points).law.unwrap_err();
+            assert_eq!(discriminant(&found), discriminant(&doubt), "{found}");
+        }
+        assert!(choose(&points(|n| n * n.log2().sqrt())).law.is_err());
+        match choose(&points(|n| n.powf(1.5))).law {
+            Err(Doubt::Trend { found, .. }) => assert!((found - 1.5).abs() < 1e-9),
+            other => panic!("{other:?}"),
+        }
+    }
+
+    #[test]
+    fn a_surface_term_is_not_called_n_log_n() {
+        // contacts of a lattice block: the surface, of order N^(2/3), has fewer
+        let choice = choose(&points(|n| 6.0 * n - 9.0 * n.powf(2.0 / 3.0)));
+        assert_ne!(choice.law, Ok(Model::Linearithmic), "{choice:?}");
+    }
+
+    #[test]
+    fn the_slope_has_the_textbook_error() {
+        // x = ln N in {1, 2, 3, 4}; y = 1.2, 1.9, 3.2, 3.7: b = 0.88, residuals 0.02, -0.16, 0.26,
+        // -0.12
+        let points: Vec<(f64, f64)> = [(1.0, 1.2), (2.0, 1.9), (3.0, 3.2), (4.0, 3.7)]
+            .iter()
+            .map(|&(x, y): &(f64, f64)| (x.exp(), y.exp()))
+            .collect();
+        let found = slope(&points).unwrap();
+        let error = ((0.02_f64.powi(2) + 0.16_f64.powi(2) + 0.26_f64.powi(2) + 0.12_f64.powi(2))
+            / 2.0
+            / 5.0)
+            .sqrt();
+        assert!((found.exponent - 0.88).abs() < 1e-9, "{found:?}");
+        assert!((found.error - error).abs() < 1e-9, "{found:?} {error}");
+        assert!((found.high - 0.88 - 4.30265 * error).abs() < 1e-6);
+    }
+
+    #[test]
+    fn student_is_near_the_printed_table() {
+        // degrees of freedom, 97.5% point, relative error
+        for (freedom, printed, error) in [
+            (1, 12.7062, 1e-9),
+            (2, 4.30265, 1e-9),
+            (3, 3.18245, 1.3e-3),
+            (4, 2.77645, 5e-4),
+            (5, 2.57058, 2e-4),
+            (13, 2.16037, 1e-5),
+            (1000, 1.96234, 1e-5),
+        ] {
+            let found = student(freedom) / printed - 1.0;
+            assert!(found.abs() <= error, "{freedom}: {found:e}");
+        }
+    }
+
+    #[test]
+    fn names_are_read_back() {
+        for model in Model::ALL {
+            assert_eq!(Model::parse(model.name()), Some(model));
+        }
+        assert_eq!(Model::parse("n log2 n"), Some(Model::Linearithmic));
+        assert_eq!(Model::parse("N^3"), None);
+    }
+}

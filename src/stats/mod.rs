@@ -1,0 +1,7 @@
+//! Statistics: medians with exact intervals, unpaired comparisons, laws of growth, least squares.
+
+pub mod growth;
+pub mod interval;
+pub mod line;
+pub mod nnls;
+pub mod unpaired;

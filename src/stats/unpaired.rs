@@ -1,0 +1,150 @@
+//! The ratio of two sets of times that were not taken side by side: of two runs.
+//!
+//! All quotients of a time of one set and a time of the other are formed. Their median (that of
+//! Hodges and Lehmann, 1963, on logarithms) is the ratio; how many quotients lie below the true
+//! ratio is the statistic of Mann and Whitney (1947), whose distribution is exact for any
+//! distribution of times, as long as the two sets differ by a factor alone and their values are
+//! independent. So two of the quotients, in order, are an interval of known coverage.
+//!
+//! It covers the scatter within the two runs. What differs between one run and the next (the clock,
+//! what else is running) it does not know.
+
+use crate::stats::interval::{COVERAGE, Interval, median};
+
+/// Above so many quotients the distribution is taken for normal.
+const EXACT: usize = 10_000;
+
+/// The ratio of a value of `b` to one of `a`, with its interval; values that are not positive are
+/// left out. Where there are too few values for [`COVERAGE`], the interval is the whole range and
+/// says what it covers.
+pub fn ratio(a: &[f64], b: &[f64]) -> Option<Interval> {
+    let logs = |values: &[f64]| {
+        values.iter().filter(|v| v.is_finite() && **v > 0.0).map(|v| v.ln()).collect::<Vec<f64>>()
+    };
+    let (a, b) = (logs(a), logs(b));
+    let mut quotients: Vec<f64> = b.iter().flat_map(|b| a.iter().map(move |a| b - a)).collect();
+    quotients.sort_by(f64::total_cmp);
+    let (below, coverage) = tail(a.len(), b.len())?;
+    Some(Interval {
+        median: median(&quotients)?.exp(),
+        low: quotients.get(below)?.exp(),
+        high: quotients.get(quotients.len().checked_sub(below + 1)?)?.exp(),
+        coverage,
+        count: a.len().min(b.len()),
+    })
+}
+
+/// How many of the n m quotients, in order, can be left out at either end so that the rest covers
+/// the ratio with at least [`COVERAGE`], and what it covers.
+fn tail(n: usize, m: usize) -> Option<(usize, f64)> {
+    if n == 0 || m == 0 {
+        return None;
+    }
+    if n.checked_mul(m)? > EXACT {
+        return Some(normal_tail(n as f64, m as f64));
+    }
+    let frequencies = mann_whitney(n, m);
+    let all: f64 = frequencies.iter().sum();
+    let (mut best, mut tail) = (None, 0.0);
+    for (below, frequency) in frequencies.iter().enumerate() {
+        tail += frequency / all;
+        let coverage = (1.0 - 2.0 * tail).max(0.0);
+        if best.is_none() || coverage >= COVERAGE {
+            best = Some((below, coverage));
+        } else {
+            break;
+        }
+    }
+    best
+}
+
+/// Mean nm/2, variance nm(n + m + 1)/12; 1.96 deviations, rounded outwards.
+fn normal_tail(n: f64, m: f64) -> (usize, f64) {
+    let deviation = (n * m * (n + m + 1.0) / 12.0).sqrt();
+    ((n * m / 2.0 - 1.96 * deviation - 1.0).max(0.0) as usize, COVERAGE)
+}
+
+/// How many of the orders of n and m values have a statistic of 0, 1, ..., nm: the sum of the
+/// places of n chosen out of n + m, less the least.
+fn mann_whitney(n: usize, m: usize) -> Vec<f64> {
+    let top = n * m;
+    // ways[k][s]: k values chosen so far, s above the least sum. In doubles: exact up to 2^53, and
+    // near enough beyond.
+    let mut ways = vec![vec![0.0; top + 1]; n + 1];
+    ways[0][0] = 1.0;
+    for place in 0..n + m {
+        for k in (1..=n.min(place + 1)).rev() {
+            // The k-th chosen stands at `place`; at the least it would stand at k - 1.
+            let above = place + 1 - k;
+            if above <= m {
+                for s in (above..=top).rev() {
+                    ways[k][s] += ways[k - 1][s - above];
+                }
+            }
+        }
+    }
+    ways.swap_remove(n)
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::{RngExt, SeedableRng};
+
+    use super::*;
+
+    #[test]
+    fn tails_are_those_of_the_printed_tables() {
+        // Critical values of U for two-sided 5%: 4 and 4: 0; 5 and 5: 2; 8 and 8: 13; 10 and 10:
+        // 23; 15 and 15: 64; 20 and 20: 127; 6 and 15: 19
+        for (n, m, critical) in [
+            (4, 4, 0),
+            (5, 5, 2),
+            (8, 8, 13),
+            (10, 10, 23),
+            (15, 15, 64),
+            (20, 20, 127),
+            (6, 15, 19),
+            (15, 6, 19),
+        ] {
+            let (below, coverage) = tail(n, m).unwrap();
+            assert_eq!(below, critical, "{n} and {m}");
+            assert!((COVERAGE..0.98).contains(&coverage), "{n} and {m}: {coverage}");
+        }
+        // by hand: 2 of the 20 orders of 3 and 3 lie outside
+        let (below, coverage) = tail(3, 3).unwrap();
+        assert!(below == 0 && (coverage - 0.9).abs() < 1e-12, "{below} {coverage}");
+        assert_eq!(mann_whitney(2, 2), [1.0, 1.0, 2.0, 1.0, 1.0]);
+        assert_eq!(tail(0, 5), None);
+        let (exact, normal) = (tail(100, 100).unwrap().0, normal_tail(100.0, 100.0).0);
+        assert!(normal <= exact && exact - normal < 20, "{exact} {normal}");
+    }
+
+    #[test]
+    fn a_factor_is_found_and_covered() {
+        let a: Vec<f64> = (0..15).map(|k| 100.0 + f64::from(k)).collect();
+        let b: Vec<f64> = a.iter().map(|a| 1.5 * a).collect();
+        let found = ratio(&a, &b).unwrap();
+        assert!(
+            (found.median - 1.5).abs() < 1e-9
+                && found.low < 1.5
+                && found.high > 1.5
+                && found.count == 15,
+            "{found:?}"
+        );
+        assert!(found.low > 1.4 && found.high < 1.6, "{found:?}");
+        assert_eq!(ratio(&[], &b), None);
+        assert_eq!(ratio(&[0.0, f64::NAN], &b), None);
+        // Skewed times (a minimum and rare delays), 15 and 12 values: 95% of 2000 intervals are to
+        // cover.
+        let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(5);
+        let mut time = || 100.0 * (1.0 - random.random::<f64>()).powf(-0.3);
+        let covered = (0..2000).filter(|_| {
+            let (a, b): (Vec<f64>, Vec<f64>) =
+                ((0..15).map(|_| time()).collect(), (0..12).map(|_| 1.25 * time()).collect());
+            let found = ratio(&a, &b).unwrap();
+            found.low <= 1.25 && 1.25 <= found.high
+        });
+        let covered = covered.count();
+        assert!((1870..=1950).contains(&covered), "{covered} of 2000");
+    }
+}

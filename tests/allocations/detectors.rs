@@ -1,0 +1,136 @@
+//! What detectors take from the heap, measured by the counting allocator, against the formulas they
+//! declare.
+
+use contactbench::contact::{Arithmetic, Test};
+use contactbench::detect::Options;
+use contactbench::detect::any::AnyDetector;
+use contactbench::detect::table::{Entry, TABLE, find};
+use contactbench::run::alloc::{Usage, measure};
+use contactbench::scene::AnyScene;
+use contactbench::scene::spec::Spec;
+use contactbench::sink::Count;
+
+fn scene(text: &str) -> AnyScene<'static> {
+    Spec::parse(text).unwrap().make().unwrap()
+}
+
+const SCENES: [&str; 7] = [
+    "packed:n=3000",
+    "packed:dim=3,n=3000",
+    "loose:n=3000",
+    "loose:dim=3,n=3000,fraction=0.001",
+    "clustered:dim=3,n=3000",
+    "pack-c:n=2500,s=50",
+    "packed:dim=3,n=1",
+];
+
+/// Large enough for a second thread of any detector; too large to test all pairs.
+const LARGE: [&str; 2] = ["packed:n=30000", "packed:dim=3,n=30000"];
+
+#[test]
+fn formulas_hold_and_warm_calls_allocate_nothing() {
+    let _quiet = crate::quiet();
+    // Libraries allocate as they please.
+    for entry in TABLE.iter().filter(|entry| entry.is_ours()) {
+        for text in SCENES {
+            for arithmetic in Arithmetic::ALL {
+                one_thread(entry, text, arithmetic);
+            }
+        }
+        let scenes = if entry.name == "direct" { [SCENES[0], SCENES[1]] } else { LARGE };
+        for text in scenes.iter().filter(|_| entry.threads) {
+            two_threads(entry, text);
+        }
+    }
+    book_formulas();
+    refusals_allocate_nothing();
+}
+
+fn one_thread(entry: &Entry, text: &str, arithmetic: Arithmetic) {
+    let scene = scene(text).stored(arithmetic).unwrap();
+    let test = arithmetic.test();
+    let mut detector = entry.make(Options::default());
+    let (cold, warm, _) = cold_and_warm(&mut *detector, &scene, test);
+    let formula = detector.formula_bytes();
+    let what = format!("{} on {text} in {}", entry.name, arithmetic.name());
+    if entry.name == "binary-tree" {
+        // The array of nodes grows by doubling.
+        assert!(
+            cold.live_bytes >= formula && cold.peak_bytes <= 3 * formula + 64,
+            "{what}: {cold:?}, formula {formula}"
+        );
+    } else {
+        assert_eq!((cold.peak_bytes, cold.live_bytes), (formula, formula), "{what}");
+    }
+    assert_eq!(warm.allocations, 0, "{what}: warm");
+}
+
+/// With several threads the contacts are collected as well (the detectors' documentation says so),
+/// in lists that grow by doubling; and the shares of the threads are listed.
+fn two_threads(entry: &Entry, text: &str) {
+    const SHARES: u64 = 16 << 10;
+    // The pool of threads is not the detector's.
+    rayon::join(|| (), || ());
+    let scene = scene(text);
+    let mut detector = entry.make(Options { threads: 2, ..Options::default() });
+    let (cold, _, contacts) = cold_and_warm(&mut *detector, &scene, Test::Exact);
+    let formula = detector.formula_bytes();
+    let what = format!("{} on {text} with two threads", entry.name);
+    assert!(contacts > 0, "{what}");
+    assert!(
+        (formula + 8 * contacts..=formula + 16 * contacts + SHARES).contains(&cold.peak_bytes),
+        "{what}: {cold:?}, formula {formula}, {contacts} contacts"
+    );
+}
+
+/// A first and a second detection into a list that has room; and how many contacts there are.
+fn cold_and_warm(
+    detector: &mut dyn AnyDetector,
+    scene: &AnyScene<'_>,
+    test: Test,
+) -> (Usage, Usage, u64) {
+    let mut contacts = Count::default();
+    find("nbs").unwrap().make(Options::default()).visit(scene, test, &mut contacts).unwrap();
+    let mut pairs = Vec::with_capacity(contacts.0 as usize);
+    let mut measured = || {
+        pairs.clear();
+        measure(|| detector.list(scene, test, &mut pairs).unwrap())
+            .1
+            .expect("the counting allocator is installed")
+    };
+    (measured(), measured(), contacts.0)
+}
+
+/// The book's numbers for example III at S/D = 200 on 100 x 100 elements (BOOK, section 4), which
+/// count no border cells.
+fn book_formulas() {
+    let scene = scene("pack-c:n=10000,s=200");
+    let bytes = |name: &str| {
+        let mut detector = find(name).unwrap().make(Options::default());
+        measure(|| detector.visit(&scene, Test::Exact, &mut Count::default()).unwrap())
+            .1
+            .unwrap()
+            .peak_bytes
+    };
+    // The centres span 19,800 diameters; cells are wider than that by 2^-18; and there are 2 border
+    // cells.
+    let cells = (19_800.0 * (1.0 - 1.0 / f64::from(1 << 18))) as u64 + 1 + 2;
+    assert_eq!(bytes("nbs"), 4 * (3 * cells + 2 * 10_000));
+    assert_eq!(bytes("sorting"), 4 * 3 * 10_000);
+}
+
+fn refusals_allocate_nothing() {
+    let scene = scene("pack-c:n=10000,s=200");
+    let mut detector =
+        find("screening").unwrap().make(Options { memory_limit: 1 << 30, threads: 1 });
+    let (refusal, usage) =
+        measure(|| detector.visit(&scene, Test::Exact, &mut Count::default()).unwrap_err());
+    let text = refusal.to_string();
+    assert!(usage.unwrap().peak_bytes < 1000, "{usage:?}");
+    assert!(
+        text.contains("1073741824")
+            && text.contains("--memory-limit")
+            && text.contains("screening"),
+        "{text}"
+    );
+}

@@ -1,0 +1,24 @@
+//! What detectors and readers take from the heap, under the counting allocator. It counts all
+//! threads, so tests that measure and tests that do not take turns.
+
+mod detectors;
+mod files;
+
+use std::sync::{PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
+
+use contactbench::run::alloc::Counting;
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+static QUIET: RwLock<()> = RwLock::new(());
+
+/// For tests that measure.
+fn quiet() -> RwLockWriteGuard<'static, ()> {
+    QUIET.write().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// For tests that only allocate.
+fn loud() -> RwLockReadGuard<'static, ()> {
+    QUIET.read().unwrap_or_else(PoisonError::into_inner)
+}

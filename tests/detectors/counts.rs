@@ -1,0 +1,249 @@
+//! Exact operation counts: what the book claims of each detector, on real scenes.
+
+use std::collections::BTreeMap;
+
+use contactbench::contact::{Arithmetic, Test};
+use contactbench::detect::Options;
+use contactbench::detect::table::{self, TABLE};
+use contactbench::probe::{Op, Tally};
+use contactbench::scene::AnyScene;
+use contactbench::scene::spec::Spec;
+use contactbench::sink::{Count, Digest};
+
+fn scene(text: &str) -> AnyScene<'static> {
+    Spec::parse(text).and_then(|spec| spec.make()).unwrap()
+}
+
+fn count(detector: &str, scene: &AnyScene<'_>) -> Tally {
+    let (mut tally, mut contacts) = (Tally::default(), Count::default());
+    let mut detector = table::find(detector).unwrap().make(Options::default());
+    detector
+        .count(&scene.stored(Arithmetic::Exact).unwrap(), Test::Exact, &mut tally, &mut contacts)
+        .unwrap();
+    tally
+}
+
+const SCENES: [&str; 6] = [
+    "packed:dim=2,n=5000",
+    "packed:dim=3,n=5000",
+    "loose:dim=2,n=5000",
+    "loose:dim=3,n=5000",
+    "clustered:dim=2,n=5000",
+    "clustered:dim=3,n=5000,size-ratio=4",
+];
+
+#[test]
+fn direct_tests_every_pair_once() {
+    for n in [0u64, 1, 2, 3, 100, 777] {
+        let tests = count("direct", &scene(&format!("loose:n={n}"))).get(Op::ContactTest);
+        assert_eq!(tests, n * n.saturating_sub(1) / 2);
+    }
+}
+
+#[test]
+fn nbs_pushes_at_most_three_times_in_2d_and_eight_times_in_3d() {
+    for text in SCENES {
+        let scene = scene(text);
+        let n = scene.len() as u64;
+        let most = if scene.dim() == 2 { 3 } else { 8 };
+        let pushes = count("nbs", &scene).get(Op::ListPush);
+        assert!(pushes <= most * n && pushes > n, "{text}: {pushes} pushes");
+    }
+}
+
+/// Pack C with N = 10,000: the cells grow from 40,000 to 4·10^8, the list operations do not.
+#[test]
+fn nbs_does_not_mind_how_loose_the_pack_is() {
+    let operations = |s: f64| {
+        let tally = count("nbs", &scene(&format!("pack-c:n=10000,s={s}")));
+        (tally.get(Op::ListPush) + tally.get(Op::ListStep) + tally.get(Op::ListReset)) as f64 / 1e4
+    };
+    let all: Vec<f64> = [2.0, 3.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0].map(operations).to_vec();
+    let (least, most) =
+        all.iter().fold((f64::MAX, 0.0f64), |(least, most), &x| (least.min(x), most.max(x)));
+    assert!(most / least < 1.01, "{all:?}");
+}
+
+#[test]
+fn screening_resets_elements_not_cells() {
+    for text in SCENES.into_iter().chain(["pack-c:n=400,s=50"]) {
+        let scene = scene(text);
+        let tally = count("screening", &scene);
+        assert_eq!(tally.get(Op::ListReset), 2 * scene.len() as u64, "{text}");
+        assert_eq!(tally.get(Op::ListPush), scene.len() as u64, "{text}");
+    }
+}
+
+#[test]
+fn sorting_compares_n_log_n_keys() {
+    let per = |n: usize, dim: usize| {
+        let compares =
+            count("sorting", &scene(&format!("packed:dim={dim},n={n}"))).get(Op::KeyCompare);
+        compares as f64 / (n as f64 * (n as f64).log2())
+    };
+    for dim in [2, 3] {
+        let all: Vec<f64> = [1000, 4000, 16_000, 64_000].map(|n| per(n, dim)).to_vec();
+        assert!(all.iter().all(|&c| c > 1.0 && c < 20.0), "{dim}D: {all:?}");
+        assert!(all[3] / all[1] < 1.1 && all[3] / all[1] > 0.9, "{dim}D: {all:?}");
+    }
+}
+
+#[test]
+fn the_binary_tree_descends_one_way_per_element_and_mask_cell() {
+    for text in SCENES {
+        let scene = scene(text);
+        let visits = count("binary-tree", &scene).get(Op::NodeVisit);
+        let (n, levels, mask) = (
+            scene.len() as u64,
+            if scene.dim() == 2 { 2 * 11 } else { 3 * 9 },
+            if scene.dim() == 2 { 4 } else { 13 },
+        );
+        assert!(visits <= n * levels * (mask + 3), "{text}: {visits}");
+        assert!(visits >= n * 4, "{text}: {visits}");
+    }
+}
+
+/// The same cells and the same half of the neighbours: a copy tested is a contact test like any
+/// other.
+#[test]
+fn the_cell_grid_tests_what_screening_tests() {
+    for text in SCENES {
+        let scene = scene(text);
+        let (grid, screening) = (count("cell-grid", &scene), count("screening", &scene));
+        assert_eq!(grid.get(Op::ContactTest), screening.get(Op::ContactTest), "{text}");
+        assert_eq!(grid.get(Op::Move), scene.len() as u64, "{text}");
+    }
+}
+
+/// At most two strips for each of five rows (two in 2D), and few elements of other cells.
+#[test]
+fn the_hash_grid_does_not_mind_how_loose_the_pack_is() {
+    let counts = |text: &str| {
+        let (scene, n) = (scene(text), 1e4);
+        let (hash, cells) = (count("hash-grid", &scene), count("screening", &scene));
+        let tests = |tally: &Tally| tally.get(Op::ContactTest) as f64 / n;
+        (
+            hash.get(Op::CellProbe) as f64 / n,
+            tests(&hash) - tests(&cells),
+            hash.get(Op::KeyCompare) as f64 / n,
+        )
+    };
+    for s in [2, 5, 20, 50] {
+        let (probes, in_vain, compared) = counts(&format!("pack-c:n=10000,s={s}"));
+        assert!(
+            probes <= 4.0 && in_vain <= 4.0 && compared <= 0.1,
+            "s = {s}: {probes} {in_vain} {compared}"
+        );
+    }
+    for fraction in [0.3, 0.1, 0.01] {
+        let (probes, in_vain, compared) =
+            counts(&format!("loose:dim=3,n=10000,fraction={fraction}"));
+        assert!(
+            probes <= 10.0 && in_vain <= 12.0 && compared <= 3.0,
+            "{fraction}: {probes} {in_vain} {compared}"
+        );
+    }
+}
+
+/// In a box the number of pairs that overlap along one axis grows as N^(2 - 1/D): per element as
+/// N^(1 - 1/D).
+#[test]
+fn sweeps_compare_more_per_element_the_more_there_are() {
+    for dim in [2, 3] {
+        let per = |n: u64| {
+            count("sweep", &scene(&format!("loose:dim={dim},n={n}"))).get(Op::BoundTest) as f64
+                / n as f64
+        };
+        let (growth, expected) = (per(16_000) / per(2000), 8f64.powf(1.0 - 1.0 / f64::from(dim)));
+        assert!((growth / expected - 1.0).abs() < 0.2, "{dim}D: {growth} for {expected}");
+    }
+}
+
+#[test]
+fn trees_sort_in_n_log_n_and_search_in_n() {
+    for detector in ["kd-tree", "bvh"] {
+        for dim in [2, 3] {
+            // Leaves are equally full for these N. What grows is the part of the leaves that are
+            // not at the surface.
+            let per = |n: u64, op| {
+                count(detector, &scene(&format!("loose:dim={dim},n={n}"))).get(op) as f64 / n as f64
+            };
+            let visits = per(32_000, Op::NodeVisit) / per(4000, Op::NodeVisit);
+            let tests = per(32_000, Op::ContactTest) / per(4000, Op::ContactTest);
+            assert!(
+                (0.8..1.8).contains(&visits) && (0.8..1.4).contains(&tests),
+                "{detector} {dim}D: {visits} {tests}"
+            );
+            let keys = per(32_000, Op::KeyCompare) / 32_000f64.log2();
+            assert!((0.8..4.0).contains(&keys), "{detector} {dim}D: {keys}");
+        }
+    }
+}
+
+/// A counting pass and a silent pass are the same code: the same contacts; and counts are the same
+/// every time.
+#[test]
+fn counting_changes_nothing_and_repeats_exactly() {
+    for entry in TABLE {
+        for text in SCENES {
+            let scene = scene(text);
+            let mut detector = entry.make(Options::default());
+            let mut seen = BTreeMap::new();
+            for round in 0..2 {
+                let (mut tally, mut counted, mut silent) =
+                    (Tally::default(), Digest::default(), Digest::default());
+                detector.count(&scene, Test::Exact, &mut tally, &mut counted).unwrap();
+                detector.visit(&scene, Test::Exact, &mut silent).unwrap();
+                assert_eq!(counted, silent, "{} {text}", entry.name);
+                seen.insert(round, tally);
+            }
+            assert_eq!(seen[&0], seen[&1], "{} {text}", entry.name);
+        }
+    }
+}
+
+/// Goldens: the same counts on every machine. Computed once on x86-64; a change of an algorithm
+/// changes them on purpose.
+#[test]
+fn counts_are_the_same_on_every_machine() {
+    let of = |detector: &str| {
+        let tally = count(detector, &scene("clustered:dim=3,n=2000"));
+        // Comparisons in a sort of the standard library may change with it.
+        let own = |op| op != Op::KeyCompare || !["sweep", "kd-tree", "bvh"].contains(&detector);
+        tally
+            .iter()
+            .filter(|&(op, count)| count > 0 && own(op))
+            .map(|(op, count)| format!("{}={count}", op.name()))
+            .collect::<Vec<_>>()
+            .join(" ")
+    };
+    let found = [
+        "nbs",
+        "screening",
+        "sorting",
+        "binary-tree",
+        "cell-grid",
+        "hash-grid",
+        "sweep",
+        "kd-tree",
+        "bvh",
+        "streamed-nbs",
+    ]
+    .map(of);
+    assert_eq!(found, GOLDEN);
+}
+
+const GOLDEN: [&str; 10] = [
+    "integerise=34296 list_push=14148 list_step=36534 list_reset=14148 cell_probe=17520 \
+     contact_test=6238",
+    "integerise=18000 list_push=2000 list_step=8238 list_reset=4000 cell_probe=24776 \
+     contact_test=6238",
+    "integerise=6000 key_compare=314266 move=10186 contact_test=6238",
+    "integerise=11256 list_push=2000 list_step=8238 node_visit=407218 contact_test=6238",
+    "integerise=12000 cell_probe=144861 move=2000 contact_test=6238",
+    "integerise=21369 cell_probe=10409 key_compare=1123 move=2000 contact_test=32339",
+    "bound_test=102300 contact_test=10394",
+    "node_visit=1068 bound_test=8630 contact_test=36546",
+    "integerise=6000 node_visit=1884 move=2000 bound_test=17140 contact_test=85423",
+    "integerise=6000 list_push=2000 cell_probe=10000 move=2000 contact_test=75147",
+];

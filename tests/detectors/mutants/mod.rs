@@ -1,0 +1,191 @@
+//! The hard-case catalogue finds out every detector that is wrong on purpose, and none that is
+//! right.
+//!
+//! A small reference detector is made wrong in one way at a time ([`ways::Way`]) and given every
+//! hard case, in both dimensions and every safe arithmetic. A mutant that no case finds out means
+//! that a case is missing. Refusing is not being wrong. Changes that look wrong but are not
+//! ([`ways::right`]) must pass everything: a mutant that only seems to be one would make the
+//! catalogue look weak.
+//!
+//! Cases of more work than [`LIGHT`] are tried only on mutants that no lighter one finds out, so
+//! the number of cases that find a mutant out is that among the light ones. The right ones among
+//! the mutants are tried on light cases, the unchanged detectors on all.
+//!
+//! `cargo test --test detectors mutants -- --nocapture` prints the table of mutants.
+
+mod reference;
+mod ways;
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::LazyLock;
+
+use contactbench::contact::{Arithmetic, Test};
+use contactbench::detect::{Refusal, any};
+use contactbench::probe::Silent;
+use contactbench::scene::hard::{Expect, cases};
+use contactbench::scene::{AnyScene, Real};
+use contactbench::sink::Digest;
+use contactbench::{oracle, with_scene};
+use rayon::prelude::*;
+use reference::Reference;
+use ways::Way;
+
+/// A hard case in one dimension as one arithmetic stores it.
+struct Trial {
+    name: &'static str,
+    dim: usize,
+    arithmetic: Arithmetic,
+    steps: Vec<AnyScene<'static>>,
+    truth: Digest,
+    /// Elements of all steps and contacts of the last.
+    work: u64,
+}
+
+/// See the top.
+const LIGHT: u64 = 12_000;
+
+/// What comes of a trial.
+#[derive(Debug, PartialEq)]
+enum Verdict {
+    Right,
+    Refused,
+    Wrong,
+    Panics,
+}
+
+/// All trials, those of least work first: of the cases that find a mutant out, the simplest are
+/// named.
+static TRIALS: LazyLock<Vec<Trial>> = LazyLock::new(|| {
+    let mut trials = Vec::new();
+    for case in cases().filter(|case| case.expect != Expect::Invalid) {
+        for &dim in case.dims {
+            let steps = case.steps(dim).unwrap();
+            for arithmetic in Arithmetic::SAFE {
+                let Ok(truth) = oracle::truth(&steps[steps.len() - 1], arithmetic) else {
+                    continue;
+                };
+                // An earlier step that the arithmetic cannot store leaves nothing behind.
+                let steps: Vec<_> =
+                    steps.iter().filter_map(|scene| scene.stored(arithmetic).ok()).collect();
+                let work = steps.iter().map(|scene| scene.len() as u64).sum::<u64>()
+                    + truth.digest.contacts;
+                trials.push(Trial {
+                    name: case.name,
+                    dim: dim as usize,
+                    arithmetic,
+                    steps,
+                    truth: truth.digest,
+                    work,
+                });
+            }
+        }
+    }
+    trials.sort_by_key(|trial| trial.work);
+    trials
+});
+
+/// Gives one detector all steps in order; the last one is judged.
+fn judge(way: Way, trial: &Trial) -> Verdict {
+    let (mut plane, mut space) = (Reference::<2>::new(way), Reference::<3>::new(way));
+    let mut last = (Ok(()), Digest::default());
+    let ended = catch_unwind(AssertUnwindSafe(|| {
+        for scene in &trial.steps {
+            last.1 = Digest::default();
+            last.0 = detect(&mut plane, &mut space, scene, trial.arithmetic.test(), &mut last.1);
+        }
+    }));
+    match last {
+        _ if ended.is_err() => Verdict::Panics,
+        (Err(_), _) => Verdict::Refused,
+        (Ok(()), digest) if digest == trial.truth => Verdict::Right,
+        _ => Verdict::Wrong,
+    }
+}
+
+fn detect(
+    plane: &mut Reference<2>,
+    space: &mut Reference<3>,
+    scene: &AnyScene<'_>,
+    test: Test,
+    digest: &mut Digest,
+) -> Result<(), Refusal> {
+    let radii: Vec<f64> =
+        with_scene!(scene, scene => (0..scene.len()).map(|k| scene.radius(k).wide()).collect());
+    plane.radii.clone_from(&radii);
+    space.radii = radii;
+    match scene {
+        AnyScene::Plane(scene) => any::run_stored(plane, scene, test, &mut Silent, digest),
+        AnyScene::Space(scene) => any::run_stored(space, scene, test, &mut Silent, digest),
+    }
+}
+
+#[test]
+fn the_catalogue_finds_out_every_mutant() {
+    let mutants = ways::mutants();
+    let rows: Vec<(usize, String)> = mutants.par_iter().map(|&way| row(way)).collect();
+    println!("| mutant | found out by | first | in |\n|---|---:|---|---|");
+    rows.iter().for_each(|(_, row)| println!("{row}"));
+    let survivors: Vec<&Way> = mutants
+        .iter()
+        .zip(&rows)
+        .filter(|(_, (killers, _))| *killers == 0)
+        .map(|(way, _)| way)
+        .collect();
+    assert!(survivors.is_empty(), "no hard case finds out {survivors:?}: a case is missing");
+}
+
+/// The number of cases that find a mutant out, and its line of the table.
+fn row(way: Way) -> (usize, String) {
+    let mut killers: Vec<&Trial> = Vec::new();
+    for trial in TRIALS.iter().filter(|trial| way.dim().is_none_or(|dim| dim == trial.dim)) {
+        if trial.work > LIGHT && !killers.is_empty() {
+            break;
+        }
+        if matches!(judge(way, trial), Verdict::Wrong | Verdict::Panics) {
+            killers.push(trial);
+        }
+    }
+    let mut names: Vec<&str> = Vec::new();
+    killers.iter().for_each(|trial| {
+        if !names.contains(&trial.name) {
+            names.push(trial.name)
+        }
+    });
+    let arithmetics = Arithmetic::SAFE
+        .iter()
+        .filter(|&&a| killers.iter().any(|trial| trial.arithmetic == a))
+        .map(|a| a.name());
+    let first = names.iter().take(3).copied().collect::<Vec<_>>().join(", ");
+    (
+        names.len(),
+        format!(
+            "| {way:?} | {} | {first} | {} |",
+            names.len(),
+            arithmetics.collect::<Vec<_>>().join(", ")
+        ),
+    )
+}
+
+#[test]
+fn the_catalogue_finds_no_fault_with_what_is_right() {
+    ways::right().par_iter().for_each(|&way| {
+        let (mut right, mut tried) = (0, 0);
+        for trial in TRIALS.iter().filter(|trial| {
+            way == way.algorithm()
+                || trial.work <= LIGHT && way.dim().is_none_or(|dim| dim == trial.dim)
+        }) {
+            tried += 1;
+            match judge(way, trial) {
+                Verdict::Right => right += 1,
+                Verdict::Refused => {}
+                verdict => panic!(
+                    "{way:?}: {verdict:?} on {} in {}D, {}",
+                    trial.name,
+                    trial.dim,
+                    trial.arithmetic.name()
+                ),
+            }
+        }
+        assert!(right > tried * 9 / 10, "{way:?} refuses too much: {right} of {tried}");
+    });
+}

@@ -1,0 +1,245 @@
+//! The ways to be wrong, each one mistake that somebody has made or could make.
+
+use contactbench::detect::book::mask;
+
+/// One mistake, or none.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Way {
+    /// The grid, right.
+    Grid,
+    /// The spatial hash, right.
+    Hash,
+    /// The sweep along x, right.
+    Sweep,
+
+    // Elements.
+    /// The last element is left out.
+    DropsLastElement,
+    /// The first element is left out.
+    DropsFirstElement,
+    /// Elements of radius 0 are left out.
+    DropsPoints,
+    /// Element numbers are kept in a byte.
+    ByteElements,
+
+    // Pairs.
+    /// The last pair found is not reported.
+    DropsLastPair,
+    /// The last pair found is reported twice.
+    RepeatsLastPair,
+    /// An element is tested against itself.
+    SelfPairs,
+    /// Within a cell each pair is tested from both sides.
+    BothOrders,
+    /// All neighbouring cells are visited, not half of them.
+    FullMask,
+    /// Across cells a pair is tested only where i < j.
+    OrderedAcross,
+    /// An element that has a contact is not tested further.
+    OneContactEach,
+    /// An element keeps so many contacts, as in a table of neighbours.
+    ContactsEach(usize),
+    /// What is in neighbouring cells is reported untested.
+    Untested,
+
+    // The contact test.
+    /// < instead of <=.
+    Strict,
+    /// A rounded root: sqrt(d²) <= ri + rj in f64.
+    RoundedRoot,
+    /// |p|² + |q|² - 2p·q in f64.
+    ExpandedForm,
+    /// Differences of coordinates that were rounded to f32.
+    SinglePrecisionTest,
+    /// d² <= s²(1 + 10^-12).
+    RelativeTolerance,
+    /// d <= s + 10^-9.
+    AbsoluteTolerance,
+    /// ri² + rj² for (ri + rj)².
+    SumOfSquares,
+    /// The largest radius for all.
+    LargestRadius,
+    /// Elements at one place are taken for one element.
+    SkipsCoincident,
+
+    // The size of a cell.
+    /// The book's cells, without a margin.
+    NoMargin,
+    /// The edge is the first element's diameter.
+    EdgeOfFirst,
+    /// The edge is the last element's diameter.
+    EdgeOfLast,
+    /// The edge is the mean diameter.
+    EdgeOfMean,
+    /// The edge is the largest radius.
+    EdgeHalved,
+    /// The edge is the largest diameter, also where rounding accepts more.
+    EdgeWithoutSlack,
+
+    // The number of a cell.
+    /// Int(x / d) without the origin, as an unsigned number: -1 is 2^32 - 1, and not beside 0.
+    Unsigned,
+    /// Numbers in f32, from the origin.
+    SinglePrecisionCells,
+    /// Numbers in f32, from zero.
+    SinglePrecisionFromZero,
+    /// Numbers are kept in so many bits; those of neighbours are not wrapped.
+    Bits(u32),
+    /// Which cells are done is kept by numbers of so many bits.
+    DoneByBits(u32),
+    /// Numbers are the bits of a double, so that 0 and -0 differ.
+    ZerosDiffer,
+    /// No domain is refused, however many cells it has.
+    NeverRefuses,
+
+    // Visiting cells.
+    /// The last cell along this axis (0: x, 1: the last one) is not visited.
+    LastUnvisited(usize),
+    /// The first cell along this axis is not looked at as a neighbour.
+    FirstUnseen(usize),
+    /// In this dimension, cell k of the mask is left out.
+    MaskWithout(usize, usize),
+    /// In this dimension, cell k of the mask is the mirror of the cell after it.
+    MaskRepeats(usize, usize),
+
+    // Capacity.
+    /// At most so many elements in a cell.
+    Capacity(usize),
+    /// The number of elements in a cell is kept in a byte.
+    ByteCount,
+
+    // State.
+    /// Lists are not emptied.
+    StaleLists,
+    /// Where N is as before, the grid is.
+    StaleGrid,
+    /// Where N is as before, cell numbers are.
+    StaleNumbers,
+    /// Where N and the box are as before, the pairs are.
+    StalePairs,
+    /// The largest diameter is that of the first call.
+    StaleReach,
+
+    // The hash.
+    /// Elements of all cells in a bucket are taken for those of the cell looked for.
+    BucketsUncompared,
+    /// A bucket holds the cell that came first, other cells are lost.
+    BucketsOfOneCell,
+
+    // The sweep.
+    /// It stops where the second coordinates are too far apart.
+    BreakOnWrongAxis,
+    /// It stops at elements exactly at reach.
+    BreakAtReach,
+    /// It looks at so many elements that follow.
+    Window(usize),
+    /// Its order is that of x in f32.
+    SinglePrecisionOrder,
+    /// It stops by a difference in f32.
+    SinglePrecisionBreak,
+
+    // Changes that look wrong and are not.
+    /// Cell k of the mask is replaced by its mirror: the pair of cells comes up from the other
+    /// side.
+    Mirrored(usize, usize),
+    /// Numbers of so many bits, neighbours wrapped, too: a torus, on which distant cells share a
+    /// list and are told apart by the test.
+    Torus(u32),
+    /// Numbers above this are taken for it: elements of far cells share the last one.
+    Clamped(i64),
+}
+
+impl Way {
+    /// The algorithm that is changed: [`Way::Grid`], [`Way::Hash`] or [`Way::Sweep`].
+    pub fn algorithm(self) -> Way {
+        use Way::*;
+        match self {
+            Hash | BucketsUncompared | BucketsOfOneCell => Hash,
+            Sweep | BreakOnWrongAxis | BreakAtReach | Window(_) | SinglePrecisionOrder
+            | SinglePrecisionBreak => Sweep,
+            _ => Grid,
+        }
+    }
+
+    /// The dimension in which it differs from its algorithm, if it is only one.
+    pub fn dim(self) -> Option<usize> {
+        match self {
+            Way::MaskWithout(dim, _) | Way::MaskRepeats(dim, _) | Way::Mirrored(dim, _) => {
+                Some(dim)
+            }
+            _ => None,
+        }
+    }
+}
+
+/// All mutants that must be found out.
+pub fn mutants() -> Vec<Way> {
+    use Way::*;
+    let mut all = vec![DropsLastElement, DropsFirstElement, DropsPoints, ByteElements];
+    all.extend([
+        DropsLastPair,
+        RepeatsLastPair,
+        SelfPairs,
+        BothOrders,
+        FullMask,
+        OrderedAcross,
+        OneContactEach,
+    ]);
+    all.extend([ContactsEach(32), ContactsEach(100), Untested]);
+    all.extend([
+        Strict,
+        RoundedRoot,
+        ExpandedForm,
+        SinglePrecisionTest,
+        RelativeTolerance,
+        AbsoluteTolerance,
+        SumOfSquares,
+    ]);
+    all.extend([LargestRadius, SkipsCoincident]);
+    all.extend([NoMargin, EdgeOfFirst, EdgeOfLast, EdgeOfMean, EdgeHalved, EdgeWithoutSlack]);
+    all.extend([
+        Unsigned,
+        SinglePrecisionCells,
+        SinglePrecisionFromZero,
+        Bits(8),
+        Bits(16),
+        Bits(21),
+        DoneByBits(16),
+        DoneByBits(21),
+    ]);
+    all.extend([
+        ZerosDiffer,
+        NeverRefuses,
+        LastUnvisited(0),
+        LastUnvisited(1),
+        FirstUnseen(0),
+        FirstUnseen(1),
+    ]);
+    all.extend([Capacity(32), Capacity(100), Capacity(256), Capacity(1024), ByteCount]);
+    all.extend([StaleLists, StaleGrid, StaleNumbers, StalePairs, StaleReach]);
+    all.extend([BucketsUncompared, BucketsOfOneCell]);
+    all.extend([
+        BreakOnWrongAxis,
+        BreakAtReach,
+        Window(32),
+        SinglePrecisionOrder,
+        SinglePrecisionBreak,
+    ]);
+    all.extend(of_masks(MaskWithout));
+    all.extend(of_masks(MaskRepeats));
+    all
+}
+
+/// All that must not be found out.
+pub fn right() -> Vec<Way> {
+    use Way::*;
+    let mut all = vec![Grid, Hash, Sweep, Torus(8), Torus(21), Clamped(40)];
+    all.extend(of_masks(Mirrored));
+    all
+}
+
+fn of_masks(way: fn(usize, usize) -> Way) -> impl Iterator<Item = Way> {
+    (0..mask::PLANE.len())
+        .map(move |k| way(2, k))
+        .chain((0..mask::SPACE.len()).map(move |k| way(3, k)))
+}

@@ -1,0 +1,61 @@
+//! A short run of the near-tangent campaign (`examples/near_tangent`): no error in exact
+//! arithmetic, and many without it.
+
+#[path = "../../examples/near_tangent/campaign/mod.rs"]
+mod campaign;
+
+use campaign::counts::What;
+use campaign::{Plan, detectors, predicate, table, total};
+use contactbench::contact::Test;
+
+const PLAN: Plan = Plan { pairs: 100_000, seed: 7, test: Test::Exact };
+
+#[test]
+fn the_contact_test_is_right_on_every_family() {
+    let lines = predicate(PLAN);
+    for line in &lines {
+        assert_eq!(line.counts.errors(), 0, "\n{}", table(&lines));
+        let (apart, overlap) = (line.counts.get(What::Apart), line.counts.get(What::Overlap));
+        assert!(
+            apart > 500 && overlap > 500,
+            "{} in {}D is all of one kind\n{}",
+            line.name,
+            line.dim,
+            table(&lines)
+        );
+    }
+    let sum = total(&lines);
+    assert!(sum.get(What::Pairs) >= PLAN.pairs && sum.get(What::Sampled) > 100);
+    assert!(sum.get(What::Tangent) > 5_000, "\n{}", table(&lines));
+    assert!(
+        sum.get(What::Exact) > PLAN.pairs / 2,
+        "these couples must reach exact arithmetic\n{}",
+        table(&lines)
+    );
+    assert!(
+        sum.get(What::RoundedWrong) > 10_000,
+        "these couples must mislead f64\n{}",
+        table(&lines)
+    );
+}
+
+#[test]
+fn detectors_neither_lose_nor_add_nor_repeat_a_couple_on_the_borders_of_cells() {
+    let lines = detectors(PLAN);
+    let sum = total(&lines);
+    assert_eq!(sum.errors(), 0, "\n{}", table(&lines));
+    assert!(
+        sum.get(What::Pairs) >= PLAN.pairs / 10 && sum.get(What::RoundedWrong) > 100,
+        "\n{}",
+        table(&lines)
+    );
+}
+
+/// The campaign can fail: with rounded decisions it does, in both parts.
+#[test]
+fn rounded_decisions_are_found_out() {
+    let plan = Plan { pairs: 10_000, test: Test::Rounded, ..PLAN };
+    let (predicate, detectors) = (total(&predicate(plan)), total(&detectors(plan)));
+    assert!(predicate.get(What::Missed) > 500 && predicate.get(What::Spurious) > 500);
+    assert!(detectors.get(What::Missed) > 20 && detectors.get(What::Spurious) > 500);
+}

@@ -1,0 +1,80 @@
+//! Scenes on which a detector was wrong once, or easily could be: every file of
+//! `tests/regressions`, on all detectors, in all safe arithmetics.
+
+use std::path::{Path, PathBuf};
+
+use contactbench::check::{self, Limits};
+use contactbench::contact::Arithmetic;
+use contactbench::detect::Options;
+use contactbench::detect::table::{Entry, TABLE};
+use contactbench::scene::AnyScene;
+use contactbench::{io, oracle};
+
+fn files() -> Vec<PathBuf> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/regressions");
+    let files: Vec<PathBuf> =
+        std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    files
+        .into_iter()
+        .filter(|path| path.extension().is_some_and(|ending| ending == "csv"))
+        .collect()
+}
+
+fn scene(path: &Path) -> AnyScene<'static> {
+    io::scene(path, io::Options::default()).unwrap_or_else(|error| panic!("{error:#}"))
+}
+
+/// Detectors may refuse: arrays for very many cells would fill a small machine.
+fn limits() -> Limits {
+    Limits {
+        options: Options { memory_limit: 64 << 20, ..Options::default() },
+        ..Limits::default()
+    }
+}
+
+#[test]
+fn all_detectors_are_right_on_all_files() {
+    let detectors: Vec<&'static Entry> =
+        TABLE.iter().filter(|entry| entry.must_be_right()).collect();
+    assert!(files().len() >= 4);
+    for path in files() {
+        let text = std::fs::read_to_string(&path).unwrap();
+        assert!(
+            text.starts_with("# ") && text.contains("\n# contactbench check --scene "),
+            "{}: begin with what was wrong",
+            path.display()
+        );
+        let name = path.display().to_string();
+        let report =
+            check::check_scene(&scene(&path), &name, &detectors, &Arithmetic::SAFE, &limits())
+                .unwrap();
+        for failure in &report.failures {
+            println!(
+                "{} with {} arithmetic on {name}: {}",
+                failure.detector,
+                failure.arithmetic.name(),
+                failure.found
+            );
+        }
+        assert!(report.failures.is_empty() && report.cases >= 2, "{name}");
+    }
+}
+
+/// The files are what they say, to the last bit.
+#[test]
+fn the_files_hold_the_pairs_that_they_name() {
+    let pairs = |name: &str, arithmetic| {
+        let path = files()
+            .into_iter()
+            .find(|path| path.file_stem().is_some_and(|stem| stem == name))
+            .unwrap();
+        oracle::truth(&scene(&path), arithmetic).unwrap().pairs
+    };
+    assert_eq!(pairs("three-discs", Arithmetic::Exact), [[0, 1]]);
+    assert_eq!(pairs("three-discs", Arithmetic::F64), [[0, 1], [1, 2]]);
+    assert_eq!(pairs("tangent-3-4-5", Arithmetic::Exact), [[0, 1], [0, 2], [4, 5]]);
+    assert_eq!(pairs("far-apart", Arithmetic::Exact), [[0, 1], [3, 4], [4, 5]]);
+    assert_eq!(pairs("subnormal", Arithmetic::Exact), [[0, 1], [0, 3]]);
+    let all = pairs("subnormal", Arithmetic::F64);
+    assert_eq!(all.len(), 10);
+}

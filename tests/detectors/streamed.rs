@@ -1,0 +1,402 @@
+//! Every form on every instruction set and with several threads gives the pairs of all pairs
+//! tested.
+
+use contactbench::contact::{Arithmetic, Bodies, Test};
+use contactbench::detect::any::{DetectorOfAll, run, run_stored};
+use contactbench::detect::book::direct::Direct;
+use contactbench::detect::streamed::{Form, Streamed};
+use contactbench::detect::{Declare, Detector, Options, Refusal};
+use contactbench::probe::{Op, Probe, Silent, Tally};
+use contactbench::scene::spec::Spec;
+use contactbench::scene::{AnyScene, Radii, Scene, Stored};
+use contactbench::sink::Digest;
+use contactbench::wide::Level;
+
+const NAME: &str = "streamed-nbs";
+
+const SCENES: [&str; 12] = [
+    "packed:n=3000",
+    "packed:dim=3,n=3000",
+    "packed:dim=3,n=3000,size-ratio=5",
+    "packed:lattice=square,spacing=1,jitter=0,n=2000",
+    "packed:dim=3,lattice=cubic,spacing=1,jitter=0,n=2000",
+    "loose:n=3000",
+    "loose:dim=3,n=3000,size-ratio=3",
+    "loose:dim=3,n=2000,fraction=0.000001",
+    "loose:n=2000,fraction=5,size-ratio=2",
+    "clustered:n=3000",
+    "clustered:dim=3,n=3000,fraction=0.0001",
+    "pack-c:n=2500,s=200",
+];
+
+fn answer<const D: usize>(
+    detector: &mut impl DetectorOfAll<D>,
+    scene: &Stored<'_, D>,
+    test: Test,
+) -> Digest {
+    let mut digest = Digest::default();
+    run_stored(detector, scene, test, &mut Silent, &mut digest).unwrap();
+    digest
+}
+
+/// The number of answers compared.
+fn compare<const D: usize>(what: &str, scene: &Stored<'_, D>, test: Test) -> usize {
+    let truth = answer(&mut Direct::with(Options::default()), scene, test);
+    let mut compared = 0;
+    for level in Level::all() {
+        for form in [None, Some(Form::Dense), Some(Form::Sparse)] {
+            let mut detector = Streamed::<D>::on(level, Options::default());
+            if let Some(form) = form {
+                detector = detector.in_form(form);
+            }
+            // Twice: the second time in used buffers.
+            for round in 0..2 {
+                let found = answer(&mut detector, scene, test);
+                assert_eq!(
+                    found,
+                    truth,
+                    "{what} on {} in form {form:?}, round {round}",
+                    level.name()
+                );
+                compared += 1;
+            }
+        }
+    }
+    compared
+}
+
+#[test]
+fn all_forms_on_all_levels_in_all_arithmetics() {
+    let mut compared = 0;
+    for text in SCENES {
+        let scene = Spec::parse(text).and_then(|spec| spec.make()).unwrap();
+        for arithmetic in Arithmetic::SAFE {
+            let scene = scene.stored(arithmetic).unwrap();
+            let what = format!("{text} in {}", arithmetic.name());
+            compared += match &scene {
+                AnyScene::Plane(scene) => compare(&what, scene, arithmetic.test()),
+                AnyScene::Space(scene) => compare(&what, scene, arithmetic.test()),
+            };
+        }
+    }
+    assert_eq!(compared, SCENES.len() * 4 * Level::all().len() * 6);
+}
+
+/// Two heaps, far enough from each other that one coordinate begins again many times between them,
+/// and one heap across the place where it does.
+#[test]
+fn coordinates_that_begin_again() {
+    let heap = |x: f64, y: f64| {
+        (0..400).map(move |k| [x + 0.7 * f64::from(k % 20), y + 0.45 * f64::from(k / 20)])
+    };
+    for far in [246.0, 250.0, 255.5, 1000.0, 3e5, 5e8] {
+        let centres: Vec<_> = heap(0.0, 0.0)
+            .chain(heap(far, 3.0))
+            .chain(heap(0.3, 2.0 * far))
+            .map(nalgebra::Point::from)
+            .collect();
+        let scene = Scene::new(centres, Radii::Uniform(0.5)).unwrap();
+        compare(&format!("heaps {far} apart"), &Stored::F64(scene), Test::Exact);
+    }
+}
+
+/// Any number of neighbours of one element: more than a vector, than are kept, and than the careful
+/// form hands on at a time.
+#[test]
+fn heaps_of_any_height() {
+    for n in [7, 8, 9, 15, 16, 17, 18, 33, 250, 1000] {
+        let centres: Vec<_> = (0..n)
+            .map(|k| {
+                nalgebra::Point::from([1e-3 * f64::from(k % 7), 2e-3 * f64::from(k % 5), 1e-3])
+            })
+            .collect();
+        let scene = Scene::new(centres, Radii::Uniform(0.5)).unwrap();
+        compare(&format!("a heap of {n}"), &Stored::F64(scene), Test::Exact);
+    }
+}
+
+/// A lattice of small bodies and a large one far away from all: few cells, and most elements in one
+/// bundle.
+fn one_bundle(dim: usize) -> AnyScene<'static> {
+    let n = 160 * 160;
+    let radii = (0..=n).map(|k| if k == n { 100.0 } else { 0.001 }).collect::<Vec<f64>>();
+    let place =
+        |k: i32| if k == n { [-300.0; 2] } else { [f64::from(k % 160), f64::from(k / 160)] };
+    if dim == 2 {
+        let centres: Vec<_> = (0..=n).map(|k| nalgebra::Point::from(place(k))).collect();
+        Scene::new(centres, Radii::Each(radii.into())).unwrap().into()
+    } else {
+        let centres: Vec<_> =
+            (0..=n).map(|k| nalgebra::Point::from([place(k)[0], place(k)[1], 0.0])).collect();
+        Scene::new(centres, Radii::Each(radii.into())).unwrap().into()
+    }
+}
+
+/// Many layers with less than an element each: a bundle may not have more of them than 32 bits tell
+/// apart.
+#[test]
+fn lines_strips_and_columns() {
+    for n in [1000, 2000, 4999] {
+        for pitch in [0.9, 1.0, 2.4, 4.9] {
+            let line: Vec<_> =
+                (0..n).map(|k| nalgebra::Point::from([0.0, pitch * f64::from(k)])).collect();
+            compare(
+                &format!("a line of {n}, {pitch} apart"),
+                &Stored::F64(Scene::new(line, Radii::Uniform(0.5)).unwrap()),
+                Test::Exact,
+            );
+            let column: Vec<_> = (0..n)
+                .map(|k| {
+                    nalgebra::Point::from([
+                        f64::from(k % 2),
+                        0.7 * f64::from(k % 3),
+                        pitch * f64::from(k),
+                    ])
+                })
+                .collect();
+            compare(
+                &format!("a column of {n}, {pitch} apart"),
+                &Stored::F64(Scene::new(column, Radii::Uniform(0.5)).unwrap()),
+                Test::Exact,
+            );
+        }
+    }
+}
+
+/// Extents far beyond what cells can number are refused where elements crowd, not a panic.
+#[test]
+fn crowds_far_apart_are_refused() {
+    let heap =
+        |at: f64| (0..2500).map(move |k| nalgebra::Point::from([at + 1e-3 * f64::from(k), at]));
+    let scene =
+        Scene::new(heap(0.0).chain(heap(1e20)).collect::<Vec<_>>(), Radii::Uniform(0.5)).unwrap();
+    let answer = run(
+        &mut Streamed::<2>::with(Options::default()),
+        &scene,
+        Test::Exact,
+        &mut Silent,
+        &mut Digest::default(),
+    );
+    assert!(matches!(answer, Err(Refusal::Domain { .. })), "{answer:?}");
+}
+
+/// The book's filters are not used in textbook arithmetic, which accepts points whose squared
+/// distance vanishes.
+#[test]
+fn textbook_loses_nothing() {
+    let scene = Scene::new(
+        [[0.0, 0.0], [1e-163, 0.0]].map(nalgebra::Point::from).to_vec(),
+        Radii::Uniform(0.0),
+    )
+    .unwrap();
+    let digest =
+        answer(&mut Streamed::<2>::with(Options::default()), &Stored::F64(scene), Test::Textbook);
+    assert_eq!(digest, Digest::of(&[[0, 1]]));
+}
+
+#[test]
+fn threads_find_the_same() {
+    for text in ["packed:dim=3,n=40000", "loose:n=30000", "clustered:dim=3,n=25000,size-ratio=2"] {
+        let scene = Spec::parse(text).and_then(|spec| spec.make()).unwrap();
+        let table = contactbench::detect::table::find(NAME).unwrap();
+        let digests = [1, 2, 3, 7].map(|threads| {
+            let mut detector = table.make(Options { threads, ..Options::default() });
+            let mut pairs = vec![[9, 9]];
+            detector.list(&scene, Test::Exact, &mut pairs).unwrap();
+            assert_eq!(pairs[0], [9, 9], "what was in the list stays");
+            // Once more after a scene with more contacts and fewer bundles than threads.
+            let flat = one_bundle(scene.dim());
+            let mut few = Vec::new();
+            detector.list(&flat, Test::Exact, &mut few).unwrap();
+            assert_eq!(Digest::of(&few), Digest::of(&[]), "{threads} threads, after {text}");
+            pairs.truncate(1);
+            detector.list(&scene, Test::Exact, &mut pairs).unwrap();
+            Digest::of(&pairs[1..])
+        });
+        assert!(digests.iter().all(|&digest| digest == digests[0]), "{text}: {digests:?}");
+    }
+}
+
+/// What f32 leaves open is little, or the vectors would not pay; on a lattice in touch it is every
+/// contact.
+#[test]
+fn few_pairs_are_left_to_the_contact_test() {
+    let unsure = |text: &str| {
+        let AnyScene::Space(Stored::F64(scene)) =
+            Spec::parse(text).and_then(|spec| spec.make()).unwrap()
+        else {
+            panic!("{text}")
+        };
+        let asked = Asked::new(&scene);
+        let mut digest = Digest::default();
+        let mut detector = Streamed::<3>::on(Level::best(), Options::default());
+        contactbench::contact::with_bodies(
+            &scene,
+            Test::Exact,
+            With(&mut detector, &asked, &mut digest),
+        )
+        .unwrap();
+        (asked.0.load(std::sync::atomic::Ordering::Relaxed), digest.contacts)
+    };
+    let (asked, contacts) = unsure("packed:dim=3,n=20000");
+    assert!(asked * 500 < contacts, "{asked} of {contacts}");
+    let (asked, contacts) = unsure("packed:dim=3,lattice=cubic,spacing=1,jitter=0,n=1000");
+    assert_eq!((asked, contacts), (2700, 2700));
+}
+
+/// Counts the questions to a contact test.
+struct Asked(std::sync::atomic::AtomicU64);
+
+impl Asked {
+    fn new(_: &Scene<'_, f64, 3>) -> Asked {
+        Asked(0.into())
+    }
+}
+
+#[derive(Clone, Copy)]
+struct Counted<'a, B>(B, &'a Asked);
+
+impl<B: Bodies<f64, 3>> Bodies<f64, 3> for Counted<'_, B> {
+    fn len(&self) -> usize {
+        self.0.len()
+    }
+    fn position(&self, i: u32) -> [f64; 3] {
+        self.0.position(i)
+    }
+    fn touch<P: Probe>(&self, i: u32, j: u32, probe: &mut P) -> bool {
+        self.1.0.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+        self.0.touch(i, j, probe)
+    }
+    fn reach(&self) -> f64 {
+        self.0.reach()
+    }
+    fn radius(&self, i: u32) -> f64 {
+        self.0.radius(i)
+    }
+    fn uniform(&self) -> Option<f64> {
+        self.0.uniform()
+    }
+    fn slack(&self) -> contactbench::contact::Slack {
+        self.0.slack()
+    }
+}
+
+struct With<'a>(&'a mut Streamed<3>, &'a Asked, &'a mut Digest);
+
+impl contactbench::contact::WithBodies<f64, 3> for With<'_> {
+    type Output = Result<(), Refusal>;
+    fn call<B: Bodies<f64, 3>>(self, bodies: B) -> Self::Output {
+        self.0.detect(Counted(bodies, self.1), &mut Silent, self.2)
+    }
+}
+
+/// Memory does not depend on the number of cells: 4·10^8 of them, and 10^27.
+#[test]
+fn memory_is_of_elements_not_of_cells() {
+    let per_element = |scene: &AnyScene<'_>| {
+        let mut detector =
+            contactbench::detect::table::find(NAME).unwrap().make(Options::default());
+        detector.visit(scene, Test::Exact, &mut Digest::default()).unwrap();
+        detector.formula_bytes() as f64 / scene.len() as f64
+    };
+    let pack = |s: u32| {
+        Spec::parse(&format!("pack-c:n=10000,s={s}")).and_then(|spec| spec.make()).unwrap()
+    };
+    let all = [2, 20, 200].map(|s| per_element(&pack(s)));
+    assert!(all.iter().all(|&bytes| bytes < 64.0), "{all:?}");
+    let far = |far: f64| {
+        let centres = [[0.0; 3], [far; 3]].map(nalgebra::Point::from).to_vec();
+        2.0 * per_element(&AnyScene::from(Scene::new(centres, Radii::Uniform(0.5)).unwrap()))
+    };
+    assert!(far(1e9) <= far(1e3) + 64.0 && far(1e9) < 20_000.0, "{} {}", far(1e3), far(1e9));
+}
+
+/// The contact tests counted are the elements in the ranges, whatever the level; unsure pairs are
+/// not counted twice.
+#[test]
+fn counts_are_the_same_on_all_levels() {
+    for text in [
+        "packed:dim=3,n=2000",
+        "packed:lattice=square,spacing=1,jitter=0,n=1000",
+        "clustered:n=2000,size-ratio=3",
+    ] {
+        let scene = Spec::parse(text).and_then(|spec| spec.make()).unwrap();
+        for form in [Form::Dense, Form::Sparse] {
+            let tallies: Vec<Tally> = Level::all()
+                .into_iter()
+                .map(|level| {
+                    let mut tally = Tally::default();
+                    let mut digest = Digest::default();
+                    match &scene {
+                        AnyScene::Plane(Stored::F64(scene)) => run(
+                            &mut Streamed::<2>::on(level, Options::default()).in_form(form),
+                            scene,
+                            Test::Exact,
+                            &mut tally,
+                            &mut digest,
+                        ),
+                        AnyScene::Space(Stored::F64(scene)) => run(
+                            &mut Streamed::<3>::on(level, Options::default()).in_form(form),
+                            scene,
+                            Test::Exact,
+                            &mut tally,
+                            &mut digest,
+                        ),
+                        _ => unreachable!("generated scenes are in f64"),
+                    }
+                    .unwrap();
+                    assert!(tally.get(Op::ContactTest) >= digest.contacts);
+                    tally
+                })
+                .collect();
+            assert!(
+                tallies.iter().all(|tally| *tally == tallies[0]),
+                "{text} in form {form:?}: {tallies:?}"
+            );
+        }
+    }
+}
+
+/// Couples within some steps of a diameter, far along x in a wide grid, where a float has few bits
+/// left for them. With half the bound on the rounding of x some of these are lost or added.
+#[test]
+fn couples_where_floats_are_coarse() {
+    let mut state = 1;
+    let mut unit = || {
+        state = contactbench::sink::splitmix64(state);
+        (state >> 11) as f64 / (1u64 << 53) as f64
+    };
+    let mut places = Vec::new();
+    places.resize_with(7800, || [3000.0 * (0.95 + 0.05 * unit()), 3200.0 * unit()]);
+    // So there are some 270 cells along x, and all couples are just beyond a power of two of steps.
+    places[0] = [0.0, 0.0];
+    // The rounding of a difference depends on it modulo a step of the floats: diameters go through
+    // all of them.
+    for diameter in (0..32).map(|k| 1.0 + 2e-5 * f64::from(k)) {
+        let couple = |(k, [x, y]): (usize, [f64; 2])| {
+            [[x, y], [x + diameter + 1e-5 * (k as f64 / 3900.0 - 1.0), y]]
+        };
+        let centres: Vec<_> = places
+            .iter()
+            .copied()
+            .enumerate()
+            .flat_map(couple)
+            .map(nalgebra::Point::from)
+            .collect();
+        let scene = Stored::F64(Scene::new(centres, Radii::Uniform(0.5 * diameter)).unwrap());
+        let truth = answer(
+            &mut contactbench::detect::book::nbs2d::Nbs2d::with(Options::default()),
+            &scene,
+            Test::Exact,
+        );
+        for level in Level::all() {
+            let mut detector = Streamed::<2>::on(level, Options::default()).in_form(Form::Dense);
+            assert_eq!(
+                answer(&mut detector, &scene, Test::Exact),
+                truth,
+                "{} with diameter {diameter}",
+                level.name()
+            );
+        }
+    }
+}

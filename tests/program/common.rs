@@ -1,0 +1,120 @@
+//! What the tests of the program share: running it, and files for it.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+use std::sync::{Mutex, Once, PoisonError};
+
+/// The program under test.
+pub const PROGRAM: &str = env!("CARGO_BIN_EXE_contactbench");
+
+/// A run of the program that has ended.
+pub struct Ended {
+    pub code: Option<i32>,
+    pub stdout: String,
+    pub stderr: String,
+}
+
+/// The program with arguments, in `folder`; what a killed one leaves behind goes there, too.
+pub fn program(folder: &Path, arguments: &[&str]) -> Command {
+    let mut command = Command::new(PROGRAM);
+    command.args(arguments).current_dir(folder).env("TMPDIR", folder).stdin(Stdio::null());
+    command
+}
+
+/// Runs the program to its end.
+pub fn run(folder: &Path, arguments: &[&str]) -> Ended {
+    ended(program(folder, arguments).output().unwrap())
+}
+
+/// What a process has left.
+pub fn ended(output: Output) -> Ended {
+    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
+    Ended { code: output.status.code(), stdout: text(output.stdout), stderr: text(output.stderr) }
+}
+
+/// A file in `folder`.
+pub fn file(folder: &Path, name: &str, text: impl AsRef<[u8]>) -> PathBuf {
+    let path = folder.join(name);
+    std::fs::write(&path, text).unwrap();
+    path
+}
+
+/// An npy file, version 1, of little-endian doubles.
+pub fn npy(rows: &[Vec<f64>]) -> Vec<u8> {
+    let columns = rows.first().map_or(2, Vec::len);
+    let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
+    let mut header = format!(
+        "{{'descr': '<f8', 'fortran_order': False, 'shape': ({}, {columns}), }}",
+        rows.len()
+    );
+    // The data begin at a multiple of 64 bytes, after magic, version, length (10 bytes) and a
+    // newline.
+    while (10 + header.len() + 1) % 64 != 0 {
+        header.push(' ');
+    }
+    header.push('\n');
+    bytes.extend((header.len() as u16).to_le_bytes());
+    bytes.extend(header.as_bytes());
+    rows.iter().flatten().for_each(|x| bytes.extend(x.to_le_bytes()));
+    bytes
+}
+
+/// The pairs in an npy file of the program: the data are what follows the newline that ends the
+/// header.
+pub fn pairs(path: &Path) -> Vec<[u32; 2]> {
+    let bytes = std::fs::read(path).unwrap();
+    assert!(String::from_utf8_lossy(&bytes[..64]).contains("'descr': '<u4'"));
+    let start = bytes.iter().position(|&b| b == b'\n').unwrap() + 1;
+    let words: Vec<u32> =
+        bytes[start..].chunks_exact(4).map(|b| u32::from_le_bytes(b.try_into().unwrap())).collect();
+    words.chunks_exact(2).map(|pair| [pair[0], pair[1]]).collect()
+}
+
+/// The shell command of a runner that says hello in f64 arithmetic and answers requests with shell
+/// code.
+pub fn fake(answers: &[(&str, &str)]) -> String {
+    let hello = say(r#"{"reply":"hello","protocol":2,"detector":"fake","arithmetic":"f64"}"#);
+    let cases: String = answers
+        .iter()
+        .map(|(request, code)| format!("*'\"request\":\"{request}\"'*) {code} ;;\n"))
+        .collect();
+    format!("{hello}\nwhile read -r line; do\ncase \"$line\" in\n{cases}esac\ndone")
+}
+
+/// Shell code that answers with a line.
+pub fn say(line: &str) -> String {
+    format!("echo '{line}'")
+}
+
+/// A runner in an experiment file: `program` and one shell script.
+pub fn runner(name: &str, program: &str, script: &str) -> String {
+    format!(
+        "[[runner]]\nname = \"{name}\"\ncommand = [\"{program}\", \"-c\", \
+         '''\n{script}''']\ninstall = \"apt install it\"\n"
+    )
+}
+
+/// What could not be tested here, and why.
+static UNTESTED: Mutex<BTreeMap<String, &str>> = Mutex::new(BTreeMap::new());
+
+unsafe extern "C" {
+    fn atexit(callback: extern "C" fn()) -> std::ffi::c_int;
+}
+
+/// Notes that `what` cannot be tested here because `missing` is not there. The test passes; one
+/// line after the results of all tests says what was left out.
+pub fn untested(what: &str, missing: &'static str) {
+    static AT_EXIT: Once = Once::new();
+    UNTESTED.lock().unwrap_or_else(PoisonError::into_inner).insert(what.to_string(), missing);
+    // SAFETY: `atexit` may be called at any time before the end of the process, and `summary` may
+    // be called from C: it takes nothing, gives nothing, and does not unwind.
+    AT_EXIT.call_once(|| assert_eq!(unsafe { atexit(summary) }, 0));
+}
+
+extern "C" fn summary() {
+    let untested = UNTESTED.lock().unwrap_or_else(PoisonError::into_inner);
+    let all: Vec<String> =
+        untested.iter().map(|(what, missing)| format!("{what} (no {missing})")).collect();
+    eprintln!("NOT TESTED HERE, {} in all: {}\n", all.len(), all.join("; "));
+}

@@ -1,0 +1,345 @@
+//! `scene`, `inspect` and `verify` as users meet them.
+
+use std::path::Path;
+
+use contactbench::io;
+use contactbench::io::Options;
+use contactbench::scene::spec::Spec;
+use serde_json::Value;
+
+use crate::common::{Ended, file, run};
+
+fn ok(folder: &Path, arguments: &[&str]) -> Ended {
+    let ended = run(folder, arguments);
+    assert_eq!(ended.code, Some(0), "{arguments:?}: {}{}", ended.stdout, ended.stderr);
+    ended
+}
+
+fn json(folder: &Path, arguments: &[&str], code: i32) -> Value {
+    let ended = run(folder, arguments);
+    assert_eq!(ended.code, Some(code), "{arguments:?}: {}{}", ended.stdout, ended.stderr);
+    serde_json::from_str(&ended.stdout)
+        .unwrap_or_else(|error| panic!("{arguments:?}: {error}: {}", ended.stdout))
+}
+
+/// What is written reads back to the same bits, in every format.
+#[test]
+fn scenes_are_written_and_read_back_to_the_bit() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    for spec in [
+        "clustered:dim=3,n=300,size-ratio=7,seed=3",
+        "loose:dim=2,n=200,offset=1e9",
+        "packed:dim=3,n=100",
+        "hard:case=subnormal-coordinates",
+    ] {
+        let expected = Spec::parse(spec).unwrap().make().unwrap();
+        for name in ["scene.csv", "scene.xyz", "scene.npy"] {
+            ok(folder, &["scene", spec, "-o", name]);
+            let dim = name.ends_with("npy").then_some(expected.dim() as u32);
+            let found = io::scene(&folder.join(name), Options { dim, ..Options::NONE }).unwrap();
+            // A list of equal radii comes back as one radius for all.
+            assert_eq!(found, expected, "{spec} in {name}");
+        }
+        let printed = ok(folder, &["scene", spec]).stdout;
+        assert_eq!(printed, std::fs::read_to_string(folder.join("scene.csv")).unwrap());
+    }
+    // A file becomes another.
+    file(
+        folder,
+        "two.dump",
+        "ITEM: NUMBER OF ATOMS\n1\nITEM: ATOMS x y radius\n1 2 3\nITEM: NUMBER OF ATOMS\n1\nITEM: \
+         ATOMS x y radius\n4 5 6\n",
+    );
+    ok(folder, &["scene", "two.dump", "--frame", "last", "-o", "one.csv"]);
+    assert_eq!(std::fs::read_to_string(folder.join("one.csv")).unwrap(), "x,y,r\n4.0,5.0,6.0\n");
+    let refused = |arguments: &[&str], words: &str| {
+        let ended = run(folder, arguments);
+        assert!(
+            ended.code == Some(2) && ended.stderr.contains(words),
+            "{arguments:?}: {}",
+            ended.stderr
+        );
+    };
+    refused(
+        &["scene", "packed:n=10", "-o", "scene.vtk"],
+        "the ending of a file of a scene must be .csv, .xyz or .npy",
+    );
+    refused(&["scene", "packed:n=10", "--dim", "3"], "write dim=3 and the like into the scene");
+    refused(&["scene", "nowhere.csv"], "cannot read nowhere.csv");
+    refused(&["detect", "two.dump"], "say which one is to be read");
+    refused(&["detect", "two.dump", "--frame", "second"], "it must be a number from 0, or last");
+}
+
+#[test]
+fn pairs_are_written_as_lines_that_read_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    file(folder, "discs.csv", "x,y,d\n0,0,1\n1,0,1\n2.5,0.1,1.5\n");
+    ok(folder, &["detect", "discs.csv", "-o", "pairs.vtk"]);
+    let text = std::fs::read_to_string(folder.join("pairs.vtk")).unwrap();
+    assert!(
+        text.contains(
+            "POINTS 3 double\n0.0 0.0 0.0\n1.0 0.0 0.0\n2.5 0.1 0.0\nLINES 1 3\n2 0 1\nPOINT_DATA \
+             3\n"
+        ),
+        "{text}"
+    );
+    // The points with their radii are a scene, whose pairs are the same.
+    assert_eq!(
+        ok(folder, &["detect", "pairs.vtk", "--dim", "2"]).stdout,
+        ok(folder, &["detect", "discs.csv"]).stdout
+    );
+    // The same through the scene named file.
+    let through =
+        ok(folder, &["scene", "file:path=pairs.vtk,file-dim=2,order=generated,frame=0,format=vtk"])
+            .stdout;
+    assert_eq!(through, "x,y,r\n0.0,0.0,0.5\n1.0,0.0,0.5\n2.5,0.1,0.75\n");
+}
+
+#[test]
+fn inspect_says_what_was_understood() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let frame = "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n4\nITEM: BOX BOUNDS pp pp pp\n0 9\n0 \
+                 9\n0 9\nITEM: ATOMS id x y z diameter\n";
+    file(
+        folder,
+        "p.dump",
+        format!("{frame}1 0 0 0 1\n2 1 0 0 1\n3 1 0 0 1\n4 5 5 5 2\n").repeat(2),
+    );
+    let found = json(folder, &["inspect", "p.dump", "--json"], 0);
+    for (key, value) in [
+        ("format", "LAMMPS dump".into()),
+        ("n", 4.into()),
+        ("dim", 3.into()),
+        ("frames", 2.into()),
+        ("frame", 1.into()),
+        ("radius_source", "diameter".into()),
+        ("radius_column", "diameter".into()),
+        ("radius_min", 0.5.into()),
+        ("radius_mean", 0.625.into()),
+        ("radius_max", 1.0.into()),
+        ("coincident_centres", 1.into()),
+        // 0 touches 1 and 2 exactly, which lie on each other.
+        ("contacts", 3.into()),
+        ("near_tangent", 2.into()),
+        ("coordination", 1.5.into()),
+        ("f32_missed", 0.into()),
+    ] as [(&str, Value); 15]
+    {
+        assert_eq!(found[key], value, "{key} in {found:#}");
+    }
+    let warnings = found["warnings"].to_string();
+    for part in [
+        "the file has 2 frames",
+        "the box is periodic",
+        "1 particles have the centre of another, such as particle",
+    ] {
+        assert!(warnings.contains(part), "{warnings}");
+    }
+    let text = ok(folder, &["inspect", "p.dump", "--frame", "0"]).stdout;
+    for part in [
+        "4 spheres (3D)",
+        "2; read: frame 0",
+        "'diameter' in the file, a diameter, halved",
+        "warning: the file has 2 frames",
+        "3 (exact;",
+    ] {
+        assert!(text.contains(part), "{part} in {text}");
+    }
+}
+
+/// Each of the usual mistakes is named, and a good file is not warned of.
+#[test]
+fn inspect_warns_of_the_usual_mistakes() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let warnings = |arguments: &[&str]| {
+        json(folder, &[&["inspect", "--json"], arguments].concat(), 0)["warnings"].to_string()
+    };
+    ok(folder, &["scene", "packed:dim=3,n=3000,spacing=0.99", "-o", "good.csv"]);
+    assert_eq!(warnings(&["good.csv"]), "[]");
+    let good = std::fs::read_to_string(folder.join("good.csv")).unwrap();
+    // The radius of every body is 0.5: here the column holds the diameter.
+    file(folder, "doubled.csv", good.replace(",0.5\n", ",1.0\n"));
+    assert!(warnings(&["doubled.csv"]).contains("'r' may hold diameters"));
+    file(folder, "tiny.csv", good.replace(",0.5\n", ",0.0005\n"));
+    assert!(warnings(&["tiny.csv"]).contains("nothing touches"));
+    file(folder, "flat.csv", "x,y,z,r\n0,0,0,0.6\n1,0,0,0.6\n");
+    assert!(warnings(&["flat.csv"]).contains("--dim 2"));
+    assert_eq!(warnings(&["flat.csv", "--dim", "2"]), "[]");
+    file(folder, "far.csv", "x,y,r\n1e7,0,0.5\n10000001,0,0.5\n");
+    assert!(warnings(&["far.csv"]).contains("so far from the origin"));
+    file(folder, "centres.csv", "x,y\n0,0\n1,0\n");
+    let text = ok(folder, &["inspect", "centres.csv"]).stdout;
+    assert!(
+        text.contains("2 discs (2D)")
+            && text.contains("none in the file; contacts need --radius R"),
+        "{text}"
+    );
+    let unit: String = (0..300)
+        .map(|k| format!("{},{},0.01\n", f64::from(k) / 299.0, f64::from(k * 7 % 300) / 299.0))
+        .collect();
+    file(folder, "unit.csv", format!("x,y,r\n{unit}"));
+    assert!(warnings(&["unit.csv"]).contains("scaled by a box"));
+    file(folder, "none.csv", "x,y,r\n");
+    assert!(warnings(&["none.csv"]).contains("there are no particles"));
+    // All on one place: half a billion contacts are not listed.
+    file(folder, "heap.csv", format!("x,y,r\n{}", "0,0,1\n".repeat(20_000)));
+    let heap = json(folder, &["inspect", "heap.csv", "--json"], 0);
+    assert_eq!(heap["coordination"], 19_999.0);
+}
+
+#[test]
+fn verify_compares_lists_of_every_kind() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    // A row of discs that just touch, with ids from 10 downwards.
+    let rows: String = (0..6).map(|k| format!("{} {k} 0 0.5\n", 10 - k)).collect();
+    file(
+        folder,
+        "row.dump",
+        format!("ITEM: NUMBER OF ATOMS\n6\nITEM: ATOMS id x y radius\n{rows}"),
+    );
+    let pairs = [[0, 1], [1, 2], [2, 3], [3, 4], [4, 5]];
+    let listed = |name: &str, head: &str, line: &dyn Fn(i64, i64) -> String| {
+        file(folder, name, format!("{head}{}", pairs.map(|[i, j]| line(i, j)).concat()));
+    };
+    listed("zero.csv", "i,j\n", &|i, j| format!("{j},{i}\n"));
+    listed("one.txt", "# contacts\n", &|i, j| format!("{} {} 0.1\n", i + 1, j + 1));
+    listed("named.csv", "gap;i;j\n", &|i, j| format!("0;{i};{j}\n"));
+    listed("ids.csv", "", &|i, j| format!("{},{}\n", 10 - i, 10 - j));
+    let tail = "0 0 0 0 0 0 0 0 0 0 0";
+    listed("both.fstat", "# 0 1\n# \n# \n", &|i, j| {
+        format!("0 {i} {j} {tail}\n0 {j} {i} {tail}\n0 {i} -1 {tail}\n")
+    });
+    let local = "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ENTRIES\n5\nITEM: BOX BOUNDS ff ff ff\n0 9\n0 \
+                 9\n0 9\nITEM: ENTRIES index c_1[1] c_1[2] c_2\n";
+    listed("local.dump", local, &|i, j| format!("1 {} {} 0.5\n", 10 - i, 10 - j));
+    ok(folder, &["detect", "row.dump", "-o", "own.npy"]);
+    for arguments in [
+        &["zero.csv"][..],
+        &["zero.csv", "--base", "0"],
+        &["one.txt", "--base", "1"],
+        &["named.csv"],
+        &["named.csv", "--columns", "j,i"],
+        &["ids.csv", "--ids"],
+        &["both.fstat"],
+        &["local.dump"],
+        &["local.dump", "--columns", "c_1[2],c_1[1]"],
+        &["own.npy"],
+    ] {
+        let found =
+            json(folder, &[&["verify", "row.dump", "--json", "--pairs"], arguments].concat(), 0);
+        assert_eq!(
+            (&found["same"], &found["reported"], &found["contacts"]),
+            (&true.into(), &5.into(), &5.into()),
+            "{arguments:?}: {found:#}"
+        );
+    }
+    let both = ok(folder, &["verify", "row.dump", "--pairs", "both.fstat"]).stdout;
+    assert!(
+        both.contains("from both sides and taken once, 5 contacts with walls left out\nthe same:"),
+        "{both}"
+    );
+
+    // Wrong numbers are guessed.
+    for (list, flag) in [("one.txt", "--base 1"), ("ids.csv", "--ids")] {
+        let found = json(folder, &["verify", "row.dump", "--pairs", list, "--json"], 1);
+        assert_eq!(found["hint"], flag, "{found:#}");
+    }
+    assert_eq!(
+        json(folder, &["verify", "row.dump", "--pairs", "zero.csv", "--base", "1", "--json"], 1)["hint"],
+        "--base 0"
+    );
+}
+
+#[test]
+fn verify_shows_what_differs() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    file(folder, "p.csv", "x,y,r\n0,0,1\n1,0,1\n3,0,1\n10,0,1\n20,0,1\n");
+    // True are 0,1 (overlap of one radius) and 1,2 (tangent).
+    file(folder, "theirs.csv", "i,j\n2,1\n1,2\n3,3\n2,3\n0,4\n1,9\n");
+    let ended = run(folder, &["verify", "p.csv", "--pairs", "theirs.csv"]);
+    assert_eq!(ended.code, Some(1), "{}", ended.stderr);
+    for part in [
+        "p.csv: 5 particles, 2 touching pairs (exact arithmetic)",
+        "theirs.csv: 6 pairs (CSV; places in the file, from 0)",
+        "missed       1  deepest overlap 1.000e0 mean radii",
+        "spurious     2  widest gap 1.800e1 mean radii",
+        "duplicate    1",
+        "with itself  1",
+        "unknown      1  such as 1,9: the file has no such particle",
+        "  0,1  overlap 1.000e0\n    0: 0.0 0.0  r 1.0\n    1: 1.0 0.0  r 1.0\n",
+        "  0,4  gap 1.800e1\n",
+    ] {
+        assert!(ended.stdout.contains(part), "'{part}' in:\n{}", ended.stdout);
+    }
+    let found = json(folder, &["verify", "p.csv", "--pairs", "theirs.csv", "--json"], 1);
+    assert_eq!(
+        (&found["errors"]["missed"], &found["unknown"], &found["same"]),
+        (&1.into(), &1.into(), &false.into())
+    );
+    assert_eq!(found["missed"][0]["bodies"][1]["centre"], serde_json::json!([1.0, 0.0]));
+
+    // What is decided by rounding is right or wrong by the arithmetic.
+    file(
+        folder,
+        "near.csv",
+        "x,y,r\n0,0,0.5\n1.0000000000000002,0,0.5\n16777216,0,0.5\n16777217.5,0,0.5\n",
+    );
+    file(folder, "none.csv", "i,j\n");
+    file(folder, "one.csv", "i,j\n0,1\n");
+    ok(folder, &["verify", "near.csv", "--pairs", "none.csv"]);
+    assert_eq!(run(folder, &["verify", "near.csv", "--pairs", "one.csv"]).code, Some(1));
+    ok(folder, &["verify", "near.csv", "--pairs", "one.csv", "--arithmetic", "f32"]);
+}
+
+#[test]
+fn verify_refuses_in_one_sentence() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    file(folder, "p.csv", "x,y,r\n0,0,1\n1,0,1\n");
+    file(folder, "bad.csv", "i,j\n0,1\n0,b\n");
+    file(folder, "float.csv", "0 1.5\n");
+    file(folder, "one.csv", "i\n0\n");
+    file(folder, "atoms.dump", "ITEM: NUMBER OF ATOMS\n1\nITEM: ATOMS x y\n1 2\n");
+    file(folder, "short.dump", "ITEM: NUMBER OF ENTRIES\n3\nITEM: ENTRIES c_1[1] c_1[2]\n1 2\n");
+    file(folder, "which.dump", "ITEM: NUMBER OF ENTRIES\n3\nITEM: ENTRIES c_1 c_2\n1 2\n");
+    file(folder, "binary.csv", b"0,1\n\0\x01");
+    for (arguments, words) in [
+        (&["bad.csv"][..], "bad.csv:3: column 2: 'b' is not the number of a particle"),
+        (&["float.csv"], "float.csv:1: column 2: '1.5' is not the number of a particle"),
+        (&["one.csv"], "one.csv:1: a pair needs two columns"),
+        (&["atoms.dump"], "this is a dump of atoms, not of pairs"),
+        (&["short.dump"], "short.dump ends after 1 of the 3 entries"),
+        (
+            &["which.dump"],
+            "which columns hold the ids of a pair? Name them with --columns I,J; there are c_1 c_2",
+        ),
+        (&["binary.csv"], "binary.csv is binary, and no npy file"),
+        (&["bad.csv", "--base", "2"], "--base 2: it must be 0 or 1"),
+        (&["bad.csv", "--columns", "a,b"], "there is no column 'a'"),
+        (&["nowhere.csv"], "cannot read nowhere.csv"),
+    ] {
+        let ended = run(folder, &[&["verify", "p.csv", "--pairs"], arguments].concat());
+        assert!(
+            ended.code == Some(2)
+                && ended.stderr.contains(words)
+                && ended.stderr.lines().count() == 1,
+            "{arguments:?}: {}",
+            ended.stderr
+        );
+    }
+    file(folder, "fine.csv", "0,1\n");
+    let ended = run(folder, &["verify", "p.csv", "--pairs", "fine.csv", "--ids"]);
+    assert!(
+        ended
+            .stderr
+            .contains("p.csv has no column 'id' of whole numbers; give --base 0 or --base 1"),
+        "{}",
+        ended.stderr
+    );
+}

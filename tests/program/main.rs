@@ -1,0 +1,22 @@
+//! What the program promises to its users: verbs, files, runs, records, reports, runners, pages.
+
+mod browser;
+mod check_finds;
+mod cli;
+mod common;
+mod compare;
+mod errors;
+mod files_cli;
+mod harness;
+mod new_detector;
+mod page;
+mod peers;
+mod protocol;
+mod readme;
+mod real_data;
+mod resume;
+mod runners;
+mod seeing;
+
+// What the file that `new-detector` writes finds around it in the crate of detectors.
+use contactbench::{contact, detect, filter, probe, scene, sink};

@@ -1,0 +1,446 @@
+//! `report.html` in a real browser: it opens without a word in the console, its controls do what
+//! they say, and its numbers are those of the record.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use serde_json::{Value, json};
+
+use crate::browser::Browser;
+
+/// A name that would do harm if it became markup.
+const EVIL: &str = "</script><img src=x onerror=\"window.evil=1\"><!--";
+
+const EXPERIMENT: &str = r#"
+name = "e"
+title = "Who is fast? <b>"
+question = "Which is the fastest?"
+reading = "Lower is better."
+detectors = ["nbs", "sorting", "nothing"]
+arithmetics = ["f64", "exact"]
+ratios-to = "nbs"
+[[scene]]
+name = "packed"
+dim = [2, 3]
+n = [100, 1000, 10000]
+[[scene]]
+name = "loose"
+n = 1000
+[[claim]]
+name = "NBS makes three tests per element"
+kind = "equal"
+value = "contact_test"
+to = "3 * n"
+where = { detector = "nbs" }
+[[figure]]
+name = "time"
+title = "Time per element"
+x = "n"
+x-label = "N"
+y = "time_ns / n"
+y-label = "ns"
+"#;
+
+/// Nanoseconds in a block: noise of a few percent, the same at every run.
+fn time(detector: usize, n: u64, block: u64, dim: u64) -> u64 {
+    let noise = (block * 7919 + n * 31 + detector as u64 * 17) % 97;
+    n * (50 + 60 * detector as u64 + 10 * dim) * (1000 + noise) / 1000
+}
+
+/// The rows of a made-up record.
+fn rows() -> Vec<Value> {
+    let mut rows = Vec::new();
+    for (scene, dim, sizes) in [
+        ("packed", 2, &[100, 1000, 10_000][..]),
+        ("packed", 3, &[100, 1000, 10_000]),
+        ("loose", 2, &[100, 1000]),
+    ] {
+        for &n in sizes {
+            for (k, detector) in ["nbs", "sorting", EVIL, "nothing"].into_iter().enumerate() {
+                for arithmetic in ["exact", "f64"] {
+                    let row = json!({"experiment": "e", "scene": scene, "params": {}, "dim": dim, "n": n, "seed": 1, "order": "shuffled",
+                        "detector": detector, "arithmetic": arithmetic, "threads": 1, "pass": "time", "block": 0, "time_ns": null, "calls": 1,
+                        "elapsed_ns": null, "outcome": if detector == "nothing" { "control" } else { "ok" }, "reason": "", "contacts": 2 * n,
+                        "digest": "0x00", "counts": {}, "peak_bytes": null, "live_bytes": null, "allocations": null, "warm_allocations": null,
+                        "formula_bytes": null, "errors": {"missed": if arithmetic == "f64" { n / 100 } else { 0 }, "spurious": 0, "duplicate": 0},
+                        "causes": null, "stats": {"packing_fraction": 0.5, "coordination": 4.0, "radius_ratio": 1.0, "box_diameters": null,
+                        "scene_hash": ""}});
+                    let mut push = |changes: Value| {
+                        let mut row = row.clone();
+                        changes
+                            .as_object()
+                            .unwrap()
+                            .iter()
+                            .for_each(|(name, value)| row[name] = value.clone());
+                        rows.push(row);
+                    };
+                    push(
+                        json!({"pass": "count", "counts": {"contact_test": 3 * n, "list_push": n * (k as u64 + 1)}}),
+                    );
+                    push(
+                        json!({"pass": "memory", "peak_bytes": 12 * n * (k as u64 + 1), "formula_bytes": 12 * n}),
+                    );
+                    if detector == EVIL && n == 10_000 {
+                        push(
+                            json!({"outcome": "timeout", "reason": format!("30 s {EVIL}"), "contacts": null}),
+                        );
+                        continue;
+                    }
+                    for block in 1..=7 {
+                        push(json!({"block": block, "time_ns": time(k, n, block, dim)}));
+                    }
+                }
+            }
+        }
+    }
+    rows
+}
+
+/// A result folder, and its report.
+fn report(folder: &Path) -> PathBuf {
+    std::fs::create_dir_all(folder.join("experiments")).unwrap();
+    crate::common::file(folder, "experiments/e.toml", EXPERIMENT);
+    crate::common::file(
+        folder,
+        "provenance.json",
+        json!({"command": "contactbench run e.toml <b>", "cpu": "A & B"}).to_string(),
+    );
+    crate::common::file(
+        folder,
+        "samples.jsonl",
+        rows().iter().map(|row| format!("{row}\n")).collect::<String>(),
+    );
+    let ended = crate::common::run(folder, &["report", "."]);
+    assert_eq!(ended.code, Some(0), "{}{}", ended.stdout, ended.stderr);
+    folder.join("report.html")
+}
+
+/// The medians of the record by scene, dimension, N, detector and arithmetic: by sorting, from the
+/// rows alone.
+fn medians() -> BTreeMap<(String, u64, u64, String, String), f64> {
+    let mut times: BTreeMap<_, Vec<u64>> = BTreeMap::new();
+    for row in rows().iter().filter(|row| row["time_ns"].is_u64()) {
+        let (text, number) = (
+            |name: &str| row[name].as_str().unwrap().to_string(),
+            |name: &str| row[name].as_u64().unwrap(),
+        );
+        times
+            .entry((
+                text("scene"),
+                number("dim"),
+                number("n"),
+                text("detector"),
+                text("arithmetic"),
+            ))
+            .or_default()
+            .push(number("time_ns"));
+    }
+    let median = |mut all: Vec<u64>| {
+        all.sort();
+        assert_eq!(all.len(), 7);
+        all[3] as f64
+    };
+    times.into_iter().map(|(key, all)| (key, median(all))).collect()
+}
+
+/// Shown series of the chart: label to its values.
+fn series(browser: &Browser) -> BTreeMap<String, Vec<Option<f64>>> {
+    let code = "const u = document.getElementById('chart').chart; return \
+                u.series.slice(1).map((s, k) => [s.label, s.show, [...u.data[k + 1]]])";
+    let found = browser.run(code);
+    let values = |list: &Value| list.as_array().unwrap().iter().map(Value::as_f64).collect();
+    let shown = found.as_array().unwrap().iter().filter(|series| series[1] == true);
+    shown.map(|series| (series[0].as_str().unwrap().to_string(), values(&series[2]))).collect()
+}
+
+fn close(a: f64, b: f64) -> bool {
+    (a - b).abs() <= 1e-12 * b.abs()
+}
+
+/// The cells of the table, as text.
+fn table(browser: &Browser) -> Vec<Vec<String>> {
+    let code = "return [...document.querySelectorAll('#cells tbody tr')].map((row) => \
+                [...row.cells].map((cell) => cell.textContent))";
+    serde_json::from_value(browser.run(code)).unwrap()
+}
+
+fn heads(browser: &Browser) -> Vec<String> {
+    let code = "return [...document.querySelectorAll('#cells thead button')].map((button) => \
+                button.textContent.replace(/ [▲▼]$/, ''))";
+    serde_json::from_value(browser.run(code)).unwrap()
+}
+
+/// The records of a CSV text with quotes.
+fn csv(text: &str) -> Vec<Vec<String>> {
+    let (mut records, mut record, mut field, mut quoted) =
+        (Vec::new(), Vec::new(), String::new(), false);
+    let mut all = text.chars().peekable();
+    while let Some(c) = all.next() {
+        match c {
+            '"' if quoted && all.peek() == Some(&'"') => field.extend(all.next()),
+            '"' => quoted = !quoted,
+            ',' if !quoted => record.push(std::mem::take(&mut field)),
+            '\n' if !quoted => {
+                record.push(std::mem::take(&mut field));
+                records.push(std::mem::take(&mut record));
+            }
+            c => field.push(c),
+        }
+    }
+    records
+}
+
+#[test]
+fn the_page_works_in_a_browser() {
+    let folder = tempfile::tempdir().unwrap();
+    let page = report(folder.path());
+    let Some(browser) = Browser::open(1400, 1000) else { return };
+    browser.show(&page);
+    assert_eq!(browser.log(), Vec::<String>::new());
+    opens_safely(&browser);
+    charts(&browser);
+    results(&browser);
+    narrow(&browser, &page);
+    assert_eq!(browser.log(), Vec::<String>::new(), "after all clicks");
+}
+
+/// The answer is there; a name with markup in it stayed text; nothing was asked of the network.
+fn opens_safely(browser: &Browser) {
+    assert_eq!(browser.run("return window.evil ?? null"), Value::Null);
+    assert_eq!(browser.run("return document.title"), "Who is fast? <b>");
+    let said = browser.run("return document.querySelector('.card.speed').textContent");
+    assert!(said.as_str().unwrap().contains("nbs is the fastest in 3 of 3 scenes"), "{said}");
+    let body = browser.run("return document.body.textContent").as_str().unwrap().to_string();
+    for part in [
+        "1 of 1 claim hold",
+        "30 s",
+        "contactbench run e.toml <b>",
+        "A & B",
+        EVIL,
+        "Permission is hereby granted",
+    ] {
+        assert!(body.contains(part), "{part}");
+    }
+    assert_eq!(
+        browser.run("return document.querySelectorAll('img').length"),
+        1,
+        "the figure, and no image of a name"
+    );
+    let size = browser.run("return document.querySelector('figure img').naturalWidth").as_u64();
+    assert!(size > Some(100), "the figure is drawn");
+    let requests = browser.run(
+        "return performance.getEntriesByType('resource').map((e) => e.name).filter((n) => \
+         !n.startsWith('data:'))",
+    );
+    assert_eq!(requests, json!([]));
+}
+
+/// Values, toggles, scales, metric, scene, dimension, arithmetic, hovering, keys.
+fn charts(browser: &Browser) {
+    let medians = medians();
+    let expected =
+        |scene: &str, dim: u64, detector: &str, arithmetic: &str, per: bool| -> Vec<f64> {
+            let found = medians.iter().filter(|((s, d, _, who, how), _)| {
+                s == scene && *d == dim && who == detector && how == arithmetic
+            });
+            found.map(|((_, _, n, ..), time)| if per { time / *n as f64 } else { *time }).collect()
+        };
+    let same = |found: &[Option<f64>], expected: &[f64]| {
+        assert_eq!(found.iter().flatten().count(), expected.len());
+        assert!(
+            found.iter().flatten().zip(expected).all(|(a, b)| close(*a, *b)),
+            "{found:?} {expected:?}"
+        );
+    };
+    // packed, 3D, exact
+    let shown = series(browser);
+    assert_eq!(
+        shown.keys().map(String::as_str).collect::<Vec<_>>(),
+        [EVIL, "nbs", "sorting"],
+        "controls begin hidden"
+    );
+    for detector in ["nbs", "sorting", EVIL] {
+        same(&shown[detector], &expected("packed", 3, detector, "exact", true));
+    }
+    browser.click("#legend button:nth-child(2)");
+    assert!(!series(browser).contains_key("nbs"));
+    assert_eq!(
+        browser.run(
+            "return document.querySelector('#legend \
+             button:nth-child(2)').getAttribute('aria-pressed')"
+        ),
+        "false"
+    );
+    browser.choose("#by-dim", "2D");
+    assert!(!series(browser).contains_key("nbs"), "what is hidden stays hidden");
+    browser.click("#legend button:nth-child(2)");
+    same(&series(browser)["nbs"], &expected("packed", 2, "nbs", "exact", true));
+    browser.choose("#by-arithmetic", "all");
+    same(&series(browser)["sorting (f64)"], &expected("packed", 2, "sorting", "f64", true));
+    browser.choose("#by-arithmetic", "f64");
+    browser.choose("#by-scene", "loose");
+    same(&series(browser)["nbs"], &expected("loose", 2, "nbs", "f64", true));
+    browser.click("#per-element");
+    same(&series(browser)["nbs"], &expected("loose", 2, "nbs", "f64", false));
+    let scale = |axis: &str| {
+        browser.run(&format!("return document.getElementById('chart').chart.scales.{axis}.distr"))
+    };
+    assert_eq!((scale("x"), scale("y")), (json!(3), json!(3)));
+    browser.click("#log-x");
+    browser.click("#log-y");
+    assert_eq!((scale("x"), scale("y")), (json!(1), json!(1)));
+    for (metric, values) in [
+        ("Memory (peak)", [1200.0, 12000.0]),
+        ("Operations (all)", [400.0, 4000.0]),
+        ("Contact tests", [300.0, 3000.0]),
+    ] {
+        browser.choose("#metric", metric);
+        same(&series(browser)["nbs"], &values);
+    }
+    browser.choose("#metric", "Error");
+    same(&series(browser)["nbs"], &[1.0 / 200.0, 10.0 / 2000.0]);
+    browser.choose("#by-arithmetic", "exact");
+    same(&series(browser)["nbs"], &[0.0, 0.0]);
+    browser.click("#log-y");
+    let note = browser.run("return document.getElementById('chart-note').textContent");
+    assert!(note.as_str().unwrap().contains("values of 0 cannot be shown"), "{note}");
+    // values at the cursor, by keys
+    browser.choose("#metric", "Time");
+    browser.keys("#chart", "\u{e014}");
+    let tip = browser
+        .run("const tip = document.getElementById('tip'); return tip.hidden ? '' : tip.innerText")
+        .as_str()
+        .unwrap()
+        .to_string();
+    let value = expected("loose", 2, "nbs", "exact", false)[0];
+    assert!(
+        tip.contains("N = 100, ns") && tip.replace(',', "").contains(&format!("{value}")),
+        "{tip} has no {value}"
+    );
+}
+
+/// Sorting, filters, download.
+fn results(browser: &Browser) {
+    let (heads, all) = (heads(browser), table(browser));
+    assert_eq!(all.len(), 8 * 4 * 2);
+    let column = |name: &str| {
+        heads
+            .iter()
+            .position(|head| head == name)
+            .unwrap_or_else(|| panic!("no {name} in {heads:?}"))
+    };
+    let (n, time_column, detector) = (column("N"), column("ns / N"), column("detector"));
+    let number = |text: &str| text.replace(',', "").parse::<f64>().ok();
+    let button = format!("#cells th:nth-child({}) button", time_column + 1);
+    let order = || {
+        browser.run(&format!(
+            "return document.querySelector('#cells th:nth-child({})').ariaSort",
+            time_column + 1
+        ))
+    };
+    for (said, sign) in [("ascending", 1.0), ("descending", -1.0)] {
+        browser.click(&button);
+        assert_eq!(order(), said);
+        let times: Vec<Option<f64>> =
+            table(browser).iter().map(|row| number(&row[time_column])).collect();
+        let values: Vec<f64> = times.iter().flatten().copied().collect();
+        assert!(
+            values.len() == 60 && values.windows(2).all(|pair| sign * (pair[1] - pair[0]) >= 0.0),
+            "{values:?}"
+        );
+        assert!(times[60..].iter().all(Option::is_none), "what has no time comes last");
+    }
+    browser.choose("#only-detector", "nbs");
+    browser.keys("#words", "packed exact");
+    let shown = table(browser);
+    assert_eq!(shown.len(), 6);
+    assert!(shown.iter().all(|row| row[detector] == "nbs"
+        && row.contains(&"packed".into())
+        && row.contains(&"exact".into())));
+    let count = browser.run("return document.getElementById('count').textContent");
+    assert_eq!(count, "6 of 64 rows");
+    browser.click("#csv");
+    let lines = csv(&browser.downloaded("results.csv"));
+    assert_eq!((lines.len(), &lines[0]), (7, &heads));
+    let medians = medians();
+    let (scene, dim) = (column("scene"), column("dimension"));
+    for (line, row) in lines[1..].iter().zip(&shown) {
+        for (exact, seen) in line.iter().zip(row) {
+            match (number(exact), number(seen)) {
+                (Some(exact), Some(seen)) => {
+                    assert!((exact - seen).abs() <= 1e-3 * exact.abs(), "{exact} {seen}")
+                }
+                _ => assert_eq!(if exact.is_empty() { "–" } else { exact }, seen),
+            }
+        }
+        let size: u64 = line[n].parse().unwrap();
+        let median = medians[&(
+            line[scene].clone(),
+            line[dim].parse().unwrap(),
+            size,
+            "nbs".into(),
+            "exact".into(),
+        )];
+        assert!(close(line[time_column].parse().unwrap(), median / size as f64), "{line:?}");
+    }
+}
+
+/// On a phone nothing is wider than the screen, and every control is large enough for a finger.
+fn narrow(browser: &Browser, page: &Path) {
+    for (scheme, ground) in [("light", "rgb(255, 255, 255)"), ("dark", "rgb(22, 24, 29)")] {
+        browser.devtools(
+            "Emulation.setDeviceMetricsOverride",
+            json!({"width": 390, "height": 800, "deviceScaleFactor": 2, "mobile": true}),
+        );
+        browser.devtools(
+            "Emulation.setEmulatedMedia",
+            json!({"features": [{"name": "prefers-color-scheme", "value": scheme}]}),
+        );
+        browser.show(page);
+        assert_eq!(browser.run("return document.documentElement.scrollWidth"), 390, "{scheme}");
+        assert_eq!(browser.run("return getComputedStyle(document.body).backgroundColor"), ground);
+        let bottom = browser
+            .run(
+                "return Math.round(document.querySelector('.card.speed').getBoundingClientRect().\
+                 bottom)",
+            )
+            .as_u64()
+            .unwrap();
+        assert!(bottom < 500, "the answer is seen at once: it ends at {bottom}");
+    }
+}
+
+#[test]
+fn tables_for_papers_are_printed() {
+    let folder = tempfile::tempdir().unwrap();
+    report(folder.path());
+    let written = std::fs::metadata(folder.path().join("report.md")).unwrap().modified().unwrap();
+    let latex = crate::common::run(folder.path(), &["report", ".", "--table", "latex"]);
+    assert_eq!(latex.code, Some(0), "{}", latex.stderr);
+    let median = medians()[&("packed".into(), 3, 1000, "nbs".into(), "exact".into())] / 1000.0;
+    let begin = format!("1000 & nbs (exact) & \\textbf{{{median:.2}}} & ");
+    assert!(latex.stdout.contains(&begin), "no {begin} in {}", latex.stdout);
+    assert!(
+        latex.stdout.contains("\\textless{}/script\\textgreater{}") && !latex.stdout.contains(EVIL)
+    );
+    assert_eq!(latex.stdout.matches("\\begin{tabular}").count(), 3);
+    let markdown = crate::common::run(folder.path(), &["report", ".", "--table", "markdown"]);
+    assert!(
+        markdown.stdout.contains("**packed, 3D**\n\n| N | detector |")
+            && !markdown.stdout.contains("nothing"),
+        "{}",
+        markdown.stdout
+    );
+    assert_eq!(
+        std::fs::metadata(folder.path().join("report.md")).unwrap().modified().unwrap(),
+        written,
+        "nothing was written"
+    );
+    let bad = crate::common::run(folder.path(), &["report", ".", "--table", "word"]);
+    assert_eq!(
+        (bad.code, bad.stderr.contains("latex, markdown")),
+        (Some(2), true),
+        "{}",
+        bad.stderr
+    );
+}

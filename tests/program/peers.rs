@@ -1,0 +1,208 @@
+//! Libraries beside our detectors: the crates behind the feature `peers`, and the runners of
+//! `runners/`. What is not there is unavailable, and says how to get it; what is there is right,
+//! but for those that compute in single precision.
+
+use std::io::Write;
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+use contactbench::detect::peers::{self, PEERS};
+use contactbench::detect::table::{self, Role};
+use contactbench::record::row;
+use contactbench::record::row::{Outcome, Row};
+
+const PEERS_TOML: &str = include_str!("../../experiments/peers.toml");
+const HEAD: &str = "name = \"t\"\ntitle = \"t\"\nquestion = \"?\"\nreading = \"-\"\nblocks = \
+                    1\ntime-limit-s = 60\n";
+/// Runners of libraries that compute in single precision.
+const SINGLE: [&str; 2] = ["mdanalysis-nsgrid", "freud-aabb"];
+
+/// The tables of runners in the experiment.
+fn runners() -> &'static str {
+    let from = PEERS_TOML.find("[[runner]]").unwrap();
+    &PEERS_TOML[from..PEERS_TOML.find("[[claim]]").unwrap()]
+}
+
+/// The rows of an experiment that is run in `place`.
+fn rows(place: &Path, text: &str) -> Vec<Row> {
+    let folder = tempfile::tempdir().unwrap();
+    let file = crate::common::file(folder.path(), "t.toml", text);
+    let out = folder.path().join("result");
+    // Programs that runners compile stay with the tests.
+    let mut command = crate::common::program(
+        place,
+        &["run", &file.display().to_string(), "--out", &out.display().to_string()],
+    );
+    let ended = crate::common::ended(
+        command
+            .env("XDG_CACHE_HOME", env!("CARGO_TARGET_TMPDIR"))
+            .env("TMPDIR", folder.path())
+            .output()
+            .unwrap(),
+    );
+    row::read(&out.join(row::FILE)).unwrap_or_else(|e| panic!("{e}: {}", ended.stderr)).rows
+}
+
+#[test]
+fn each_peer_is_in_the_table_or_says_how_to_get_it() {
+    for peer in PEERS {
+        match (table::find(peer.name), peers::missing(peer.name)) {
+            (Some(entry), None) => {
+                assert!(
+                    cfg!(feature = "peers")
+                        && entry.role == Role::Peer
+                        && !entry.is_ours()
+                        && entry.must_be_right(),
+                    "{}",
+                    peer.name
+                );
+                assert_eq!(
+                    (entry.summary, entry.cost, entry.limits),
+                    (peer.summary, peer.cost, peer.limits)
+                );
+            }
+            (None, Some(reason)) => {
+                assert!(
+                    !cfg!(feature = "peers")
+                        && reason.contains("cargo run --release --features peers --"),
+                    "{reason}"
+                )
+            }
+            both => panic!("{}: {:?}", peer.name, both.1),
+        }
+    }
+    assert!(peers::missing("kidd").is_none() && peers::missing("nbs").is_none());
+    assert_eq!(
+        table::TABLE.iter().filter(|entry| !entry.is_ours()).count(),
+        if cfg!(feature = "peers") { PEERS.len() } else { 0 }
+    );
+}
+
+#[test]
+fn an_experiment_may_name_peers_that_were_not_compiled() {
+    let names = PEERS.map(|peer| format!("\"{}\"", peer.name)).join(", ");
+    let scene = "[[scene]]\nname = \"clustered\"\ndim = [2, 3]\nn = 200\nsize-ratio = [1, 4]\n";
+    let rows = rows(
+        Path::new("."),
+        &format!(
+            "{HEAD}detectors = [\"nbs\", {names}]\narithmetics = [\"f32\", \"exact\"]\n{scene}"
+        ),
+    );
+    assert_eq!(rows.len(), 4 * 2 * (1 + PEERS.len()) * 3);
+    for row in &rows {
+        let peer = row.id.detector != "nbs";
+        if peer && !cfg!(feature = "peers") {
+            assert_eq!(row.outcome, Outcome::Unavailable);
+            assert_eq!(Some(&row.reason), peers::missing(&row.id.detector).as_ref());
+        } else {
+            assert_eq!(row.outcome, Outcome::Ok, "{row:?}");
+            assert_eq!(row.formula_bytes.is_some(), !peer && row.peak_bytes.is_some());
+        }
+    }
+}
+
+#[test]
+fn runners_are_right_or_unavailable() {
+    let scenes = "[[scene]]\nname = \"packed\"\nn = 300\nsize-ratio = 3\n[[scene]]\nname = \
+                  \"packed\"\ndim = 3\nn = [0, 300]\n";
+    let text =
+        format!("{HEAD}memory-limit-mib = 16384\ndetectors = [\"nbs\"]\n{scenes}{}", runners());
+    let rows = rows(Path::new(env!("CARGO_MANIFEST_DIR")), &text);
+    for row in rows.iter().filter(|row| row.id.detector != "nbs") {
+        let wrong = row.outcome == Outcome::Wrong && SINGLE.contains(&row.id.detector.as_str());
+        let absent = row.outcome == Outcome::Unavailable
+            && ["pip install", "apt-get install"].iter().any(|way| row.reason.contains(way));
+        // A periodic box needs an extent, and a neighbour list a cutoff.
+        let refused = row.outcome == Outcome::Refused && row.id.n < 2;
+        assert!(row.outcome == Outcome::Ok || wrong || absent || refused, "{row:?}");
+        assert_eq!(
+            row.time_ns.is_some(),
+            row.block == 1 && (row.outcome == Outcome::Ok || wrong),
+            "{row:?}"
+        );
+    }
+    for name in runners().lines().filter_map(|line| line.strip_prefix("name = ")) {
+        let last = rows.iter().rfind(|row| format!("\"{}\"", row.id.detector) == name).unwrap();
+        println!("{name}: {} {}", last.outcome.name(), last.reason);
+    }
+}
+
+#[test]
+fn runners_away_from_the_repository_say_where_to_start() {
+    let folder = tempfile::tempdir().unwrap();
+    let text =
+        format!("{HEAD}detectors = [\"nbs\"]\n[[scene]]\nname = \"packed\"\nn = 10\n{}", runners());
+    for row in rows(folder.path(), &text).iter().filter(|row| row.id.detector != "nbs") {
+        assert!(
+            row.outcome == Outcome::Unavailable
+                && row.reason.contains("in the root of the repository"),
+            "{row:?}"
+        );
+    }
+}
+
+/// A library that cannot be imported, by one of its name that fails to be.
+#[test]
+fn a_python_runner_without_its_library_says_how_to_install_it() {
+    let folder = tempfile::tempdir().unwrap();
+    for (runner, module, package) in [
+        ("ckdtree", "scipy", "scipy"),
+        ("mdanalysis", "MDAnalysis", "MDAnalysis"),
+        ("freud_query", "freud", "freud-analysis"),
+        ("vesin_list", "vesin", "vesin"),
+    ] {
+        crate::common::file(
+            folder.path(),
+            &format!("{module}.py"),
+            "raise ImportError('hidden')\n",
+        );
+        let script = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("runners/{runner}.py"));
+        let command = Command::new("python3")
+            .arg(script)
+            .env("PYTHONPATH", folder.path())
+            .stdin(Stdio::null())
+            .output();
+        let Ok(output) = command else {
+            crate::common::untested("runners in Python without their libraries", "python3");
+            return;
+        };
+        let said = String::from_utf8(output.stdout).unwrap();
+        let reply: serde_json::Value =
+            serde_json::from_str(&said).unwrap_or_else(|e| panic!("{runner}: {e}: {said}"));
+        let reason = reply["reason"].as_str().unwrap();
+        assert!(reply["reply"] == "unavailable" && output.status.success(), "{runner}: {said}");
+        assert!(
+            reason.contains(&format!("pip install {package}"))
+                || reason.contains("pip install numpy"),
+            "{runner}: {reason}"
+        );
+    }
+}
+
+#[test]
+fn a_runner_without_a_compiler_says_how_to_install_it() {
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("runners/run.sh");
+    let start = |name: &str, compiler: &str| {
+        let mut command = Command::new("sh");
+        command
+            .arg(&script)
+            .arg(name)
+            .env("CXX", compiler)
+            .env("XDG_CACHE_HOME", env!("CARGO_TARGET_TMPDIR"));
+        let mut child = command.stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
+        // A runner that says no more has closed its input.
+        let _ = child.stdin.take().unwrap().write_all(b"{\"request\":\"quit\"}\n");
+        serde_json::from_slice::<serde_json::Value>(&child.wait_with_output().unwrap().stdout)
+            .unwrap()
+    };
+    for (name, words) in [("nanoflann", "libnanoflann-dev"), ("cgal", "libcgal-dev")] {
+        let reply = start(name, "no-such-compiler");
+        assert!(
+            reply["reply"] == "unavailable" && reply["reason"].as_str().unwrap().contains(words),
+            "{reply}"
+        );
+    }
+    assert!(
+        start("flann", "no-such-compiler")["reason"].as_str().unwrap().contains("no runner flann")
+    );
+}

@@ -1,0 +1,144 @@
+//! README and the pages in docs are true: the Rust code is the code of the example, which is
+//! compiled and right, and the commands work as written.
+
+use std::path::Path;
+use std::process::Command;
+
+const README: &str = include_str!("../../README.md");
+const DETECTORS: &str = include_str!("../../docs/DETECTORS.md");
+const EXAMPLE: &str = include_str!("../../examples/add_a_detector.rs");
+
+/// The text of all fenced blocks of a language, in order.
+fn blocks(page: &str, language: &str) -> Vec<String> {
+    let (mut found, mut inside) = (Vec::new(), None);
+    for line in page.lines() {
+        match (line.strip_prefix("```"), &mut inside) {
+            (Some(name), None) => inside = Some((name.to_string(), String::new())),
+            (Some(_), Some(_)) => found.extend(inside.take()),
+            (None, Some((_, text))) => *text += &format!("{line}\n"),
+            (None, None) => {}
+        }
+    }
+    assert!(inside.is_none(), "a fenced block is not closed");
+    found.into_iter().filter(|(name, _)| name == language).map(|(_, text)| text).collect()
+}
+
+/// What stands between `// PAGE: name` and `// PAGE: end` in the example, without common
+/// indentation.
+fn marked(name: &str) -> String {
+    let lines =
+        EXAMPLE.lines().skip_while(|line| line.trim() != format!("// PAGE: {name}")).skip(1);
+    let lines: Vec<&str> = lines.take_while(|line| line.trim() != "// PAGE: end").collect();
+    let indent = lines
+        .iter()
+        .filter(|line| !line.is_empty())
+        .map(|line| line.len() - line.trim_start().len())
+        .min()
+        .unwrap_or(0);
+    lines.iter().map(|line| format!("{}\n", line.get(indent..).unwrap_or_default())).collect()
+}
+
+#[test]
+fn the_code_is_that_of_the_example() {
+    let (detector, table) = (marked("detector"), marked("table"));
+    assert_eq!(blocks(DETECTORS, "rust"), [detector.clone(), table]);
+    assert!((10..50).contains(&detector.lines().count()), "{} lines", detector.lines().count());
+}
+
+/// Runs the commands of a page in order and in one folder, so that a block can use the files of
+/// those before it; their number. Blocks that begin with cargo build and run for minutes, and are
+/// left out.
+fn run_commands_of(page: &str, folder: &Path) -> usize {
+    let program = Path::new(env!("CARGO_BIN_EXE_contactbench"));
+    let path = std::env::join_paths(
+        std::iter::once(program.parent().unwrap().to_path_buf())
+            .chain(std::env::split_paths(&std::env::var_os("PATH").unwrap())),
+    );
+    let path = path.unwrap();
+    let mut run = 0;
+    for block in blocks(page, "sh").iter().filter(|block| !block.starts_with("cargo ")) {
+        let result = Command::new("sh")
+            .args(["-euc", block])
+            .current_dir(folder)
+            .env("PATH", &path)
+            .output()
+            .unwrap();
+        let errors = String::from_utf8_lossy(&result.stderr);
+        assert!(
+            result.status.success(),
+            "{}:\n{block}\n{}{errors}",
+            result.status,
+            String::from_utf8_lossy(&result.stdout)
+        );
+        run += block.lines().filter(|line| line.starts_with("contactbench ")).count();
+    }
+    run
+}
+
+#[test]
+fn the_commands_work_as_written() {
+    let folder = tempfile::tempdir().unwrap();
+    assert_eq!(run_commands_of(README, folder.path()), 4, "commands of README");
+    assert_eq!(
+        std::fs::read_to_string(folder.path().join("pairs.csv")).unwrap(),
+        "i,j\n0,1\n2,3\n"
+    );
+}
+
+#[test]
+fn the_commands_of_the_pages_work_as_written() {
+    let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs");
+    let mut pages = 0;
+    for entry in std::fs::read_dir(docs).unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_some_and(|ending| ending == "md") {
+            let folder = tempfile::tempdir().unwrap();
+            eprintln!(
+                "{}: {} commands",
+                path.display(),
+                run_commands_of(&std::fs::read_to_string(&path).unwrap(), folder.path())
+            );
+            pages += 1;
+        }
+    }
+    assert!(pages > 0);
+}
+
+/// Files named in links are there; those of the reference run only once there is one.
+#[test]
+fn links_lead_somewhere() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let reference = root.join("results/reference").exists();
+    for file in ["README.md", "DESIGN.md", "BIAS.md", "CHANGELOG.md"] {
+        let text = std::fs::read_to_string(root.join(file)).unwrap();
+        for target in
+            text.split("](").skip(1).filter_map(|rest| rest.split(')').next()).filter(|target| {
+                !target.contains("://") && (reference || !target.starts_with("results/reference"))
+            })
+        {
+            let target = target.split('#').next().unwrap();
+            assert!(root.join(target).exists(), "{file} links to {target}, which is not there");
+        }
+    }
+}
+
+#[test]
+fn code_lines_are_at_most_100_columns() {
+    fn look(folder: &Path, wide: &mut Vec<String>) {
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                look(&path, wide);
+            } else if path.extension().is_some_and(|ending| ending == "rs") {
+                let text = std::fs::read_to_string(&path).unwrap();
+                let lines = text.lines().enumerate().filter(|(_, line)| line.chars().count() > 100);
+                wide.extend(lines.map(|(k, _)| format!("{}:{}", path.display(), k + 1)));
+            }
+        }
+    }
+    let (root, mut wide) = (Path::new(env!("CARGO_MANIFEST_DIR")), Vec::new());
+    for folder in ["src", "core/src", "benches"] {
+        look(&root.join(folder), &mut wide);
+    }
+    assert!(wide.is_empty(), "{wide:#?}");
+}
