@@ -1,9 +1,9 @@
 //! `new-detector`: what it does, in a line (author, year, "title", section).
 //!
-//! 1. The elements are sorted along x.
+//! 1. The particles are sorted along x.
 //! 2. Each is tested against those after it, as long as they are within reach along x.
 //!
-//! * Cost: N log N key comparisons for N elements, and a bound test for every pair within reach
+//! * Cost: N log N key comparisons for N particles, and a bound test for every pair within reach
 //!   along x: N^(2 - 1/D) in a box.
 //! * Memory: `16N` bytes.
 //! * Refuses scenes over the memory limit.
@@ -19,12 +19,12 @@ use crate::sink::Sink;
 /// Sorts along x, and tests what is within reach: a place to begin.
 pub struct NewDetector {
     options: Options,
-    /// x and number of each element, by x. Kept from call to call: a second detection of a scene
+    /// x and number of each particle, by x. Kept from call to call: a second detection of a scene
     /// allocates nothing.
     order: Vec<(f64, u32)>,
 }
 
-/// What the memory formula says for `n` elements: 8 bytes of x, 4 of the number, 4 of padding.
+/// What the memory formula says for `n` particles: 8 bytes of x, 4 of the number, 4 of padding.
 fn bytes(n: usize) -> u64 {
     16 * n as u64
 }
@@ -48,7 +48,7 @@ impl<T: Real, const D: usize> Detector<T, D> for NewDetector {
     ) -> Result<(), Refusal> {
         let n = bodies.len();
         // Before anything is allocated or reported.
-        within(&self.options, "new-detector", bytes(n), || format!("{n} elements"))?;
+        within(&self.options, "new-detector", bytes(n), || format!("{n} particles"))?;
         self.order.clear();
         self.order.reserve_exact(n);
         self.order.extend((0..n as u32).map(|id| (bodies.position(id)[0], id)));

@@ -1,8 +1,8 @@
 //! Time of one detection, from raw coordinates to the complete list of pairs in a reused buffer:
 //! dense pack of spheres, shuffled.
 //!
-//! `cargo bench --bench detectors` prints nanoseconds per detection and elements per second, up to
-//! a million elements. The paired comparison with intervals is the experiment `million`; a time
+//! `cargo bench --bench detectors` prints nanoseconds per detection and particles per second, up to
+//! a million particles. The paired comparison with intervals is the experiment `million`; a time
 //! here is of this machine and gates nothing.
 
 use contactbench::contact::Test;

@@ -1,5 +1,5 @@
 //! `streamed-nbs` on every instruction set of this processor, in turn on the same scenes:
-//! nanoseconds per element, medians, and the ratio to the widest, block by block.
+//! nanoseconds per particle, medians, and the ratio to the widest, block by block.
 //!
 //! `cargo bench --bench levels -- [N] [scene ...]`, by default 1000000 and six scenes. Gates
 //! nothing.
@@ -34,7 +34,7 @@ fn main() -> anyhow::Result<()> {
     }
     let levels = Level::all();
     println!(
-        "N = {n}, one thread, exact, {BLOCKS} blocks: ns per element (ratio to {})",
+        "N = {n}, one thread, exact, {BLOCKS} blocks: ns per particle (ratio to {})",
         levels[0].name()
     );
     for text in scenes {

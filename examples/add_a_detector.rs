@@ -16,7 +16,7 @@ use contactbench::sink::{Digest, Sink};
 use contactbench::{filter, oracle};
 
 // PAGE: detector
-/// Sorts the elements by x and tests each against those that follow within reach.
+/// Sorts the particles by x and tests each against those that follow within reach.
 pub struct SweepX(Options, Vec<u32>);
 
 impl Declare for SweepX {
@@ -37,7 +37,7 @@ impl<T: Real, const D: usize> Detector<T, D> for SweepX {
         sink: &mut S,
     ) -> Result<(), Refusal> {
         let (n, x, order) = (bodies.len() as u32, |i: u32| bodies.position(i)[0], &mut self.1);
-        within(&self.0, "sweep-x", 4 * u64::from(n), || format!("{n} elements"))?;
+        within(&self.0, "sweep-x", 4 * u64::from(n), || format!("{n} particles"))?;
         order.clear();
         order.reserve_exact(n as usize);
         order.extend(0..n);
@@ -70,7 +70,7 @@ static TABLE: &[Entry] = &[
         summary: "sorts along x, tests what follows within reach",
         cost: "N log N key comparisons; contact tests grow as N^(2 - 1/D) in a box",
         memory: "4N",
-        limits: "many elements at the same x are N^2",
+        limits: "many particles at the same x are N^2",
         threads: false,
         parameters: &[],
         constructor: Both::<SweepX, SweepX>::boxed,

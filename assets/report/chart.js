@@ -130,7 +130,7 @@ function choice(label, name, options, chosen, changed) {
       button.addEventListener("click", () => change({ [key]: !state[key] }));
       return button;
     };
-    if (METRICS[state.metric].per) made.push(toggle("per-element", "per element", "per"));
+    if (METRICS[state.metric].per) made.push(toggle("per-particle", "per particle", "per"));
     made.push(toggle("log-x", "log x", "logX"), toggle("log-y", "log y", "logY"));
     const focus = document.activeElement?.id;
     controls.replaceChildren(...made);
@@ -211,7 +211,7 @@ function choice(label, name, options, chosen, changed) {
       values: (u, splits) => splits.map(short),
       ...(log && { splits: (u, k, min, max) => ticks(min, max), filter: (u, splits) => splits }),
     });
-    const unit = metric.per && state.per ? `${metric.unit} per element` : metric.unit;
+    const unit = metric.per && state.per ? `${metric.unit} per particle` : metric.unit;
     const place = (u) => ({ width: Math.max(box.clientWidth, 240), height: Math.round(Math.min(Math.max(box.clientWidth * 0.5, 300), 520)) });
 
     /** Markers, and the interval of each value. */

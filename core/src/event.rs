@@ -15,7 +15,7 @@ pub enum Event {
     /// A loop over particles has come to this one.
     Visit {
         /// The particle.
-        element: u32,
+        particle: u32,
     },
     /// The particle was put on a list, before the one that was first.
     Push {
@@ -24,7 +24,7 @@ pub enum Event {
         /// The number of the list in it.
         list: usize,
         /// The particle.
-        element: u32,
+        particle: u32,
         /// The one that was first.
         next: Option<u32>,
     },
@@ -58,7 +58,7 @@ pub enum Event {
     /// A particle's link was set back to empty.
     Unlink {
         /// The particle.
-        element: u32,
+        particle: u32,
     },
     /// This cell is to be checked against itself and its contact mask.
     Central {
@@ -79,7 +79,7 @@ pub enum Event {
         /// The axis.
         axis: usize,
         /// The particle, and its place before the sort.
-        element: u32,
+        particle: u32,
         /// The integerised coordinate.
         key: u32,
     },
@@ -147,7 +147,7 @@ pub enum Event {
         /// Column and row.
         cell: [u32; 2],
         /// The particle.
-        element: u32,
+        particle: u32,
         /// The one that was first.
         next: Option<u32>,
     },

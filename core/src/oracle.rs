@@ -72,17 +72,20 @@ impl Errors {
 }
 
 /// The three causes of error (representation, predicate, search), each against the step before it.
-/// The fields bear the names of older records.
+/// The aliases are the names in older records.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Causes {
     /// Representation: exact decisions on the scene as stored, against exact decisions on the
     /// scene as given.
-    pub input: Errors,
+    #[serde(alias = "input")]
+    pub representation: Errors,
     /// Predicate: the arithmetic's own contact test on all pairs, against exact decisions, both on
     /// the scene as stored.
-    pub arithmetic: Errors,
+    #[serde(alias = "arithmetic")]
+    pub predicate: Errors,
     /// Search: the detector's pairs, against the arithmetic's own contact test on all pairs.
-    pub algorithm: Errors,
+    #[serde(alias = "algorithm")]
+    pub search: Errors,
     /// Predicate and search together, which may cancel: the detector's pairs, against exact
     /// decisions on the scene as stored.
     pub stored: Errors,
@@ -139,12 +142,12 @@ pub enum NoTruth {
     },
     /// A defect of this program, never to be ignored.
     #[error(
-        "two detectors agree, but testing particle {element} against all others gives other \
+        "two detectors agree, but testing particle {particle} against all others gives other \
          contacts than theirs"
     )]
     Sample {
         /// Its index.
-        element: u32,
+        particle: u32,
     },
 }
 
@@ -167,7 +170,7 @@ pub fn truth_as_stored(scene: &AnyScene<'_>, test: Test) -> Result<Truth, NoTrut
 }
 
 fn brute_force(scene: &AnyScene<'_>, test: Test) -> Result<Vec<[u32; 2]>, Refusal> {
-    rows(scene, test, Rows { elements: None })
+    rows(scene, test, Rows { particles: None })
 }
 
 fn rows(scene: &AnyScene<'_>, test: Test, rows: Rows) -> Result<Vec<[u32; 2]>, Refusal> {
@@ -212,16 +215,16 @@ fn agreed(scene: &AnyScene<'_>, test: Test) -> Result<Vec<[u32; 2]>, NoTruth> {
 /// Tests random particles against all others.
 fn check_sample(scene: &AnyScene<'_>, test: Test, pairs: &[[u32; 2]]) -> Result<(), NoTruth> {
     let mut random = ChaCha8Rng::seed_from_u64(scene.len() as u64);
-    let mut elements: Vec<u32> = index::sample(&mut random, scene.len(), SAMPLE.min(scene.len()))
+    let mut particles: Vec<u32> = index::sample(&mut random, scene.len(), SAMPLE.min(scene.len()))
         .into_iter()
         .map(|k| k as u32)
         .collect();
-    elements.sort_unstable();
+    particles.sort_unstable();
     let mut chosen = vec![false; scene.len()];
-    elements.iter().for_each(|&k| chosen[k as usize] = true);
+    particles.iter().for_each(|&k| chosen[k as usize] = true);
     let theirs: Vec<[u32; 2]> =
         pairs.iter().copied().filter(|[i, j]| chosen[*i as usize] || chosen[*j as usize]).collect();
-    let mut ours = rows(scene, test, Rows { elements: Some(elements) })?;
+    let mut ours = rows(scene, test, Rows { particles: Some(particles) })?;
     ours.dedup(); // pairs of two chosen particles were tested from both sides
     if ours == theirs {
         return Ok(());
@@ -232,14 +235,14 @@ fn check_sample(scene: &AnyScene<'_>, test: Test, pairs: &[[u32; 2]]) -> Result<
         .find(|(a, b)| a != b)
         .map_or_else(|| ours.last().or(theirs.last()), |(a, _)| Some(a));
     Err(NoTruth::Sample {
-        element: differs.map_or(0, |[i, j]| if chosen[*i as usize] { *i } else { *j }),
+        particle: differs.map_or(0, |[i, j]| if chosen[*i as usize] { *i } else { *j }),
     })
 }
 
 /// Tests all pairs, or the given particles against all others; pairs in ascending order (twice
 /// where both particles are given).
 struct Rows {
-    elements: Option<Vec<u32>>,
+    particles: Option<Vec<u32>>,
 }
 
 impl<T: Real, const D: usize> WithBodies<T, D> for Rows {
@@ -251,12 +254,12 @@ impl<T: Real, const D: usize> WithBodies<T, D> for Rows {
                 .filter(move |&j| j != i && bodies.touch(i, j, &mut Silent))
                 .map(move |j| [i, j])
         };
-        let rows = self.elements.as_ref().map_or(n as usize, Vec::len);
+        let rows = self.particles.as_ref().map_or(n as usize, Vec::len);
         let found = parallel::contacts(rows, rayon::current_num_threads(), &|rows, pairs| {
             for row in rows {
-                match &self.elements {
+                match &self.particles {
                     None => pairs.extend(others(row as u32, row as u32 + 1)),
-                    Some(elements) => pairs.extend(others(elements[row], 0)),
+                    Some(particles) => pairs.extend(others(particles[row], 0)),
                 }
             }
         });

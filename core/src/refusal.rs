@@ -26,7 +26,7 @@ pub enum Refusal {
     Extent { axis: &'static str, low: f64, high: f64 },
     /// More particles than the lists can number.
     #[error("{detector} numbers at most {limit} particles, the scene has {n}; use direct")]
-    Elements { detector: &'static str, n: u64, limit: u64 },
+    Particles { detector: &'static str, n: u64, limit: u64 },
     /// The square of a diameter overflows in the arithmetic asked for.
     #[error(
         "the square of the largest diameter {diameter:e} overflows in {precision}; use \

@@ -7,9 +7,10 @@ use std::collections::BTreeSet;
 
 use anyhow::bail;
 
-use crate::cells::{Cell, is_operation, variables};
+use crate::cells::{Cell, variables};
 pub use crate::experiment::expression::Expression;
 use crate::experiment::nearest::hint;
+use crate::record::column::Column;
 use crate::record::row::{Outcome, Pass};
 
 /// What an expression gives for a cell.
@@ -27,7 +28,8 @@ impl Expression {
     /// Checks that these cells know its variables.
     pub fn check(&self, cells: &[Cell]) -> anyhow::Result<()> {
         let known = variables(cells);
-        if let Some((name, column)) = self.variables().find(|(name, _)| !known.contains(*name)) {
+        let unknown = |name: &str| Column::find(name).is_none() && !known.contains(name);
+        if let Some((name, column)) = self.variables().find(|(name, _)| unknown(name)) {
             bail!(
                 "unknown variable '{name}' at column {column} of '{self}'{}; the variables are: {}",
                 hint(name, known.iter().map(String::as_str)),
@@ -39,12 +41,7 @@ impl Expression {
 
     /// The passes it needs.
     pub fn passes(&self) -> Vec<Pass> {
-        let pass = |(name, _): (&str, usize)| match name {
-            "time_ns" => Some(Pass::Time),
-            "peak_bytes" | "live_bytes" | "allocations" | "warm_allocations" => Some(Pass::Memory),
-            name if is_operation(name) => Some(Pass::Count),
-            _ => None,
-        };
+        let pass = |(name, _): (&str, usize)| Column::find(name)?.pass;
         let passes: BTreeSet<Pass> = self.variables().filter_map(pass).collect();
         passes.into_iter().collect()
     }

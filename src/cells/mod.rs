@@ -14,28 +14,13 @@ use std::collections::{BTreeMap, BTreeSet};
 
 pub use crate::cells::expression::{Expression, Reading};
 use crate::oracle::{Causes, Errors};
-use crate::probe::Op;
+use crate::record::column::{COLUMNS, Column};
 pub use crate::record::id::{CellId, FIELDS};
 use crate::record::role::Role;
 use crate::record::row::{Measurement, Outcome, Pass, Row};
 pub use crate::record::value::AxisValue;
 use crate::scene::stats::Stats;
 use crate::stats::interval::{Interval, interval};
-
-/// Variables measured, besides operations and errors.
-const MEASURED: [&str; 11] = [
-    "time_ns",
-    "contacts",
-    "peak_bytes",
-    "live_bytes",
-    "allocations",
-    "warm_allocations",
-    "formula_bytes",
-    "packing_fraction",
-    "coordination",
-    "radius_ratio",
-    "true_contacts",
-];
 
 /// All that was measured of one detector on one scene.
 #[derive(Clone, Debug, Default)]
@@ -53,12 +38,8 @@ pub struct Cell {
     pub copies_ns: BTreeMap<u32, u64>,
     /// Why there are no copies, or not in all blocks.
     pub copies_failure: Option<(Outcome, String)>,
-    /// Pairs reported.
-    pub contacts: Option<u64>,
-    /// Operation counts, if they were taken.
-    pub counts: Option<BTreeMap<String, u64>>,
-    /// The numbers of the memory pass, by their names in the record.
-    pub memory: BTreeMap<&'static str, u64>,
+    /// What was measured besides times, by column.
+    pub values: BTreeMap<&'static str, f64>,
     /// Against exact decisions on the scene as given.
     pub errors: Option<Errors>,
     /// The same by cause.
@@ -125,23 +106,10 @@ impl Cell {
         if let (Pass::Time, Some(time)) = (row.pass, row.time_ns) {
             self.times.insert(row.block, time);
         }
-        if row.pass == Pass::Count && row.outcome.is_good() {
-            self.counts = Some(row.counts.clone());
-        }
-        self.contacts = row.contacts.or(self.contacts);
         self.errors = row.errors.or(self.errors);
         self.causes = row.causes.or(self.causes);
-        for (name, value) in [
-            ("peak_bytes", row.peak_bytes),
-            ("live_bytes", row.live_bytes),
-            ("allocations", row.allocations),
-            ("warm_allocations", row.warm_allocations),
-            ("formula_bytes", row.formula_bytes),
-        ] {
-            if let Some(value) = value {
-                self.memory.insert(name, value);
-            }
-        }
+        let repeating = COLUMNS.iter().filter(|column| column.repeats());
+        self.values.extend(repeating.filter_map(|column| Some((&*column.name, column.read(row)?))));
     }
 
     /// How the cell ended, as far as these passes go. A wrong answer in any pass makes the whole
@@ -184,30 +152,17 @@ impl Cell {
 
     /// A variable, with this time in place of the median where one is given.
     pub fn variable(&self, name: &str, time_ns: Option<f64>) -> Option<f64> {
-        match name {
-            "time_ns" => time_ns.or_else(|| Some(self.time()?.median)),
-            "contacts" => self.contacts.map(|v| v as f64),
-            "packing_fraction" => Some(self.stats.packing_fraction),
-            "coordination" => Some(self.stats.coordination),
-            "radius_ratio" => self.stats.radius_ratio,
-            "true_contacts" => Some(errors::true_contacts(self)),
-            _ if is_operation(name) => {
-                self.counts.as_ref().map(|counts| counts.get(name).copied().unwrap_or(0) as f64)
-            }
-            _ => match self.memory.get(name) {
-                Some(&bytes) => Some(bytes as f64),
-                None => self
-                    .id
-                    .axis(name)
-                    .and_then(|value| value.number())
-                    .or_else(|| errors::variable(self, name)),
-            },
+        match Column::find(name) {
+            Some(column) if !column.repeats() => time_ns.or_else(|| Some(self.time()?.median)),
+            Some(column) => self.values.get(&*column.name).copied(),
+            None => self.id.axis(name)?.number(),
         }
     }
-}
 
-pub(crate) fn is_operation(name: &str) -> bool {
-    Op::ALL.iter().any(|op| op.name() == name)
+    /// Was anything measured that this pass measures?
+    pub fn has(&self, pass: Pass) -> bool {
+        Column::measured_by(pass).any(|column| self.values.contains_key(&*column.name))
+    }
 }
 
 /// Which outcome speaks for a cell whose rows differ.
@@ -228,13 +183,12 @@ fn severity(outcome: Outcome) -> u8 {
 pub fn variables(cells: &[Cell]) -> BTreeSet<String> {
     let fixed = ["n", "dim", "seed", "threads"]
         .into_iter()
-        .chain(MEASURED)
-        .chain(Op::ALL.iter().map(|op| op.name()));
+        .chain(COLUMNS.iter().map(|column| &*column.name));
     let numbers = cells.iter().flat_map(|cell| {
         let names = cell.id.names().filter(|name| !FIELDS.contains(&name.as_str()));
         names.filter(|name| cell.id.axis(name).is_some_and(|value| value.number().is_some()))
     });
-    fixed.map(String::from).chain(errors::names()).chain(numbers).collect()
+    fixed.map(String::from).chain(numbers).collect()
 }
 
 #[cfg(test)]

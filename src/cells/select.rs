@@ -8,6 +8,7 @@ use anyhow::bail;
 
 use crate::cells::{Cell, variables};
 use crate::experiment::Where;
+use crate::record::column::Column;
 use crate::record::id::variable;
 use crate::record::value::AxisValue;
 
@@ -18,7 +19,8 @@ pub fn select<'a>(cells: &'a [Cell], filter: &Where) -> anyhow::Result<Vec<&'a C
         filter.iter().map(|(name, values)| (variable(name), &values[..])).collect();
     for (name, _) in &filter {
         let known = |cell: &Cell| cell.id.axis(name).is_some();
-        if !cells.is_empty() && !cells.iter().any(known) && !variables(cells).contains(name) {
+        let measured = Column::find(name).is_some() || variables(cells).contains(name);
+        if !cells.is_empty() && !cells.iter().any(known) && !measured {
             let mut names: Vec<String> = cells.iter().flat_map(|cell| cell.id.names()).collect();
             names.sort_unstable();
             names.dedup();

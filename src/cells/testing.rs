@@ -16,7 +16,7 @@ pub struct Lab {
 }
 
 impl Lab {
-    /// A 2D scene with 100 elements, seed 1, and the detector `nbs`.
+    /// A 2D scene with 100 particles, seed 1, and the detector `nbs`.
     pub fn new(experiment: &str, scene: &str) -> Lab {
         let id = CellId {
             experiment: experiment.into(),

@@ -1,9 +1,9 @@
 //! Fuzzing: any bytes make a scene, and often one that is hard; every detector must be right on it.
 //!
 //! Random doubles are never tangent, hardly ever near, and mostly refused by grids. So bytes are
-//! instructions: most elements stand in a lattice of small whole numbers, or exactly a diameter
+//! instructions: most particles stand in a lattice of small whole numbers, or exactly a diameter
 //! from an earlier one, or some units in the last place beside such a place; few are raw doubles,
-//! subnormal or huge. The first four bytes say what holds for all elements:
+//! subnormal or huge. The first four bytes say what holds for all particles:
 //!
 //! | byte | says |
 //! |---|---|
@@ -12,7 +12,7 @@
 //! | 2 | the offset of lattices from the origin, up to 15·2^60 units |
 //! | 3 | the radius: 1/2 to 16 halves of a unit, one of some odd lengths, or 0 |
 //!
-//! Then each element takes a byte that says how its place is found, and what that needs. Where the
+//! Then each particle takes a byte that says how its place is found, and what that needs. Where the
 //! bytes end, so does the scene.
 
 use crate::check::contender::{Answer, Expected, answer};
@@ -24,7 +24,7 @@ use crate::detect::{Options, Refusal};
 use crate::scene::{AnyScene, Radii, Scene, SceneError};
 use crate::{io, oracle};
 
-/// Elements at most.
+/// Particles at most.
 const MOST: usize = 64;
 
 /// A fuzzer is slow with large arrays: detectors refuse early.
@@ -88,7 +88,7 @@ impl<'a> Maker<'a> {
         Some(Maker { bytes, mixed: form & 2 != 0, unit, offset, radius, numbers })
     }
 
-    /// The radius of the next element.
+    /// The radius of the next particle.
     fn radius(&mut self) -> Option<f64> {
         if !self.mixed {
             return Some(self.radius);
@@ -106,13 +106,13 @@ impl<'a> Maker<'a> {
         })
     }
 
-    /// Adds an element; none where the bytes end.
-    fn element(&mut self) -> Option<()> {
+    /// Adds a particle; none where the bytes end.
+    fn particle(&mut self) -> Option<()> {
         let how = self.bytes.next()?;
         let radius = self.radius()?;
         let (dim, stride, n) = (self.numbers.dim, self.numbers.stride(), self.numbers.len());
         let mut place = [self.offset; 3];
-        // The element beside which this one is put, and the distance at which the two just touch.
+        // The particle beside which this one is put, and the distance at which the two just touch.
         let (mut beside, mut contact) = (place, 2.0 * radius);
         if n > 0 && matches!(how % 8, 1 | 2 | 3 | 7) {
             let other = &self.numbers.values[usize::from(self.bytes.next()?) % n * stride..];
@@ -167,7 +167,7 @@ impl<'a> Maker<'a> {
                 }
             }
             7 => {
-                // Where cells of the book end: whole diameters from another element.
+                // Where cells of the book end: whole diameters from another particle.
                 for axis in 0..dim {
                     place[axis] =
                         beside[axis] + f64::from(self.bytes.next()? as i8) * (2.0 * self.radius);
@@ -214,7 +214,7 @@ fn nudged(x: f64, steps: i32) -> f64 {
 /// invalid one is not.
 pub fn scene_from_bytes(data: &[u8]) -> Option<AnyScene<'static>> {
     let mut maker = Maker::new(data)?;
-    while maker.numbers.len() < MOST && maker.element().is_some() {}
+    while maker.numbers.len() < MOST && maker.particle().is_some() {}
     let numbers = &maker.numbers;
     let valid =
         |(k, x): (usize, &f64)| x.is_finite() && (k % numbers.stride() != numbers.dim || *x >= 0.0);
@@ -232,7 +232,7 @@ pub fn fuzz_one(data: &[u8]) {
     let Some(scene) = scene_from_bytes(data) else { return };
     the_truth_is_exact(&scene);
     let keep = data[0] & 4 != 0;
-    // With a history: some elements, all, others in another order, all once more.
+    // With a history: some particles, all, others in another order, all once more.
     let n = scene.len() as u32;
     let mut scenes = vec![scene];
     if keep {
@@ -307,19 +307,19 @@ fn the_truth_is_exact(scene: &AnyScene<'_>) {
         panic!("exact arithmetic refuses:\n{}", as_csv(scene))
     };
     let numbers = Numbers::of(scene);
-    let elements: Vec<([f64; 3], f64)> = numbers
+    let particles: Vec<([f64; 3], f64)> = numbers
         .values
         .chunks_exact(numbers.stride())
-        .map(|element| {
+        .map(|particle| {
             (
-                std::array::from_fn(|k| if k < numbers.dim { element[k] } else { 0.0 }),
-                element[numbers.dim],
+                std::array::from_fn(|k| if k < numbers.dim { particle[k] } else { 0.0 }),
+                particle[numbers.dim],
             )
         })
         .collect();
-    let all = (0..elements.len()).flat_map(|i| (i + 1..elements.len()).map(move |j| (i, j)));
+    let all = (0..particles.len()).flat_map(|i| (i + 1..particles.len()).map(move |j| (i, j)));
     let touching = all.filter(|&(i, j)| {
-        exact::compare(&elements[i].0, &elements[j].0, elements[i].1, elements[j].1).is_le()
+        exact::compare(&particles[i].0, &particles[j].0, particles[i].1, particles[j].1).is_le()
     });
     let pairs: Vec<[u32; 2]> = touching.map(|(i, j)| [i as u32, j as u32]).collect();
     assert!(pairs == truth.pairs, "the filter of the exact test is wrong on\n{}", as_csv(scene));

@@ -46,7 +46,7 @@ pub(super) const CASES: &[Case] = &[
     case("pack-d", &[2], &[("s", 3.0)]),
 ];
 
-/// Small numbers of elements, the smallest included.
+/// Small numbers of particles, the smallest included.
 pub(super) const SIZES: &[u64] = &[0, 1, 2, 3, 17, 100, 300];
 
 impl Case {

@@ -12,6 +12,7 @@
 
 pub mod bytes;
 mod cases;
+mod checker;
 pub mod contender;
 pub mod conversation;
 pub mod listed;
@@ -22,24 +23,22 @@ pub mod shrink;
 mod wrong;
 
 use std::collections::BTreeMap;
-use std::mem::discriminant;
-use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
-use cases::{CASES, SIZES};
-use contender::{Contender, Question, Respondent};
-use rand::{Rng, RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
+use checker::Checker;
+use contender::Contender;
 pub use regression::as_csv;
-use shrink::{Effort, shrink};
+use shrink::Effort;
 pub use wrong::{Differences, Wrong};
 
 use crate::contact::Arithmetic;
 use crate::detect::Options;
 use crate::detect::table::Entry;
-use crate::io;
-use crate::oracle::{self, NoTruth, Truth};
-use crate::scene::{AnyScene, hard};
+use crate::scene::AnyScene;
+
+/// No scene of the battery needs more than this if it is not to be refused, and a small machine has
+/// it. To fill much more takes as long as a hang.
+const MOST_BYTES: u64 = 256 << 20;
 
 /// How far a check goes.
 #[derive(Clone, Copy, Debug)]
@@ -166,266 +165,4 @@ pub fn one_scene(
     let mut checker = Checker::new(contenders, limits)?;
     checker.scene("given", scene, || name.into(), arithmetics)?;
     Ok(checker.report)
-}
-
-/// Scenes that were once got wrong: see `tests/regressions`.
-const REGRESSIONS: [(&str, &str); 4] = [
-    ("far-apart.csv", include_str!("../../tests/regressions/far-apart.csv")),
-    ("subnormal.csv", include_str!("../../tests/regressions/subnormal.csv")),
-    ("tangent-3-4-5.csv", include_str!("../../tests/regressions/tangent-3-4-5.csv")),
-    ("three-discs.csv", include_str!("../../tests/regressions/three-discs.csv")),
-];
-
-/// Scenes of random bytes for each seed, and the lengths of the bytes: in longer ones elements are
-/// too far apart for cells.
-const RANDOM: u64 = 200;
-const LENGTHS: std::ops::Range<usize> = 4..64;
-
-struct Checker<'a> {
-    limits: &'a Limits,
-    started: Instant,
-    contenders: Vec<(&'a Contender, Box<dyn Respondent>)>,
-    report: Report,
-}
-
-impl<'a> Checker<'a> {
-    fn new(contenders: &'a [Contender], limits: &'a Limits) -> anyhow::Result<Checker<'a>> {
-        let entered = |contender: &'a Contender| {
-            Ok((contender, contender.respondent(limits.options, limits.deadline)?))
-        };
-        let contenders = contenders.iter().map(entered).collect::<anyhow::Result<_>>()?;
-        Ok(Checker { limits, started: Instant::now(), contenders, report: Report::default() })
-    }
-
-    /// There is nobody left to check.
-    fn decided(&self) -> bool {
-        self.report.failures.len() == self.contenders.len()
-    }
-
-    /// The time is over, or there is nobody left to check.
-    fn over(&self) -> bool {
-        self.started.elapsed() > self.limits.time || self.decided()
-    }
-
-    /// False if it is over.
-    fn generated(&mut self, seed: u64, arithmetics: &[Arithmetic]) -> anyhow::Result<bool> {
-        for case in CASES {
-            for &dim in case.dims {
-                for &n in SIZES {
-                    if seed > 1 && self.over() || self.decided() {
-                        return Ok(false);
-                    }
-                    let spec = case.spec(dim, n, seed)?;
-                    let params = || {
-                        spec.params
-                            .iter()
-                            .map(|(name, value)| format!(" {name}={value}"))
-                            .collect::<String>()
-                    };
-                    let name = || {
-                        format!(
-                            "{} dim={} n={} seed={}{}",
-                            spec.name,
-                            spec.dim,
-                            spec.n,
-                            spec.seed,
-                            params()
-                        )
-                    };
-                    self.scene("generated", &spec.make()?, name, arithmetics)?;
-                }
-            }
-        }
-        Ok(true)
-    }
-
-    fn hard_cases(&mut self, arithmetics: &[Arithmetic]) -> anyhow::Result<()> {
-        for case in hard::cases().filter(|case| case.expect != hard::Expect::Invalid) {
-            for &dim in case.dims {
-                if self.over() {
-                    return Ok(());
-                }
-                let steps = case.steps(dim)?;
-                for (k, scene) in steps.iter().enumerate() {
-                    let step = if steps.len() == 1 {
-                        String::new()
-                    } else {
-                        format!(", step {} of {}", k + 1, steps.len())
-                    };
-                    self.scene(
-                        "hard cases",
-                        scene,
-                        || format!("hard case {} in {dim}D{step}", case.name),
-                        arithmetics,
-                    )?;
-                }
-            }
-        }
-        Ok(())
-    }
-
-    fn regressions(&mut self, arithmetics: &[Arithmetic]) -> anyhow::Result<()> {
-        for (name, text) in REGRESSIONS {
-            if self.decided() {
-                break;
-            }
-            let scene = io::from(text.as_bytes(), name, "csv", io::Options::default())?;
-            self.scene("regressions", &scene, || format!("tests/regressions/{name}"), arithmetics)?;
-        }
-        Ok(())
-    }
-
-    /// False if it is over.
-    fn random_bytes(&mut self, seed: u64, arithmetics: &[Arithmetic]) -> anyhow::Result<bool> {
-        let mut random = ChaCha8Rng::seed_from_u64(seed);
-        for k in 0..RANDOM {
-            if self.over() {
-                return Ok(false);
-            }
-            let mut data = vec![0; random.random_range(LENGTHS)];
-            random.fill_bytes(&mut data);
-            if let Some(scene) = bytes::scene_from_bytes(&data) {
-                self.scene(
-                    "random bytes",
-                    &scene,
-                    || format!("random bytes, seed {seed}, number {k}"),
-                    arithmetics,
-                )?;
-            }
-        }
-        Ok(true)
-    }
-
-    fn scene(
-        &mut self,
-        source: &'static str,
-        scene: &AnyScene<'static>,
-        name: impl Fn() -> String,
-        arithmetics: &[Arithmetic],
-    ) -> anyhow::Result<()> {
-        *self.report.scenes.entry(source).or_default() += 1;
-        for &arithmetic in arithmetics {
-            let (stored, truth) = match truth(scene, arithmetic) {
-                Ok(found) => found,
-                Err(error @ (NoTruth::Refused(_) | NoTruth::Stored(_))) => {
-                    *self
-                        .report
-                        .refused
-                        .entry(format!("{}: {error}", arithmetic.name()))
-                        .or_default() += 1;
-                    continue;
-                }
-                Err(error) => return Err(error.into()),
-            };
-            for (contender, respondent) in &mut self.contenders {
-                if self.report.failures.iter().any(|failure| failure.detector == contender.name()) {
-                    continue;
-                }
-                let question = Question {
-                    given: scene,
-                    stored: &stored,
-                    arithmetic,
-                    fresh: false,
-                    truth: &truth,
-                };
-                let answer = respondent.ask(&question)?;
-                if let Some(reason) = answer.refusal() {
-                    *self
-                        .report
-                        .refused
-                        .entry(format!("{}: {reason}", contender.name()))
-                        .or_default() += 1;
-                } else {
-                    self.report.cases += 1;
-                }
-                if let Some(found) = answer.wrong(&truth) {
-                    let (smallest, wrong) =
-                        simplest(contender, arithmetic, scene, &found, self.limits)?;
-                    let detector = contender.name().to_string();
-                    self.report.failures.push(Failure {
-                        detector,
-                        arithmetic,
-                        found_on: name(),
-                        found,
-                        smallest,
-                        wrong,
-                    });
-                }
-            }
-        }
-        Ok(())
-    }
-}
-
-/// The scene as the arithmetic stores it, and the pairs to be found.
-fn truth(
-    scene: &AnyScene<'_>,
-    arithmetic: Arithmetic,
-) -> Result<(Arc<AnyScene<'static>>, Truth), NoTruth> {
-    let stored = Arc::new(scene.stored(arithmetic)?);
-    let truth = oracle::truth_as_stored(&stored, arithmetic.test())?;
-    Ok((stored, truth))
-}
-
-/// No scene of the battery needs more than this if it is not to be refused, and a small machine has
-/// it. To fill much more takes as long as a hang.
-const MOST_BYTES: u64 = 256 << 20;
-/// A contender that hangs is given up, and after some of them the shrinking, since each leaves a
-/// thread behind.
-const SHRINKING_DEADLINE: Duration = Duration::from_secs(1);
-const SHRINKING_HANGS: u32 = 2;
-
-/// The smallest scene found on which a fresh detector is wrong, and in which way.
-fn simplest(
-    contender: &Contender,
-    arithmetic: Arithmetic,
-    scene: &AnyScene<'static>,
-    found: &Wrong,
-    limits: &Limits,
-) -> anyhow::Result<(AnyScene<'static>, Option<Wrong>)> {
-    if matches!(found, Wrong::Hangs(_)) {
-        return Ok((scene.clone(), Some(found.clone())));
-    }
-    let wrong = |respondent: &mut dyn Respondent,
-                 scene: &AnyScene<'static>,
-                 fresh: bool|
-     -> anyhow::Result<Option<Wrong>> {
-        let Ok((stored, truth)) = truth(scene, arithmetic) else { return Ok(None) };
-        let question = Question { given: scene, stored: &stored, arithmetic, fresh, truth: &truth };
-        Ok(respondent.ask(&question)?.wrong(&truth))
-    };
-    let mut patient = contender.respondent(limits.options, limits.deadline)?;
-    let Some(first) = wrong(&mut *patient, scene, true)? else { return Ok((scene.clone(), None)) };
-    let options =
-        Options { memory_limit: limits.options.memory_limit.min(MOST_BYTES), ..limits.options };
-    let mut respondent = contender.respondent(options, limits.deadline.min(SHRINKING_DEADLINE))?;
-    let mut hangs = 0;
-    let mut smaller = |fresh: bool| {
-        shrink(scene, limits.effort, |scene| {
-            hangs < SHRINKING_HANGS
-                && match wrong(&mut *respondent, scene, fresh) {
-                    Ok(Some(Wrong::Hangs(_))) | Err(_) => {
-                        hangs += 1;
-                        false
-                    }
-                    // In the same way, or another defect may take its place.
-                    Ok(wrong) => {
-                        wrong.is_some_and(|wrong| discriminant(&wrong) == discriminant(&first))
-                    }
-                }
-        })
-    };
-    if contender.is_slow_to_make() {
-        // Most runners forget the scene before, and are a hundred times faster if they need not be
-        // started anew.
-        let smallest = smaller(false);
-        if let Some(wrong) = wrong(&mut *patient, &smallest, true)?
-            .filter(|wrong| discriminant(wrong) == discriminant(&first))
-        {
-            return Ok((smallest, Some(wrong)));
-        }
-    }
-    let smallest = smaller(true);
-    let wrong = wrong(&mut *patient, &smallest, true)?;
-    Ok((smallest, wrong))
 }

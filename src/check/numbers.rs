@@ -5,12 +5,12 @@ use nalgebra::Point;
 use crate::scene::{AnyScene, Radii, Real, Scene, SceneError, array};
 use crate::with_scene;
 
-/// The coordinates and the radius of every element, one after the other.
+/// The coordinates and the radius of every particle, one after the other.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Numbers {
     /// 2 or 3.
     pub dim: usize,
-    /// `dim + 1` numbers for each element, the radius last.
+    /// `dim + 1` numbers for each particle, the radius last.
     pub values: Vec<f64>,
 }
 
@@ -25,17 +25,17 @@ impl Numbers {
         Numbers { dim: scene.dim(), values }
     }
 
-    /// Numbers per element.
+    /// Numbers per particle.
     pub fn stride(&self) -> usize {
         self.dim + 1
     }
 
-    /// The number of elements.
+    /// The number of particles.
     pub fn len(&self) -> usize {
         self.values.len() / self.stride()
     }
 
-    /// True if there are no elements.
+    /// True if there are no particles.
     pub fn is_empty(&self) -> bool {
         self.values.is_empty()
     }
@@ -45,7 +45,7 @@ impl Numbers {
         self.values.iter().skip(self.dim).step_by(self.stride()).copied()
     }
 
-    /// Have not all elements the same radius?
+    /// Have not all particles the same radius?
     pub fn mixed(&self) -> bool {
         self.radii().any(|r| r != self.values[self.dim])
     }
@@ -67,7 +67,7 @@ impl Numbers {
     pub fn centres<const D: usize>(&self) -> Vec<Point<f64, D>> {
         self.values
             .chunks_exact(self.stride())
-            .map(|element| Point::from(std::array::from_fn(|k| element[k])))
+            .map(|particle| Point::from(std::array::from_fn(|k| particle[k])))
             .collect()
     }
 }

@@ -29,7 +29,7 @@ const ADDRESS_SPACE: u64 = 8 << 30;
 const GREETING: Duration = Duration::from_secs(30);
 /// Lines of what a runner said on its standard error that are kept.
 const LAST_LINES: usize = 12;
-/// The pairs of scenes of at most so many elements are always fetched.
+/// The pairs of scenes of at most so many particles are always fetched.
 const SMALL: usize = 100;
 
 /// A detector in another language.

@@ -11,9 +11,9 @@ use crate::scene::AnyScene;
 pub fn as_csv(scene: &AnyScene<'_>) -> String {
     let numbers = Numbers::of(scene);
     let mut text = String::from(if numbers.dim == 2 { "x,y,r\n" } else { "x,y,z,r\n" });
-    for element in numbers.values.chunks_exact(numbers.stride()) {
-        let element: Vec<String> = element.iter().map(|x| format!("{x:?}")).collect();
-        text.push_str(&element.join(","));
+    for particle in numbers.values.chunks_exact(numbers.stride()) {
+        let particle: Vec<String> = particle.iter().map(|x| format!("{x:?}")).collect();
+        text.push_str(&particle.join(","));
         text.push('\n');
     }
     text

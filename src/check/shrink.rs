@@ -1,12 +1,12 @@
-//! The smallest scene on which something still fails: few elements, few bits.
+//! The smallest scene on which something still fails: few particles, few bits.
 //!
-//! Passes of simplifications, until none helps any more or the effort is spent: elements are taken
+//! Passes of simplifications, until none helps any more or the effort is spent: particles are taken
 //! away in ever smaller chunks (Zeller and Hildebrandt 2002, doi:10.1109/32.988498, without their
-//! complements); all elements get one radius, lose an axis, move towards the origin, are scaled by
+//! complements); all particles get one radius, lose an axis, move towards the origin, are scaled by
 //! a power of two, are rounded; every number becomes 0, 1, or is rounded to ever more bits. A
 //! simplification stands if the scene costs less by it and still fails. The cost is, in this order:
-//! elements, more than one radius, significant bits of all numbers, their distance from 1 in binary
-//! places, minus signs. It falls with every step, so passes come to an end.
+//! particles, more than one radius, significant bits of all numbers, their distance from 1 in
+//! binary places, minus signs. It falls with every step, so passes come to an end.
 //!
 //! Translation and scaling are tried only where they are exact, so that they keep all distances.
 
@@ -27,7 +27,7 @@ pub struct Effort {
 /// To how many significant bits numbers are rounded.
 const BITS: [u32; 11] = [1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 40];
 
-/// This many elements are tried as the new origin.
+/// This many particles are tried as the new origin.
 const ORIGINS: usize = 16;
 
 type Cost = (usize, bool, u64, u64, u64);
@@ -55,7 +55,7 @@ pub fn shrink(
     let mut shrinker = Shrinker { cost: cost(&best), best, fails, trials: effort.trials, until };
     loop {
         let before = shrinker.cost;
-        shrinker.take_elements();
+        shrinker.take_particles();
         shrinker.change_all();
         shrinker.change_each();
         if shrinker.cost == before || shrinker.spent() {
@@ -109,7 +109,7 @@ impl<F: FnMut(&AnyScene<'static>) -> bool> Shrinker<F> {
         self.changed(change).is_some_and(|candidate| self.keeps(candidate))
     }
 
-    fn take_elements(&mut self) {
+    fn take_particles(&mut self) {
         let mut chunk = self.best.len().div_ceil(2);
         while chunk > 0 {
             let mut start = 0;

@@ -41,7 +41,7 @@ pub struct Differences {
     pub missed: Vec<[u32; 2]>,
     /// Reported pairs that do not touch.
     pub spurious: Vec<[u32; 2]>,
-    /// Elements reported with themselves.
+    /// Particles reported with themselves.
     pub selves: Vec<[u32; 2]>,
     /// Pairs reported again, once for each time.
     pub duplicate: Vec<[u32; 2]>,
@@ -80,7 +80,7 @@ impl fmt::Display for Differences {
             duplicate.len()
         )?;
         if !selves.is_empty() {
-            write!(f, ", {} of an element with itself", selves.len())?;
+            write!(f, ", {} of a particle with itself", selves.len())?;
         }
         for (kind, pairs) in [
             ("missed", missed),

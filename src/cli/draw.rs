@@ -23,7 +23,7 @@ pub struct Draw {
     /// A list of pairs (CSV: i,j): what it missed is drawn red and dashed, what it added orange
     #[arg(long)]
     pairs: Option<PathBuf>,
-    /// Writes the elements' numbers, or not (default: up to 60 elements)
+    /// Writes the particles' numbers, or not (default: up to 60 particles)
     #[arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "true")]
     labels: Option<bool>,
     /// Draws the cells of a detector

@@ -13,10 +13,10 @@ use crate::cli::shared::scene::Source;
 use crate::cli::shared::terminal;
 use crate::contact::Arithmetic;
 use crate::detect::Options;
-use crate::number::{number, plural};
-use crate::present::table::{Cell, Column, Table};
-use crate::recommend::race::{self, Question, Race, Standing};
-use crate::recommend::verdict::{self, Verdict};
+use crate::number::plural;
+use crate::present::recommendation;
+use crate::recommend::race::{self, Question};
+use crate::recommend::verdict::Verdict;
 use crate::record::row::Outcome;
 use crate::run::interrupt;
 use crate::scene::AnyScene;
@@ -52,7 +52,7 @@ pub fn recommend(options: &Recommend) -> anyhow::Result<ExitCode> {
     let Some((name, scene)) = options.source.get()? else {
         bail!("name a particle file, or a scene such as packed:n=20000 (contactbench list scenes)");
     };
-    ensure!(!scene.is_empty(), "{name}: the scene has no elements; there is nothing to recommend");
+    ensure!(!scene.is_empty(), "{name}: the scene has no particles; there is nothing to recommend");
     let history = history(&name)?;
     interrupt::end_runners_too().context("cannot listen to Ctrl-C")?;
     let program =
@@ -80,7 +80,7 @@ pub fn recommend(options: &Recommend) -> anyhow::Result<ExitCode> {
     let n = scene.len();
     let mut out = std::io::stdout().lock();
     if options.json {
-        let mut value = verdict::as_json(verdict.as_ref(), &race, n);
+        let mut value = recommendation::as_json(verdict.as_ref(), &race, n);
         let about = json!({
             "scene": name,
             "dim": scene.dim(),
@@ -104,9 +104,15 @@ pub fn recommend(options: &Recommend) -> anyhow::Result<ExitCode> {
             "{name}: {n} {what}, {contacts} contacts, {decided} arithmetic, {threads}, {} blocks",
             race.blocks
         )?;
-        write!(out, "{}", table(&race, verdict.as_ref(), n).plain(terminal::width()))?;
+        write!(
+            out,
+            "{}",
+            recommendation::table(&race, verdict.as_ref(), n).plain(terminal::width())
+        )?;
         match &verdict {
-            Some(verdict) => writeln!(out, "\nuse {}", verdict::sentence(verdict, &race, n))?,
+            Some(verdict) => {
+                writeln!(out, "\nuse {}", recommendation::sentence(verdict, &race, n))?
+            }
             None => writeln!(
                 out,
                 "\nuse none: no detector has given a right answer in time; the reasons stand above"
@@ -127,42 +133,4 @@ fn history(name: &str) -> anyhow::Result<Vec<AnyScene<'static>>> {
     } else {
         Spec::parse(name).map_or(Ok(Vec::new()), |spec| spec.history())
     }
-}
-
-/// The detectors, fastest first; those without a time at the end.
-fn table(race: &Race, verdict: Option<&Verdict>, n: usize) -> Table {
-    let choice = verdict.map(|verdict| &race.standings[verdict.choice]);
-    let mut standings: Vec<&Standing> = race.standings.iter().collect();
-    let rank = |standing: &Standing| {
-        verdict::per_element(standing, n).map_or(f64::INFINITY, |time| time.median)
-    };
-    let probe = |standing: &Standing| standing.probe_ns.unwrap_or(u64::MAX);
-    standings.sort_by(|a, b| rank(a).total_cmp(&rank(b)).then(probe(a).cmp(&probe(b))));
-    let row = |standing: &Standing| {
-        let name = standing.entry.name;
-        let chosen = choice.is_some_and(|choice| choice.entry.name == name);
-        let time = verdict::per_element(standing, n);
-        let bytes = verdict::bytes_per_element(standing, n);
-        let said = match (&time, standing.outcome) {
-            (Some(_), _) => verdict::error(standing),
-            (None, outcome) if outcome.is_good() => format!("out: {}", standing.reason),
-            (None, outcome) => format!("{}: {}", outcome.name(), standing.reason),
-        };
-        vec![
-            Cell::from(if chosen { format!("{name} <") } else { name.to_string() }),
-            time.map_or_else(Cell::absent, |time| {
-                let [median, low, high] = [time.median, time.low, time.high].map(number);
-                format!("{median} ({low} to {high})").into()
-            }),
-            bytes.into(),
-            said.into(),
-        ]
-    };
-    let columns = vec![
-        Column::left("detector"),
-        Column::right("ns per element", ""),
-        Column::right("bytes / element", ""),
-        Column::left("error"),
-    ];
-    Table::new("", columns).with(standings.into_iter().map(row))
 }

@@ -13,6 +13,7 @@ use crate::cli::shared::progress::Terminal;
 use crate::cli::shared::{ci, terminal};
 use crate::experiment::{Experiment, builtin};
 use crate::findings::claim;
+use crate::present::sections::claims::evidence;
 use crate::present::{document, latex, report};
 use crate::record::provenance::Bandwidth;
 use crate::record::row::{Record, WriteError, Writer};
@@ -386,7 +387,7 @@ pub(super) fn finish(folder: &Path, ci: &Outputs) -> anyhow::Result<ExitCode> {
 
 /// A claim for continuous integration. Those about times gate nothing.
 fn case(verdict: &claim::Verdict) -> Case {
-    let why = || format!("{}: {}", verdict.status.name(), verdict.evidence);
+    let why = || format!("{}: {}", verdict.status.name(), evidence(&verdict.evidence));
     let result = match verdict.status {
         claim::Status::Holds => ci::Outcome::Passed,
         claim::Status::Fails if verdict.machine_independent => ci::Outcome::Failed(why()),

@@ -50,8 +50,8 @@ pub struct Lines {
     #[serde(default)]
     pub slopes: bool,
     /// y is per particle: an algorithm of cost N is flat, and so is the slope N.
-    #[serde(default)]
-    pub per_element: bool,
+    #[serde(default, alias = "per-element")]
+    pub per_particle: bool,
     /// Mark where the input outgrows the caches of the machine.
     #[serde(default)]
     pub caches: bool,

@@ -67,7 +67,8 @@ pub struct CellBound {
 pub fn bytes(cell: &Cell) -> Option<u64> {
     let equal = cell.stats.radius_ratio == Some(1.0);
     let numbers = u64::from(cell.id.dim) + u64::from(!equal);
-    Some(number_bytes(&cell.id.arithmetic) * cell.id.n * numbers + 8 * cell.contacts?)
+    let contacts = cell.variable("contacts", None)?;
+    Some(number_bytes(&cell.id.arithmetic) * cell.id.n * numbers + 8 * contacts as u64)
 }
 
 /// The least nanoseconds of a detection with this bandwidth.
@@ -114,7 +115,9 @@ fn scene(group: &Group<'_>, machine: &Machine, label: impl Fn(&Line) -> String) 
 fn answered<'a>(group: &Group<'a>, threads: u32, n: u64) -> Option<&'a Cell> {
     let lines = group.lines.iter().filter(|(line, _)| line.threads == threads);
     let mut cells = lines.filter_map(|(_, sizes)| sizes.get(&n)).flatten().copied();
-    cells.find(|cell| cell.outcome(&[Pass::Time]).0.is_good() && cell.contacts.is_some())
+    cells.find(|cell| {
+        cell.outcome(&[Pass::Time]).0.is_good() && cell.variable("contacts", None).is_some()
+    })
 }
 
 fn fraction(cell: &Cell, machine: &Machine) -> Option<Interval> {

@@ -4,12 +4,15 @@
 //! a wrong answer makes the claim fail, because a detector that loses contacts has no cost worth
 //! comparing. Controls enter only if `where` names the detector.
 
+mod evidence;
+
 use std::collections::{BTreeMap, BTreeSet};
+
+pub use evidence::{At, Evidence, Fitting, Found, Series, Without};
 
 use crate::cells::label::{over, place, varying};
 use crate::cells::{Cell, CellId, Expression, Reading, select};
 use crate::experiment::{Claim, ClaimKind, Experiment};
-use crate::number;
 use crate::record::id::Projection;
 use crate::record::row::{Outcome, Pass};
 use crate::stats::growth;
@@ -55,7 +58,7 @@ pub struct Verdict {
     /// False for times, which are of one machine.
     pub machine_independent: bool,
     /// The numbers.
-    pub evidence: String,
+    pub evidence: Evidence,
 }
 
 /// True if a claim that does not depend on the machine fails: a reason for a non-zero exit.
@@ -69,54 +72,43 @@ pub fn verdicts(experiment: &Experiment, cells: &[Cell]) -> Vec<Verdict> {
     let own: Vec<Cell> =
         cells.iter().filter(|cell| cell.id.experiment == experiment.name).cloned().collect();
     let judge = |claim: &Claim| {
-        let (status, mut evidence) = check(claim, &own)
-            .unwrap_or_else(|e| (Status::Fails, format!("cannot be checked: {e:#}")));
-        if claim.uses_time() {
-            evidence.insert_str(0, "of this machine: ");
-        }
+        let ((status, found), without) = check(claim, &own)
+            .unwrap_or_else(|e| ((Status::Fails, Found::Unusable(format!("{e:#}"))), None));
         Verdict {
             experiment: experiment.name.clone(),
             claim: claim.name.clone(),
             source: claim.source.clone(),
             status,
             machine_independent: !claim.uses_time(),
-            evidence,
+            evidence: Evidence { found, of_machine: claim.uses_time(), without },
         }
     };
     experiment.claims.iter().map(judge).collect()
 }
 
-type Finding = (Status, String);
+type Finding = (Status, Found);
 
-fn check(claim: &Claim, own: &[Cell]) -> anyhow::Result<Finding> {
+fn check(claim: &Claim, own: &[Cell]) -> anyhow::Result<(Finding, Option<Without>)> {
     if own.is_empty() {
-        return Ok((Status::NotShown, "no rows of this experiment".into()));
+        return Ok(((Status::NotShown, Found::NoRows), None));
     }
     let named = claim.filter.contains_key("detector");
     let mut cells = select::select(own, &claim.filter)?;
     cells.retain(|cell| named || !cell.role.is_control());
     if cells.is_empty() {
-        return Ok((Status::NotShown, "no cell matches".into()));
+        return Ok(((Status::NotShown, Found::NoCell), None));
     }
     let wrong: Vec<&&Cell> =
         cells.iter().filter(|cell| cell.overall().0 == Outcome::Wrong).collect();
     if let Some(first) = wrong.first() {
-        let place = place(&first.id, &varying(&cells));
-        return Ok((
-            Status::Fails,
-            format!("wrong answers in {}, first at {place}", number::plural(wrong.len(), "cell")),
-        ));
+        let first = place(&first.id, &varying(&cells));
+        return Ok(((Status::Fails, Found::Wrong { cells: wrong.len(), first }), None));
     }
     if let Some(first) =
         cells.iter().find(|cell| cell.overall().0 == Outcome::Crashed && cell.role.is_ours())
     {
-        return Ok((
-            Status::Fails,
-            format!(
-                "a detector of this program crashed, first at {}",
-                place(&first.id, &varying(&cells))
-            ),
-        ));
+        let first = place(&first.id, &varying(&cells));
+        return Ok(((Status::Fails, Found::Crashed { first }), None));
     }
     // A cell without one of these is named with those left out.
     let points = |sides: &[&Expression]| -> anyhow::Result<Vec<Valued>> {
@@ -128,7 +120,7 @@ fn check(claim: &Claim, own: &[Cell]) -> anyhow::Result<Finding> {
         }
         Ok(points)
     };
-    let (status, mut evidence, used) = match &claim.kind {
+    let (finding, used) = match &claim.kind {
         ClaimKind::Constant { value, within } => {
             judged(points(&[value])?, |points| constant(points, *within))
         }
@@ -143,29 +135,23 @@ fn check(claim: &Claim, own: &[Cell]) -> anyhow::Result<Finding> {
         }
         ClaimKind::Faster { than } => faster(than, &cells, own),
     };
-    let left: Vec<&&Cell> = cells.iter().filter(|cell| !used.contains(&cell.id)).collect();
-    if !left.is_empty() {
-        evidence += &format!(
-            "; without {} of {}: {}",
-            left.len(),
-            number::plural(cells.len(), "cell"),
-            reasons(&left)
-        );
+    let mut outcomes = BTreeMap::new();
+    for cell in cells.iter().filter(|cell| !used.contains(&cell.id)) {
+        let outcome = cell.overall().0;
+        *outcomes.entry((!outcome.is_good()).then_some(outcome)).or_default() += 1;
     }
-    Ok((status, evidence))
+    let without = Without { outcomes, of: cells.len() };
+    Ok((finding, Some(without).filter(|without| !without.outcomes.is_empty())))
 }
 
 /// The finding, and the cells that it is about.
 fn judged(
     points: Vec<Valued>,
     finding: impl FnOnce(&[Valued]) -> Finding,
-) -> (Status, String, BTreeSet<CellId>) {
-    let (status, evidence) = if points.is_empty() {
-        (Status::NotShown, "no cell has a value".into())
-    } else {
-        finding(&points)
-    };
-    (status, evidence, points.iter().map(|point| point.0.id.clone()).collect())
+) -> (Finding, BTreeSet<CellId>) {
+    let found =
+        if points.is_empty() { (Status::NotShown, Found::NoValue) } else { finding(&points) };
+    (found, points.iter().map(|point| point.0.id.clone()).collect())
 }
 
 /// The value of a cell; an expression of what was asked (n, parameters) has one however the
@@ -180,18 +166,6 @@ fn reading(value: &Expression, cell: &Cell) -> Option<f64> {
     }
 }
 
-/// `3 refused, 1 timeout`.
-fn reasons(cells: &[&&Cell]) -> String {
-    let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
-    for cell in cells {
-        let outcome = cell.overall().0;
-        *counts
-            .entry(if outcome.is_good() { "without a value" } else { outcome.name() })
-            .or_default() += 1;
-    }
-    counts.iter().map(|(name, count)| format!("{count} {name}")).collect::<Vec<_>>().join(", ")
-}
-
 /// A cell and its value.
 type Valued<'a> = (&'a Cell, f64);
 
@@ -203,34 +177,23 @@ fn extremes<'a>(points: &[Valued<'a>]) -> Option<(Valued<'a>, Valued<'a>)> {
 
 fn constant(points: &[Valued], within: f64) -> Finding {
     let Some((low, high)) = extremes(points) else {
-        return (Status::NotShown, "no cell has a value".into());
+        return (Status::NotShown, Found::NoValue);
     };
-    let cells: Vec<&Cell> = points.iter().map(|point| point.0).collect();
     if points.len() < 2 {
-        return (
-            Status::NotShown,
-            format!("{} in the only cell; a constant needs two", number::number(low.1)),
-        );
+        return (Status::NotShown, Found::Single(low.1));
     }
-    let spread = if high.1 == low.1 { 0.0 } else { high.1 / low.1 - 1.0 };
-    let range =
-        format!("{} to {} over {}", number::number(low.1), number::number(high.1), over(&cells));
-    if low.1 <= 0.0 && high.1 != low.1 {
-        return (Status::Fails, format!("{range}; the smallest is not positive"));
-    }
-    if spread <= within + ROUNDING {
-        return (Status::Holds, format!("{range} ({})", number::percent(spread)));
-    }
+    let spread = match high.1 == low.1 {
+        true => Some(0.0),
+        false => (low.1 > 0.0).then(|| high.1 / low.1 - 1.0),
+    };
+    let within = within + ROUNDING;
+    let holds = spread.is_some_and(|spread| spread <= within);
+    let cells: Vec<&Cell> = points.iter().map(|point| point.0).collect();
     let fields = varying(&cells);
-    let (at_low, at_high) = (place(&low.0.id, &fields), place(&high.0.id, &fields));
-    let allowed = number::percent(within);
-    (
-        Status::Fails,
-        format!(
-            "{range} ({}, allowed {allowed}); lowest at {at_low}, highest at {at_high}",
-            number::percent(spread)
-        ),
-    )
+    let at = |(cell, value): Valued| At { value, place: place(&cell.id, &fields) };
+    let found =
+        Found::Constant { low: at(low), high: at(high), spread, within, over: over(&cells) };
+    (if holds { Status::Holds } else { Status::Fails }, found)
 }
 
 /// `equal`, within a tolerance, or `at-most`.
@@ -254,32 +217,21 @@ fn compared(points: &[Valued], to: &Expression, equal: Option<f64>) -> Finding {
     let Some((worst, &(cell, value, limit))) =
         gaps.iter().zip(&sides).max_by(|a, b| a.0.total_cmp(b.0))
     else {
-        return (Status::NotShown, "no cell has both sides".into());
+        return (Status::NotShown, Found::NoSides);
     };
     let cells: Vec<&Cell> = sides.iter().map(|side| side.0).collect();
-    let at = place(&cell.id, &varying(&cells));
     let allowed = equal.unwrap_or(0.0) + ROUNDING;
     let bad = gaps.iter().filter(|gap| **gap > allowed).count();
-    let (count, value, limit) =
-        (number::plural(sides.len(), "cell"), number::number(value), number::number(limit));
-    if bad > 0 {
-        let sign = if equal.is_some() { "differs from" } else { "exceeds" };
-        let size = if worst.is_finite() {
-            format!(" by {}", number::percent(*worst))
-        } else {
-            String::new()
-        };
-        return (
-            Status::Fails,
-            format!("in {bad} of {count}; worst: {value} {sign} {limit}{size} at {at}"),
-        );
-    }
-    let evidence = match equal {
-        Some(_) if *worst == 0.0 => format!("exactly, in {count} over {}", over(&cells)),
-        Some(_) => format!("within {} in {count} over {}", number::percent(*worst), over(&cells)),
-        _ => format!("in {count} over {}; nearest: {value} against {limit} at {at}", over(&cells)),
+    let found = Found::Compared {
+        equal: equal.is_some(),
+        cells: sides.len(),
+        bad,
+        worst: At { value, place: place(&cell.id, &varying(&cells)) },
+        limit,
+        gap: *worst,
+        over: over(&cells),
     };
-    (Status::Holds, evidence)
+    (if bad > 0 { Status::Fails } else { Status::Holds }, found)
 }
 
 fn grows(points: &[Valued], wanted: Model) -> Finding {
@@ -290,56 +242,35 @@ fn grows(points: &[Valued], wanted: Model) -> Finding {
     let cells: Vec<&Cell> = points.iter().map(|point| point.0).collect();
     let fields: Vec<String> =
         varying(&cells).into_iter().filter(|name| name != "n" && name != "seed").collect();
-    let (mut status, mut notes) = (Status::Holds, Vec::new());
-    let (mut exponents, mut least_delta) = ((f64::INFINITY, f64::NEG_INFINITY), f64::INFINITY);
+    let mut fitting: Option<Fitting> = None;
+    let mut others = Vec::new();
     for (key, points) in &series {
         let choice = growth::choose(points);
-        let place =
-            if fields.is_empty() { String::new() } else { format!("{}: ", place(key, &fields)) };
-        let exponent = choice.slope.map_or(String::new(), |s| {
-            format!("exponent {:.3} [{:.3}, {:.3}], ", s.exponent, s.low, s.high)
-        });
-        let (this, note) = match choice.law {
-            Ok(model) if model == wanted => {
-                least_delta = least_delta.min(choice.delta().unwrap_or(0.0));
-                if let Some(slope) = choice.slope {
-                    exponents = (exponents.0.min(slope.exponent), exponents.1.max(slope.exponent));
-                }
-                continue;
-            }
-            Ok(model) => (Status::Fails, format!("{} fits, not {}", model.name(), wanted.name())),
-            Err(doubt) => (Status::NotShown, format!("undecided: {doubt}")),
-        };
-        notes.push((this, format!("{place}{exponent}{note}")));
-        if this == Status::Fails || status == Status::Holds {
-            status = this;
+        if choice.law == Ok(wanted) {
+            let exponent = choice.slope.map_or(f64::NAN, |slope| slope.exponent);
+            let delta = choice.delta().unwrap_or(0.0);
+            let fitting =
+                fitting.get_or_insert(Fitting { series: 0, exponents: [exponent; 2], delta });
+            let [low, high] = fitting.exponents;
+            fitting.exponents = [low.min(exponent), high.max(exponent)];
+            fitting.delta = fitting.delta.min(delta);
+            fitting.series += 1;
+        } else {
+            let place = if fields.is_empty() { String::new() } else { place(key, &fields) };
+            others.push(Series { place, slope: choice.slope, law: choice.law });
         }
     }
-    let mut evidence = Vec::new();
-    let shown = series.len() - notes.len();
-    if shown > 0 {
-        let range = if exponents.0 < exponents.1 {
-            format!("{:.3} to {:.3}", exponents.0, exponents.1)
-        } else {
-            format!("{:.3}", exponents.0)
-        };
-        evidence.push(format!(
-            "{} fits {shown} series: exponent {range}, ΔAICc {least_delta:.0} or more to the next \
-             law",
-            wanted.name()
-        ));
-    }
-    // what decided comes first, and a few are enough
-    notes.sort_by_key(|(this, _)| *this != status);
-    let more = notes.len().saturating_sub(3);
-    evidence.extend(notes.into_iter().take(3).map(|note| note.1));
-    if more > 0 {
-        evidence.push(format!("and {more} more series"));
-    }
-    (status, evidence.join("; "))
+    let status = match (others.is_empty(), others.iter().any(|series| series.law.is_ok())) {
+        (true, _) => Status::Holds,
+        (_, true) => Status::Fails,
+        _ => Status::NotShown,
+    };
+    // What decided comes first.
+    others.sort_by_key(|series| series.law.is_err());
+    (status, Found::Growth { law: wanted, fitting, others })
 }
 
-fn faster(than: &str, cells: &[&Cell], own: &[Cell]) -> (Status, String, BTreeSet<CellId>) {
+fn faster(than: &str, cells: &[&Cell], own: &[Cell]) -> (Finding, BTreeSet<CellId>) {
     let other: BTreeMap<&CellId, &Cell> = own.iter().map(|cell| (&cell.id, cell)).collect();
     let mut found: Vec<(&Cell, Interval)> = Vec::new();
     for &cell in cells.iter().filter(|cell| cell.id.contender() != than) {
@@ -355,10 +286,10 @@ fn faster(than: &str, cells: &[&Cell], own: &[Cell]) -> (Status, String, BTreeSe
         .chain(cells.iter().map(|c| c.id.clone()).filter(|id| id.contender() == than));
     let used: BTreeSet<CellId> = used.collect();
     let Some((worst, interval)) = found.iter().max_by(|a, b| a.1.high.total_cmp(&b.1.high)) else {
-        return (Status::NotShown, format!("no cell has times of both it and {than}"), used);
+        return ((Status::NotShown, Found::NoTimes { than: than.into() }), used);
     };
-    let lower = found.iter().map(|(_, ratio)| ratio.median).fold(f64::INFINITY, f64::min);
-    let upper = found.iter().map(|(_, ratio)| ratio.median).fold(0.0, f64::max);
+    let low = found.iter().map(|(_, ratio)| ratio.median).fold(f64::INFINITY, f64::min);
+    let high = found.iter().map(|(_, ratio)| ratio.median).fold(0.0, f64::max);
     let slower = found.iter().filter(|(_, ratio)| ratio.count > 1 && ratio.low >= 1.0).count();
     let open = found
         .iter()
@@ -370,18 +301,17 @@ fn faster(than: &str, cells: &[&Cell], own: &[Cell]) -> (Status, String, BTreeSe
         _ => Status::Fails,
     };
     let compared: Vec<&Cell> = found.iter().map(|(cell, _)| *cell).collect();
-    let (count, at) = (number::plural(found.len(), "cell"), place(&worst.id, &varying(&compared)));
-    let tell = match status {
-        Status::Holds => String::new(),
-        Status::NotShown => format!("undecided in {open} of them; "),
-        Status::Fails => format!("slower in {slower} of them; "),
+    let found = Found::Faster {
+        than: than.into(),
+        cells: found.len(),
+        low,
+        high,
+        slower,
+        open,
+        worst: *interval,
+        place: place(&worst.id, &varying(&compared)),
     };
-    let evidence = format!(
-        "{lower:.2} to {upper:.2} times the time of {than} in {count}; {tell}worst {:.2} [{:.2}, \
-         {:.2}] at {at}",
-        interval.median, interval.low, interval.high
-    );
-    (status, evidence, used)
+    ((status, found), used)
 }
 
 #[cfg(test)]

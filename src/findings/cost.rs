@@ -102,7 +102,7 @@ impl Fit {
 pub(crate) fn series<'a>(cells: &[&'a Cell]) -> Vec<Series<'a>> {
     let able = |cell: &Cell| {
         cell.outcome(&[Pass::Time, Pass::Count]).0.is_good()
-            && cell.counts.as_ref().is_some_and(|counts| !counts.is_empty())
+            && cell.has(Pass::Count)
             && cell.time().is_some()
     };
     let mut found = Vec::new();

@@ -63,9 +63,9 @@ impl Sum {
             sum.contacts += true_contacts(cell);
             add(&mut sum.errors, &errors);
             sum.causes = sum.causes.zip(cell.causes).map(|(mut all, one)| {
-                add(&mut all.input, &one.input);
-                add(&mut all.arithmetic, &one.arithmetic);
-                add(&mut all.algorithm, &one.algorithm);
+                add(&mut all.representation, &one.representation);
+                add(&mut all.predicate, &one.predicate);
+                add(&mut all.search, &one.search);
                 all
             });
             sum.outcomes.insert(cell.overall().0);
@@ -77,9 +77,9 @@ impl Sum {
     fn none(&self) -> bool {
         let causes = self.causes.unwrap_or_default();
         self.errors.wrong()
-            + causes.input.wrong()
-            + causes.arithmetic.wrong()
-            + causes.algorithm.wrong()
+            + causes.representation.wrong()
+            + causes.predicate.wrong()
+            + causes.search.wrong()
             == 0
     }
 
@@ -187,9 +187,9 @@ pub(crate) mod testing {
                 lab.detector(detector);
                 let input = if offset == 1000 { errors(20, 5) } else { Errors::default() };
                 let causes = Causes {
-                    input,
-                    arithmetic: errors(1, 0),
-                    algorithm: Errors::default(),
+                    representation: input,
+                    predicate: errors(1, 0),
+                    search: Errors::default(),
                     stored: errors(1, 0),
                 };
                 lab.arithmetic("f32").count(&[]).errors(
@@ -199,7 +199,7 @@ pub(crate) mod testing {
                 let algorithm = if detector == "nbs" { errors(1, 0) } else { Errors::default() };
                 lab.arithmetic("textbook").count(&[]).errors(
                     algorithm,
-                    Causes { algorithm, stored: algorithm, ..Causes::default() },
+                    Causes { search: algorithm, stored: algorithm, ..Causes::default() },
                 );
                 if detector == "nbs" {
                     lab.edit(|row| row.outcome = Outcome::Lossy);

@@ -148,11 +148,11 @@ mod tests {
             lab.param("offset", offset);
             for (detector, scale) in [("nbs", 1), ("sorting", 3)] {
                 lab.detector(detector);
-                let input = Causes { input: wrong(25), ..Causes::default() };
+                let input = Causes { representation: wrong(25), ..Causes::default() };
                 lab.arithmetic("f32").time(&[80 * scale; 15]).errors(wrong(25), input);
                 let lost = if detector == "nbs" { wrong(5) } else { wrong(0) };
                 lab.arithmetic("textbook").time(&[99 * scale; 15]);
-                lab.errors(lost, Causes { algorithm: lost, stored: lost, ..Causes::default() })
+                lab.errors(lost, Causes { search: lost, stored: lost, ..Causes::default() })
                     .edit(|row| row.outcome = Outcome::Lossy);
                 lab.arithmetic("f64").time(&[100 * scale; 15]).errors(wrong(0), Causes::default());
                 lab.arithmetic("exact")

@@ -369,8 +369,8 @@ mod tests {
     fn reasons_of_one_kind_are_one() {
         let mut reasons = Reasons::default();
         for (detector, reason, number) in [
-            ("nbs", "nbs needs 80 bytes (82 elements, 2002 x 17 cells)", 1),
-            ("screening", "screening needs 9e14 bytes (7 elements, 20 x 20 x 1 cells)", 1),
+            ("nbs", "nbs needs 80 bytes (82 particles, 2002 x 17 cells)", 1),
+            ("screening", "screening needs 9e14 bytes (7 particles, 20 x 20 x 1 cells)", 1),
             ("nbs", "particle 3: y is NaN; mend it", 2),
             ("nbs", "particle 0: x is -inf; mend it", 2),
             ("nbs", "particle 0: the radius is -3; mend it", 3),

@@ -2,7 +2,7 @@
 //!
 //! One file per format, one line each in [`FORMATS`]. The format is told by the file's first bytes,
 //! then by its ending; `format` overrides both. A file may be compressed with gzip. Numbers are
-//! converted with correct rounding. Errors name file, line and column, and elements are numbered
+//! converted with correct rounding. Errors name file, line and column, and particles are numbered
 //! from 0 as everywhere.
 //!
 //! **Dimension.** Columns z or three-vectors give spheres, even where all z are 0: a plane scene

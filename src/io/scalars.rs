@@ -102,7 +102,7 @@ impl Target {
         }
     }
 
-    /// The next number. The error says what is wrong with it, and of which element.
+    /// The next number. The error says what is wrong with it, and of which particle.
     pub fn push(&mut self, value: f64) -> anyhow::Result<()> {
         match self {
             Target::Points(points, point, k) => {

@@ -2,8 +2,9 @@
 
 use std::collections::BTreeSet;
 
-use crate::cells::{Cell, FIELDS, errors};
+use crate::cells::{Cell, FIELDS};
 use crate::present::table::{self, Column, Table};
+use crate::record::column::COLUMNS;
 use crate::stats::interval::{mad, median};
 
 /// One line per cell with all its values.
@@ -13,16 +14,8 @@ pub fn summary(cells: &[Cell]) -> Table {
         .flat_map(|cell| cell.id.names())
         .filter(|name| !FIELDS.contains(&name.as_str()))
         .collect();
-    let counts: BTreeSet<&str> = cells
-        .iter()
-        .filter_map(|cell| cell.counts.as_ref())
-        .flat_map(|c| c.keys().map(String::as_str))
-        .collect();
-    let bytes = ["peak_bytes", "live_bytes", "allocations", "warm_allocations", "formula_bytes"];
-    let stats = ["packing_fraction", "coordination", "radius_ratio"];
     let times =
         ["time_ns_median", "time_ns_low", "time_ns_high", "time_ns_min", "time_ns_mad", "blocks"];
-    let errors: Vec<String> = errors::names().collect();
     // Only where copies were timed: other tables keep their columns.
     let beside: &[&str] = if cells.iter().any(|cell| !cell.copies_ns.is_empty()) {
         &["beside_ns_median"]
@@ -30,13 +23,11 @@ pub fn summary(cells: &[Cell]) -> Table {
         &[]
     };
     let fields: Vec<&str> = FIELDS.into_iter().chain(params.iter().map(String::as_str)).collect();
-    let numbers: Vec<&str> = ["contacts"]
-        .into_iter()
-        .chain(counts)
-        .chain(bytes)
-        .chain(["true_contacts"])
-        .chain(errors.iter().map(String::as_str))
-        .chain(stats)
+    let numbers: Vec<&str> = COLUMNS
+        .iter()
+        .filter(|column| column.repeats())
+        .map(|column| &*column.name)
+        .filter(|name| cells.iter().any(|cell| cell.values.contains_key(name)))
         .collect();
     let columns = fields.iter().chain(&["outcome", "reason"]).chain(&times).chain(beside);
     let columns = columns.chain(&numbers).map(|name| Column::left(*name)).collect();

@@ -97,12 +97,7 @@ fn table(group: &series::Group<'_>, own: &[&Cell], floor: f64) -> Table {
 fn numbers(n: u64, seeds: &Seeds<'_>) -> [table::Cell; 5] {
     let particles = n.max(1) as f64;
     let per = |name: &str| {
-        // Runners that count nothing say nothing, and their counts are empty.
-        let silent = |cell: &Cell| {
-            name == "contact_test" && cell.counts.as_ref().is_none_or(|counts| counts.is_empty())
-        };
-        let found: Option<Vec<f64>> =
-            seeds.iter().map(|cell| cell.variable(name, None).filter(|_| !silent(cell))).collect();
+        let found: Option<Vec<f64>> = seeds.iter().map(|cell| cell.variable(name, None)).collect();
         table::Cell::from(found.and_then(|found| median(&found)).map(|value| value / particles))
     };
     let (outcome, time) = (series::outcome(seeds).0, series::time(seeds));

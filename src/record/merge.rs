@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, bail, ensure};
 use serde_json::Value;
 
+use crate::record::column::COLUMNS;
 use crate::record::id::Projection;
 use crate::record::machines::{Labels, Machine};
 use crate::record::outcome::Pass;
@@ -192,28 +193,23 @@ fn same_experiments(a: &Part, b: &Part) -> anyhow::Result<()> {
 
 /// The same machine cannot have two answers to one question.
 fn agree(a: &Row, b: &Row, folder: &Path) -> anyhow::Result<()> {
-    let bytes = |row: &Row| {
-        [row.peak_bytes, row.live_bytes, row.allocations, row.warm_allocations, row.formula_bytes]
-    };
+    let mut repeating = COLUMNS.iter().filter(|column| column.repeats());
     let what = if a.outcome != b.outcome {
         "the outcome"
-    } else if a.digest != b.digest || a.contacts != b.contacts {
-        "the pairs"
-    } else if a.counts != b.counts {
-        "the counts"
-    } else if bytes(a) != bytes(b) {
-        "the bytes"
+    } else if a.digest != b.digest {
+        "the fingerprint of the pairs"
+    } else if let Some(column) = repeating.find(|column| column.read(a) != column.read(b)) {
+        &column.name
     } else {
         return Ok(());
     };
     bail!(
-        "{what} of {} ({}, {}) with N = {} in {} {} another than in a folder before, on the same \
+        "{what} of {} ({}, {}) with N = {} in {} is another than in a folder before, on the same \
          machine: were they runs of different versions? Compare them instead",
         a.id.contender(),
         a.id.arithmetic,
         a.id.scene,
         a.id.n,
-        folder.display(),
-        if what == "the outcome" { "is" } else { "are" }
+        folder.display()
     );
 }

@@ -1,5 +1,6 @@
 //! The record: one JSON line per measurement, appended and never edited.
 
+pub mod column;
 pub mod done;
 pub mod file;
 pub mod id;

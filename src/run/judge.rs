@@ -135,9 +135,9 @@ impl<'a> Judge<'a> {
         if let Known::Truths(given) = self.known(Arithmetic::Exact)? {
             judged.errors = Some(compare(pairs, &given.exact, scene));
             judged.causes = Some(Causes {
-                input: compare(&truths.exact.pairs, &given.exact, scene),
-                arithmetic: compare(&truths.rounded.pairs, &truths.exact, &truths.stored),
-                algorithm: own,
+                representation: compare(&truths.exact.pairs, &given.exact, scene),
+                predicate: compare(&truths.rounded.pairs, &truths.exact, &truths.stored),
+                search: own,
                 stored: compare(pairs, &truths.exact, &truths.stored),
             });
         }
@@ -251,7 +251,7 @@ mod tests {
             assert_eq!(judged.reason.is_empty(), outcome == Ok, "{}", judged.reason);
             let wrong = |errors: Option<Errors>| errors.unwrap().wrong() > 0;
             assert_eq!(wrong(judged.errors), outcome != Ok);
-            assert_eq!(wrong(judged.causes.map(|causes| causes.algorithm)), outcome != Ok);
+            assert_eq!(wrong(judged.causes.map(|causes| causes.search)), outcome != Ok);
         }
     }
 

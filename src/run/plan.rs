@@ -13,7 +13,7 @@ use crate::run::shard::Shard;
 use crate::scene::generate;
 use crate::scene::spec::Spec;
 
-/// Scenes are tried with at most so many elements: some milliseconds.
+/// Scenes are tried with at most so many particles: some milliseconds.
 const TRIED: u64 = 1000;
 /// Rows have 1.0 to 1.7 kB in the reference runs.
 const ROW_BYTES: u64 = 2000;
@@ -73,7 +73,7 @@ pub(crate) fn describe(experiment: &Experiment, spec: &Spec) -> String {
     format!("{}: {} {}D{n}{}", experiment.name, spec.name, spec.dim, swept.collect::<String>())
 }
 
-/// Parameters that leave the range of numbers mostly do so with few elements already; a file is
+/// Parameters that leave the range of numbers mostly do so with few particles already; a file is
 /// there, or not.
 fn can_be_made(spec: &Spec) -> anyhow::Result<()> {
     if generate::table::find(&spec.name)?.own_n {
@@ -114,7 +114,7 @@ pub(crate) fn room(
         "the record and the report",
         "make room, or choose another folder with --out",
     )?;
-    // Coordinates and radii in f64; and the pairs of an answer that is wrong, six per element.
+    // Coordinates and radii in f64; and the pairs of an answer that is wrong, six per particle.
     let bytes = |(_, spec): &(&Experiment, Spec)| {
         spec.n.saturating_mul(u64::from(spec.dim) * 8 + 8 + 6 * 8)
     };

@@ -13,9 +13,9 @@ pub struct Shard {
 }
 
 impl Shard {
-    /// Which of the scenes with these numbers of elements are in this shard: every scene is in one,
-    /// and in the same one on every machine. They are dealt out from the largest to the smallest,
-    /// forwards and backwards in turn, so that shards take about equally long.
+    /// Which of the scenes with these numbers of particles are in this shard: every scene is in
+    /// one, and in the same one on every machine. They are dealt out from the largest to the
+    /// smallest, forwards and backwards in turn, so that shards take about equally long.
     pub fn takes(self, sizes: &[u64]) -> Vec<bool> {
         let mut largest_first: Vec<usize> = (0..sizes.len()).collect();
         largest_first.sort_by_key(|&scene| Reverse(sizes[scene]));

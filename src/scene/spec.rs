@@ -212,7 +212,7 @@ mod tests {
             ("pack-b:dim=3", "pack-b: dim = 3; it is made in 2 dimensions only"),
             (
                 "loose:n=4294967296",
-                "loose: n = 4294967296; at most 2^32 - 1 = 4294967295 elements can be numbered: \
+                "loose: n = 4294967296; at most 2^32 - 1 = 4294967295 particles can be numbered: \
                  make n smaller",
             ),
             (
@@ -268,7 +268,7 @@ mod tests {
             ),
             (
                 "hard:case=every-neighbour,n=5",
-                "cannot make the scene 'hard': the case has 17 elements, but n = 5 was asked for; \
+                "cannot make the scene 'hard': the case has 17 particles, but n = 5 was asked for; \
                  leave n out",
             ),
             (

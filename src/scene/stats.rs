@@ -16,8 +16,8 @@ use crate::with_scene;
 pub struct Stats {
     /// Volume of the bodies over the volume of the box around them; overlaps count twice.
     pub packing_fraction: f64,
-    /// Contacts per element: twice the number of touching pairs over the number of elements. Exact
-    /// arithmetic.
+    /// Contacts per particle: twice the number of touching pairs over the number of particles.
+    /// Exact arithmetic.
     pub coordination: f64,
     /// Largest over smallest radius; 1 when all are equal, absent when the smallest is zero.
     pub radius_ratio: Option<f64>,
@@ -28,13 +28,20 @@ pub struct Stats {
     pub scene_hash: String,
 }
 
+impl Stats {
+    /// Pairs that touch in exact arithmetic, in a scene of so many particles.
+    pub fn true_contacts(&self, n: u64) -> f64 {
+        (self.coordination * n as f64 / 2.0).round()
+    }
+}
+
 /// A fingerprint of dimension, number, coordinates and radii, to the bit and in order: `0x` and 16
 /// hexadecimal digits.
 ///
-/// The chain h = splitmix64(h xor v), from h = 0, over v = the dimension, the number of elements,
-/// the bits of all coordinates as doubles (x, y(, z) of element 0, then 1, ...), 0 or 1 for one
-/// radius or one per element, and the bits of the radius or radii. An f32 scene has the fingerprint
-/// of the equal f64 scene; 0.0 and -0.0 differ.
+/// The chain h = splitmix64(h xor v), from h = 0, over v = the dimension, the number of particles,
+/// the bits of all coordinates as doubles (x, y(, z) of particle 0, then 1, ...), 0 or 1 for one
+/// radius or one per particle, and the bits of the radius or radii. An f32 scene has the
+/// fingerprint of the equal f64 scene; 0.0 and -0.0 differ.
 pub fn scene_hash(scene: &AnyScene<'_>) -> String {
     fn of<T: Real, const D: usize>(scene: &Scene<'_, T, D>) -> u64 {
         let mut hash = 0;
@@ -108,7 +115,7 @@ fn radius_ratio<T: Real, const D: usize>(scene: &Scene<'_, T, D>) -> Option<f64>
 }
 
 /// Half the edges of the smallest box that holds all centres, each with an `extent` to every side.
-/// Zero without elements.
+/// Zero without particles.
 fn half_edges<T: Real, const D: usize>(
     scene: &Scene<'_, T, D>,
     extent: impl Fn(usize) -> f64,

@@ -101,7 +101,7 @@ fn cold_and_warm(
     (measured(), measured(), contacts.0)
 }
 
-/// The book's numbers for example III at S/D = 200 on 100 x 100 elements (BOOK, section 4), which
+/// The book's numbers for example III at S/D = 200 on 100 x 100 particles (BOOK, section 4), which
 /// count no border cells.
 fn book_formulas() {
     let scene = scene("pack-c:n=10000,s=200");

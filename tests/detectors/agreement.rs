@@ -232,7 +232,7 @@ fn a_refusal_leaves_no_trace() {
     }
 }
 
-/// Order of the elements, and the names they carry, do not matter.
+/// Order of the particles, and the names they carry, do not matter.
 #[test]
 fn permutation_changes_nothing_but_names() {
     for text in ["packed:n=300", "clustered:dim=3,n=300,size-ratio=5"] {

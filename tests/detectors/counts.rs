@@ -65,7 +65,7 @@ fn nbs_does_not_mind_how_loose_the_pack_is() {
 }
 
 #[test]
-fn screening_resets_elements_not_cells() {
+fn screening_resets_particles_not_cells() {
     for text in SCENES.into_iter().chain(["pack-c:n=400,s=50"]) {
         let scene = scene(text);
         let tally = count("screening", &scene);
@@ -89,7 +89,7 @@ fn sorting_compares_n_log_n_keys() {
 }
 
 #[test]
-fn the_binary_tree_descends_one_way_per_element_and_mask_cell() {
+fn the_binary_tree_descends_one_way_per_particle_and_mask_cell() {
     for text in SCENES {
         let scene = scene(text);
         let visits = count("binary-tree", &scene).get(Op::NodeVisit);
@@ -115,7 +115,7 @@ fn the_cell_grid_tests_what_screening_tests() {
     }
 }
 
-/// At most two strips for each of five rows (two in 2D), and few elements of other cells.
+/// At most two strips for each of five rows (two in 2D), and few particles of other cells.
 #[test]
 fn the_hash_grid_does_not_mind_how_loose_the_pack_is() {
     let counts = |text: &str| {
@@ -145,10 +145,10 @@ fn the_hash_grid_does_not_mind_how_loose_the_pack_is() {
     }
 }
 
-/// In a box the number of pairs that overlap along one axis grows as N^(2 - 1/D): per element as
+/// In a box the number of pairs that overlap along one axis grows as N^(2 - 1/D): per particle as
 /// N^(1 - 1/D).
 #[test]
-fn sweeps_compare_more_per_element_the_more_there_are() {
+fn sweeps_compare_more_per_particle_the_more_there_are() {
     for dim in [2, 3] {
         let per = |n: u64| {
             count("sweep", &scene(&format!("loose:dim={dim},n={n}"))).get(Op::BoundTest) as f64

@@ -100,8 +100,8 @@ fn coordinates_that_begin_again() {
     }
 }
 
-/// Any number of neighbours of one element: more than a vector, than are kept, and than the careful
-/// form hands on at a time.
+/// Any number of neighbours of one particle: more than a vector, than are kept, and than the
+/// careful form hands on at a time.
 #[test]
 fn heaps_of_any_height() {
     for n in [7, 8, 9, 15, 16, 17, 18, 33, 250, 1000] {
@@ -115,8 +115,8 @@ fn heaps_of_any_height() {
     }
 }
 
-/// A lattice of small bodies and a large one far away from all: few cells, and most elements in one
-/// bundle.
+/// A lattice of small bodies and a large one far away from all: few cells, and most particles in
+/// one bundle.
 fn one_bundle(dim: usize) -> AnyScene<'static> {
     let n = 160 * 160;
     let radii = (0..=n).map(|k| if k == n { 100.0 } else { 0.001 }).collect::<Vec<f64>>();
@@ -132,7 +132,7 @@ fn one_bundle(dim: usize) -> AnyScene<'static> {
     }
 }
 
-/// Many layers with less than an element each: a bundle may not have more of them than 32 bits tell
+/// Many layers with less than a particle each: a bundle may not have more of them than 32 bits tell
 /// apart.
 #[test]
 fn lines_strips_and_columns() {
@@ -163,7 +163,7 @@ fn lines_strips_and_columns() {
     }
 }
 
-/// Extents far beyond what cells can number are refused where elements crowd, not a panic.
+/// Extents far beyond what cells can number are refused where particles crowd, not a panic.
 #[test]
 fn crowds_far_apart_are_refused() {
     let heap =
@@ -196,7 +196,7 @@ fn textbook_loses_nothing() {
 
 #[test]
 fn threads_find_the_same() {
-    for text in ["packed:dim=3,n=40000", "loose:n=30000", "clustered:dim=3,n=25000,size-ratio=2"] {
+    for text in ["packed:dim=3,n=20000", "loose:n=15000", "clustered:dim=3,n=12000,size-ratio=2"] {
         let scene = Spec::parse(text).and_then(|spec| spec.make()).unwrap();
         let table = contactbench::detect::table::find(NAME).unwrap();
         let digests = [1, 2, 3, 7].map(|threads| {
@@ -292,8 +292,8 @@ impl contactbench::contact::WithBodies<f64, 3> for With<'_> {
 
 /// Memory does not depend on the number of cells: 4·10^8 of them, and 10^27.
 #[test]
-fn memory_is_of_elements_not_of_cells() {
-    let per_element = |scene: &AnyScene<'_>| {
+fn memory_is_of_particles_not_of_cells() {
+    let per_particle = |scene: &AnyScene<'_>| {
         let mut detector =
             contactbench::detect::table::find(NAME).unwrap().make(Options::default());
         detector.visit(scene, Test::Exact, &mut Digest::default()).unwrap();
@@ -302,16 +302,16 @@ fn memory_is_of_elements_not_of_cells() {
     let pack = |s: u32| {
         Spec::parse(&format!("pack-c:n=10000,s={s}")).and_then(|spec| spec.make()).unwrap()
     };
-    let all = [2, 20, 200].map(|s| per_element(&pack(s)));
+    let all = [2, 20, 200].map(|s| per_particle(&pack(s)));
     assert!(all.iter().all(|&bytes| bytes < 64.0), "{all:?}");
     let far = |far: f64| {
         let centres = [[0.0; 3], [far; 3]].map(nalgebra::Point::from).to_vec();
-        2.0 * per_element(&AnyScene::from(Scene::new(centres, Radii::Uniform(0.5)).unwrap()))
+        2.0 * per_particle(&AnyScene::from(Scene::new(centres, Radii::Uniform(0.5)).unwrap()))
     };
     assert!(far(1e9) <= far(1e3) + 64.0 && far(1e9) < 20_000.0, "{} {}", far(1e3), far(1e9));
 }
 
-/// The contact tests counted are the elements in the ranges, whatever the level; unsure pairs are
+/// The contact tests counted are the particles in the ranges, whatever the level; unsure pairs are
 /// not counted twice.
 #[test]
 fn counts_are_the_same_on_all_levels() {

@@ -19,13 +19,13 @@ struct Mutant<const WAY: u8> {
     calls: u32,
 }
 
-const DROPS_THE_LAST_ELEMENT: u8 = 0;
+const DROPS_THE_LAST_PARTICLE: u8 = 0;
 const REPEATS_THE_FIRST_PAIR: u8 = 1;
-const PAIRS_ELEMENTS_WITH_THEMSELVES: u8 = 2;
-const PANICS_AT_TEN_ELEMENTS: u8 = 3;
+const PAIRS_PARTICLES_WITH_THEMSELVES: u8 = 2;
+const PANICS_AT_TEN_PARTICLES: u8 = 3;
 const IS_WRONG_ONLY_LATER: u8 = 4;
 const SKIPS_PAIRS_AT_REACH: u8 = 5;
-const HANGS_AT_THREE_ELEMENTS: u8 = 6;
+const HANGS_AT_THREE_PARTICLES: u8 = 6;
 const REPORTS_WITHOUT_END: u8 = 7;
 const REFUSES_AFTER_REPORTING: u8 = 8;
 
@@ -47,18 +47,18 @@ impl<T: Real, const D: usize, const WAY: u8> Detector<T, D> for Mutant<WAY> {
     ) -> Result<(), Refusal> {
         self.calls += 1;
         let mut n = bodies.len() as u32;
-        assert!(WAY != PANICS_AT_TEN_ELEMENTS || n < 10, "on purpose");
-        if WAY == HANGS_AT_THREE_ELEMENTS && n >= 3 {
+        assert!(WAY != PANICS_AT_TEN_PARTICLES || n < 10, "on purpose");
+        if WAY == HANGS_AT_THREE_PARTICLES && n >= 3 {
             loop {
                 std::thread::sleep(Duration::from_secs(1));
             }
         }
-        if WAY == DROPS_THE_LAST_ELEMENT || WAY == IS_WRONG_ONLY_LATER && self.calls > 30 {
+        if WAY == DROPS_THE_LAST_PARTICLE || WAY == IS_WRONG_ONLY_LATER && self.calls > 30 {
             n = n.saturating_sub(1);
         }
         let mut first = true;
         for i in 0..n {
-            for j in i + u32::from(WAY != PAIRS_ELEMENTS_WITH_THEMSELVES)..n {
+            for j in i + u32::from(WAY != PAIRS_PARTICLES_WITH_THEMSELVES)..n {
                 // The gravest mistake that a sweep can make with one character.
                 let far = (bodies.position(i)[0] - bodies.position(j)[0]).abs() >= bodies.reach();
                 if bodies.touch(i, j, probe) && !(WAY == SKIPS_PAIRS_AT_REACH && far) {
@@ -75,7 +75,7 @@ impl<T: Real, const D: usize, const WAY: u8> Detector<T, D> for Mutant<WAY> {
             }
         }
         if WAY == REFUSES_AFTER_REPORTING && n == 17 {
-            return Err(Refusal::Elements { detector: "mutant", n: 17, limit: 16 });
+            return Err(Refusal::Particles { detector: "mutant", n: 17, limit: 16 });
         }
         Ok(())
     }
@@ -97,13 +97,13 @@ const fn entry<const WAY: u8>() -> Entry {
 }
 
 static MUTANTS: [Entry; 9] = [
-    entry::<DROPS_THE_LAST_ELEMENT>(),
+    entry::<DROPS_THE_LAST_PARTICLE>(),
     entry::<REPEATS_THE_FIRST_PAIR>(),
-    entry::<PAIRS_ELEMENTS_WITH_THEMSELVES>(),
-    entry::<PANICS_AT_TEN_ELEMENTS>(),
+    entry::<PAIRS_PARTICLES_WITH_THEMSELVES>(),
+    entry::<PANICS_AT_TEN_PARTICLES>(),
     entry::<IS_WRONG_ONLY_LATER>(),
     entry::<SKIPS_PAIRS_AT_REACH>(),
-    entry::<HANGS_AT_THREE_ELEMENTS>(),
+    entry::<HANGS_AT_THREE_PARTICLES>(),
     entry::<REPORTS_WITHOUT_END>(),
     entry::<REFUSES_AFTER_REPORTING>(),
 ];
@@ -119,7 +119,7 @@ fn found(entry: &'static Entry, arithmetics: &[Arithmetic], deadline: Duration) 
 }
 
 fn failure(way: u8) -> Failure {
-    let hangs = [HANGS_AT_THREE_ELEMENTS, REPORTS_WITHOUT_END].contains(&way);
+    let hangs = [HANGS_AT_THREE_PARTICLES, REPORTS_WITHOUT_END].contains(&way);
     // Long for the others: a backtrace on a busy machine is no hang.
     found(
         &MUTANTS[way as usize],
@@ -133,7 +133,7 @@ fn total_bits(failure: &Failure) -> u32 {
     Numbers::of(&failure.smallest).values.iter().map(|&x| bits(x)).sum()
 }
 
-/// Pairs missed, added, repeated, and of an element with itself.
+/// Pairs missed, added, repeated, and of a particle with itself.
 fn differences(failure: &Failure) -> [usize; 4] {
     let Some(Wrong::Pairs(differences)) = &failure.wrong else { panic!("{:?}", failure.wrong) };
     [&differences.missed, &differences.spurious, &differences.duplicate, &differences.selves]
@@ -143,9 +143,9 @@ fn differences(failure: &Failure) -> [usize; 4] {
 #[test]
 fn wrong_pairs_are_found_and_shrunk_to_the_simplest_numbers() {
     for (way, scene, wrong) in [
-        (DROPS_THE_LAST_ELEMENT, "x,y,r\n0.0,0.0,1.0\n0.0,0.0,1.0\n", [1, 0, 0, 0]),
+        (DROPS_THE_LAST_PARTICLE, "x,y,r\n0.0,0.0,1.0\n0.0,0.0,1.0\n", [1, 0, 0, 0]),
         (REPEATS_THE_FIRST_PAIR, "x,y,r\n0.0,0.0,1.0\n0.0,0.0,1.0\n", [0, 0, 1, 0]),
-        (PAIRS_ELEMENTS_WITH_THEMSELVES, "x,y,r\n0.0,0.0,0.0\n", [0, 0, 0, 1]),
+        (PAIRS_PARTICLES_WITH_THEMSELVES, "x,y,r\n0.0,0.0,0.0\n", [0, 0, 0, 1]),
     ] {
         let failure = failure(way);
         assert_eq!(
@@ -206,7 +206,7 @@ fn a_pair_lost_to_rounding_keeps_its_last_bits_only() {
 
 #[test]
 fn a_panic_is_a_failure_with_a_small_scene() {
-    let failure = failure(PANICS_AT_TEN_ELEMENTS);
+    let failure = failure(PANICS_AT_TEN_PARTICLES);
     assert_eq!(failure.wrong, Some(Wrong::Panics("on purpose".into())));
     assert_eq!(
         (failure.smallest.len(), total_bits(&failure)),
@@ -218,7 +218,7 @@ fn a_panic_is_a_failure_with_a_small_scene() {
 
 #[test]
 fn what_hangs_is_a_failure_and_ends_no_check() {
-    for way in [HANGS_AT_THREE_ELEMENTS, REPORTS_WITHOUT_END] {
+    for way in [HANGS_AT_THREE_PARTICLES, REPORTS_WITHOUT_END] {
         let started = Instant::now();
         let failure = failure(way);
         assert_eq!(failure.wrong, Some(Wrong::Hangs(SHORT)), "mutant {way}");

@@ -231,7 +231,7 @@ fn scenes_that_no_grid_can_hold_are_refused_with_numbers() {
         assert_eq!(detected(folder, &["far.csv", "--detector", detector]).stdout, "i,j\n");
     }
     // 999,999 cells per axis (of a little more than a diameter, and two at the borders), and two
-    // elements, 4 bytes each.
+    // particles, 4 bytes each.
     file(folder, "loose.csv", "x,y,r\n0,0,0.5\n1e6,1e6,0.5\n");
     let words = [
         "screening needs 3999992000012 bytes",
@@ -389,7 +389,7 @@ fn check_passes_detectors_and_fails_the_control_that_finds_nothing() {
     let wrong = run(folder, &["check", "--detector", "nothing", "--seeds", "1"]);
     assert_eq!(wrong.code, Some(1));
     assert!(
-        wrong.stdout.contains("2 elements, 1 missed, 0 spurious, 0 duplicate pairs"),
+        wrong.stdout.contains("2 particles, 1 missed, 0 spurious, 0 duplicate pairs"),
         "{}",
         wrong.stdout
     );

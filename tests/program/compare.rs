@@ -224,7 +224,7 @@ fn what_does_not_belong_together_is_not_merged() {
     refused(
         folder,
         &["merge", "a", "count", "--out", "b"],
-        &["the counts of nbs (exact, packed) with N = 50 in count are another", "Compare them"],
+        &["list_push of nbs (exact, packed) with N = 50 in count is another", "Compare them"],
     );
     changed(folder, "a", "scene", |row| row["stats"]["scene_hash"] = "0x1".into(), |_| ());
     refused(

@@ -35,25 +35,25 @@ fn each_error_is_charged_to_its_cause() {
             && row.id.detector == "nbs"
             && row.id.scene == "couples";
         assert_eq!(row.outcome, if lossy { Outcome::Lossy } else { Outcome::Ok }, "{row:?}");
-        assert_eq!(causes.algorithm.missed > 0, lossy, "{row:?}");
-        assert_eq!(causes.algorithm.wrong(), causes.algorithm.missed, "{row:?}");
+        assert_eq!(causes.search.missed > 0, lossy, "{row:?}");
+        assert_eq!(causes.search.wrong(), causes.search.missed, "{row:?}");
         let coarse = row.id.arithmetic == "f32";
-        assert_eq!(causes.input.wrong() > 0, coarse, "{row:?}");
+        assert_eq!(causes.representation.wrong() > 0, coarse, "{row:?}");
         assert_eq!(errors.wrong() > 0, coarse || lossy, "{row:?}");
         match (row.id.scene.as_str(), row.id.arithmetic.as_str()) {
             // Couples one step from tangency are decided wrongly when rounded in f32, and are
             // missed by next to nothing.
             ("couples", "f32") => {
-                assert!(causes.arithmetic.wrong() > 0 && errors.deepest_miss < 1e-12, "{row:?}")
+                assert!(causes.predicate.wrong() > 0 && errors.deepest_miss < 1e-12, "{row:?}")
             }
             // A million diameters from the origin f32 has 16 places for a disc.
             ("loose", "f32") => {
-                assert!(causes.arithmetic.wrong() == 0 && errors.deepest_miss > 1e-3, "{row:?}")
+                assert!(causes.predicate.wrong() == 0 && errors.deepest_miss > 1e-3, "{row:?}")
             }
             ("couples", "exact") => {
                 assert_eq!((errors, row.contacts), (Errors::default(), Some(1000)))
             }
-            _ => assert_eq!(causes.arithmetic.wrong(), 0, "{row:?}"),
+            _ => assert_eq!(causes.predicate.wrong(), 0, "{row:?}"),
         }
     }
 }

@@ -254,7 +254,7 @@ fn each_failure_has_its_outcome_and_costs_no_other_runner_anything() {
     assert!(
         of(&sparse, "other", 100).iter().all(|row| row.outcome == Wrong || row.pass != Pass::Time)
     );
-    // Too slow with 100 elements: not tried with 400.
+    // Too slow with 100 particles: not tried with 400.
     assert!(
         of(&dense, "hangs", 400)
             .iter()

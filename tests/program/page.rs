@@ -27,14 +27,14 @@ n = [100, 1000, 10000]
 name = "loose"
 n = 1000
 [[claim]]
-name = "NBS makes three tests per element"
+name = "NBS makes three tests per particle"
 kind = "equal"
 value = "contact_test"
 to = "3 * n"
 where = { detector = "nbs" }
 [[figure]]
 name = "time"
-title = "Time per element"
+title = "Time per particle"
 x = "n"
 x-label = "N"
 y = "time_ns / n"
@@ -280,7 +280,7 @@ fn charts(browser: &Browser) {
     browser.choose("#by-arithmetic", "f64");
     browser.choose("#by-scene", "loose");
     same(&series(browser)["nbs"], &expected("loose", 2, "nbs", "f64", true));
-    browser.click("#per-element");
+    browser.click("#per-particle");
     same(&series(browser)["nbs"], &expected("loose", 2, "nbs", "f64", false));
     let scale = |axis: &str| {
         browser.run(&format!("return document.getElementById('chart').chart.scales.{axis}.distr"))

@@ -36,13 +36,13 @@ fn changed(folder: &Path, old: &str, new: &str, options: &[&str]) -> Ended {
     check(folder, "python3 changed.py", options)
 }
 
-/// The numbers of elements and the words of the smallest failing scene.
+/// The numbers of particles and the words of the smallest failing scene.
 fn smallest(ended: &Ended) -> (u64, &str) {
     let line =
         ended.stdout.lines().find_map(|line| line.strip_prefix("  smallest failing scene: "));
     let (n, words) = line
         .unwrap_or_else(|| panic!("no scene: {}{}", ended.stdout, ended.stderr))
-        .split_once(" elements, ")
+        .split_once(" particles, ")
         .unwrap();
     (n.parse().unwrap(), words)
 }
@@ -255,7 +255,7 @@ fn every_way_to_be_wrong_is_told() {
         ended
     };
     let none: &[&str] = &["--seconds", "0", "--deadline", "60"];
-    // Elements are numbered from 1.
+    // Particles are numbered from 1.
     let ended = told(
         "append((i, j))",
         "append((i + 1, j + 1))",
@@ -279,7 +279,7 @@ fn every_way_to_be_wrong_is_told() {
         "    pairs = []\n",
         new,
         &["--deadline", "3"],
-        &["it hangs: not ready after 3 s", "17 elements"],
+        &["it hangs: not ready after 3 s", "17 particles"],
     );
     // Speaks of other things, before and in between.
     told(
@@ -401,12 +401,12 @@ fn commands_that_are_none_are_refused() {
 /// All regressions that the tests keep are in the battery.
 #[test]
 fn the_battery_has_every_regression() {
-    let source = include_str!("../../src/check/mod.rs");
+    let source = include_str!("../../src/check/checker.rs");
     for entry in std::fs::read_dir(root().join("tests/regressions")).unwrap() {
         let name = entry.unwrap().file_name().into_string().unwrap();
         assert!(
             source.contains(&format!("tests/regressions/{name}")),
-            "{name} is missing in src/check/mod.rs"
+            "{name} is missing in src/check/checker.rs"
         );
     }
 }
@@ -439,7 +439,7 @@ fn recommend_names_one_and_says_why_not_the_others() {
             && refused["reason"].as_str().unwrap().contains("the limit is 300000"),
         "{refused}"
     );
-    assert!(refused["ns_per_element"].is_null());
+    assert!(refused["ns_per_particle"].is_null());
     let choice = of(answer["use"].as_str().unwrap());
     assert!(
         choice["outcome"] == "ok"
@@ -447,14 +447,14 @@ fn recommend_names_one_and_says_why_not_the_others() {
             && choice["errors"]["missed"] == 0,
         "{choice}"
     );
-    let time = &choice["ns_per_element"];
+    let time = &choice["ns_per_particle"];
     assert!(
         time["low"].as_f64() <= time["median"].as_f64()
             && time["median"].as_f64() <= time["high"].as_f64(),
         "{time}"
     );
     // It is the fastest, or leaner than all from which it cannot be told apart.
-    let blocks = |detector: &Value| detector["ns_per_element"]["blocks"].as_u64();
+    let blocks = |detector: &Value| detector["ns_per_particle"]["blocks"].as_u64();
     assert_eq!(blocks(choice), answer["blocks"].as_u64());
     for name in answer["cannot_tell_apart"].as_array().unwrap() {
         assert!(
@@ -495,7 +495,7 @@ fn recommend_takes_files_dimensions_and_arithmetics() {
     assert_eq!((ended.code, &*ended.stderr), (Some(0), ""), "{}", ended.stdout);
     let last = ended.stdout.split("\n\nuse ").nth(1).unwrap();
     assert!(
-        last.contains(" ns per element (") && last.contains(" bytes per element; exact"),
+        last.contains(" ns per particle (") && last.contains(" bytes per particle; exact"),
         "{last}"
     );
     assert!(ended.stdout.starts_with("packed:n=400: 400 discs, "), "{}", ended.stdout);
@@ -503,7 +503,7 @@ fn recommend_takes_files_dimensions_and_arithmetics() {
         (vec!["recommend"], "name a particle file, or a scene"),
         (vec!["recommend", "none.csv"], "none.csv"),
         (vec!["recommend", "packed:n=0x"], "n is '0x'"),
-        (vec!["recommend", "loose:n=0"], "the scene has no elements"),
+        (vec!["recommend", "loose:n=0"], "the scene has no particles"),
         (vec!["recommend", "packed", "--seconds", "0"], "--seconds 0: give a number from"),
         (vec!["recommend", "packed", "--threads", "0"], "--threads 0: give a number from"),
         (vec!["recommend", "packed", "--radius", "1"], "belong to files"),

@@ -98,7 +98,7 @@ fn links(trace: &Trace, step: usize, letter: char) -> Vec<i64> {
 
 /// G5 of the book on the arrays that are shown (p103-110), and how many steps there are.
 #[test]
-fn the_books_ten_elements_are_shown_as_printed() {
+fn the_books_ten_particles_are_shown_as_printed() {
     let trace = trace(Algorithm::Nbs, None).unwrap();
     assert_eq!(trace.steps.len(), 144);
     assert_eq!(heads(&trace, 10, 'B'), [-1, -1, -1, -1, 5, 9, 10, 2, -1, -1]);
@@ -118,10 +118,10 @@ fn the_books_ten_elements_are_shown_as_printed() {
     }
 }
 
-/// While cells are checked, the list of every cell holds the elements of that cell, and those of
+/// While cells are checked, the list of every cell holds the particles of that cell, and those of
 /// all cells are there.
 #[test]
-fn the_lists_that_are_shown_hold_the_elements_of_their_cells() {
+fn the_lists_that_are_shown_hold_the_particles_of_their_cells() {
     for (algorithm, link, letters) in
         [(Algorithm::Nbs, 'X', &['A', 'a'][..]), (Algorithm::Screening, 'E', &['C'])]
     {
@@ -155,7 +155,7 @@ fn the_lists_that_are_shown_hold_the_elements_of_their_cells() {
     }
 }
 
-/// G2 (p90-91), G3 (p95-98) and the tree of the ten elements.
+/// G2 (p90-91), G3 (p95-98) and the tree of the ten particles.
 #[test]
 fn the_other_examples_are_shown_as_printed() {
     let screening = trace(Algorithm::Screening, None).unwrap();
@@ -180,13 +180,13 @@ fn the_other_examples_are_shown_as_printed() {
             .collect::<Vec<_>>()
     };
     assert_eq!((keys(0), keys(1)), (vec![3, 4, 4, 4, 5, 5, 5, 6], vec![7, 5, 6, 7, 6, 7, 8, 6]));
-    assert_eq!(last.elements.iter().map(|k| k + 1).collect::<Vec<_>>(), [7, 5, 3, 1, 6, 4, 2, 8]);
+    assert_eq!(last.particles.iter().map(|k| k + 1).collect::<Vec<_>>(), [7, 5, 3, 1, 6, 4, 2, 8]);
     let search = sorting
         .steps
         .iter()
         .find(|step| step.words.starts_with("Mask cell (5, 7): a binary search"))
         .unwrap();
-    assert!(search.words.contains("element 4 at place 6"), "{}", search.words);
+    assert!(search.words.contains("particle 4 at place 6"), "{}", search.words);
 
     let tree = trace(Algorithm::BinaryTree, None).unwrap();
     assert_eq!(tree.steps.len(), 78);
@@ -289,8 +289,8 @@ fn traces_refuse_what_they_cannot_show() {
     let crowd = discs(&[[0.0, 0.0]; 60], 0.5);
     for (scene, words) in [
         (scene("packed:dim=3,n=20"), "of spheres"),
-        (scene("packed:n=61"), "61 elements; the steps of at most 60"),
-        (scene("packed:n=0"), "no elements"),
+        (scene("packed:n=61"), "61 particles; the steps of at most 60"),
+        (scene("packed:n=0"), "no particles"),
         (far, "502 x 3 cells; at most 40"),
     ] {
         let error = trace(Algorithm::Nbs, Some(&scene)).unwrap_err();
@@ -401,7 +401,7 @@ fn every_scene_can_be_drawn() {
     let many = scene("loose:n=200001");
     let error =
         draw::svg(&many, &Highlighted::default(), &Look::default()).unwrap_err().to_string();
-    assert!(error.contains("200001 elements are too many"), "{error}");
+    assert!(error.contains("200001 particles are too many"), "{error}");
 }
 
 #[test]
@@ -440,7 +440,10 @@ fn the_verbs_write_what_they_say() {
         (&["draw", "packed:dim=3,n=9", "--slice", "w=0"], "it must be x, y or z"),
         (&["draw", "none.csv"], "cannot read none.csv"),
         (&["draw"], "name a particle file, or a scene such as"),
-        (&["draw", "packed:n=2", "--pairs", "pairs.csv"], "the pair 0,2: the scene has 2 elements"),
+        (
+            &["draw", "packed:n=2", "--pairs", "pairs.csv"],
+            "the pair 0,2: the scene has 2 particles",
+        ),
         (
             &["draw", "packed:n=2", "-o", "nowhere/a.svg"],
             "cannot write nowhere/a.svg; choose another place",
@@ -449,7 +452,7 @@ fn the_verbs_write_what_they_say() {
             &["draw", "packed:n=2", "--radius", "1"],
             "--radius, --dim, --frame and --format belong to files",
         ),
-        (&["trace", "nbs", "packed:n=100"], "100 elements; the steps of at most 60"),
+        (&["trace", "nbs", "packed:n=100"], "100 particles; the steps of at most 60"),
         (&["trace", "nbs", "-o", "a<b>.csv/t"], "cannot write to a<b>.csv/t"),
         (&["trace", "kd-tree"], "nbs"),
     ] {

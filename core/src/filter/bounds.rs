@@ -89,7 +89,7 @@ mod tests {
                 assert_eq!(
                     bounds_by(&bodies, threads),
                     expected,
-                    "{n} elements, {threads} threads"
+                    "{n} particles, {threads} threads"
                 );
             }
         }

@@ -24,7 +24,7 @@ pub enum What {
     Spurious,
     /// Touching couples reported again.
     Duplicate,
-    /// Elements reported as touching themselves.
+    /// Particles reported as touching themselves.
     Itself,
     /// Labels (apart, tangent, overlap) that differ from the construction's.
     Label,

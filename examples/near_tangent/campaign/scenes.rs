@@ -5,8 +5,8 @@
 //!      |         |         |         |         |         |         |         |         |
 //!      |         |  b......a         |         |         |        .a......b  |         |
 //!      |         |         |         |         |         |         |         |         |
-//!   borders at low + m·reach (a textbook grid) and low + m·reach / (1 - 2^-18) (ours): a within one ulp of one of them,
-//!   five cells from one couple to the next, so that nothing else touches
+//!   borders at low + m·reach (a textbook grid) and low + m·reach / (1 - 2^-18) (ours): a within
+//!   one ulp of one of them, five cells from one couple to the next, so that nothing else touches
 //! ```
 
 use std::cmp::Ordering;
@@ -57,7 +57,7 @@ pub fn detectors(small: bool) -> Vec<(&'static str, Box<dyn AnyDetector>)> {
         .collect()
 }
 
-/// Isolated couples: element i belongs to couple `couple_of[i]`.
+/// Isolated couples: particle i belongs to couple `couple_of[i]`.
 struct Couples<const D: usize> {
     scene: Scene<'static, f64, D>,
     couple_of: Vec<usize>,
@@ -149,8 +149,8 @@ impl<const D: usize> Row<'_, D> {
         } else {
             Radii::Uniform((reach << fine) as f64 * half)
         };
-        // Elements 0 and 1 are the lone bodies; they are couple -1 of this numbering, which no pair
-        // may belong to.
+        // Particles 0 and 1 are the lone bodies; they are couple -1 of this numbering, which no
+        // pair may belong to.
         let couple_of = order.iter().map(|&i| (i / 2).wrapping_sub(1)).collect();
         Some(Couples { scene: Scene::new(centres, radii).ok()?, couple_of, truths, exponent })
     }

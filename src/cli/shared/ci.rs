@@ -97,7 +97,7 @@ pub fn junit(suite: &str, cases: &[Case]) -> String {
     out + "</testsuite>\n</testsuites>\n"
 }
 
-/// Text for elements and attributes. In an attribute a bare line break would be read as a blank.
+/// Text for particles and attributes. In an attribute a bare line break would be read as a blank.
 fn xml(text: &str) -> String {
     let broken = [('\n', "&#10;"), ('\t', "&#9;"), ('\r', "&#13;")];
     broken.into_iter().fold(escape::html(text), |text, (c, name)| text.replace(c, name))

@@ -4,6 +4,7 @@ use super::*;
 use crate::cells;
 use crate::cells::testing;
 use crate::cells::testing::Lab;
+use crate::present::sections::claims::evidence;
 
 fn lab() -> Lab {
     let mut lab = Lab::new("e", "packed");
@@ -28,7 +29,7 @@ fn judge(lab: &Lab, claim: &str) -> Verdict {
 fn each_kind_holds_and_fails() {
     use Status::*;
     let nbs = "where = { detector = 'nbs' }";
-    for (claim, status, evidence) in [
+    for (claim, status, words) in [
         (
             format!("kind = 'constant'\nvalue = 'list_push / n'\nwithin = 0.01\n{nbs}"),
             Holds,
@@ -106,8 +107,12 @@ fn each_kind_holds_and_fails() {
         ("kind = 'equal'\nvalue = 'n'\nto = 'n'\nwhere = { spin = 1 }".into(), Fails, "spin"),
     ] {
         let verdict = judge(&lab(), &claim);
-        assert_eq!(verdict.status, status, "{claim}: {}", verdict.evidence);
-        assert!(verdict.evidence.contains(evidence), "{claim}: {}", verdict.evidence);
+        assert_eq!(verdict.status, status, "{claim}: {}", evidence(&verdict.evidence));
+        assert!(
+            evidence(&verdict.evidence).contains(words),
+            "{claim}: {}",
+            evidence(&verdict.evidence)
+        );
         assert_eq!(verdict.machine_independent, !claim.contains("faster"));
     }
 }
@@ -120,11 +125,19 @@ fn wrong_cells_fail_and_missing_ones_are_named() {
     lab.detector("direct").n(100_000).fail(Pass::Count, Outcome::Timeout, "30 s");
     let verdict = judge(&lab, claim);
     assert_eq!(verdict.status, Status::Holds);
-    assert!(verdict.evidence.contains("without 1 of 7 cells: 1 timeout"), "{}", verdict.evidence);
+    assert!(
+        evidence(&verdict.evidence).contains("without 1 of 7 cells: 1 timeout"),
+        "{}",
+        evidence(&verdict.evidence)
+    );
     lab.fail(Pass::Memory, Outcome::Wrong, "digest");
     let verdict = judge(&lab, claim);
     assert_eq!(verdict.status, Status::Fails);
-    assert!(verdict.evidence.contains("wrong answers in 1 cell"), "{}", verdict.evidence);
+    assert!(
+        evidence(&verdict.evidence).contains("wrong answers in 1 cell"),
+        "{}",
+        evidence(&verdict.evidence)
+    );
     assert!(any_failed(&[verdict]));
 }
 

@@ -12,6 +12,7 @@ pub use timing::{Judgement, Note, Timing};
 use crate::cells::label::place;
 use crate::cells::{AxisValue, Cell, cells, ids};
 use crate::contact::Arithmetic;
+use crate::record::column::Column;
 use crate::record::id::{CellId, FIELDS, MACHINE};
 use crate::record::machines::Machine;
 use crate::record::row::{Outcome, Pass, Row};
@@ -95,7 +96,7 @@ pub enum Absent {
 pub enum Lack {
     /// Only one has made this pass.
     Pass(Pass, Side),
-    /// Only one has this: `times`, `contacts`, `counts`, or the name of a number of bytes.
+    /// Only one has this: `times`, or the name of a column.
     Value(&'static str, Side),
     /// Both have times, but no ratio of them.
     Blocks,
@@ -273,23 +274,19 @@ fn changes(a: &Cell, b: &Cell) -> Vec<Change> {
             note(&format!("outcome ({})", pass.name()), in_a.name().into(), in_b.name().into());
         }
     }
-    if let (Some(in_a), Some(in_b)) = (a.contacts, b.contacts) {
-        note("contacts", in_a.to_string(), in_b.to_string());
-    }
-    if let (Some(in_a), Some(in_b)) = (&a.counts, &b.counts) {
-        // An operation that a version does not know yet has happened no time.
-        let names: BTreeSet<&String> = in_a.keys().chain(in_b.keys()).collect();
-        let count = |counts: &BTreeMap<String, u64>, name: &str| {
-            counts.get(name).copied().unwrap_or(0).to_string()
-        };
-        names.into_iter().for_each(|name| note(name, count(in_a, name), count(in_b, name)));
-    }
-    for (name, in_a) in &a.memory {
-        if let Some(in_b) = b.memory.get(name) {
+    for name in exact() {
+        if let (Some(in_a), Some(in_b)) = (a.values.get(name), b.values.get(name)) {
             note(name, in_a.to_string(), in_b.to_string());
         }
     }
     found
+}
+
+/// What is compared as it is. (Errors follow from the pairs, and what the scene is from its
+/// fingerprint.)
+fn exact() -> impl Iterator<Item = &'static str> {
+    let measured = [Pass::Count, Pass::Memory].into_iter().flat_map(Column::measured_by);
+    ["contacts"].into_iter().chain(measured.map(|column| &*column.name))
 }
 
 /// What one side has measured and the other has not.
@@ -303,11 +300,8 @@ fn lacks(a: &Cell, b: &Cell, timed: bool) -> Vec<Lack> {
         found.extend(Side::only(a, b).map(|side| Lack::Value(what, side)));
     };
     see("times", a.time().is_some(), b.time().is_some());
-    see("contacts", a.contacts.is_some(), b.contacts.is_some());
-    see("counts", a.counts.is_some(), b.counts.is_some());
-    let names: BTreeSet<&'static str> = a.memory.keys().chain(b.memory.keys()).copied().collect();
-    for name in names {
-        see(name, a.memory.contains_key(name), b.memory.contains_key(name));
+    for name in exact() {
+        see(name, a.values.contains_key(name), b.values.contains_key(name));
     }
     if !timed && a.time().is_some() && b.time().is_some() {
         found.push(Lack::Blocks);

@@ -4,7 +4,7 @@ use super::*;
 use crate::cells;
 use crate::cells::testing::Lab;
 
-/// Three scenes with 2, 4 and 8 tests per element, at four N; `time` of (N, tests).
+/// Three scenes with 2, 4 and 8 tests per particle, at four N; `time` of (N, tests).
 fn lab(time: impl Fn(u64, u64) -> f64) -> Vec<Cell> {
     let mut lab = Lab::new("e", "packed");
     for (scene, per) in [("packed", 8), ("loose", 2), ("clustered", 4)] {

@@ -43,7 +43,7 @@ impl FromStr for Slice {
 /// A circle to be drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Circle {
-    /// The number of its element.
+    /// The number of its particle.
     pub id: u32,
     /// The centre.
     pub at: [f64; 2],
@@ -54,7 +54,7 @@ pub struct Circle {
 /// What lies in the plane.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Flat {
-    /// In order of the elements.
+    /// In order of the particles.
     pub circles: Vec<Circle>,
     /// For spheres: the slice.
     pub slice: Option<Slice>,
@@ -63,7 +63,7 @@ pub struct Flat {
     /// Coordinates are those of the scene times this power of two, so that no difference overflows,
     /// and none vanishes.
     pub factor: f64,
-    /// For every element the place of its circle; `u32::MAX` if it has none.
+    /// For every particle the place of its circle; `u32::MAX` if it has none.
     places: Vec<u32>,
 }
 
@@ -120,9 +120,9 @@ impl Flat {
         Flat { circles, slice, axes, factor, places }
     }
 
-    /// The circle of an element, if it has one.
-    pub fn circle(&self, element: u32) -> Option<&Circle> {
-        self.circles.get(*self.places.get(element as usize)? as usize)
+    /// The circle of a particle, if it has one.
+    pub fn circle(&self, particle: u32) -> Option<&Circle> {
+        self.circles.get(*self.places.get(particle as usize)? as usize)
     }
 
     /// The box around all circles.

@@ -14,7 +14,7 @@
 //! ```
 //!
 //! Lengths in the picture are relative to the scene's extent, so that offsets and scales do not
-//! matter. Elements count from 0.
+//! matter. Particles count from 0.
 //!
 //! * `flat`: spheres become circles in the plane of the slice; `pairs`: what is drawn between them,
 //!   and where it comes from.
@@ -32,18 +32,18 @@ pub use pairs::{Highlighted, find, read};
 use crate::contact::Arithmetic;
 use crate::scene::AnyScene;
 
-/// The largest number of elements that is drawn: more are a grey surface, and a file that no viewer
-/// opens.
-pub const MOST_ELEMENTS: usize = 200_000;
-/// Up to here elements are labelled with their numbers.
+/// The largest number of particles that is drawn: more are a grey surface, and a file that no
+/// viewer opens.
+pub const MOST_PARTICLES: usize = 200_000;
+/// Up to here particles are labelled with their numbers.
 pub const LABELLED: usize = 60;
 
-/// What a picture shows beside elements and pairs.
+/// What a picture shows beside particles and pairs.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Look {
     /// Stands above the picture.
     pub title: String,
-    /// The numbers of the elements; if not said, up to [`LABELLED`] elements.
+    /// The numbers of the particles; if not said, up to [`LABELLED`] particles.
     pub labels: Option<bool>,
     /// The cells of a detector.
     pub grid: bool,
@@ -58,8 +58,8 @@ impl Look {
     }
 }
 
-/// The picture as SVG. Refuses more than [`MOST_ELEMENTS`] elements in the plane or the
-/// slice, pairs of elements that the scene does not have, and a slice through discs.
+/// The picture as SVG. Refuses more than [`MOST_PARTICLES`] particles in the plane or the
+/// slice, pairs of particles that the scene does not have, and a slice through discs.
 pub fn svg(scene: &AnyScene<'_>, pairs: &Highlighted, look: &Look) -> anyhow::Result<String> {
     ensure!(
         scene.dim() == 3 || look.slice.is_none(),
@@ -69,8 +69,8 @@ pub fn svg(scene: &AnyScene<'_>, pairs: &Highlighted, look: &Look) -> anyhow::Re
     let scene = scene.stored(Arithmetic::F64)?;
     let flat = flat::Flat::new(&scene, look.slice);
     ensure!(
-        flat.circles.len() <= MOST_ELEMENTS,
-        "{} elements are too many to be seen; at most {MOST_ELEMENTS} are drawn: draw a part of \
+        flat.circles.len() <= MOST_PARTICLES,
+        "{} particles are too many to be seen; at most {MOST_PARTICLES} are drawn: draw a part of \
          the scene{}",
         flat.circles.len(),
         if scene.dim() == 3 { ", or another slice" } else { "" }

@@ -13,12 +13,12 @@ use crate::scene::{AnyScene, Radii, Real, Scene, array};
 use crate::sink::normalise;
 use crate::with_scene;
 
-/// Two elements are nearly tangent if the overlap or the gap is under this part of their mean
+/// Two particles are nearly tangent if the overlap or the gap is under this part of their mean
 /// radius.
 pub const NEAR: f64 = 1e-6;
 
-/// Pairs of elements, each of its own look. Elements count from 0, the order within a pair does not
-/// matter.
+/// Pairs of particles, each of its own look. Particles count from 0, the order within a pair does
+/// not matter.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Highlighted {
     /// Pairs that touch, and were not missed.
@@ -27,7 +27,7 @@ pub struct Highlighted {
     pub near: Vec<[u32; 2]>,
     /// Pairs that touch, and that a list lacks.
     pub missed: Vec<[u32; 2]>,
-    /// Pairs that do not touch, and that a list has; also an element with itself.
+    /// Pairs that do not touch, and that a list has; also a particle with itself.
     pub spurious: Vec<[u32; 2]>,
     /// Pairs that a list has more than once, once for each time too many.
     pub duplicates: Vec<[u32; 2]>,
@@ -61,13 +61,13 @@ impl Highlighted {
         Ok(pairs)
     }
 
-    /// Refuses elements that a scene of `n` does not have.
+    /// Refuses particles that a scene of `n` does not have.
     pub fn check(&self, n: usize) -> anyhow::Result<()> {
         let all = [&self.contacts, &self.near, &self.missed, &self.spurious, &self.duplicates];
         match all.into_iter().flatten().find(|pair| pair.iter().any(|&k| k as usize >= n)) {
             None => Ok(()),
             Some([i, j]) => bail!(
-                "the pair {i},{j}: the scene has {n} elements, numbered from 0; the list belongs \
+                "the pair {i},{j}: the scene has {n} particles, numbered from 0; the list belongs \
                  to another scene"
             ),
         }
@@ -132,7 +132,7 @@ fn grown(points: &[Vec<f64>], radii: Vec<f64>) -> Option<AnyScene<'static>> {
     }
 }
 
-/// See [`depth`]; of elements that the scene has.
+/// See [`depth`]; of particles that the scene has.
 pub fn depth_of(scene: &AnyScene<'_>, [i, j]: [u32; 2]) -> f64 {
     let (i, j) = (i as usize, j as usize);
     with_scene!(scene, scene => {
@@ -141,7 +141,7 @@ pub fn depth_of(scene: &AnyScene<'_>, [i, j]: [u32; 2]) -> f64 {
     })
 }
 
-/// Reads a list of pairs: CSV of two columns of element numbers, from 0, with or without a header
+/// Reads a list of pairs: CSV of two columns of particle numbers, from 0, with or without a header
 /// such as `i,j`; further columns are skipped.
 pub fn read(path: &Path) -> anyhow::Result<Vec<[u32; 2]>> {
     let name = path.display();
@@ -172,7 +172,7 @@ pub fn read(path: &Path) -> anyhow::Result<Vec<[u32; 2]>> {
             _ if pairs.is_empty()
                 && !text.starts_with(|c: char| c.is_ascii_digit() || c == '-') => {}
             _ => bail!(
-                "{name}:{number}: '{}' is no pair of element numbers; write two whole numbers, as \
+                "{name}:{number}: '{}' is no pair of particle numbers; write two whole numbers, as \
                  in 0,1",
                 excerpt(text)
             ),
@@ -208,7 +208,7 @@ mod tests {
         assert_eq!(pairs.spurious, [[0, 0], [0, 3]]);
         assert_eq!(pairs.duplicates, [[1, 2]]);
         let error = Highlighted::compare(&scene, &[[0, 4]]).unwrap_err().to_string();
-        assert!(error.contains("the pair 0,4: the scene has 4 elements"), "{error}");
+        assert!(error.contains("the pair 0,4: the scene has 4 particles"), "{error}");
     }
 
     #[test]
@@ -227,7 +227,7 @@ mod tests {
             std::fs::write(&path, text).unwrap();
             let error = read(&path).unwrap_err().to_string();
             assert!(
-                error.contains("pairs.csv:3: '") && error.contains("no pair of element numbers"),
+                error.contains("pairs.csv:3: '") && error.contains("no pair of particle numbers"),
                 "{error}"
             );
         }

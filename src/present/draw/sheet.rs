@@ -236,7 +236,7 @@ impl<'a> Sheet<'a> {
             let Some([a, b]) = self.ends(pair) else { continue };
             drawn += 1;
             if a == b {
-                // An element with itself, or two in one place: a ring, as a path of two arcs.
+                // A particle with itself, or two in one place: a ring, as a path of two arcs.
                 let r = (0.6
                     * self.flat.circle(pair[0]).map_or(0.0, |circle| self.page.length(circle.r)))
                 .max(4.0);

@@ -62,7 +62,7 @@ pub const FIGURES: &str = "
 name = 'time'
 title = 'Time against N'
 x = 'n'
-x-label = 'number of elements N'
+x-label = 'number of particles N'
 y = 'time_ns / 10^6'
 y-label = 'time per detection (ms)'
 slopes = true
@@ -70,17 +70,17 @@ slopes = true
 name = 'tests'
 title = 'Contact tests'
 x = 'n'
-x-label = 'number of elements N'
+x-label = 'number of particles N'
 y = 'contact_test'
 y-label = 'contact tests'
 slopes = true
 [[figure]]
 name = 'per'
-title = 'Time per element, packed'
+title = 'Time per particle, packed'
 x = 'n'
-x-label = 'number of elements N'
+x-label = 'number of particles N'
 y = 'time_ns / n'
-y-label = 'time per element (ns)'
+y-label = 'time per particle (ns)'
 log = false
 where = { scene = 'packed', dim = 2, detector = ['nbs', 'screening'] }
 ";
@@ -237,7 +237,7 @@ fn speed_error_rows() -> Vec<crate::record::row::Row> {
                     lab.fail(Pass::Time, Outcome::Timeout, "30 s, the limit");
                 } else {
                     lab.time(&[time * scale; 15])
-                        .errors(errors, Causes { input: errors, ..Causes::default() });
+                        .errors(errors, Causes { representation: errors, ..Causes::default() });
                 }
             }
         }

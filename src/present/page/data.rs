@@ -7,7 +7,8 @@ use serde_json::{Value, json};
 use crate::cells::{AxisValue, Cell, FIELDS, errors, label};
 use crate::present::figure::style::{Marker, Styles};
 use crate::present::page::marks;
-use crate::probe::Op;
+use crate::record::column::Column;
+use crate::record::row::Pass;
 
 /// What was measured: names in rows. Text first.
 const MEASURES: [&str; 17] = [
@@ -64,13 +65,9 @@ fn measure(cell: &Cell, name: &str) -> Option<f64> {
         "time_low" => Some(cell.time()?.low),
         "time_high" => Some(cell.time()?.high),
         "blocks" => Some(cell.time()?.count as f64),
-        // Runners that count nothing say nothing, and their counts are empty.
-        "operations" | "contact_test"
-            if cell.counts.as_ref().is_none_or(|counts| counts.is_empty()) =>
-        {
-            None
+        "operations" => {
+            Column::measured_by(Pass::Count).map(|column| cell.variable(&column.name, None)).sum()
         }
-        "operations" => Op::ALL.iter().map(|op| cell.variable(op.name(), None)).sum(),
         "error_rate" => errors::rate(cell),
         // Of a scene whose answers were compared with the truth.
         "true_contacts" => cell.errors.and_then(|_| cell.variable(name, None)),
@@ -145,7 +142,7 @@ mod tests {
     use crate::cells;
     use crate::cells::testing::Lab;
     use crate::oracle::Errors;
-    use crate::record::row::{Outcome, Pass};
+    use crate::record::row::Outcome;
 
     #[test]
     fn rows_hold_what_was_measured_and_null_for_the_rest() {

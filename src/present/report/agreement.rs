@@ -6,6 +6,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use super::*;
+use crate::present::sections::claims::evidence;
 use crate::record::row;
 
 /// A line of a table, empty cells left out.
@@ -107,9 +108,8 @@ fn differences(markdown: &str, html: &str, plain: &str, report: &Report) -> Vec<
         }
     }
     for verdict in &report.verdicts {
-        let name = verdict.status.name();
-        let markdown =
-            |it: &&Line| it[0] == verdict.claim && it[1] == name && it[2] == verdict.evidence;
+        let (name, evidence) = (verdict.status.name(), evidence(&verdict.evidence));
+        let markdown = |it: &&Line| it[0] == verdict.claim && it[1] == name && it[2] == evidence;
         if !lines.iter().filter(|it| it.len() > 2).any(|it| markdown(&it)) {
             differ("a claim is not in the report", &vec![verdict.claim.clone()]);
         }
@@ -117,16 +117,13 @@ fn differences(markdown: &str, html: &str, plain: &str, report: &Report) -> Vec<
             it.len() == 3
                 && it[0].starts_with(&verdict.claim)
                 && it[1].ends_with(name)
-                && it[2] == verdict.evidence
+                && it[2] == evidence
         };
         if !claims.iter().any(|it| html(&it)) {
             differ("a claim is not in the page", &vec![verdict.claim.clone()]);
         }
         let plain = |it: &&Line| {
-            it.len() == 3
-                && it[0] == name
-                && it[1].ends_with(&verdict.claim)
-                && it[2] == verdict.evidence
+            it.len() == 3 && it[0] == name && it[1].ends_with(&verdict.claim) && it[2] == evidence
         };
         if !shown.iter().any(|it| plain(&it)) {
             differ("a claim is not on the terminal", &vec![verdict.claim.clone()]);

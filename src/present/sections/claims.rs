@@ -1,9 +1,10 @@
 //! Claims and what came of them.
 
-use crate::findings::claim::{Status, Verdict};
-use crate::number::plural;
+use crate::findings::claim::{Evidence, Found, Series, Status, Verdict, Without};
+use crate::number::{number, percent, plural};
 use crate::present::document::{Block, Text};
 use crate::present::table::{Cell, Column, Table};
+use crate::record::row::Outcome;
 
 /// `26 claims: 25 hold, 0 fail, 1 could not be shown`.
 pub fn score(verdicts: &[Verdict]) -> String {
@@ -16,6 +17,123 @@ pub fn score(verdicts: &[Verdict]) -> String {
     )
 }
 
+/// Series that do not grow as claimed, said one by one.
+const SERIES: usize = 3;
+
+/// The numbers of a verdict in a line.
+pub fn evidence(evidence: &Evidence) -> String {
+    let machine = if evidence.of_machine { "of this machine: " } else { "" };
+    let without = evidence.without.as_ref().map_or_else(String::new, left_out);
+    format!("{machine}{}{without}", found(&evidence.found))
+}
+
+/// `; without 4 of 7 cells: 3 refused, 1 timeout`.
+fn left_out(without: &Without) -> String {
+    let part = |(outcome, count): (&Option<_>, &usize)| {
+        format!("{count} {}", outcome.map_or("without a value", Outcome::name))
+    };
+    let parts: Vec<String> = without.outcomes.iter().map(part).collect();
+    let count: usize = without.outcomes.values().sum();
+    format!("; without {count} of {}: {}", plural(without.of, "cell"), parts.join(", "))
+}
+
+fn found(found: &Found) -> String {
+    match found {
+        Found::NoRows => "no rows of this experiment".into(),
+        Found::NoCell => "no cell matches".into(),
+        Found::NoValue => "no cell has a value".into(),
+        Found::NoSides => "no cell has both sides".into(),
+        Found::Unusable(why) => format!("cannot be checked: {why}"),
+        Found::Wrong { cells, first } => {
+            format!("wrong answers in {}, first at {first}", plural(*cells, "cell"))
+        }
+        Found::Crashed { first } => format!("a detector of this program crashed, first at {first}"),
+        Found::Single(value) => {
+            format!("{} in the only cell; a constant needs two", number(*value))
+        }
+        Found::Constant { low, high, spread, within, over } => {
+            let range = format!("{} to {} over {over}", number(low.value), number(high.value));
+            match spread {
+                None => format!("{range}; the smallest is not positive"),
+                Some(spread) if spread <= within => format!("{range} ({})", percent(*spread)),
+                Some(spread) => format!(
+                    "{range} ({}, allowed {}); lowest at {}, highest at {}",
+                    percent(*spread),
+                    percent(*within),
+                    low.place,
+                    high.place
+                ),
+            }
+        }
+        Found::Compared { equal, cells, bad, worst, limit, gap, over } => {
+            let (count, at) = (plural(*cells, "cell"), &worst.place);
+            let (value, limit) = (number(worst.value), number(*limit));
+            match (*bad, equal) {
+                (0, true) if *gap == 0.0 => format!("exactly, in {count} over {over}"),
+                (0, true) => format!("within {} in {count} over {over}", percent(*gap)),
+                (0, false) => {
+                    format!("in {count} over {over}; nearest: {value} against {limit} at {at}")
+                }
+                (bad, _) => {
+                    let sign = if *equal { "differs from" } else { "exceeds" };
+                    let by = match gap.is_finite() {
+                        true => format!(" by {}", percent(*gap)),
+                        false => String::new(),
+                    };
+                    format!("in {bad} of {count}; worst: {value} {sign} {limit}{by} at {at}")
+                }
+            }
+        }
+        Found::Growth { law, fitting, others } => {
+            let mut parts: Vec<String> = Vec::new();
+            if let Some(fitting) = fitting {
+                let [low, high] = fitting.exponents;
+                let range =
+                    if low < high { format!("{low:.3} to {high:.3}") } else { format!("{low:.3}") };
+                parts.push(format!(
+                    "{} fits {} series: exponent {range}, ΔAICc {:.0} or more to the next law",
+                    law.name(),
+                    fitting.series,
+                    fitting.delta
+                ));
+            }
+            parts.extend(others.iter().take(SERIES).map(|other| series(other, law.name())));
+            if others.len() > SERIES {
+                parts.push(format!("and {} more series", others.len() - SERIES));
+            }
+            parts.join("; ")
+        }
+        Found::Faster { than, cells, low, high, slower, open, worst, place } => {
+            let tell = match (slower, open) {
+                (0, 0) => String::new(),
+                (0, open) => format!("undecided in {open} of them; "),
+                (slower, _) => format!("slower in {slower} of them; "),
+            };
+            format!(
+                "{low:.2} to {high:.2} times the time of {than} in {}; {tell}worst {:.2} [{:.2}, \
+                 {:.2}] at {place}",
+                plural(*cells, "cell"),
+                worst.median,
+                worst.low,
+                worst.high
+            )
+        }
+        Found::NoTimes { than } => format!("no cell has times of both it and {than}"),
+    }
+}
+
+fn series(series: &Series, wanted: &str) -> String {
+    let place = if series.place.is_empty() { String::new() } else { format!("{}: ", series.place) };
+    let exponent = series.slope.map_or_else(String::new, |slope| {
+        format!("exponent {:.3} [{:.3}, {:.3}], ", slope.exponent, slope.low, slope.high)
+    });
+    let law = match series.law {
+        Ok(law) => format!("{} fits, not {wanted}", law.name()),
+        Err(doubt) => format!("undecided: {doubt}"),
+    };
+    format!("{place}{exponent}{law}")
+}
+
 /// For a report: the table, and how the claims are checked.
 pub fn blocks(verdicts: &[Verdict]) -> Vec<Block> {
     if verdicts.is_empty() {
@@ -23,9 +141,8 @@ pub fn blocks(verdicts: &[Verdict]) -> Vec<Block> {
     }
     let columns = ["claim", "verdict", "evidence", "source"].map(Column::left).into();
     let row = |verdict: &Verdict| -> Vec<Cell> {
-        [&*verdict.claim, verdict.status.name(), &verdict.evidence, &verdict.source]
-            .map(Cell::from)
-            .into()
+        let evidence = evidence(&verdict.evidence);
+        [&*verdict.claim, verdict.status.name(), &evidence, &verdict.source].map(Cell::from).into()
     };
     vec![
         Block::Table(Table::new("", columns).with(verdicts.iter().map(row))),
@@ -43,7 +160,7 @@ pub fn terminal(verdicts: &[Verdict]) -> Vec<Block> {
         if several { format!("{}: {}", v.experiment, v.claim) } else { v.claim.clone() }
     };
     let row = |v: &Verdict| -> Vec<Cell> {
-        vec![v.status.name().into(), named(v).into(), v.evidence.as_str().into()]
+        vec![v.status.name().into(), named(v).into(), evidence(&v.evidence).into()]
     };
     let table = Table::new("", ["", "", ""].map(Column::left).into());
     let score = Block::Paragraph(Text::from(score(verdicts)));
@@ -63,12 +180,16 @@ mod tests {
             source: String::new(),
             status: Status::Fails,
             machine_independent: true,
-            evidence: "2 to 2.003 over n = 100..30000 (0.2%, allowed 0.01%); ".repeat(3),
+            evidence: Evidence {
+                found: Found::Unusable("a long reason, ".repeat(9)),
+                of_machine: false,
+                without: None,
+            },
         };
         let text = plain(&terminal(&[verdict.clone(), verdict.clone()]), 80);
         assert!(text.lines().all(|line| line.chars().count() <= 80), "{text}");
-        assert!(text.starts_with("FAILS  c  2 to 2.003"), "{text}");
+        assert!(text.starts_with("FAILS  c  cannot be checked: a long"), "{text}");
         assert!(text.ends_with("2 claims: 0 hold, 2 fail, 0 could not be shown\n"), "{text}");
-        assert!(markdown(&blocks(&[verdict])).contains("| c | FAILS | 2 to 2.003"));
+        assert!(markdown(&blocks(&[verdict])).contains("| c | FAILS | cannot be checked: a long"));
     }
 }

@@ -64,9 +64,9 @@ fn row(line: &ErrorLine) -> Vec<Cell> {
         line.arithmetic.as_str().into(),
         line.scene.as_str().into(),
         Cell::number(sum.contacts),
-        cause(|causes| &causes.input),
-        cause(|causes| &causes.arithmetic),
-        cause(|causes| &causes.algorithm),
+        cause(|causes| &causes.representation),
+        cause(|causes| &causes.predicate),
+        cause(|causes| &causes.search),
         counts(&sum.errors).into(),
         Cell::share(sum.errors.wrong() as f64 / sum.contacts.max(1.0)),
         depth(sum.errors.missed, sum.errors.deepest_miss),
@@ -128,7 +128,7 @@ mod tests {
         lab.count(&[]).edit(|row| row.errors = Some(errors(3, 0)));
         let cells = cells::cells(&lab.rows());
         assert_eq!(
-            (cells[0].variable("missed", None), cells[0].variable("input_missed", None)),
+            (cells[0].variable("missed", None), cells[0].variable("representation_missed", None)),
             (Some(3.0), None)
         );
         let table = table(&ErrorTable::new(&[&cells[0]]).unwrap()).markdown();

@@ -2,11 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use crate::cells::{Cell as Measured, errors, label};
+use crate::cells::{Cell as Measured, label};
 use crate::findings::verdicts::{Answer, Matrix, case, judged};
 use crate::number::plural;
 use crate::present::document::{Block, Text};
 use crate::present::table::{Cell, Column, Table};
+use crate::record::column;
 
 /// For a report: how to read the tables, and the tables.
 pub fn blocks(found: &Matrix) -> Vec<Block> {
@@ -87,7 +88,8 @@ fn rest(found: &Matrix) -> Vec<Block> {
 
 /// `verdicts.csv`: every answer.
 pub fn rows(cells: &[&Measured]) -> Table {
-    let (cells, names) = (judged(cells), errors::names().collect::<Vec<_>>());
+    let (cells, names) =
+        (judged(cells), column::errors().map(|error| &*error.name).collect::<Vec<_>>());
     let mut swept: BTreeMap<&str, Vec<&Measured>> = BTreeMap::new();
     for &cell in &cells {
         swept.entry(&cell.id.experiment).or_default().push(cell);
@@ -106,8 +108,7 @@ pub fn rows(cells: &[&Measured]) -> Table {
         "outcome",
         "reason",
     ];
-    let numbers: Vec<&str> =
-        ["contacts", "true_contacts"].into_iter().chain(names.iter().map(String::as_str)).collect();
+    let numbers: Vec<&str> = ["contacts", "true_contacts"].into_iter().chain(names).collect();
     let columns = words.iter().chain(&numbers).map(|name| Column::left(*name)).collect();
     let row = |cell: &&Measured| {
         let (key, (outcome, reason)) = (&cell.id, cell.overall());

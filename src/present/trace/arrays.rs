@@ -43,8 +43,8 @@ enum Kind {
     Links(char),
     /// Keys along an axis.
     Keys(usize),
-    /// Numbers of elements.
-    Elements,
+    /// Numbers of particles.
+    Particles,
     Tree,
 }
 
@@ -53,24 +53,24 @@ impl Arrays {
     pub fn new(trace: &Trace) -> Arrays {
         let kinds: &[(Kind, &'static str)] = match trace.algorithm {
             Algorithm::Nbs => &[
-                (Kind::Heads('B', 1), "B: first element of each row"),
-                (Kind::Links('Y'), "Y: next element in the row"),
-                (Kind::Heads('A', 0), "A: first element of each column, in the central row"),
-                (Kind::Heads('a', 0), "A': first element of each column, in the row below"),
-                (Kind::Links('X'), "X: next element in the cell"),
+                (Kind::Heads('B', 1), "B: first particle of each row"),
+                (Kind::Links('Y'), "Y: next particle in the row"),
+                (Kind::Heads('A', 0), "A: first particle of each column, in the central row"),
+                (Kind::Heads('a', 0), "A': first particle of each column, in the row below"),
+                (Kind::Links('X'), "X: next particle in the cell"),
             ],
             Algorithm::Screening => &[
-                (Kind::Matrix, "C: first element of each cell"),
-                (Kind::Links('E'), "E: next element in the cell"),
+                (Kind::Matrix, "C: first particle of each cell"),
+                (Kind::Links('E'), "E: next particle in the cell"),
             ],
             Algorithm::Sorting => &[
                 (Kind::Keys(0), "X: columns"),
                 (Kind::Keys(1), "Y: rows"),
-                (Kind::Elements, "D: elements"),
+                (Kind::Particles, "D: particles"),
             ],
             Algorithm::BinaryTree => &[
-                (Kind::Tree, "The tree; in the boxes, the leaves: the first element of each"),
-                (Kind::Links('E'), "E: next element in the cell"),
+                (Kind::Tree, "The tree; in the boxes, the leaves: the first particle of each"),
+                (Kind::Links('E'), "E: next particle in the cell"),
             ],
         };
         let mut arrays = Arrays {
@@ -84,7 +84,7 @@ impl Arrays {
                 Kind::Matrix => matrix_cell(trace)[1] * trace.shown(1).count() as f64 + 26.0,
                 Kind::Tree => arrays.tree.height,
                 Kind::Heads(_, axis) => lines(trace.shown(axis).count()),
-                Kind::Links(_) | Kind::Keys(_) | Kind::Elements => lines(trace.discs.len()),
+                Kind::Links(_) | Kind::Keys(_) | Kind::Particles => lines(trace.discs.len()),
             };
             arrays.blocks.push(Block { kind, title, y: arrays.height });
             arrays.height += TITLE + height + 14.0;
@@ -116,7 +116,7 @@ impl Arrays {
 
     fn block(&self, trace: &Trace, step: &Step, kind: Kind) -> String {
         let (state, marks, names) = (&step.state, &step.marks, &trace.names);
-        let elements = |k: usize| (k as u32 + names.first).to_string();
+        let particles = |k: usize| (k as u32 + names.first).to_string();
         let values: Vec<Value> = match kind {
             Kind::Heads(letter, axis) => {
                 let heads = state.heads_of(letter);
@@ -134,7 +134,7 @@ impl Arrays {
             }
             Kind::Links(letter) => {
                 let value = |(k, &next): (usize, &Option<u32>)| Value {
-                    caption: elements(k),
+                    caption: particles(k),
                     text: names.maybe(next),
                     class: with_old(class(marks, letter, k), Head { first: next, old: false }),
                 };
@@ -142,19 +142,19 @@ impl Arrays {
             }
             Kind::Keys(axis) => {
                 let value = |(at, key): (usize, &Option<u32>)| Value {
-                    caption: elements(at),
+                    caption: particles(at),
                     text: key.map_or("".into(), |key| (key + names.shift[axis]).to_string()),
                     class: place_class(marks, ['X', 'Y'][axis.min(1)], at),
                 };
                 state.keys[axis].iter().enumerate().map(value).collect()
             }
-            Kind::Elements => {
+            Kind::Particles => {
                 let value = |(at, &k): (usize, &u32)| Value {
-                    caption: elements(at),
-                    text: names.element(k).to_string(),
+                    caption: particles(at),
+                    text: names.particle(k).to_string(),
                     class: place_class(marks, 'D', at),
                 };
-                state.elements.iter().enumerate().map(value).collect()
+                state.particles.iter().enumerate().map(value).collect()
             }
             Kind::Matrix => return matrix(trace, step),
             Kind::Tree => return self.tree.draw(trace, step),

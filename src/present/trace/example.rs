@@ -1,8 +1,8 @@
 //! The scenes of the book's worked examples (Munjiza 2004, sections 3.6 to 3.8).
 //!
-//! The book gives the cells of its elements, not their centres. Ours are in the same cells of a 10
+//! The book gives the cells of its particles, not their centres. Ours are in the same cells of a 10
 //! x 10 grid, of edge 10 (and a little more, see [`crate::filter::cells`]), with a radius of 5, and
-//! chosen so that some touch: 4 and 10 of the ten elements do exactly.
+//! chosen so that some touch: 4 and 10 of the ten particles do exactly.
 
 use nalgebra::Point;
 
@@ -19,7 +19,8 @@ pub struct Example {
     pub shift: [u32; 2],
 }
 
-/// The ten elements of NBS, p103-110. The book does not show the column of element 9; any will do.
+/// The ten particles of NBS, p103-110. The book does not show the column of particle 9; any will
+/// do.
 const TEN: [[f64; 2]; 10] = [
     [32.0, 68.0],
     [41.0, 74.0],
@@ -33,7 +34,7 @@ const TEN: [[f64; 2]; 10] = [
     [38.0, 61.0],
 ];
 
-/// The nine elements of screening, p90-91.
+/// The nine particles of screening, p90-91.
 const NINE: [[f64; 2]; 9] = [
     [42.0, 62.0],
     [48.0, 69.0],
@@ -49,15 +50,17 @@ const NINE: [[f64; 2]; 9] = [
 /// The example of an algorithm.
 pub fn example(algorithm: Algorithm) -> Example {
     match algorithm {
-        Algorithm::Nbs => Example { name: "the book's ten elements", centres: &TEN, shift: [2, 4] },
+        Algorithm::Nbs => {
+            Example { name: "the book's ten particles", centres: &TEN, shift: [2, 4] }
+        }
         Algorithm::BinaryTree => {
-            Example { name: "the book's ten elements", centres: &TEN, shift: [2, 4] }
+            Example { name: "the book's ten particles", centres: &TEN, shift: [2, 4] }
         }
         Algorithm::Screening => {
-            Example { name: "the book's nine elements", centres: &NINE, shift: [1, 5] }
+            Example { name: "the book's nine particles", centres: &NINE, shift: [1, 5] }
         }
         Algorithm::Sorting => {
-            Example { name: "the book's eight elements", centres: &TEN[..8], shift: [2, 4] }
+            Example { name: "the book's eight particles", centres: &TEN[..8], shift: [2, 4] }
         }
     }
 }

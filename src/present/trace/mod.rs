@@ -6,7 +6,7 @@
 //!
 //! let trace = trace(Algorithm::Nbs, None)?;
 //! assert_eq!(trace.contacts.len(), 6);
-//! let page = contactbench::present::trace::page::html(&trace, "ten elements");
+//! let page = contactbench::present::trace::page::html(&trace, "ten particles");
 //! assert!(page.starts_with("<!doctype html>"));
 //! # Ok::<(), anyhow::Error>(())
 //! ```
@@ -43,8 +43,8 @@ use crate::filter::Cells;
 use crate::probe::{Op, Silent, Tally};
 use crate::scene::{AnyScene, Stored, array};
 
-/// The most elements that can be shown.
-pub const MOST_ELEMENTS: usize = 60;
+/// The most particles that can be shown.
+pub const MOST_PARTICLES: usize = 60;
 /// The most cells along an axis that can be shown, borders included.
 pub const MOST_CELLS: u32 = 40;
 /// The most steps that can be shown.
@@ -91,11 +91,11 @@ pub struct Disc {
 pub struct Trace {
     /// Who detects.
     pub algorithm: Algorithm,
-    /// The elements.
+    /// The particles.
     pub discs: Vec<Disc>,
     /// The grid.
     pub cells: Cells<2>,
-    /// How elements and cells are numbered where they are shown.
+    /// How particles and cells are numbered where they are shown.
     pub names: Names,
     /// The steps. The first is the beginning, the last the end.
     pub steps: Vec<Step>,
@@ -123,7 +123,7 @@ impl Trace {
 /// Lets a detector work on a scene, or on the book's example of it, and tell what it does. Contacts
 /// are decided exactly.
 ///
-/// Refuses spheres, more than [`MOST_ELEMENTS`] elements, [`MOST_CELLS`] cells along an axis or
+/// Refuses spheres, more than [`MOST_PARTICLES`] particles, [`MOST_CELLS`] cells along an axis or
 /// [`MOST_STEPS`] steps, and what the detector refuses.
 pub fn trace(algorithm: Algorithm, scene: Option<&AnyScene<'_>>) -> anyhow::Result<Trace> {
     let example = example::example(algorithm);
@@ -137,10 +137,10 @@ pub fn trace(algorithm: Algorithm, scene: Option<&AnyScene<'_>>) -> anyhow::Resu
         anyhow::bail!("steps are shown of discs, and this scene is of spheres; take one with dim=2")
     };
     let n = scene.len();
-    ensure!(n > 0, "the scene has no elements; there is nothing to show");
+    ensure!(n > 0, "the scene has no particles; there is nothing to show");
     ensure!(
-        n <= MOST_ELEMENTS,
-        "the scene has {n} elements; the steps of at most {MOST_ELEMENTS} can be followed: take a \
+        n <= MOST_PARTICLES,
+        "the scene has {n} particles; the steps of at most {MOST_PARTICLES} can be followed: take \
          part, or a smaller n"
     );
     let bodies = any_bodies(scene, Arithmetic::Exact.test())?;
@@ -149,7 +149,7 @@ pub fn trace(algorithm: Algorithm, scene: Option<&AnyScene<'_>>) -> anyhow::Resu
     ensure!(
         nx.max(ny) <= MOST_CELLS,
         "the scene has {nx} x {ny} cells; at most {MOST_CELLS} along each axis can be shown: take \
-         a denser scene, or remove elements that are far away"
+         a denser scene, or remove particles that are far away"
     );
     let discs: Vec<Disc> = (0..n)
         .map(|k| {
@@ -180,7 +180,7 @@ pub fn trace(algorithm: Algorithm, scene: Option<&AnyScene<'_>>) -> anyhow::Resu
     ensure!(
         all <= MOST_STEPS,
         "{} takes {all} steps for this scene; at most {MOST_STEPS} can be shown: take fewer \
-         elements, or a looser scene",
+         particles, or a looser scene",
         algorithm.name()
     );
     Ok(Trace { algorithm, discs, cells, names, steps, parts, contacts, tally })

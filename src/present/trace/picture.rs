@@ -56,7 +56,7 @@ impl Scene {
         [MARGIN + along(0) * self.edge, (self.cells[1] as f64 - along(1)) * self.edge]
     }
 
-    /// The border cells, which hold no elements: what lies below everything.
+    /// The border cells, which hold no particles: what lies below everything.
     pub fn ground(&self, trace: &Trace) -> String {
         let inside = |at: i64, axis: usize| at > 0 && at < i64::from(trace.cells.count[axis]) - 1;
         let cells = trace.shown(1).flat_map(|row| trace.shown(0).map(move |column| [column, row]));
@@ -111,12 +111,12 @@ impl Scene {
         format!("<circle class=\"{class}\" cx=\"{x}\" cy=\"{y}\" r=\"{}\"/>", px(r))
     }
 
-    /// The elements' numbers.
+    /// The particles' numbers.
     pub fn numbers(&self, trace: &Trace) -> String {
         let size = (0.3 * self.edge).clamp(9.0, 24.0);
         let number = |(k, at): (usize, [f64; 2])| {
             let [x, y] = self.at(trace, at);
-            let (y, name) = (y + 0.36 * size, trace.names.element(k as u32));
+            let (y, name) = (y + 0.36 * size, trace.names.particle(k as u32));
             format!(
                 "<text class=\"n\" x=\"{}\" y=\"{}\" style=\"font-size:{}px\">{name}</text>",
                 px(x),
@@ -154,13 +154,13 @@ impl Scene {
             let class = if touching { "yes" } else { "no" };
             over += &format!("<path class=\"{class}\" d=\"{}\"/>", self.line(trace, [i, j]));
         }
-        if let Some(disc) = marks.element.and_then(|k| trace.discs.get(k as usize)) {
+        if let Some(disc) = marks.particle.and_then(|k| trace.discs.get(k as usize)) {
             over += &self.disc(trace, disc.at, disc.r, "ring");
         }
         [under, over]
     }
 
-    /// The line between two elements, as the data of a path.
+    /// The line between two particles, as the data of a path.
     pub fn line(&self, trace: &Trace, pair: [u32; 2]) -> String {
         let [a, b] = pair.map(|k| self.at(trace, trace.discs[k as usize].at).map(px));
         format!("M{} {}L{} {}", a[0], a[1], b[0], b[1])

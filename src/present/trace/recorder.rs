@@ -6,10 +6,10 @@ use crate::present::trace::words::Chain;
 use crate::present::trace::{Algorithm, Disc, MOST_STEPS, words};
 use crate::probe::{Op, Probe, Tally};
 
-/// How elements and cells are numbered where they are shown.
+/// How particles and cells are numbered where they are shown.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Names {
-    /// The number of the first element: 1 in the book, else 0.
+    /// The number of the first particle: 1 in the book, else 0.
     pub first: u32,
     /// Added to columns and rows.
     pub shift: [u32; 2],
@@ -18,14 +18,14 @@ pub struct Names {
 }
 
 impl Names {
-    /// An element's number.
-    pub fn element(&self, k: u32) -> u32 {
+    /// A particle's number.
+    pub fn particle(&self, k: u32) -> u32 {
         k + self.first
     }
 
-    /// An element's number, or -1 for none.
+    /// A particle's number, or -1 for none.
     pub fn maybe(&self, k: Option<u32>) -> String {
-        k.map_or("-1".into(), |k| self.element(k).to_string())
+        k.map_or("-1".into(), |k| self.particle(k).to_string())
     }
 
     /// A cell, as (column, row).
@@ -43,8 +43,8 @@ pub struct Marks {
     pub central: Option<[u32; 2]>,
     /// A cell that is looked at.
     pub cell: Option<[u32; 2]>,
-    /// An element that is dealt with.
-    pub element: Option<u32>,
+    /// A particle that is dealt with.
+    pub particle: Option<u32>,
     /// A pair that is tested, and whether it touches.
     pub pair: Option<(u32, u32, bool)>,
     /// Array and place of what was written.
@@ -127,7 +127,7 @@ impl Recorder {
             }
             Algorithm::Sorting => {
                 state.keys = [vec![None; n], vec![None; n]];
-                state.elements = (0..n as u32).collect();
+                state.particles = (0..n as u32).collect();
             }
             Algorithm::BinaryTree => {
                 state.nodes = vec![Node::default()];
@@ -206,7 +206,7 @@ impl Recorder {
                     self.step(words::tree(halvings), Marks { path: vec![0], ..Marks::default() });
                 }
             }
-            Event::Visit { element } => self.visiting = Some(element),
+            Event::Visit { particle } => self.visiting = Some(particle),
             Event::Central { cell } => {
                 self.central = Some(cell);
                 match self.algorithm {
@@ -258,8 +258,8 @@ impl Recorder {
         }
     }
 
-    /// The elements of a list as they are shown.
+    /// The particles of a list as they are shown.
     pub(super) fn chain(&self, letter: char, first: Option<u32>) -> Chain {
-        Chain(self.state.chain(letter, first).into_iter().map(|k| self.names.element(k)).collect())
+        Chain(self.state.chain(letter, first).into_iter().map(|k| self.names.particle(k)).collect())
     }
 }

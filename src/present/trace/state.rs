@@ -5,7 +5,7 @@ use crate::event::Event;
 /// A head of a list.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Head {
-    /// The first element.
+    /// The first particle.
     pub first: Option<u32>,
     /// Marked old.
     pub old: bool,
@@ -37,12 +37,12 @@ pub struct Node {
 pub struct State {
     /// Heads, by the letter of their array: B, A and a of NBS (a: the row below), C of screening.
     pub heads: Vec<(char, Vec<Head>)>,
-    /// Next elements, by letter: Y and X of NBS, E of screening and of the tree.
+    /// Next particles, by letter: Y and X of NBS, E of screening and of the tree.
     pub links: Vec<(char, Vec<Option<u32>>)>,
     /// Integerised coordinates of sorting.
     pub keys: [Vec<Option<u32>>; 2],
-    /// Elements of sorting.
-    pub elements: Vec<u32>,
+    /// Particles of sorting.
+    pub particles: Vec<u32>,
     /// Nodes of the tree.
     pub nodes: Vec<Node>,
     /// Contacts found.
@@ -53,16 +53,16 @@ impl State {
     /// Does what the event tells.
     pub fn apply(&mut self, event: &Event) {
         match *event {
-            Event::Push { heads, list, element, next } => {
+            Event::Push { heads, list, particle, next } => {
                 if let Some(head) = self.head(heads, list) {
-                    *head = Head { first: Some(element), old: false };
+                    *head = Head { first: Some(particle), old: false };
                 }
                 let letter = match heads {
                     'B' => 'Y',
                     'A' | 'a' => 'X',
                     _ => 'E',
                 };
-                self.link(letter, element, next);
+                self.link(letter, particle, next);
             }
             Event::Take { heads, list, first, .. } => {
                 if let Some(head) = self.head(heads, list) {
@@ -74,18 +74,18 @@ impl State {
                     *head = Head::default();
                 }
             }
-            Event::Unlink { element } => self.link('E', element, None),
+            Event::Unlink { particle } => self.link('E', particle, None),
             Event::Test { i, j, touching: true } => self.contacts.push([i, j]),
-            Event::Key { axis, element, key } => {
+            Event::Key { axis, particle, key } => {
                 if let Some(place) =
-                    self.keys.get_mut(axis).and_then(|keys| keys.get_mut(element as usize))
+                    self.keys.get_mut(axis).and_then(|keys| keys.get_mut(particle as usize))
                 {
                     *place = Some(key);
                 }
             }
             Event::Swap { axis, places: [a, b] } => {
                 self.keys.iter_mut().skip(axis).for_each(|keys| keys.swap(a, b));
-                self.elements.swap(a, b);
+                self.particles.swap(a, b);
             }
             Event::Made { node, parent, half } => {
                 let level = self.nodes.get(parent as usize).map_or(0, |parent| parent.level + 1);
@@ -94,11 +94,11 @@ impl State {
                 }
                 self.nodes.push(Node { level, ..Node::default() });
             }
-            Event::Leaf { node, half, element, next, .. } => {
+            Event::Leaf { node, half, particle, next, .. } => {
                 if let Some(node) = self.nodes.get_mut(node as usize) {
-                    node.children[half] = Child::Leaf(element);
+                    node.children[half] = Child::Leaf(particle);
                 }
-                self.link('E', element, next);
+                self.link('E', particle, next);
             }
             _ => {}
         }
@@ -108,9 +108,9 @@ impl State {
         self.heads.iter_mut().find(|heads| heads.0 == letter)?.1.get_mut(list)
     }
 
-    fn link(&mut self, letter: char, element: u32, next: Option<u32>) {
+    fn link(&mut self, letter: char, particle: u32, next: Option<u32>) {
         let links = self.links.iter_mut().find(|links| links.0 == letter);
-        if let Some(link) = links.and_then(|links| links.1.get_mut(element as usize)) {
+        if let Some(link) = links.and_then(|links| links.1.get_mut(particle as usize)) {
             *link = next;
         }
     }
@@ -125,10 +125,10 @@ impl State {
         self.links.iter().find(|links| links.0 == letter).map_or(&[], |links| &links.1)
     }
 
-    /// The elements of the list that begins with `first`.
+    /// The particles of the list that begins with `first`.
     pub fn chain(&self, letter: char, first: Option<u32>) -> Vec<u32> {
         let links = self.links_of(letter);
-        // No list is longer than there are elements.
+        // No list is longer than there are particles.
         std::iter::successors(first, |&k| links.get(k as usize).copied().flatten())
             .take(links.len())
             .collect()

@@ -115,7 +115,7 @@ impl Tree {
                     px(width),
                     px(x),
                     px(y + 6.0),
-                    trace.names.element(head)
+                    trace.names.particle(head)
                 );
             }
         }

@@ -29,8 +29,8 @@ pub fn beginning(recorder: &Recorder) -> String {
             "All lists are empty: every head is -1. C has a head for each cell of the domain."
         }
         Algorithm::Sorting => {
-            "Three arrays of one number per element: X and Y for columns and rows, D for the \
-             elements' numbers."
+            "Three arrays of one number per particle: X and Y for columns and rows, D for the \
+             particles' numbers."
         }
         Algorithm::BinaryTree => {
             "A cell as large as the largest disc is found by halving a square, again and again: a \
@@ -38,7 +38,7 @@ pub fn beginning(recorder: &Recorder) -> String {
         }
     };
     format!(
-        "{n} element{}, in cells as large as the largest disc. {what}",
+        "{n} particle{}, in cells as large as the largest disc. {what}",
         if n == 1 { "" } else { "s" }
     )
 }
@@ -67,19 +67,19 @@ pub fn end(recorder: &Recorder) -> String {
 pub fn title(part: Part, row: Option<u32>, names: &Names) -> String {
     let row = row.map_or(0, |row| row + names.shift[1]);
     match part {
-        Part::Rows => "All elements go on the lists of their rows".into(),
+        Part::Rows => "All particles go on the lists of their rows".into(),
         Part::CentralRow { .. } => {
             format!("Row {row}: it and the row below go on lists of columns")
         }
         Part::Columns => format!("Row {row}: its cells are checked"),
         Part::RemoveColumns => format!("Row {row}: the lists of columns are emptied"),
         Part::RemoveRows => "The lists of rows are emptied".into(),
-        Part::Cells => "All elements go on the lists of their cells".into(),
+        Part::Cells => "All particles go on the lists of their cells".into(),
         Part::Search => "The cells that are not empty are checked".into(),
         Part::RemoveCells => "The lists are emptied".into(),
         Part::Fill => "The arrays are filled".into(),
         Part::Sort => "The arrays are sorted".into(),
-        Part::Tree { .. } => "All elements go down the tree".into(),
+        Part::Tree { .. } => "All particles go down the tree".into(),
         Part::Walk => "The tree is walked over, from leaf to leaf".into(),
     }
 }
@@ -97,38 +97,38 @@ pub fn tree(halvings: u32) -> String {
 pub fn of(recorder: &Recorder, before: &State, event: &Event) -> Option<(String, Marks)> {
     let names = &recorder.names;
     match *event {
-        Event::Push { heads, list, element, next } => {
-            Some(push(recorder, heads, list, element, next))
+        Event::Push { heads, list, particle, next } => {
+            Some(push(recorder, heads, list, particle, next))
         }
         Event::Take { heads, list, first, old } => Some(take(recorder, heads, list, first, old)),
         Event::Look { heads, list, first } => Some(look(recorder, heads, list, first)),
         Event::Reset { heads, list } => Some(reset(recorder, before, heads, list)),
-        Event::Unlink { element } => {
-            let k = names.element(element);
+        Event::Unlink { particle } => {
+            let k = names.particle(particle);
             let marks = Marks {
-                element: Some(element),
-                written: vec![('E', element as usize)],
+                particle: Some(particle),
+                written: vec![('E', particle as usize)],
                 ..Marks::default()
             };
             Some((format!("E[{k}] = -1: its link is emptied, too."), marks))
         }
         Event::Test { i, j, touching } => Some(test(recorder, i, j, touching)),
-        Event::Leaf { cell, element, next, .. } => {
-            let (k, cell_name) = (names.element(element), names.cell(cell));
+        Event::Leaf { cell, particle, next, .. } => {
+            let (k, cell_name) = (names.particle(particle), names.cell(cell));
             let nodes = match recorder.made {
                 0 => "all nodes are there already".into(),
                 1 => "1 node is made".into(),
                 made => format!("{made} nodes are made"),
             };
             let words = format!(
-                "Element {k}, cell {cell_name}, goes down from the root: {nodes}. On the leaf's \
+                "Particle {k}, cell {cell_name}, goes down from the root: {nodes}. On the leaf's \
                  list: E[{k}] = {}, HEAD = {k}.",
                 names.maybe(next)
             );
-            let written = vec![('E', element as usize)];
+            let written = vec![('E', particle as usize)];
             Some((
                 words,
-                Marks { element: Some(element), cell: Some(cell), written, ..Marks::default() },
+                Marks { particle: Some(particle), cell: Some(cell), written, ..Marks::default() },
             ))
         }
         Event::Descended { cell, first } => {
@@ -188,21 +188,21 @@ fn push(
     recorder: &Recorder,
     heads: char,
     list: usize,
-    element: u32,
+    particle: u32,
     next: Option<u32>,
 ) -> (String, Marks) {
     let ((head, place), k, link) =
-        (head(recorder, heads, list), recorder.names.element(element), link(heads));
+        (head(recorder, heads, list), recorder.names.particle(particle), link(heads));
     let was = recorder.names.maybe(next);
     let list_was = if next.is_none() { " (the list was empty)" } else { "" };
     let words = format!(
-        "Element {k} lies in {place} and goes to the front of its list: {link}[{k}] = {head} = \
+        "Particle {k} lies in {place} and goes to the front of its list: {link}[{k}] = {head} = \
          {was}{list_was}, then {head} = {k}."
     );
     let marks = Marks {
-        element: Some(element),
+        particle: Some(particle),
         cell: recorder.cell_of(heads, list),
-        written: vec![(heads, list), (link, element as usize)],
+        written: vec![(heads, list), (link, particle as usize)],
         ..Marks::default()
     };
     (words, marks)
@@ -217,7 +217,7 @@ fn take(
 ) -> (String, Marks) {
     let (head, place) = head(recorder, heads, list);
     let whose = match (recorder.visiting, heads) {
-        (Some(k), _) => format!("Element {} lies in {place}. ", recorder.names.element(k)),
+        (Some(k), _) => format!("Particle {} lies in {place}. ", recorder.names.particle(k)),
         (None, 'B') => format!("Upwards to {place}. "),
         (None, _) => String::new(),
     };
@@ -235,7 +235,7 @@ fn take(
         }
     };
     let mut marks = Marks {
-        element: recorder.visiting,
+        particle: recorder.visiting,
         cell: recorder.cell_of(heads, list),
         ..Marks::default()
     };
@@ -279,7 +279,7 @@ fn reset(recorder: &Recorder, before: &State, heads: char, list: usize) -> (Stri
     let (head, place) = head(recorder, heads, list);
     let already = before.heads_of(heads).get(list).is_some_and(|head| head.first.is_none());
     let words = match already {
-        true => format!("{head} = -1: it was already, as another element of {place} came first."),
+        true => format!("{head} = -1: it was already, as another particle of {place} came first."),
         false => format!("{head} = -1: the list of {place} is empty and new again."),
     };
     let marks = Marks {
@@ -303,10 +303,10 @@ fn test(recorder: &Recorder, i: u32, j: u32, touching: bool) -> (String, Marks) 
         false => ("more than", "no contact".into()),
     };
     let words = format!(
-        "Elements {} and {}, {place}: the distance {} is {sign} {}, the sum of the radii: \
+        "Particles {} and {}, {place}: the distance {} is {sign} {}, the sum of the radii: \
          {answer}.",
-        names.element(i),
-        names.element(j),
+        names.particle(i),
+        names.particle(j),
         short(distance),
         short(a.r + b.r)
     );

@@ -6,7 +6,7 @@ use crate::present::trace::recorder::{Marks, Recorder};
 /// A step for an event of sorting, if it is one.
 pub fn of(recorder: &Recorder, event: &Event) -> Option<(String, Marks)> {
     let (names, state) = (&recorder.names, &recorder.state);
-    // Places count as elements do.
+    // Places count as particles do.
     let place = |at: usize| at as u32 + names.first;
     let places = |[from, to]: [usize; 2]| match to - from {
         1 => format!("place {}", place(from)),
@@ -15,17 +15,17 @@ pub fn of(recorder: &Recorder, event: &Event) -> Option<(String, Marks)> {
     let key = |axis: usize, key: u32| key + names.shift[axis];
     let (letter, cells) = (['X', 'Y'], ["column", "row"]);
     match *event {
-        Event::Key { axis, element, key: value } => {
-            let k = names.element(element);
+        Event::Key { axis, particle, key: value } => {
+            let k = names.particle(particle);
             let words = format!(
-                "Element {k} lies in {} {}: {}[{k}] = {}.",
+                "Particle {k} lies in {} {}: {}[{k}] = {}.",
                 cells[axis],
                 key(axis, value),
                 letter[axis],
                 key(axis, value)
             );
-            let written = vec![(letter[axis], element as usize)];
-            Some((words, Marks { element: Some(element), written, ..Marks::default() }))
+            let written = vec![(letter[axis], particle as usize)];
+            Some((words, Marks { particle: Some(particle), written, ..Marks::default() }))
         }
         Event::Halve { axis, places: range, values: [min, max], mid } => {
             let words = format!(
@@ -78,14 +78,14 @@ pub fn of(recorder: &Recorder, event: &Event) -> Option<(String, Marks)> {
         }
         Event::Found { cell, places: range } => {
             let name = names.cell(cell);
-            let elements: Vec<String> = state.elements[range[0]..range[1]]
+            let particles: Vec<String> = state.particles[range[0]..range[1]]
                 .iter()
-                .map(|&k| names.element(k).to_string())
+                .map(|&k| names.particle(k).to_string())
                 .collect();
             let found = match range[1] - range[0] {
-                0 => "no element is there".into(),
-                1 => format!("element {} at {}", elements[0], places(range)),
-                _ => format!("elements {} at {}", elements.join(", "), places(range)),
+                0 => "no particle is there".into(),
+                1 => format!("particle {} at {}", particles[0], places(range)),
+                _ => format!("particles {} at {}", particles.join(", "), places(range)),
             };
             let central = recorder.central == Some(cell);
             let words = if central {

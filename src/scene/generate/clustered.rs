@@ -10,11 +10,11 @@
 //!   +----------------------+
 //! ```
 //!
-//! A share `background` of the elements (rounded to the nearest whole number) is uniform in a
+//! A share `background` of the particles (rounded to the nearest whole number) is uniform in a
 //! square (cube) whose volume is that of all bodies over `fraction`. The others form clusters of
-//! `per-cluster` elements (the last may be smaller): each has a centre uniform in the box and
-//! elements normal about it, with standard deviation `width` along each axis. A cluster near the
-//! border throws elements outside the box; they stay, so the box around the scene is somewhat
+//! `per-cluster` particles (the last may be smaller): each has a centre uniform in the box and
+//! particles normal about it, with standard deviation `width` along each axis. A cluster near the
+//! border throws particles outside the box; they stay, so the box around the scene is somewhat
 //! larger and its packing fraction somewhat smaller than asked. In generated order the clusters
 //! come first, one after the other, then the background.
 
@@ -39,7 +39,7 @@ pub const GENERATOR: Generator = Generator {
             name: "per-cluster",
             kind: Kind::Count,
             default: [Preset::Whole(100); 2],
-            meaning: "elements in a cluster; the last cluster may be smaller",
+            meaning: "particles in a cluster; the last cluster may be smaller",
         },
         Parameter {
             name: "width",
@@ -51,7 +51,7 @@ pub const GENERATOR: Generator = Generator {
             name: "background",
             kind: Kind::Share,
             default: [Preset::Number(0.1); 2],
-            meaning: "share of the elements that is uniform in the box",
+            meaning: "share of the particles that is uniform in the box",
         },
         Parameter {
             name: "fraction",

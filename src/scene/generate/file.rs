@@ -7,7 +7,7 @@
 //! ```
 //!
 //! The formats and their rules are those of [`crate::io`]. The file decides the number of
-//! elements and the dimension: n = 0 takes what there is, another n must be the file's. `file-dim`
+//! particles and the dimension: n = 0 takes what there is, another n must be the file's. `file-dim`
 //! says what an array with three columns means; see [`crate::io::Options`].
 
 use std::path::Path;

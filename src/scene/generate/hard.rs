@@ -4,9 +4,9 @@
 //!   case = every-neighbour   ->   o|o   o/o  ...
 //! ```
 //!
-//! The case decides the number of elements: n = 0 takes what there is, another n must be the
+//! The case decides the number of particles: n = 0 takes what there is, another n must be the
 //! case's. The scene made is the last step; the steps before it are the history,
-//! [`crate::scene::spec::Spec::history`]. Where the order of the elements is part of the case,
+//! [`crate::scene::spec::Spec::history`]. Where the order of the particles is part of the case,
 //! `order = generated` keeps it.
 
 use anyhow::ensure;
@@ -39,7 +39,7 @@ pub const GENERATOR: Generator = Generator {
         let (n, found) = (inputs.n, scene.len());
         ensure!(
             n == 0 || n == found as u64,
-            "the case has {found} elements, but n = {n} was asked for; leave n out"
+            "the case has {found} particles, but n = {n} was asked for; leave n out"
         );
         Ok(scene)
     },

@@ -30,7 +30,7 @@ use crate::scene::{Radii, Scene};
 pub struct Inputs<'a> {
     /// 2 or 3.
     pub dim: u32,
-    /// Number of elements.
+    /// Number of particles.
     pub n: u64,
     /// Seed of the draws.
     pub seed: u64,
@@ -108,9 +108,9 @@ fn box_edge<const D: usize>(n: u64, radii: Option<&[f64]>, fraction: f64) -> f64
 fn room<T>(n: u64) -> anyhow::Result<Vec<T>> {
     let mut list = Vec::new();
     let n = usize::try_from(n)
-        .context("more elements than this machine can address; make n smaller")?;
+        .context("more particles than this machine can address; make n smaller")?;
     list.try_reserve_exact(n)
-        .with_context(|| format!("no memory for n = {n} elements; make n smaller"))?;
+        .with_context(|| format!("no memory for n = {n} particles; make n smaller"))?;
     Ok(list)
 }
 

@@ -9,7 +9,7 @@
 //!
 //! A near-square or near-cubic block of lattice sites, nearest neighbours `spacing` apart, the
 //! first N in the order x fastest, then y, then z. Each coordinate is moved by a number uniform in
-//! ± `jitter`. At the defaults about 58% of the lattice neighbours touch: 3.5 contacts per element
+//! ± `jitter`. At the defaults about 58% of the lattice neighbours touch: 3.5 contacts per particle
 //! in 2D and 6.9 in 3D, as in a dense granular pack. Square and cubic sites without jitter are
 //! exactly i·spacing·diameter (one rounding each, none where spacing and diameter are dyadic).
 

@@ -32,7 +32,7 @@ pub struct Generator {
     pub dims: &'static [u32],
     /// What it makes, in a phrase.
     pub summary: &'static str,
-    /// It decides the number of elements itself, and n is 0 where none is given.
+    /// It decides the number of particles itself, and n is 0 where none is given.
     pub own_n: bool,
     /// Its parameters.
     pub params: &'static [Parameter],
@@ -139,7 +139,7 @@ impl Generator {
         );
         ensure!(
             n <= u64::from(u32::MAX),
-            "{}: n = {n}; at most 2^32 - 1 = {} elements can be numbered: make n smaller",
+            "{}: n = {n}; at most 2^32 - 1 = {} particles can be numbered: make n smaller",
             self.name,
             u32::MAX
         );

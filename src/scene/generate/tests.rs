@@ -109,7 +109,7 @@ fn lattices_without_jitter_have_their_neighbours() {
         ("packed:n=2000,dim=3,jitter=0", 12.0),
         ("packed:n=1000,dim=3,jitter=0,lattice=cubic,spacing=1", 6.0),
     ] {
-        // Border elements have fewer, but most of the block is inside.
+        // Border particles have fewer, but most of the block is inside.
         let mean = coordination(&make(text));
         assert!(mean <= inner && mean > 0.75 * inner, "{text}: {mean}");
     }
@@ -191,7 +191,7 @@ fn clusters_have_their_width_and_number() {
             assert!((6600..7050).contains(&within), "{within} of 10000; a normal has 6827");
         });
     }
-    // Width 0: 3 clusters of 30 coincident elements, then 10 of background, no two alike.
+    // Width 0: 3 clusters of 30 coincident particles, then 10 of background, no two alike.
     let scene = make("clustered:n=100,per-cluster=30,width=0");
     let equal = couples(&scene).iter().filter(|[square, _]| *square == 0.0).count();
     assert_eq!(equal, 3 * 30 * 29 / 2);

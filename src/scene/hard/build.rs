@@ -132,7 +132,7 @@ pub fn reach_from(x: f64, d: f64) -> f64 {
     if lost < 0.0 { sum.next_down() } else { sum }
 }
 
-/// The number of pairs of `n` elements.
+/// The number of pairs of `n` particles.
 pub const fn pairs(n: u64) -> u64 {
     n * (n - 1) / 2
 }

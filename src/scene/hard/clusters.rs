@@ -105,7 +105,7 @@ pub const CASES: &[Case] = &[
     Case {
         name: "geometric-series",
         reason: "bodies at 2^-k: halving space separates one body per level, so a tree is as deep \
-                 as it has elements",
+                 as it has particles",
         allows: &[Allowed::Memory],
         make: |dim| {
             uniform(dim, &(0..60).map(|k| [two_to(-k); 3]).collect::<Vec<_>>(), two_to(-20))
@@ -114,7 +114,7 @@ pub const CASES: &[Case] = &[
     },
     Case {
         name: "sorted-input",
-        reason: "a row in ascending order: a quicksort that splits at the first element recurses \
+        reason: "a row in ascending order: a quicksort that splits at the first particle recurses \
                  N deep; use order = generated",
         expect: Expect::Contacts([1499, 1499]),
         make: |dim| in_order(dim, |k| k),
@@ -130,7 +130,7 @@ pub const CASES: &[Case] = &[
     },
     Case {
         name: "organ-pipe-input",
-        reason: "up and down again: defeats a quicksort that splits at the middle element; use \
+        reason: "up and down again: defeats a quicksort that splits at the middle particle; use \
                  order = generated",
         expect: Expect::Contacts([1499, 1499]),
         make: |dim| in_order(dim, |k| if k < ROW / 2 { 2 * k } else { 2 * (ROW - 1 - k) + 1 }),

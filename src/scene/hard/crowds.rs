@@ -1,5 +1,5 @@
-//! Very many elements in one cell: fixed capacities clip them, and N elements in one cell have N²/2
-//! pairs.
+//! Very many particles in one cell: fixed capacities clip them, and N particles in one cell have
+//! N²/2 pairs.
 //!
 //! ```text
 //!   +------+------+

@@ -1,4 +1,4 @@
-//! Invalid numbers; none, one and two elements; points, lines and planes.
+//! Invalid numbers; none, one and two particles; points, lines and planes.
 
 use crate::scene::hard::build::*;
 use crate::scene::hard::{Allowed, Case, Expect, Group};
@@ -48,7 +48,7 @@ pub const CASES: &[Case] = &[
     },
     Case {
         name: "nothing-at-all",
-        reason: "no element: the box is empty, xmin > xmax, the largest radius is that of nobody",
+        reason: "no particle: the box is empty, xmin > xmax, the largest radius is that of nobody",
         source: "CellListMap#79",
         expect: Expect::Contacts([0, 0]),
         make: |dim| each(dim, &[]),
@@ -56,7 +56,7 @@ pub const CASES: &[Case] = &[
     },
     Case {
         name: "a-single-body",
-        reason: "one element: the box has no extent, and the element may be found in contact with \
+        reason: "one particle: the box has no extent, and it may be found in contact with \
                  itself",
         source: "CellListMap#79",
         expect: Expect::Contacts([0, 0]),
@@ -65,7 +65,7 @@ pub const CASES: &[Case] = &[
     },
     Case {
         name: "two-in-touch",
-        reason: "two elements: trees without an inner node, sorts of one comparison",
+        reason: "two particles: trees without an inner node, sorts of one comparison",
         source: "CellListMap#79",
         expect: Expect::Contacts([1, 1]),
         make: |dim| uniform(dim, &[[3.0, 4.0, 0.0], [0.0, 0.0, 0.0]], 2.5),
@@ -73,7 +73,7 @@ pub const CASES: &[Case] = &[
     },
     Case {
         name: "two-apart",
-        reason: "two elements in opposite corners of neighbouring cells: what is in reach by \
+        reason: "two particles in opposite corners of neighbouring cells: what is in reach by \
                  cells is not in touch",
         source: "CellListMap#79",
         expect: Expect::Contacts([0, 0]),

@@ -104,11 +104,11 @@ pub enum Group {
     Extremes,
     /// Cell numbers that overflow or collide.
     Keys,
-    /// Invalid numbers; none, one and two elements; points, lines and planes.
+    /// Invalid numbers; none, one and two particles; points, lines and planes.
     Degenerate,
     /// Very different radii.
     Sizes,
-    /// Very many elements in one cell.
+    /// Very many particles in one cell.
     Crowds,
     /// Uneven distributions and input orders.
     Clusters,

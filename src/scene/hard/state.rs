@@ -28,14 +28,14 @@ pub const CASES: &[Case] = &[
     },
     Case {
         name: "grow-then-shrink",
-        reason: "few after many: links of elements that no longer exist",
+        reason: "few after many: links of particles that no longer exist",
         expect: of_lattice([3, 3], 1),
         make: |dim| history([block(dim, 14, 7), block(dim, 3, 3)]),
         ..STATE
     },
     Case {
         name: "emptied-then-filled",
-        reason: "no element at all in between: the box, the largest radius and the counts of \
+        reason: "no particle at all in between: the box, the largest radius and the counts of \
                  nobody",
         source: "CellListMap#79",
         expect: of_lattice([10, 5], 1),

@@ -199,8 +199,8 @@ fn a_spec_gives_last_step_and_history() {
     assert!(cases().next().unwrap().steps(4).is_err());
 }
 
-/// The contacts of a scene by the offset of the second element's cell from the first's; elements in
-/// input order.
+/// The contacts of a scene by the offset of the second particle's cell from the first's; particles
+/// in input order.
 struct ByOffset<const D: usize>(Vec<[u32; 2]>);
 
 impl<T: Real, const D: usize> WithBodies<T, D> for ByOffset<D> {

@@ -4,10 +4,10 @@
 //!
 //! | relation | the set of pairs | exact in | because |
 //! |---|---|---|---|
-//! | permutation of the elements | renamed | all | a - b and b - a round alike, ri + rj commutes |
+//! | permutation of the particles | renamed | all | a - b and b - a round alike, ri + rj commutes |
 //! | one radius for all, or the same one each | same | all | the same operations |
-//! | removal of elements | those of the rest | all; f32-cell if the largest stays | the cell's edge is made from the largest |
-//! | an element twice | its pairs twice, and one more | all | 0 <= s² holds rounded, too |
+//! | removal of particles | those of the rest | all; f32-cell if the largest stays | the cell's edge is made from the largest |
+//! | a particle twice | its pairs twice, and one more | all | 0 <= s² holds rounded, too |
 //! | larger radii | a superset | all; f32-cell up to the largest | rounding is monotone: s' >= s gives s'² >= s² |
 //! | scaling by 2^k | same | all | no bit is lost; rounded tests while no square under- or overflows |
 //! | mirroring of an axis | same | all; f32-cell on its grid | the ties of its rounding go upwards on both sides of 0 |
@@ -85,8 +85,8 @@ fn removal_leaves_the_pairs_of_the_rest() {
 }
 
 #[test]
-fn an_element_twice_has_its_pairs_twice_and_one_more() {
-    hold("an element twice", ALL, relations::twice::<2>, relations::twice::<3>);
+fn a_particle_twice_has_its_pairs_twice_and_one_more() {
+    hold("a particle twice", ALL, relations::twice::<2>, relations::twice::<3>);
 }
 
 #[test]
@@ -169,7 +169,7 @@ fn history_changes_nothing() {
     each("history", ALL, &history::<3>);
 }
 
-/// Small, so that far-away elements are refused, and not slow.
+/// Small, so that far-away particles are refused, and not slow.
 const OPTIONS: Options = Options { memory_limit: 2 << 20, threads: 1 };
 
 /// Holds all detectors to a relation, in both dimensions.

@@ -41,8 +41,8 @@ pub fn removal<const D: usize>(
     let share = [0.02, 0.5][random.random_range(0..2)];
     let kept: Vec<u32> = (0..bag.len() as u32).filter(|_| !random.random_bool(share)).collect();
     let after = bag.chosen(&kept);
-    // The edge of the cells, in which coordinates are rounded, is made from the largest element, or
-    // the extent of points.
+    // The edge of the cells, in which coordinates are rounded, is made from the largest particle,
+    // or the extent of points.
     if arithmetic == Arithmetic::F32Cell
         && (after.largest() != bag.largest() || bag.largest() == 0.0)
     {

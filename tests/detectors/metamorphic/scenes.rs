@@ -1,5 +1,5 @@
 //! Scenes for the relations: lattices in exact touch, decimal lattices, clouds, clusters and lines,
-//! in which elements are moved by a last bit, are of very different sizes, or lie far away.
+//! in which particles are moved by a last bit, are of very different sizes, or lie far away.
 
 use contactbench::contact::Arithmetic;
 use contactbench::scene::{AnyScene, Radii, Real, Scene, array};
@@ -40,7 +40,7 @@ impl<const D: usize> Bag<D> {
         }
     }
 
-    /// The elements of these numbers, in this order.
+    /// The particles of these numbers, in this order.
     pub fn chosen(&self, order: &[u32]) -> Bag<D> {
         let radii = match &self.radii {
             Size::One(r) => Size::One(*r),
@@ -94,7 +94,7 @@ impl<const D: usize> Bag<D> {
     }
 }
 
-/// How the sites of elements become places.
+/// How the sites of particles become places.
 #[derive(Clone, Copy, Debug)]
 enum Shape {
     Lattice,
@@ -103,7 +103,7 @@ enum Shape {
     Line,
 }
 
-/// One element before its place and size are known.
+/// One particle before its place and size are known.
 #[derive(Clone, Debug)]
 struct Seed<const D: usize> {
     site: [i8; D],
@@ -144,9 +144,9 @@ pub fn bags<const D: usize>() -> impl Strategy<Value = Bag<D>> {
     ]);
     let offset = prop::sample::select(vec![0.0, 0.0, 0.5, -7.0, 0.1, 1e6, -1e6 / 3.0]);
     let far = prop::sample::select(vec![0.0, 0.0, 0.0, 0.0, 300.0, 3e4, 1e12]);
-    let elements = prop_oneof![1 => prop::collection::vec(seed::<D>(), 0..4), 6 => prop::collection::vec(seed::<D>(), 4..60)];
-    (shape, spacing, share, offset, any::<bool>(), far, elements).prop_map(
-        |(shape, spacing, share, offset, mixed, far, elements)| {
+    let particles = prop_oneof![1 => prop::collection::vec(seed::<D>(), 0..4), 6 => prop::collection::vec(seed::<D>(), 4..60)];
+    (shape, spacing, share, offset, any::<bool>(), far, particles).prop_map(
+        |(shape, spacing, share, offset, mixed, far, particles)| {
             let place = |seed: &Seed<D>| -> [f64; D] {
                 std::array::from_fn(|k| {
                     let (site, noise) = (f64::from(seed.site[k]), seed.noise[k]);
@@ -159,13 +159,13 @@ pub fn bags<const D: usize>() -> impl Strategy<Value = Bag<D>> {
                     nudged((x + offset) * spacing, seed.nudge)
                 })
             };
-            let mut centres: Vec<[f64; D]> = elements.iter().map(place).collect();
+            let mut centres: Vec<[f64; D]> = particles.iter().map(place).collect();
             if let (Some(last), true) = (centres.last_mut(), far > 0.0) {
                 last[D - 1] = far * spacing;
             }
             let r = share * spacing;
             let radii = if mixed {
-                Size::Each(elements.iter().map(|seed| seed.size * r).collect())
+                Size::Each(particles.iter().map(|seed| seed.size * r).collect())
             } else {
                 Size::One(r)
             };

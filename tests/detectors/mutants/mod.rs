@@ -37,7 +37,7 @@ struct Trial {
     arithmetic: Arithmetic,
     steps: Vec<AnyScene<'static>>,
     truth: Digest,
-    /// Elements of all steps and contacts of the last.
+    /// Particles of all steps and contacts of the last.
     work: u64,
 }
 
@@ -123,7 +123,7 @@ fn detect(
 fn the_catalogue_finds_out_every_mutant() {
     let mutants = ways::mutants();
     let rows: Vec<(usize, String)> = mutants.par_iter().map(|&way| row(way)).collect();
-    println!("| mutant | found out by | first | in |\n|---|---:|---|---|");
+    println!("| mutant | found out first by | in |\n|---|---|---|");
     rows.iter().for_each(|(_, row)| println!("{row}"));
     let survivors: Vec<&Way> = mutants
         .iter()
@@ -134,36 +134,26 @@ fn the_catalogue_finds_out_every_mutant() {
     assert!(survivors.is_empty(), "no hard case finds out {survivors:?}: a case is missing");
 }
 
-/// The number of cases that find a mutant out, and its line of the table.
+/// The number of cases that find a mutant out, up to three, and its line of the table.
 fn row(way: Way) -> (usize, String) {
-    let mut killers: Vec<&Trial> = Vec::new();
+    let (mut killers, mut names): (Vec<&Trial>, Vec<&str>) = (Vec::new(), Vec::new());
     for trial in TRIALS.iter().filter(|trial| way.dim().is_none_or(|dim| dim == trial.dim)) {
-        if trial.work > LIGHT && !killers.is_empty() {
+        if trial.work > LIGHT && !killers.is_empty() || names.len() == 3 {
             break;
         }
         if matches!(judge(way, trial), Verdict::Wrong | Verdict::Panics) {
             killers.push(trial);
+            if !names.contains(&trial.name) {
+                names.push(trial.name);
+            }
         }
     }
-    let mut names: Vec<&str> = Vec::new();
-    killers.iter().for_each(|trial| {
-        if !names.contains(&trial.name) {
-            names.push(trial.name)
-        }
-    });
     let arithmetics = Arithmetic::SAFE
         .iter()
         .filter(|&&a| killers.iter().any(|trial| trial.arithmetic == a))
         .map(|a| a.name());
-    let first = names.iter().take(3).copied().collect::<Vec<_>>().join(", ");
-    (
-        names.len(),
-        format!(
-            "| {way:?} | {} | {first} | {} |",
-            names.len(),
-            arithmetics.collect::<Vec<_>>().join(", ")
-        ),
-    )
+    let first = names.join(", ");
+    (names.len(), format!("| {way:?} | {first} | {} |", arithmetics.collect::<Vec<_>>().join(", ")))
 }
 
 #[test]

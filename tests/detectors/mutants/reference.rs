@@ -66,7 +66,7 @@ impl<const D: usize> Reference<D> {
         }
     }
 
-    /// Elements on lists by cell; each cell against itself and the mask.
+    /// Particles on lists by cell; each cell against itself and the mask.
     fn cells<T: Real, P: Probe>(
         &mut self,
         bodies: &impl Bodies<T, D>,
@@ -81,7 +81,7 @@ impl<const D: usize> Reference<D> {
         if self.way != Way::StaleLists {
             self.lists.clear();
         }
-        for i in self.elements() {
+        for i in self.particles() {
             let key = self.key(self.numbers[i as usize]);
             let list = self.lists.entry(key).or_default();
             if !matches!(self.way, Way::Capacity(most) if list.len() >= most) {
@@ -200,7 +200,7 @@ impl<const D: usize> Reference<D> {
         })
     }
 
-    fn elements(&self) -> Vec<u32> {
+    fn particles(&self) -> Vec<u32> {
         let n = self.numbers.len() as u32;
         let from = u32::from(self.way == Way::DropsFirstElement);
         let to = if self.way == Way::DropsLastElement { n.saturating_sub(1) } else { n };
@@ -270,7 +270,7 @@ impl<const D: usize> Reference<D> {
         pairs: &mut Pairs,
         probe: &mut P,
     ) {
-        // Numbers of elements that are no more.
+        // Numbers of particles that are no more.
         let n = bodies.len() as u32;
         if i < n && j < n && !pairs.full(i, j) && self.touch(bodies, i, j, probe) {
             pairs.push(i, j);
@@ -310,7 +310,7 @@ impl<const D: usize> Reference<D> {
         }
     }
 
-    /// Elements in buckets by a hash of their cell; each against the buckets of all neighbouring
+    /// Particles in buckets by a hash of their cell; each against the buckets of all neighbouring
     /// cells.
     fn hash<T: Real, P: Probe>(
         &mut self,
@@ -324,7 +324,7 @@ impl<const D: usize> Reference<D> {
             cell.iter().fold(0, |h, &c| splitmix64(h ^ c as u64)) as usize % buckets
         };
         let mut table: Vec<Vec<u32>> = vec![Vec::new(); buckets];
-        for i in self.elements() {
+        for i in self.particles() {
             let cell = self.numbers[i as usize];
             let list = &mut table[bucket(cell)];
             if self.way != Way::BucketsOfOneCell
@@ -340,7 +340,7 @@ impl<const D: usize> Reference<D> {
             .chain(half.iter().map(|o| o.map(|d| -d)))
             .chain([[0; D]])
             .collect();
-        for i in self.elements() {
+        for i in self.particles() {
             for offset in &around {
                 let cell =
                     std::array::from_fn(|k| self.numbers[i as usize][k] + i64::from(offset[k]));
@@ -358,7 +358,7 @@ impl<const D: usize> Reference<D> {
         Ok(pairs)
     }
 
-    /// Elements in the order of x; each against those that follow within reach.
+    /// Particles in the order of x; each against those that follow within reach.
     fn sweep<T: Real, P: Probe>(
         &mut self,
         bodies: &impl Bodies<T, D>,
@@ -396,7 +396,7 @@ impl<const D: usize> Reference<D> {
     }
 }
 
-/// The pairs found, and how many each element has.
+/// The pairs found, and how many each particle has.
 struct Pairs {
     way: Way,
     found: Vec<[u32; 2]>,

@@ -12,14 +12,14 @@ pub enum Way {
     /// The sweep along x, right.
     Sweep,
 
-    // Elements.
-    /// The last element is left out.
+    // Particles.
+    /// The last particle is left out.
     DropsLastElement,
-    /// The first element is left out.
+    /// The first particle is left out.
     DropsFirstElement,
-    /// Elements of radius 0 are left out.
+    /// Particles of radius 0 are left out.
     DropsPoints,
-    /// Element numbers are kept in a byte.
+    /// Particle numbers are kept in a byte.
     ByteElements,
 
     // Pairs.
@@ -27,7 +27,7 @@ pub enum Way {
     DropsLastPair,
     /// The last pair found is reported twice.
     RepeatsLastPair,
-    /// An element is tested against itself.
+    /// A particle is tested against itself.
     SelfPairs,
     /// Within a cell each pair is tested from both sides.
     BothOrders,
@@ -35,9 +35,9 @@ pub enum Way {
     FullMask,
     /// Across cells a pair is tested only where i < j.
     OrderedAcross,
-    /// An element that has a contact is not tested further.
+    /// A particle that has a contact is not tested further.
     OneContactEach,
-    /// An element keeps so many contacts, as in a table of neighbours.
+    /// A particle keeps so many contacts, as in a table of neighbours.
     ContactsEach(usize),
     /// What is in neighbouring cells is reported untested.
     Untested,
@@ -59,15 +59,15 @@ pub enum Way {
     SumOfSquares,
     /// The largest radius for all.
     LargestRadius,
-    /// Elements at one place are taken for one element.
+    /// Particles at one place are taken for one particle.
     SkipsCoincident,
 
     // The size of a cell.
     /// The book's cells, without a margin.
     NoMargin,
-    /// The edge is the first element's diameter.
+    /// The edge is the first particle's diameter.
     EdgeOfFirst,
-    /// The edge is the last element's diameter.
+    /// The edge is the last particle's diameter.
     EdgeOfLast,
     /// The edge is the mean diameter.
     EdgeOfMean,
@@ -103,9 +103,9 @@ pub enum Way {
     MaskRepeats(usize, usize),
 
     // Capacity.
-    /// At most so many elements in a cell.
+    /// At most so many particles in a cell.
     Capacity(usize),
-    /// The number of elements in a cell is kept in a byte.
+    /// The number of particles in a cell is kept in a byte.
     ByteCount,
 
     // State.
@@ -121,7 +121,7 @@ pub enum Way {
     StaleReach,
 
     // The hash.
-    /// Elements of all cells in a bucket are taken for those of the cell looked for.
+    /// Particles of all cells in a bucket are taken for those of the cell looked for.
     BucketsUncompared,
     /// A bucket holds the cell that came first, other cells are lost.
     BucketsOfOneCell,
@@ -129,9 +129,9 @@ pub enum Way {
     // The sweep.
     /// It stops where the second coordinates are too far apart.
     BreakOnWrongAxis,
-    /// It stops at elements exactly at reach.
+    /// It stops at particles exactly at reach.
     BreakAtReach,
-    /// It looks at so many elements that follow.
+    /// It looks at so many particles that follow.
     Window(usize),
     /// Its order is that of x in f32.
     SinglePrecisionOrder,
@@ -145,7 +145,7 @@ pub enum Way {
     /// Numbers of so many bits, neighbours wrapped, too: a torus, on which distant cells share a
     /// list and are told apart by the test.
     Torus(u32),
-    /// Numbers above this are taken for it: elements of far cells share the last one.
+    /// Numbers above this are taken for it: particles of far cells share the last one.
     Clamped(i64),
 }
 

@@ -2,21 +2,21 @@
 //!
 //! 1. The domain, a square or cube large enough for all, is halved in x, then in y (then in z),
 //!    again and again until the smallest cell is as large as the cell of all other detectors.
-//! 2. Each element descends b levels to its leaf; nodes are made only where needed. At the leaf it
+//! 2. Each particle descends b levels to its leaf; nodes are made only where needed. At the leaf it
 //!    is pushed on the leaf's list: `E[k] = HEAD; HEAD = k`.
 //! 3. Detection walks over the tree: at every leaf the cell is checked against itself and its
 //!    contact mask (4 cells in 2D, 13 in 3D); each mask cell is found by a descent from the root.
 //!
 //! * Cost: N log2 N; b = D·ceil(log2 n) levels for n cells along the longest of D axes.
-//! * Memory: `4N + 8·nodes` bytes for N elements; the HEADs of the leaves stand in their parents'
+//! * Memory: `4N + 8·nodes` bytes for N particles; the HEADs of the leaves stand in their parents'
 //!   place for a child. At most N·b nodes, about 2 per occupied cell in a dense pack. The number of
 //!   nodes is not known before the tree is built: the array grows by doubling, so that at its peak
 //!   it may hold up to three times its final size.
 //! * Refuses 2^31 cells and more along an axis, and trees over the memory limit. A refused tree has
 //!   been built in part.
 //! * Deviations from the book: cells are wider by 4 parts in a million ([`crate::filter::cells`]);
-//!   the leaves are visited in the order of the tree, not of the elements; the tree is built anew
-//!   for each detection (the variant that moves only elements that changed their leaf needs scenes
+//!   the leaves are visited in the order of the tree, not of the particles; the tree is built anew
+//!   for each detection (the variant that moves only particles that changed their leaf needs scenes
 //!   that move).
 
 use super::list::{EMPTY, Links, numbered};
@@ -36,16 +36,16 @@ pub struct BinaryTree {
     nodes: Vec<[u32; 2]>,
     /// E: links.
     e: Links<1>,
-    elements: usize,
+    particles: usize,
 }
 
 impl Declare for BinaryTree {
     fn with(options: Options) -> BinaryTree {
-        BinaryTree { options, nodes: Vec::new(), e: Links::default(), elements: 0 }
+        BinaryTree { options, nodes: Vec::new(), e: Links::default(), particles: 0 }
     }
 
     fn formula_bytes(&self) -> u64 {
-        4 * self.elements as u64 + 8 * self.nodes.len() as u64
+        4 * self.particles as u64 + 8 * self.nodes.len() as u64
     }
 }
 
@@ -102,10 +102,10 @@ impl BinaryTree {
         let cells = Cells::new(bodies)?;
         numbered("binary-tree", bodies.len())?;
         let levels = Levels::new(&cells);
-        self.elements = bodies.len();
+        self.particles = bodies.len();
         self.nodes.clear();
         within(&self.options, "binary-tree", self.formula_bytes() + 8, || {
-            format!("{} elements", bodies.len())
+            format!("{} particles", bodies.len())
         })?;
         self.e.prepare(bodies.len());
         self.nodes.push([EMPTY; 2]);
@@ -118,7 +118,7 @@ impl BinaryTree {
         Ok(())
     }
 
-    /// Descends to the leaf of `cell`, makes the nodes that are missing, and pushes element `k` on
+    /// Descends to the leaf of `cell`, makes the nodes that are missing, and pushes particle `k` on
     /// the leaf's list.
     fn insert<const D: usize>(
         &mut self,
@@ -143,7 +143,7 @@ impl BinaryTree {
                         node: node as u32,
                         half,
                         cell: plane(cell),
-                        element: k,
+                        particle: k,
                         next,
                     });
                 } else if child == EMPTY {
@@ -163,11 +163,11 @@ impl BinaryTree {
         let made = self.nodes.len();
         if made == self.nodes.capacity() {
             // Twice as many, or as many as the limit allows.
-            let allowed = (self.options.memory_limit.saturating_sub(4 * self.elements as u64) / 8)
+            let allowed = (self.options.memory_limit.saturating_sub(4 * self.particles as u64) / 8)
                 .min(u64::from(EMPTY)) as usize;
             let grown = (2 * made).min(allowed);
             if grown <= made {
-                let shape = format!("{} elements, more than {made} nodes", self.elements);
+                let shape = format!("{} particles, more than {made} nodes", self.particles);
                 let needed = self.formula_bytes() + 8;
                 return Err(Refusal::Memory {
                     detector: "binary-tree",
@@ -182,7 +182,7 @@ impl BinaryTree {
         Ok(made as u32)
     }
 
-    /// The first element of `cell`, or [`EMPTY`].
+    /// The first particle of `cell`, or [`EMPTY`].
     #[inline(always)]
     fn find<const D: usize>(&self, cell: [u32; D], levels: Levels, probe: &mut impl Probe) -> u32 {
         let mut at = 0;
@@ -266,7 +266,7 @@ mod tests {
     fn the_books_leaf_list() {
         let mut tree = BinaryTree::with(Options::default());
         let levels = Levels { halvings: 4 };
-        tree.elements = 10;
+        tree.particles = 10;
         tree.e.prepare(10);
         tree.nodes.push([EMPTY; 2]);
         for k in [3, 5, 7, 9] {
@@ -282,7 +282,7 @@ mod tests {
     }
 
     #[test]
-    fn the_mask_couples_of_the_ten_elements() {
+    fn the_mask_couples_of_the_ten_particles() {
         let mut pairs = Vec::new();
         BinaryTree::with(Options::default())
             .detect(InCells(&TEN), &mut Silent, &mut pairs)

@@ -1,8 +1,8 @@
 //! `direct`: direct checking (Munjiza 2004, section 3.2).
 //!
-//! Every pair of elements is tested once.
+//! Every pair of particles is tested once.
 //!
-//! * Cost: exactly N(N-1)/2 contact tests for N elements, whatever their places. Memory: none.
+//! * Cost: exactly N(N-1)/2 contact tests for N particles, whatever their places. Memory: none.
 //! * Deviation from the book: none. With several threads, rows of the triangle are shared out and
 //!   their contacts collected (memory: the contacts); counting passes run on one thread, since the
 //!   counts are the same.

@@ -4,15 +4,15 @@ use crate::contact::{Bodies, Margin, Slack};
 use crate::filter::Cells;
 use crate::probe::{Op, Probe};
 
-/// G5: ten elements in 10 x 10 cells, numbered from 1. The book does not show the column of element
-/// 9; any will do.
+/// G5: ten particles in 10 x 10 cells, numbered from 1. The book does not show the column of
+/// particle 9; any will do.
 pub const TEN: [[u32; 2]; 10] =
     [[4, 7], [5, 8], [4, 6], [5, 7], [4, 5], [5, 6], [3, 7], [6, 6], [9, 6], [4, 7]];
-/// G2: nine elements for screening.
+/// G2: nine particles for screening.
 pub const NINE: [[u32; 2]; 9] =
     [[5, 7], [5, 7], [2, 7], [5, 7], [2, 7], [5, 6], [2, 7], [6, 6], [2, 7]];
 
-/// Elements in the given cells of a 10 x 10 (x 10) grid, a little more than a cell edge apart, so
+/// Particles in the given cells of a 10 x 10 (x 10) grid, a little more than a cell edge apart, so
 /// that they are in the same cells relative to one another wherever the grid begins; all pairs
 /// "touch", so that the pairs reported are those that the contact mask brings together.
 #[derive(Clone, Copy)]
@@ -51,7 +51,7 @@ impl<const D: usize> Bodies<f64, D> for InCells<'_, D> {
     }
 }
 
-/// Couples as the book would print them: ids from 1, in order, those with an element of `without`
+/// Couples as the book would print them: ids from 1, in order, those with a particle of `without`
 /// left out.
 pub fn printed(pairs: &[[u32; 2]], without: &[u32]) -> String {
     let mut pairs: Vec<[u32; 2]> = pairs

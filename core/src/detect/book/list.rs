@@ -1,9 +1,9 @@
 //! Singly connected lists in arrays: the data structure of the book.
 //!
-//! A list is a head (the last element pushed) and, for every element, the next one. Elements are
+//! A list is a head (the last particle pushed) and, for every particle, the next one. Particles are
 //! numbered from 0 and [`EMPTY`] ends a list (the book numbers from 1 and ends with -1). A head can
 //! be *marked* as old, which the book does by adding N to it and we do with the highest bit. Both
-//! leave room for 2^31 - 1 elements. All list operations are counted here.
+//! leave room for 2^31 - 1 particles. All list operations are counted here.
 
 use crate::contact::Bodies;
 use crate::detect::Refusal;
@@ -12,29 +12,29 @@ use crate::probe::{Op, Probe};
 use crate::scene::Real;
 use crate::sink::Sink;
 
-/// No element.
+/// No particle.
 pub const EMPTY: u32 = u32::MAX >> 1;
 const OLD: u32 = 1 << 31;
-/// The largest number of elements that lists can hold.
-pub const MOST_ELEMENTS: u64 = EMPTY as u64;
+/// The largest number of particles that lists can hold.
+pub const MOST_PARTICLES: u64 = EMPTY as u64;
 
 /// Heads of a set of lists. All are [`EMPTY`] between detections.
 #[derive(Clone, Debug, Default)]
 pub struct Heads(Vec<u32>, char);
 
-/// For every element the next one on its list, for `L` kinds of lists (z-, y- and x-lists of NBS
-/// are three kinds). The links of one element stand side by side: walking lists of one kind to
-/// build lists of another then touches one cache line per element instead of `L`. Holds no meaning
+/// For every particle the next one on its list, for `L` kinds of lists (z-, y- and x-lists of NBS
+/// are three kinds). The links of one particle stand side by side: walking lists of one kind to
+/// build lists of another then touches one cache line per particle instead of `L`. Holds no meaning
 /// between detections.
 #[derive(Clone, Debug, Default)]
 pub struct Links<const L: usize>(Vec<[u32; L]>);
 
-/// Refuses scenes with more elements than lists can number.
+/// Refuses scenes with more particles than lists can number.
 pub fn numbered(detector: &'static str, n: usize) -> Result<(), Refusal> {
-    if n as u64 <= MOST_ELEMENTS {
+    if n as u64 <= MOST_PARTICLES {
         return Ok(());
     }
-    Err(Refusal::Elements { detector, n: n as u64, limit: MOST_ELEMENTS })
+    Err(Refusal::Particles { detector, n: n as u64, limit: MOST_PARTICLES })
 }
 
 /// The number of a list: `u32` for a cell along one axis, `usize` for a cell of the whole domain.
@@ -81,23 +81,23 @@ impl Heads {
         );
     }
 
-    /// Puts `element` on `list`, which must not be marked; the list is of the given kind.
+    /// Puts `particle` on `list`, which must not be marked; the list is of the given kind.
     #[inline(always)]
     pub fn push<const L: usize, P: Probe>(
         &mut self,
         list: impl Index,
-        element: u32,
+        particle: u32,
         links: &mut Links<L>,
         kind: usize,
         probe: &mut P,
     ) {
         probe.count(Op::ListPush);
-        let next = std::mem::replace(&mut self.0[list.at()], element);
-        links.0[element as usize][kind] = next;
-        probe.note(|| Event::Push { heads: self.1, list: list.at(), element, next: listed(next) });
+        let next = std::mem::replace(&mut self.0[list.at()], particle);
+        links.0[particle as usize][kind] = next;
+        probe.note(|| Event::Push { heads: self.1, list: list.at(), particle, next: listed(next) });
     }
 
-    /// The first element of `list`, or [`EMPTY`].
+    /// The first particle of `list`, or [`EMPTY`].
     #[inline(always)]
     pub fn first<P: Probe>(&self, list: impl Index, probe: &mut P) -> u32 {
         probe.count(Op::CellProbe);
@@ -106,8 +106,8 @@ impl Heads {
         head & !OLD
     }
 
-    /// The first element of `list` if there is one and the list is new, and marks it old; `None` if
-    /// it was old already, or is empty.
+    /// The first particle of `list` if there is one and the list is new, and marks it old; `None`
+    /// if it was old already, or is empty.
     #[inline(always)]
     pub fn take_new<P: Probe>(&mut self, list: impl Index, probe: &mut P) -> Option<u32> {
         probe.count(Op::CellProbe);
@@ -141,13 +141,13 @@ impl Heads {
     }
 }
 
-/// The element that a head or link names.
+/// The particle that a head or link names.
 fn listed(raw: u32) -> Option<u32> {
     (raw & !OLD != EMPTY).then_some(raw & !OLD)
 }
 
 impl<const L: usize> Links<L> {
-    /// Room for elements 0 to `count - 1`.
+    /// Room for particles 0 to `count - 1`.
     pub fn prepare(&mut self, count: usize) {
         if count > self.0.len() {
             if count > self.0.capacity() {
@@ -158,20 +158,20 @@ impl<const L: usize> Links<L> {
         }
     }
 
-    /// Makes `next` the element after `element`.
+    /// Makes `next` the particle after `particle`.
     #[inline(always)]
-    pub fn set(&mut self, element: u32, kind: usize, next: u32) {
-        self.0[element as usize][kind] = next;
+    pub fn set(&mut self, particle: u32, kind: usize, next: u32) {
+        self.0[particle as usize][kind] = next;
     }
 
-    /// The element after `element` on its list, or [`EMPTY`].
+    /// The particle after `particle` on its list, or [`EMPTY`].
     #[inline(always)]
-    pub fn next<P: Probe>(&self, element: u32, kind: usize, probe: &mut P) -> u32 {
+    pub fn next<P: Probe>(&self, particle: u32, kind: usize, probe: &mut P) -> u32 {
         probe.count(Op::ListStep);
-        self.0[element as usize][kind]
+        self.0[particle as usize][kind]
     }
 
-    /// Tests the elements of the list that begins with `central` against one another and against
+    /// Tests the particles of the list that begins with `central` against one another and against
     /// those of the `mask` lists: each pair once.
     #[inline(always)]
     pub fn check<T: Real, const D: usize, const M: usize>(
@@ -220,12 +220,12 @@ impl<const L: usize> Links<L> {
         self.0.iter().map(|links| links[kind]).collect()
     }
 
-    /// Makes an element's link empty, as the book's screening does when it removes elements.
+    /// Makes a particle's link empty, as the book's screening does when it removes particles.
     #[inline(always)]
-    pub fn reset<P: Probe>(&mut self, element: u32, kind: usize, probe: &mut P) {
+    pub fn reset<P: Probe>(&mut self, particle: u32, kind: usize, probe: &mut P) {
         probe.count(Op::ListReset);
-        self.0[element as usize][kind] = EMPTY;
-        probe.note(|| Event::Unlink { element });
+        self.0[particle as usize][kind] = EMPTY;
+        probe.note(|| Event::Unlink { particle });
     }
 }
 

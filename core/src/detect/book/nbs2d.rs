@@ -1,26 +1,26 @@
 //! `nbs` in 2D: Munjiza-NBS (Munjiza 2004, section 3.8; Munjiza and Andrews 1998,
 //! doi:10.1002/(SICI)1097-0207(19980915)43:1<131::AID-NME447>3.0.CO;2-S).
 //!
-//! 1. Every element is put on the y-list of its row.
-//! 2. A loop over elements finds each row that is not empty once: a *new* list, marked *old* when
+//! 1. Every particle is put on the y-list of its row.
+//! 2. A loop over particles finds each row that is not empty once: a *new* list, marked *old* when
 //!    found. From there it goes up, row by row, as long as rows are new and not empty.
-//! 3. Its elements and those of the row below are put on two sets of x-lists: one list per cell.
-//! 4. A loop over the row's elements finds each of its cells once and checks it against itself and
+//! 3. Its particles and those of the row below are put on two sets of x-lists: one list per cell.
+//! 4. A loop over the row's particles finds each of its cells once and checks it against itself and
 //!    the contact mask: the cell to the left, and the three cells below.
-//! 5. Both sets of x-lists, and at the end the y-lists, are emptied by walking over *elements*. No
+//! 5. Both sets of x-lists, and at the end the y-lists, are emptied by walking over *particles*. No
 //!    loop over cells anywhere.
 //!
-//! * Cost: proportional to N, independent of the packing density; each element is pushed at most 3
+//! * Cost: proportional to N, independent of the packing density; each particle is pushed at most 3
 //!   times (1 y-list, 2 x-lists).
-//! * Memory: `4(ny + 2nx + 2N)` bytes (BOOK 3.65) for N elements and nx, ny cells per axis, two
+//! * Memory: `4(ny + 2nx + 2N)` bytes (BOOK 3.65) for N particles and nx, ny cells per axis, two
 //!   empty border cells per axis included. Nothing is cached: integerised coordinates are computed
 //!   again where they are needed.
-//! * Refuses scenes whose ny + 2nx exceeds the memory limit, and more than 2^31 - 1 elements.
+//! * Refuses scenes whose ny + 2nx exceeds the memory limit, and more than 2^31 - 1 particles.
 //! * Deviations from the book: cells are wider by 4 parts in a million ([`crate::filter::cells`]);
-//!   heads are marked old with the highest bit instead of by adding N; elements count from 0; the
-//!   links of one element stand side by side, where the book has arrays X and Y; removal computes
+//!   heads are marked old with the highest bit instead of by adding N; particles count from 0; the
+//!   links of one particle stand side by side, where the book has arrays X and Y; removal computes
 //!   integerised coordinates again, where the book keeps them; the book takes every row where the
-//!   loop over elements finds it, we go on to the row above it, whose row below is then still in
+//!   loop over particles finds it, we go on to the row above it, whose row below is then still in
 //!   the caches.
 
 use super::list::{EMPTY, Heads, Links, numbered};
@@ -77,7 +77,7 @@ impl<T: Real> Detector<T, 2> for Nbs2d {
         probe.note(|| Event::Begin(Part::Rows));
         self.push_rows(&bodies, &cells, probe);
         for k in 0..n {
-            probe.note(|| Event::Visit { element: k });
+            probe.note(|| Event::Visit { particle: k });
             let mut row = cells.index(bodies.position(k)[1], 1, probe);
             while let Some(first) = self.b.take_new(row, probe) {
                 self.row(&bodies, &cells, first, row, probe, sink);
@@ -97,7 +97,7 @@ impl Nbs2d {
         numbered("nbs", n)?;
         let [nx, ny] = cells.count;
         let needed = 4 * (u64::from(ny) + 2 * u64::from(nx) + 2 * n as u64);
-        within(&self.options, "nbs", needed, || format!("{n} elements, {nx} x {ny} cells"))?;
+        within(&self.options, "nbs", needed, || format!("{n} particles, {nx} x {ny} cells"))?;
         self.formula = needed;
         self.b.prepare(ny as usize);
         self.links.prepare(n);
@@ -116,7 +116,7 @@ impl Nbs2d {
         }
     }
 
-    /// Puts the elements of the y-list that begins with `first` on x-lists of the given set.
+    /// Puts the particles of the y-list that begins with `first` on x-lists of the given set.
     #[inline(always)]
     fn push_cells<T: Real, P: Probe>(
         &mut self,
@@ -139,7 +139,7 @@ impl Nbs2d {
         }
     }
 
-    /// Empties the x-lists of the elements of the y-list that begins with `first`.
+    /// Empties the x-lists of the particles of the y-list that begins with `first`.
     #[inline(always)]
     fn reset_cells<T: Real, P: Probe>(
         &mut self,
@@ -174,7 +174,7 @@ impl Nbs2d {
         let mut k = first;
         probe.note(|| Event::Begin(Part::Columns));
         while k != EMPTY {
-            probe.note(|| Event::Visit { element: k });
+            probe.note(|| Event::Visit { particle: k });
             let column = cells.index(bodies.position(k)[0], 0, probe);
             if let Some(central) = self.a[0].take_new(column, probe) {
                 probe.note(|| Event::Central { cell: [column, row] });
@@ -201,9 +201,9 @@ mod tests {
     use super::*;
     use crate::probe::{Op, Silent, Tally};
 
-    /// G5: the book's ten elements (p103-110) on the real arrays.
+    /// G5: the book's ten particles (p103-110) on the real arrays.
     #[test]
-    fn the_books_ten_elements() {
+    fn the_books_ten_particles() {
         let scene = InCells(&TEN);
         let cells = scene.grid();
         let mut nbs = Nbs2d::with(Options::default());
@@ -221,8 +221,8 @@ mod tests {
     }
 
     #[test]
-    fn the_mask_couples_of_the_ten_elements() {
-        // Without element 9, whose column the book does not show: BOOK's twenty couples.
+    fn the_mask_couples_of_the_ten_particles() {
+        // Without particle 9, whose column the book does not show: BOOK's twenty couples.
         let scene = InCells(&TEN);
         let mut nbs = Nbs2d::with(Options::default());
         let (mut tally, mut pairs) = (Tally::default(), Vec::new());

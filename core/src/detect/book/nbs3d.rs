@@ -1,22 +1,24 @@
 //! `nbs` in 3D: the Munjiza-NBS algorithm in space (Munjiza 2004, sections 3.10 and 3.11).
 //!
-//! 1. Every element is put on the z-list of its layer; a loop over elements finds each layer once.
-//! 2. The elements of the central layer, and those of the layer below, are put on two sets of
+//! 1. Every particle is put on the z-list of its layer; a loop over particles finds each layer
+//!    once.
+//! 2. The particles of the central layer, and those of the layer below, are put on two sets of
 //!    y-lists: one list per row.
-//! 3. A loop over the central layer finds each of its rows once. The row's elements go on x-lists,
+//! 3. A loop over the central layer finds each of its rows once. The row's particles go on x-lists,
 //!    one per cell; those of the four neighbouring rows (one behind in the layer, three in the
 //!    layer below) go together on a second set of x-lists.
 //! 4. A loop over the central row finds each of its cells once and checks it against itself, the
 //!    cell to the left, and the three merged lists left, here and right: the 13 cells of the
 //!    contact mask.
-//! 5. All lists are emptied by walking over elements. No loop over cells anywhere.
+//! 5. All lists are emptied by walking over particles. No loop over cells anywhere.
 //!
-//! * Cost: proportional to N, independent of the packing density; each element is pushed at most 8
+//! * Cost: proportional to N, independent of the packing density; each particle is pushed at most 8
 //!   times (1 z-list, 2 y-lists, 5 x-lists).
-//! * Memory: `4(nz + 2ny + 2nx + 3N)` bytes (BOOK 3.80) for N elements and nx, ny, nz cells per
+//! * Memory: `4(nz + 2ny + 2nx + 3N)` bytes (BOOK 3.80) for N particles and nx, ny, nz cells per
 //!   axis, two empty border cells per axis included. Nothing is cached: integerised coordinates are
 //!   computed again where they are needed.
-//! * Refuses scenes whose nz + 2ny + 2nx exceeds the memory limit, and more than 2^31 - 1 elements.
+//! * Refuses scenes whose nz + 2ny + 2nx exceeds the memory limit, and more than 2^31 - 1
+//!   particles.
 //! * Deviations from the book: as for [`super::nbs2d`]; layers and rows are both taken upwards from
 //!   where they are found.
 
@@ -94,7 +96,9 @@ impl Nbs3d {
         numbered("nbs", n)?;
         let [nx, ny, nz] = cells.count;
         let needed = 4 * (u64::from(nz) + 2 * u64::from(ny) + 2 * u64::from(nx) + 3 * n as u64);
-        within(&self.options, "nbs", needed, || format!("{n} elements, {nx} x {ny} x {nz} cells"))?;
+        within(&self.options, "nbs", needed, || {
+            format!("{n} particles, {nx} x {ny} x {nz} cells")
+        })?;
         self.formula = needed;
         self.c.prepare(nz as usize);
         self.links.prepare(n);
@@ -199,7 +203,7 @@ impl Nbs3d {
     }
 }
 
-/// Calls `then` with every element of the list that begins with `first`.
+/// Calls `then` with every particle of the list that begins with `first`.
 #[inline(always)]
 fn each<P: Probe>(
     links: &mut Links<3>,
@@ -222,9 +226,9 @@ mod tests {
     use super::*;
     use crate::probe::Silent;
 
-    /// G6: nine elements in layers 7 8 6 7 5 6 7 6 6 (p122) on the real arrays.
+    /// G6: nine particles in layers 7 8 6 7 5 6 7 6 6 (p122) on the real arrays.
     #[test]
-    fn the_books_nine_elements() {
+    fn the_books_nine_particles() {
         let places = [7, 8, 6, 7, 5, 6, 7, 6, 6].map(|z| [1, 1, z]);
         let scene = InCells(&places);
         let cells = scene.grid();

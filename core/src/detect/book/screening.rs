@@ -2,17 +2,17 @@
 //!
 //! 1. Once, when the array is first made, all heads of the screening array `C[nx][ny]([nz])` are
 //!    set to empty.
-//! 2. Every element is put on the list of its cell: `E[k] = C[cell]; C[cell] = k`.
-//! 3. A loop over elements finds each cell that is not empty once (a *new* list, marked *old* when
+//! 2. Every particle is put on the list of its cell: `E[k] = C[cell]; C[cell] = k`.
+//! 3. A loop over particles finds each cell that is not empty once (a *new* list, marked *old* when
 //!    found) and checks it against itself and the contact mask: 4 cells in 2D, 13 in 3D.
-//! 4. A second loop over *elements* sets C and E back to empty.
+//! 4. A second loop over *particles* sets C and E back to empty.
 //!
-//! * Cost: proportional to N. Memory: `4(nx·ny[·nz] + N)` bytes for N elements and nx, ny, nz cells
-//!   per axis, two empty border cells per axis included. Nothing is cached.
+//! * Cost: proportional to N. Memory: `4(nx·ny[·nz] + N)` bytes for N particles and nx, ny, nz
+//!   cells per axis, two empty border cells per axis included. Nothing is cached.
 //! * Right for dense packs only: the array grows with the volume of the domain. Refuses scenes over
-//!   the memory limit, and more than 2^31 - 1 elements.
+//!   the memory limit, and more than 2^31 - 1 particles.
 //! * Deviations from the book: cells are wider by 4 parts in a million ([`crate::filter::cells`]);
-//!   heads are marked old with the highest bit instead of by adding N; elements count from 0. The
+//!   heads are marked old with the highest bit instead of by adding N; particles count from 0. The
 //!   array is kept between detections, and one made for a smaller domain is replaced.
 
 use super::list::{EMPTY, Heads, Links, numbered};
@@ -90,7 +90,7 @@ impl Screening {
         self.push(bodies, cells, probe);
         probe.note(|| Event::Begin(Part::Search));
         for k in 0..n {
-            probe.note(|| Event::Visit { element: k });
+            probe.note(|| Event::Visit { particle: k });
             let cell = cells.place(bodies.position(k), probe);
             if let Some(central) = self.c.take_new(cell, probe) {
                 probe.note(|| Event::Central { cell: cells.of_place(cell) });
@@ -114,7 +114,7 @@ impl Screening {
         let needed = cells.volume().saturating_add(n as u64).saturating_mul(4);
         within(&self.options, "screening", needed, || {
             format!(
-                "{n} elements, {} cells",
+                "{n} particles, {} cells",
                 cells.count.map(|count| count.to_string()).join(" x ")
             )
         })?;
@@ -143,9 +143,9 @@ mod tests {
     use super::*;
     use crate::probe::Silent;
 
-    /// G2: nine elements in 10 x 10 cells (p90-91) on the real arrays.
+    /// G2: nine particles in 10 x 10 cells (p90-91) on the real arrays.
     #[test]
-    fn the_books_nine_elements() {
+    fn the_books_nine_particles() {
         let scene = InCells(&NINE);
         let cells = scene.grid();
         let mut screening = Screening::with(Options::default());
@@ -166,7 +166,7 @@ mod tests {
     }
 
     #[test]
-    fn the_mask_couples_of_the_nine_elements() {
+    fn the_mask_couples_of_the_nine_particles() {
         let mut screening = Screening::with(Options::default());
         let mut pairs = Vec::new();
         screening.detect(InCells(&NINE), &mut Silent, &mut pairs).unwrap();

@@ -1,19 +1,19 @@
 //! `sorting`: sorting and binary search (Munjiza 2004, section 3.7).
 //!
-//! 1. Arrays X, Y(, Z) of integerised coordinates and D of element numbers are filled.
+//! 1. Arrays X, Y(, Z) of integerised coordinates and D of particle numbers are filled.
 //! 2. They are sorted together in place, X first, then Y, then Z. The book's sort halves the range
 //!    of *values*: two pointers come from the ends, values below mid = (min + max) / 2 go left, the
 //!    others right, and both sides are sorted likewise.
-//! 3. The elements of a cell now stand side by side. For every cell that is not empty the mask
+//! 3. The particles of a cell now stand side by side. For every cell that is not empty the mask
 //!    cells (4 in 2D, 13 in 3D) are found by binary search, about log2 N steps each, and checked.
 //!
-//! * Cost: N log2 N for N elements in a dense pack. The sort makes at most Σ log2 n passes over the
-//!   elements, n being the cells along each axis, so a sparse domain costs more; a key comparison
-//!   is of one integer in the sort, of all D in a search. Memory: `4N(D + 1)` bytes in D
+//! * Cost: N log2 N for N particles in a dense pack. The sort makes at most Σ log2 n passes over
+//!   the particles, n being the cells along each axis, so a sparse domain costs more; a key
+//!   comparison is of one integer in the sort, of all D in a search. Memory: `4N(D + 1)` bytes in D
 //!   dimensions, the leanest of all. Nothing is cached.
 //! * Refuses domains of 2^31 cells and more along an axis, and scenes over the memory limit.
 //! * Deviations from the book: cells are wider by 4 parts in a million ([`crate::filter::cells`]);
-//!   the mask cells are searched once per occupied cell, not once per element; min and max of a
+//!   the mask cells are searched once per occupied cell, not once per particle; min and max of a
 //!   part are the bounds of its values, not its extremes; where (min + max) / 2 is min, mid is max,
 //!   or the partition would not end.
 
@@ -31,17 +31,17 @@ pub struct Sorting<const D: usize> {
     options: Options,
     /// X, Y(, Z): integerised coordinates.
     keys: [Vec<u32>; D],
-    /// D: element numbers.
-    elements: Vec<u32>,
+    /// D: particle numbers.
+    particles: Vec<u32>,
 }
 
 impl<const D: usize> Declare for Sorting<D> {
     fn with(options: Options) -> Sorting<D> {
-        Sorting { options, keys: std::array::from_fn(|_| Vec::new()), elements: Vec::new() }
+        Sorting { options, keys: std::array::from_fn(|_| Vec::new()), particles: Vec::new() }
     }
 
     fn formula_bytes(&self) -> u64 {
-        bytes::<D>(self.elements.len())
+        bytes::<D>(self.particles.len())
     }
 }
 
@@ -81,7 +81,7 @@ impl<const D: usize> Sorting<D> {
     ) -> Result<(), Refusal> {
         let cells = Cells::new(bodies)?;
         let n = bodies.len();
-        within(&self.options, "sorting", bytes::<D>(n), || format!("{n} elements"))?;
+        within(&self.options, "sorting", bytes::<D>(n), || format!("{n} particles"))?;
         probe.note(|| Event::Begin(Part::Fill));
         self.fill(bodies, &cells, probe);
         probe.note(|| Event::Begin(Part::Sort));
@@ -117,15 +117,15 @@ impl<const D: usize> Sorting<D> {
         probe: &mut impl Probe,
     ) {
         let n = bodies.len();
-        self.elements.clear();
-        self.elements.reserve_exact(n);
-        self.elements.extend(0..n as u32);
+        self.particles.clear();
+        self.particles.reserve_exact(n);
+        self.particles.extend(0..n as u32);
         for (axis, keys) in self.keys.iter_mut().enumerate() {
             keys.clear();
             keys.reserve_exact(n);
             keys.extend((0..n as u32).map(|i| {
                 let key = cells.index(bodies.position(i)[axis], axis, probe);
-                probe.note(|| Event::Key { axis, element: i, key });
+                probe.note(|| Event::Key { axis, particle: i, key });
                 key
             }));
         }
@@ -162,8 +162,8 @@ impl<const D: usize> Sorting<D> {
         }
     }
 
-    /// Moves elements with keys below `mid` to the left of the others; gives the place of the first
-    /// of the others.
+    /// Moves particles with keys below `mid` to the left of the others; gives the place of the
+    /// first of the others.
     fn partition(
         &mut self,
         axis: usize,
@@ -189,7 +189,7 @@ impl<const D: usize> Sorting<D> {
             for keys in &mut self.keys[axis..] {
                 keys.swap(left, right);
             }
-            self.elements.swap(left, right);
+            self.particles.swap(left, right);
             left += 1;
         }
     }
@@ -208,7 +208,7 @@ impl<const D: usize> Sorting<D> {
     /// The first place whose cell is not before `cell`.
     #[inline]
     fn search(&self, cell: [u32; D], probe: &mut impl Probe) -> usize {
-        let (mut low, mut high) = (0, self.elements.len());
+        let (mut low, mut high) = (0, self.particles.len());
         while low < high {
             let mid = low + (high - low) / 2;
             probe.count(Op::KeyCompare);
@@ -226,7 +226,7 @@ impl<const D: usize> Sorting<D> {
     #[inline(always)]
     fn end_of(&self, start: usize, cell: [u32; D], probe: &mut impl Probe) -> usize {
         let mut end = start;
-        while end < self.elements.len() {
+        while end < self.particles.len() {
             probe.count(Op::KeyCompare);
             if self.cell(end) != cell {
                 break;
@@ -245,8 +245,8 @@ impl<const D: usize> Sorting<D> {
         probe: &mut impl Probe,
         sink: &mut impl Sink,
     ) {
-        let i = self.elements[a];
-        for &j in &self.elements[others] {
+        let i = self.particles[a];
+        for &j in &self.particles[others] {
             let touching = bodies.touch(i, j, probe);
             probe.note(|| Event::Test { i, j, touching });
             if touching {
@@ -262,11 +262,11 @@ mod tests {
     use super::*;
     use crate::probe::{Silent, Tally};
 
-    /// G3: eight elements (p95-98).
+    /// G3: eight particles (p95-98).
     const EIGHT: [[u32; 2]; 8] = [[4, 7], [5, 8], [4, 6], [5, 7], [4, 5], [5, 6], [3, 7], [6, 6]];
 
     #[test]
-    fn the_books_eight_elements() {
+    fn the_books_eight_particles() {
         let scene = InCells(&EIGHT);
         let cells = scene.grid();
         let mut sorting = Sorting::<2>::with(Options::default());
@@ -274,7 +274,7 @@ mod tests {
         assert_eq!(sorting.keys, [[4, 5, 4, 5, 4, 5, 3, 6], [7, 8, 6, 7, 5, 6, 7, 6]]);
         sorting.sort(0, 0..8, 0, cells.count[0] - 1, &cells, &mut Silent);
         assert_eq!(sorting.keys, [[3, 4, 4, 4, 5, 5, 5, 6], [7, 5, 6, 7, 6, 7, 8, 6]]);
-        let ids: Vec<u32> = sorting.elements.iter().map(|k| k + 1).collect();
+        let ids: Vec<u32> = sorting.particles.iter().map(|k| k + 1).collect();
         assert_eq!(ids, [7, 5, 3, 1, 6, 4, 2, 8]);
         let mut tally = Tally::default();
         let at = sorting.search([5, 7], &mut tally);
@@ -290,7 +290,7 @@ mod tests {
         let mut sorting = Sorting::<2>::with(Options::default());
         sorting.keys[0] = vec![3, 16, 7, 11, 2, 14, 5, 9, 4, 8, 12, 6, 13, 15, 1, 10];
         sorting.keys[1] = vec![0; 16];
-        sorting.elements = (0..16).collect();
+        sorting.particles = (0..16).collect();
         let mut tally = Tally::default();
         assert_eq!(sorting.partition(0, 0..16, 8, &mut tally), 7);
         assert_eq!(sorting.keys[0], [3, 1, 7, 6, 2, 4, 5, 9, 14, 8, 12, 11, 13, 15, 16, 10]);

@@ -7,7 +7,7 @@
 //!    of a quadtree's or octree's leaves.
 //! 2. [`super::tree`] makes boxes and finds the pairs.
 //!
-//! * Cost: N log N key comparisons for N elements; the search visits some nodes for every leaf of
+//! * Cost: N log N key comparisons for N particles; the search visits some nodes for every leaf of
 //!   at most 16, in a dense pack about as many for any N.
 //! * Memory: `40N + 64L` bytes in 2D, `48N + 96L` in 3D, L being the number of leaves: the power of
 //!   two from N/16 upwards.
@@ -28,7 +28,7 @@ use crate::sink::Sink;
 /// The hierarchy of boxes, in `D` dimensions.
 pub struct Bvh<const D: usize> {
     options: Options,
-    /// Keys and the numbers of their elements.
+    /// Keys and the numbers of their particles.
     keys: Vec<(u64, u32)>,
     tree: Tree<D>,
 }
@@ -57,7 +57,7 @@ impl<T: Real, const D: usize> Detector<T, D> for Bvh<D> {
     ) -> Result<(), Refusal> {
         let n = bodies.len();
         within(&self.options, "bvh", KEY * n as u64 + Tree::<D>::bytes(n), || {
-            format!("{n} elements")
+            format!("{n} particles")
         })?;
         room(&mut self.keys, n, (0, 0));
         self.tree.prepare(n);

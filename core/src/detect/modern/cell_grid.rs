@@ -8,12 +8,12 @@
 //! 2. Every cell that is not empty is tested against itself and the cell to the right (one range),
 //!    and against half of the neighbouring rows, three cells each: one range in 2D, four in 3D.
 //!
-//! * Cost: proportional to N elements and to the cells of the domain, which are passed over in
-//!   order twice. Each element is tested against about half of those in 9 cells in 2D, in 27 in 3D,
-//!   exactly as in [`crate::detect::book::screening`]. Memory: `4(nx·ny[·nz] + 1) + 24N` bytes in
-//!   2D, `+ 32N` in 3D, for nx, ny, nz cells per axis, two empty border cells per axis included.
+//! * Cost: proportional to N particles and to the cells of the domain, which are passed over in
+//!   order twice. Each particle is tested against about half of those in 9 cells in 2D, in 27 in
+//!   3D, exactly as in [`crate::detect::book::screening`]. Memory: `4(nx·ny[·nz] + 1) + 24N` bytes
+//!   in 2D, `+ 32N` in 3D, for nx, ny, nz cells per axis, two empty border cells per axis included.
 //! * Refuses domains of 2^31 cells and more along an axis, and scenes over the memory limit: loose
-//!   packs, far-away elements.
+//!   packs, far-away particles.
 //! * With several threads, rows are shared out for the second step and their contacts collected
 //!   (memory: the contacts).
 //! * Deviations from the sources: cells are wider by 4 parts in a million
@@ -83,7 +83,7 @@ impl<const D: usize> CellGrid<D> {
             .saturating_add(Record::<D>::BYTES * n as u64);
         within(&self.options, "cell-grid", needed, || {
             format!(
-                "{n} elements, {} cells",
+                "{n} particles, {} cells",
                 cells.count.map(|count| count.to_string()).join(" x ")
             )
         })?;

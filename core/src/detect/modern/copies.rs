@@ -25,7 +25,7 @@ pub struct Record<const D: usize> {
     pub position: [f64; D],
     /// The radius, rounded.
     pub radius: f32,
-    /// The number of the element.
+    /// The number of the particle.
     pub id: u32,
 }
 

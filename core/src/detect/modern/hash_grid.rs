@@ -11,7 +11,7 @@
 //!    each of half of the neighbouring rows: a range for each strip that these are in. Of a body
 //!    that is near, the cell itself is looked at, since other cells may share the buckets.
 //!
-//! * Cost: proportional to N elements, whatever the domain. Elements of other cells in the same
+//! * Cost: proportional to N particles, whatever the domain. Particles of other cells in the same
 //!   buckets are tested in vain: at most one for every cell looked at, on average. Memory: `4(B +
 //!   17) + 24N` bytes in 2D, `+ 32N` in 3D, B being the power of two from N upwards.
 //! * Refuses domains of 2^31 cells and more along an axis, and scenes over the memory limit.
@@ -62,7 +62,7 @@ impl<T: Real, const D: usize> Detector<T, D> for HashGrid<D> {
         let n = bodies.len();
         let buckets = Buckets::new(n);
         let needed = 4 * (buckets.count() + 1) + Record::<D>::BYTES * n as u64;
-        within(&self.options, "hash-grid", needed, || format!("{n} elements"))?;
+        within(&self.options, "hash-grid", needed, || format!("{n} particles"))?;
         self.starts.clear();
         room(&mut self.starts, buckets.count() as usize + 1, 0);
         room(&mut self.records, n, Record::NONE);
@@ -82,7 +82,7 @@ impl<T: Real, const D: usize> Detector<T, D> for HashGrid<D> {
     }
 }
 
-/// The buckets for a number of elements.
+/// The buckets for a number of particles.
 #[derive(Clone, Copy)]
 struct Buckets {
     /// First buckets are below 2^bits.

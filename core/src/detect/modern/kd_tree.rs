@@ -6,12 +6,12 @@
 //!    buckets of at most 16.
 //! 2. [`super::tree`] makes boxes and finds the pairs.
 //!
-//! * Cost: N log N key comparisons for N elements; the search visits some nodes for every bucket,
+//! * Cost: N log N key comparisons for N particles; the search visits some nodes for every bucket,
 //!   in a dense pack about as many for any N.
 //! * Memory: `24N + 64L` bytes in 2D, `32N + 96L` in 3D, L being the number of buckets: the power
 //!   of two from N/16 upwards.
-//! * No cells: far-away elements, elements at one place and elements of very different sizes are no
-//!   worse than others. Refuses scenes over the memory limit.
+//! * No cells: far-away particles, particles at one place and particles of very different sizes are
+//!   no worse than others. Refuses scenes over the memory limit.
 //! * Deviations from the sources: the axis is the longest of the space between the cuts, not of the
 //!   bodies' own box, so that no pass is needed for it; the median is moved so that the tree is
 //!   implied by N; boxes are around bodies, not around centres.
@@ -50,7 +50,7 @@ impl<T: Real, const D: usize> Detector<T, D> for KdTree<D> {
         sink: &mut S,
     ) -> Result<(), Refusal> {
         let n = bodies.len();
-        within(&self.options, "kd-tree", Tree::<D>::bytes(n), || format!("{n} elements"))?;
+        within(&self.options, "kd-tree", Tree::<D>::bytes(n), || format!("{n} particles"))?;
         self.tree.prepare(n);
         for (id, record) in (0..).zip(&mut self.tree.records) {
             *record = Record::new(&bodies, id);

@@ -6,9 +6,9 @@
 //! 2. Each body is compared with those after it whose intervals begin before its own ends; where
 //!    they overlap along a second axis too, the pair is tested.
 //!
-//! * Cost: N log N key comparisons for N elements, and a comparison on the second axis for every
+//! * Cost: N log N key comparisons for N particles, and a comparison on the second axis for every
 //!   pair that overlaps on the first: N^(2 - 1/D) in a box of equal bodies, in 3D far too many for
-//!   large N. No cells: far-away elements cost nothing, a giant only its own comparisons.
+//!   large N. No cells: far-away particles cost nothing, a giant only its own comparisons.
 //! * Memory: `32N` bytes in 2D, `40N` in 3D.
 //! * Refuses scenes over the memory limit.
 //! * Deviations from the sources: the sort is the standard library's (pattern-defeating), which
@@ -60,7 +60,7 @@ impl<T: Real, const D: usize> Detector<T, D> for Sweep<D> {
         sink: &mut S,
     ) -> Result<(), Refusal> {
         let n = bodies.len();
-        within(&self.options, "sweep", bytes::<D>(n), || format!("{n} elements"))?;
+        within(&self.options, "sweep", bytes::<D>(n), || format!("{n} particles"))?;
         room(&mut self.records, n, Record::NONE);
         for (id, record) in (0..).zip(&mut self.records) {
             *record = Record::new(&bodies, id);

@@ -44,7 +44,7 @@ pub struct Peer {
 /// See [`kiddo`](https://docs.rs/kiddo).
 pub const KIDDO: Peer = Peer {
     name: "kiddo",
-    summary: "peer: k-d tree of the crate kiddo, one radius query per element",
+    summary: "peer: k-d tree of the crate kiddo, one radius query per particle",
     cost: "N log N",
     limits: "refuses scenes where squares of distances overflow",
 };
@@ -52,7 +52,7 @@ pub const KIDDO: Peer = Peer {
 /// See [`kd-tree`](https://docs.rs/kd-tree).
 pub const KD_TREE: Peer = Peer {
     name: "kd-tree-crate",
-    summary: "peer: k-d tree of the crate kd-tree, one radius query per element",
+    summary: "peer: k-d tree of the crate kd-tree, one radius query per particle",
     cost: "N log N",
     limits: "a new list for every query; refuses scenes where squares of distances overflow",
 };
@@ -60,7 +60,7 @@ pub const KD_TREE: Peer = Peer {
 /// See [`rstar`](https://docs.rs/rstar).
 pub const RSTAR: Peer = Peer {
     name: "rstar",
-    summary: "peer: R*-tree of the crate rstar, bulk-loaded, one radius query per element",
+    summary: "peer: R*-tree of the crate rstar, bulk-loaded, one radius query per particle",
     cost: "N log N",
     limits: "refuses scenes where squares of distances overflow",
 };

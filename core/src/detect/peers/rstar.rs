@@ -38,9 +38,9 @@ impl<T: Real, const D: usize> Detector<T, D> for Rstar<D> {
         let tree = RTree::bulk_load(
             self.0.iter().zip(0u32..).map(|(&point, i)| GeomWithData::new(point, i)).collect(),
         );
-        for element in tree.iter() {
-            let i = element.data;
-            for other in tree.locate_within_distance(*element.geom(), square) {
+        for particle in tree.iter() {
+            let i = particle.data;
+            for other in tree.locate_within_distance(*particle.geom(), square) {
                 if i < other.data && bodies.touch(i, other.data, probe) {
                     sink.contact(i, other.data);
                 }

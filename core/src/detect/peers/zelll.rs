@@ -23,15 +23,15 @@ use crate::sink::Sink;
 pub struct Zelll<const D: usize>(Vec<[f64; D]>);
 
 #[derive(Clone, Copy)]
-struct Element<const D: usize>(u32, [f64; D]);
+struct Particle<const D: usize>(u32, [f64; D]);
 
-impl<const D: usize> Default for Element<D> {
-    fn default() -> Element<D> {
-        Element(0, [0.0; D])
+impl<const D: usize> Default for Particle<D> {
+    fn default() -> Particle<D> {
+        Particle(0, [0.0; D])
     }
 }
 
-impl<const D: usize> ParticleLike<[f64; D]> for Element<D> {
+impl<const D: usize> ParticleLike<[f64; D]> for Particle<D> {
     #[inline]
     fn coords(&self) -> [f64; D] {
         self.1
@@ -57,9 +57,9 @@ impl<T: Real, const D: usize> Detector<T, D> for Zelll<D> {
     ) -> Result<(), Refusal> {
         positions(&bodies, &mut self.0);
         let edge = edge(&self.0, bodies.reach())?;
-        let elements = self.0.iter().zip(0u32..).map(|(&point, i)| Element(i, point));
-        let grid = CellGrid::new(elements, edge);
-        for (Element(i, _), Element(j, _)) in grid.particle_pairs() {
+        let particles = self.0.iter().zip(0u32..).map(|(&point, i)| Particle(i, point));
+        let grid = CellGrid::new(particles, edge);
+        for (Particle(i, _), Particle(j, _)) in grid.particle_pairs() {
             if bodies.touch(*i, *j, probe) {
                 sink.contact(*i, *j);
             }

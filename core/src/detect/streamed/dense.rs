@@ -16,7 +16,7 @@ use crate::probe::{Op, Probe, Silent};
 use crate::sink::Sink;
 use crate::wide::Level;
 
-/// Puts a range of the elements on lists.
+/// Puts a range of the particles on lists.
 type Fill<'a, R, const D: usize> = &'a (dyn Fn(&mut Lists<D, R>, Range<usize>, &Plan) + Sync);
 
 impl<P: Probe, const D: usize> Run<'_, P, D> {
@@ -31,7 +31,7 @@ impl<P: Probe, const D: usize> Run<'_, P, D> {
         const { assert!(R::EACH == EACH) };
         let (n, threads) = (self.n, self.threads);
         let plan = Plan::new(&self.grid, n);
-        let shape = || format!("{n} elements, {} cells in a bundle of layers", plan.cells());
+        let shape = || format!("{n} particles, {} cells in a bundle of layers", plan.cells());
         let records: u64 = (0..threads)
             .map(|k| Lists::<D, R>::bytes(share(n, threads, k).len(), plan.slabs))
             .sum();
@@ -65,7 +65,7 @@ impl<P: Probe, const D: usize> Run<'_, P, D> {
             deliver.finish();
             return Ok(());
         }
-        // Shares of about equal numbers of elements, one per thread.
+        // Shares of about equal numbers of particles, one per thread.
         let (mut shares, mut before, mut from) = (Vec::new(), 0, 0);
         for slab in 0..plan.slabs {
             before += length(slab);

@@ -6,17 +6,17 @@
 //! is exact); rounding to a whole number adds 1/2. So |q - Q| < 1.01, and differences of two
 //! coordinates are within [`STEPS_OFF`] of the true ones.
 //!
-//! * **Cells.** Two elements that touch have |Qj - Qi| <= reach s 2^F. We take s <= (1 - 2^(2-F)) /
-//!   reach, up to its own rounding of 2^-49. So |qj - qi| < 2^F - 4 + 2.1, and their cells, q
+//! * **Cells.** Two particles that touch have |Qj - Qi| <= reach s 2^F. We take s <= (1 - 2^(2-F))
+//!   / reach, up to its own rounding of 2^-49. So |qj - qi| < 2^F - 4 + 2.1, and their cells, q
 //!   shifted by F, differ by at most one. This is the margin of [`crate::filter::cells`] once more,
 //!   for whole numbers.
 //! * **Distances.** What two rounded coordinates say of a distance is off by less than
 //!   [`STEPS_OFF`] steps along each axis: see [`super::kernel`].
 //!
 //! **Which edge.** Cells of the reach are the smallest, but a loose scene has many of them that are
-//! empty. Where there are more than [`CELLS_PER_ELEMENT`], the edge grows until there are not:
-//! memory and time then depend on N only. Where elements crowd in a few such cells, which a sample
-//! of the elements tells, the sparse form is used ([`super::sparse`]), with cells of the smallest
+//! empty. Where there are more than [`CELLS_PER_PARTICLE`], the edge grows until there are not:
+//! memory and time then depend on N only. Where particles crowd in a few such cells, which a sample
+//! of the particles tells, the sparse form is used ([`super::sparse`]), with cells of the smallest
 //! edge.
 
 use crate::contact::{Bodies, Margin, rounded_reach};
@@ -36,13 +36,13 @@ const FEWEST: u32 = 12;
 pub(super) const STEPS_OFF: f64 = 2.1;
 /// Measured: more than this cost more than longer ranges of candidates do. With 2.5 crowded scenes
 /// lose more than loose ones gain.
-const CELLS_PER_ELEMENT: f64 = 3.0;
-/// Elements looked at, to see whether they crowd: one in 32, but at most so many.
+const CELLS_PER_PARTICLE: f64 = 3.0;
+/// Particles looked at, to see whether they crowd: one in 32, but at most so many.
 const SAMPLE: usize = 4096;
-/// Other elements in the cell of an element, in the mean, from which cells are not used: some
+/// Other particles in the cell of a particle, in the mean, from which cells are not used: some
 /// hundred candidates.
 const CROWD: f64 = 24.0;
-/// So few elements that a crowd does not matter.
+/// So few particles that a crowd does not matter.
 const FEW: usize = 4096;
 /// 2^52: added to a number below it, it leaves the nearest whole number in the lowest bits.
 const WHOLE: f64 = (1u64 << 52) as f64;
@@ -61,7 +61,7 @@ pub(super) struct Grid<const D: usize> {
     pub count: [u64; D],
 }
 
-/// How the neighbours of an element are found.
+/// How the neighbours of a particle are found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Form {
     /// By an array over all cells of a grid.
@@ -98,7 +98,7 @@ impl<const D: usize> Grid<D> {
         };
         let edge = edge_for(lengths, reach, n);
         let wide = grid(edge, FRACTION);
-        // x and row of an element must be known from 32 bits of its coordinates. Layers have lists,
+        // x and row of a particle must be known from 32 bits of its coordinates. Layers have lists,
         // and bundles few enough of them.
         let most = wide.count[..D - 1].iter().fold(1, |most, &count| most.max(count));
         let bits = FRACTION.min(most.leading_zeros().saturating_sub(32));
@@ -132,12 +132,12 @@ impl<const D: usize> Grid<D> {
         Ok((small, Form::Sparse))
     }
 
-    /// The coordinates of an element in steps, in the order of the grid's axes.
+    /// The coordinates of a particle in steps, in the order of the grid's axes.
     #[inline(always)]
     pub fn steps(&self, position: [f64; D]) -> [u64; D] {
         let one = (1u64 << self.bits) as f64;
         std::array::from_fn(|k| {
-            // Not negative: the box was made from all elements.
+            // Not negative: the box was made from all particles.
             let cells = (position[self.axes[k]] - self.low[k]) * self.scale;
             (cells * one + WHOLE).to_bits() & ((1 << 52) - 1)
         })
@@ -148,13 +148,13 @@ impl<const D: usize> Grid<D> {
         length * self.scale * (1u64 << self.bits) as f64
     }
 
-    /// Whether elements have many others in their cells, judged by a sample.
+    /// Whether particles have many others in their cells, judged by a sample.
     fn crowded<T: Real>(&self, bodies: &impl Bodies<T, D>) -> bool {
         let n = bodies.len() as u64;
         let m = (n as usize / 32).clamp(1, SAMPLE);
         let mut keys = [0u64; SAMPLE];
         for (k, key) in keys[..m].iter_mut().enumerate() {
-            // By chance: a sample at equal strides would miss clusters whose elements are stored
+            // By chance: a sample at equal strides would miss clusters whose particles are stored
             // side by side.
             let i = splitmix64(k as u64) % n;
             let cell = self.steps(bodies.position(i as u32)).map(|q| q >> self.bits);
@@ -163,7 +163,7 @@ impl<const D: usize> Grid<D> {
         keys[..m].sort_unstable();
         let couples: usize =
             keys[..m].chunk_by(|a, b| a == b).map(|cell| cell.len() * (cell.len() - 1)).sum();
-        // Each of the m elements sees m of n others, but for one drawn twice.
+        // Each of the m particles sees m of n others, but for one drawn twice.
         couples as f64 / m as f64 * (n as f64 / m as f64) > CROWD
     }
 }
@@ -179,7 +179,7 @@ pub(super) fn reach_of<T: Real, const D: usize>(bodies: &impl Bodies<T, D>) -> f
 
 /// The smallest edge from `reach` on with which there are not too many cells.
 fn edge_for<const D: usize>(lengths: [f64; D], reach: f64, n: usize) -> f64 {
-    let most = CELLS_PER_ELEMENT * n.max(64) as f64;
+    let most = CELLS_PER_PARTICLE * n.max(64) as f64;
     // With the borders.
     let cells = |edge: f64| lengths.iter().map(|length| length / edge + 2.0).product::<f64>();
     if cells(reach) <= most {

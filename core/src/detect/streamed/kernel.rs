@@ -1,8 +1,8 @@
-//! The sweep: every element of a slab against the few ranges of elements that can touch it
-//! ([`super::ranges`]), sixteen at a time. Most ranges hold fewer than eight elements: where all
+//! The sweep: every particle of a slab against the few ranges of particles that can touch it
+//! ([`super::ranges`]), sixteen at a time. Most ranges hold fewer than eight particles: where all
 //! do, ranges 0 and 1 are tested in one go, and 2 and 3.
 //!
-//! **Bounds.** Let D be the true distance of two elements in steps and d the one computed here.
+//! **Bounds.** Let D be the true distance of two particles in steps and d the one computed here.
 //! Coordinates differ from the true differences by at most [`STEPS_OFF`] along each axis; x is
 //! rounded to 24 bits for either, the difference once; the rest (whole numbers below 2^22:
 //! fractions, one cell more or less) is exact. So |d - D| <= √3·2.1 + 2·(steps along x)·2^-24 + 1,
@@ -55,7 +55,7 @@ impl Bounds {
     }
 }
 
-/// Elements `places` of `slab` against their ranges in `slab` and `next`.
+/// Particles `places` of `slab` against their ranges in `slab` and `next`.
 pub(super) struct Sweep<'a, F, const D: usize, const EACH: bool> {
     pub slab: &'a Slab<D>,
     pub next: &'a Slab<D>,
@@ -66,8 +66,8 @@ pub(super) struct Sweep<'a, F, const D: usize, const EACH: bool> {
     pub sink: &'a mut dyn PairSink,
 }
 
-/// Neighbours of a block of elements, and what they make: filled again for every block. The careful
-/// form uses the room for pairs before the block does.
+/// Neighbours of a block of particles, and what they make: filled again for every block. The
+/// careful form uses the room for pairs before the block does.
 pub(super) struct Scratch {
     ids: [u32; ROOM],
     ends: [u32; BLOCK],
@@ -80,22 +80,22 @@ impl Default for Scratch {
     }
 }
 
-/// Elements whose neighbours are collected before they are paired.
+/// Particles whose neighbours are collected before they are paired.
 const BLOCK: usize = 16;
-/// Room for the contacts of an element in one vector; as many or more are rare, and left to the
+/// Room for the contacts of a particle in one vector; as many or more are rare, and left to the
 /// careful form.
 const KEPT: usize = 8;
 /// Room for the neighbours of a block, and for five vectors beyond.
 const ROOM: usize = (BLOCK * 5 + 10) * KEPT;
 
-/// What an element is compared with in one range.
+/// What a particle is compared with in one range.
 struct Query<W: Wide, const D: usize> {
     at: [W::Floats; D],
-    /// With [`Bounds::grow`], where each element has its own.
+    /// With [`Bounds::grow`], where each particle has its own.
     radius: W::Floats,
 }
 
-/// Squares of distances up to which elements are near enough to ask, and touch for sure.
+/// Squares of distances up to which particles are near enough to ask, and touch for sure.
 #[derive(Clone, Copy)]
 struct Limits<W: Wide> {
     near: W::Floats,
@@ -112,7 +112,7 @@ impl<W: Wide> Limits<W> {
     }
 }
 
-/// What has been found for one element.
+/// What has been found for one particle.
 struct Found {
     /// Where the next id is to be kept.
     at: usize,
@@ -227,7 +227,7 @@ impl<'a, F: Find, const D: usize, const EACH: bool> Sweep<'a, F, D, EACH> {
         if in_next::<D>(r) { self.next } else { self.slab }
     }
 
-    /// From the origin of an element's cell to that of range `r`, along y and along the axis of
+    /// From the origin of a particle's cell to that of range `r`, along y and along the axis of
     /// layers.
     fn shift(&self, r: usize) -> [f32; D] {
         let one = self.bounds.one;
@@ -258,7 +258,7 @@ impl<'a, F: Find, const D: usize, const EACH: bool> Sweep<'a, F, D, EACH> {
         [couple(0), couple(if D == 3 { 2 } else { 0 })]
     }
 
-    /// The element at a place, as seen from other cells.
+    /// The particle at a place, as seen from other cells.
     #[inline(always)]
     fn query<W: Wide>(&self, w: W, place: usize, shift: &[W::Floats; D]) -> Query<W, D> {
         // SAFETY: `place` is one of `places`, and every lane has a number for each.
@@ -277,7 +277,7 @@ impl<'a, F: Find, const D: usize, const EACH: bool> Sweep<'a, F, D, EACH> {
         Query { at: all, radius: w.all(radius + self.bounds.grow) }
     }
 
-    /// Tests sixteen elements and keeps the ids of those that are near.
+    /// Tests sixteen particles and keeps the ids of those that are near.
     #[inline(always)]
     fn keep<W: Wide>(
         &mut self,
@@ -298,7 +298,7 @@ impl<'a, F: Find, const D: usize, const EACH: bool> Sweep<'a, F, D, EACH> {
         found.counts |= count;
     }
 
-    /// Masks of those of sixteen elements from `begin` on that are `valid`: those near enough to
+    /// Masks of those of sixteen particles from `begin` on that are `valid`: those near enough to
     /// ask, and those that touch.
     #[inline(always)]
     fn test<W: Wide>(
@@ -333,14 +333,14 @@ impl<'a, F: Find, const D: usize, const EACH: bool> Sweep<'a, F, D, EACH> {
         (near, w.at_most(square, limits.sure) & near)
     }
 
-    /// The limits for all elements, where radii are the same.
+    /// The limits for all particles, where radii are the same.
     #[inline(always)]
     fn limits<W: Wide>(&self, w: W) -> Limits<W> {
         Limits::new(w, w.all(self.bounds.sum + self.bounds.grow), self.bounds.grow)
     }
 }
 
-/// The element at a place, with any number of elements in a range and pairs that only the contact
+/// The particle at a place, with any number of particles in a range and pairs that only the contact
 /// test can decide: a function of its own, so that its calls do not cost the sweep its registers.
 struct Careful<'s, 'a, F, const D: usize, const EACH: bool>(
     &'s mut Sweep<'a, F, D, EACH>,

@@ -1,7 +1,7 @@
-//! The elements of each bundle of layers, on a list of blocks.
+//! The particles of each bundle of layers, on a list of blocks.
 //!
 //! One pass over the scene, in the order in which it is stored, puts a compact record of each
-//! element on the list of its bundle. A list is a chain of blocks of records: no histogram is
+//! particle on the list of its bundle. A list is a chain of blocks of records: no histogram is
 //! needed beforehand, and memory is written and read in pieces that the hardware fetches ahead.
 
 use std::ops::Range;
@@ -11,9 +11,9 @@ use super::plan::Plan;
 use crate::contact::Bodies;
 use crate::scene::Real;
 
-/// The radius of an element in a record: nothing where all are the same.
+/// The radius of a particle in a record: nothing where all are the same.
 pub(super) trait Size: Copy + Default + Send + Sync + 'static {
-    /// One radius per element?
+    /// One radius per particle?
     const EACH: bool;
     /// Of a number of steps.
     fn new(steps: f32) -> Self;
@@ -41,7 +41,7 @@ impl Size for f32 {
     }
 }
 
-/// An element: the lowest 32 bits of its coordinates in steps, its radius, its number.
+/// A particle: the lowest 32 bits of its coordinates in steps, its radius, its number.
 #[derive(Clone, Copy)]
 pub(super) struct Record<const D: usize, R> {
     pub at: [u32; D],
@@ -85,16 +85,16 @@ impl<const D: usize, R: Size> Lists<D, R> {
         ((count << block) * size_of::<Record<D, R>>() + 4 * count + 4 * lists) as u64
     }
 
-    /// Puts the elements of a range on the list of their slab.
+    /// Puts the particles of a range on the list of their slab.
     pub fn fill<T: Real>(
         &mut self,
         bodies: &impl Bodies<T, D>,
-        elements: Range<usize>,
+        particles: Range<usize>,
         grid: &Grid<D>,
         plan: &Plan,
     ) {
         let (layers, lists) = (plan.layers, plan.slabs);
-        let (block, count) = block_size(elements.len(), lists);
+        let (block, count) = block_size(particles.len(), lists);
         self.block = block;
         at_least(
             &mut self.records,
@@ -110,7 +110,7 @@ impl<const D: usize, R: Size> Lists<D, R> {
         let (full, mut free) = ((1 << block) - 1, lists as u32);
         let shift = grid.bits + layers;
         let mut most = [0; D];
-        for id in elements.start as u32..elements.end as u32 {
+        for id in particles.start as u32..particles.end as u32 {
             let steps = grid.steps(bodies.position(id));
             let radius =
                 if R::EACH { R::new(grid.length(bodies.radius(id)) as f32) } else { R::default() };
@@ -151,7 +151,7 @@ impl<const D: usize, R: Size> Lists<D, R> {
         })
     }
 
-    /// Elements on a list.
+    /// Particles on a list.
     pub fn len(&self, list: usize) -> usize {
         self.blocks(list).map(<[_]>::len).sum()
     }

@@ -5,29 +5,29 @@
 //! processor wants: two layers stay in its cache, and cells in order make ranges that its vector
 //! registers test sixteen at a time.
 //!
-//! 1. One pass over the scene finds its box, one more puts a record of each element (coordinates in
-//!    whole steps of a millionth of a cell, number: 16 bytes in 3D) on the list of its bundle of
+//! 1. One pass over the scene finds its box, one more puts a record of each particle (coordinates
+//!    in whole steps of a millionth of a cell, number: 16 bytes in 3D) on the list of its bundle of
 //!    layers. Both read and write memory in order.
 //! 2. Bundle after bundle is sorted by cell, by counting, into one array per coordinate.
-//! 3. Each element is tested against the rest of its cell and the cell beside it, the three cells
+//! 3. Each particle is tested against the rest of its cell and the cell beside it, the three cells
 //!    in front in the next row, and the nine in the next layer: five contiguous ranges (two in 2D),
-//!    sixteen elements in one go, in f32.
+//!    sixteen particles in one go, in f32.
 //! 4. What f32 cannot decide, some pairs in ten thousand contacts, is left to the contact test; see
 //!    `kernel.rs` for the bounds.
 //!
-//! Loose scenes get larger cells, about three cells per element, scenes whose elements crowd in few
-//! of those cells the sparse form (`sparse.rs`).
+//! Loose scenes get larger cells, about three cells per particle, scenes whose particles crowd in
+//! few of those cells the sparse form (`sparse.rs`).
 //!
 //! * Cost: proportional to N, independent of the packing density; N log N in the sparse form.
 //! * Memory, for lists (blocks of b records, L lists): `(16 + 4/b)(N + bL) + 4L` bytes in 3D, 12
-//!   instead of 16 in 2D, 4 more with a radius per element; two bundles of n elements and c cells:
-//!   `2(4(D + 2)(n + 16) + 4(c + 2))`. A bundle has 2,000 to 4,000 elements, or one layer if that
-//!   is more. In the sparse form: 24N, 32N with radii, and two layers. Some 9 KiB of working space
-//!   per thread. With several threads: two bundles each, and the contacts, which the memory limit
-//!   does not know; then a warm call allocates the list of shares.
+//!   instead of 16 in 2D, 4 more with a radius per particle; two bundles of n particles and c
+//!   cells: `2(4(D + 2)(n + 16) + 4(c + 2))`. A bundle has 2,000 to 4,000 particles, or one layer
+//!   if that is more. In the sparse form: 24N, 32N with radii, and two layers. Some 9 KiB of
+//!   working space per thread. With several threads: two bundles each, and the contacts, which the
+//!   memory limit does not know; then a warm call allocates the list of shares.
 //! * Refuses scenes of 2^31 cells and more along an axis in the sparse form, extents
-//!   that overflow, and more than 2^31 - 1 elements.
-//! * Threads: in the dense form, from 20,000 elements on.
+//!   that overflow, and more than 2^31 - 1 particles.
+//! * Threads: in the dense form, from 20,000 particles on.
 //! * In `textbook` arithmetic its filters are as safe as in f64: the book prints none for it.
 
 mod dense;
@@ -58,7 +58,7 @@ use crate::sink::Sink;
 use crate::wide::Level;
 
 const NAME: &str = "streamed-nbs";
-/// Fewer elements are not worth a second thread.
+/// Fewer particles are not worth a second thread.
 const FEWEST_FOR_THREADS: usize = 20_000;
 
 /// The modern NBS, in `D` dimensions.
@@ -67,7 +67,7 @@ pub struct Streamed<const D: usize> {
     level: Level,
     form: Option<Form>,
     workers: Vec<Worker<D>>,
-    /// Buffers for scenes with one radius, and with one per element.
+    /// Buffers for scenes with one radius, and with one per particle.
     uniform: Buffers<D, ()>,
     each: Buffers<D, f32>,
     formula: u64,

@@ -25,8 +25,8 @@ pub(super) struct Plan {
     pub slabs: usize,
 }
 
-/// Elements of a slab, in the mean and at the most, for which the arrays fit the caches.
-const ELEMENTS: usize = 4096;
+/// Particles of a slab, in the mean and at the most, for which the arrays fit the caches.
+const PARTICLES: usize = 4096;
 
 impl Plan {
     /// Cells of a slab, borders included.
@@ -34,19 +34,19 @@ impl Plan {
         (self.layer << self.layers) + 1
     }
 
-    /// For the cells of a grid and `n` elements.
+    /// For the cells of a grid and `n` particles.
     pub fn new<const D: usize>(grid: &Grid<D>, n: usize) -> Plan {
         let count = grid.count.map(|count| count as usize);
         let row = count[0] + 1;
         let layer = if D == 2 { row } else { row * (count[1] + 2) };
         let all = count[D - 1];
-        let layers = (all * ELEMENTS / n.max(1)).clamp(1, all.next_power_of_two()).ilog2();
+        let layers = (all * PARTICLES / n.max(1)).clamp(1, all.next_power_of_two()).ilog2();
         // The layer in its bundle must be known from the 32 bits of a coordinate.
         let layers = layers.min(32 - grid.bits);
         Plan { bits: grid.bits, row, layer, layers, slabs: all.div_ceil(1 << layers) }
     }
 
-    /// The number of the cell of an element, from the lowest 32 bits of its coordinates.
+    /// The number of the cell of a particle, from the lowest 32 bits of its coordinates.
     #[inline(always)]
     pub fn cell<const D: usize>(&self, at: [u32; D]) -> usize {
         let x = (at[0] >> self.bits) as usize + 1;

@@ -1,6 +1,6 @@
-//! The ranges of elements that can touch an element.
+//! The ranges of particles that can touch a particle.
 //!
-//! Half of the cells around an element are enough, and they are few contiguous ranges, since the
+//! Half of the cells around a particle are enough, and they are few contiguous ranges, since the
 //! cells of a row are side by side:
 //!
 //! ```text
@@ -9,14 +9,14 @@
 //!                                                  4 4 4                   1 1 1
 //! ```
 //!
-//! Range 0 begins after the element itself.
+//! Range 0 begins after the particle itself.
 
 use super::plan::Plan;
 use super::slab::Slab;
 use super::unchecked::element;
 
-/// Where the elements are that are to be tested against an element: beginning and length of each
-/// range, the first one or two in the slab of the element, the others in the next.
+/// Where the particles are that are to be tested against a particle: beginning and length of each
+/// range, the first one or two in the slab of the particle, the others in the next.
 pub(super) type Ranges = [(u32, u32); 5];
 
 /// So many of them in so many dimensions.
@@ -29,7 +29,7 @@ pub(super) const fn in_next<const D: usize>(r: usize) -> bool {
     r >= D - 1
 }
 
-/// Finds the ranges of the element at a place.
+/// Finds the ranges of the particle at a place.
 pub(super) trait Find: Copy {
     /// Coordinates along x begin again after this many steps.
     const TURN: Option<f32>;
@@ -49,7 +49,7 @@ pub(super) struct ByCells<'a> {
 }
 
 impl<'a> ByCells<'a> {
-    /// For elements of `slab` whose next layer is in `next`, `to_next` cells away.
+    /// For particles of `slab` whose next layer is in `next`, `to_next` cells away.
     pub fn new<const D: usize>(
         plan: &Plan,
         slab: &'a Slab<D>,

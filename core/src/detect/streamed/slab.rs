@@ -6,17 +6,17 @@ use super::plan::Plan;
 use crate::probe::Op;
 use crate::wide::LANES;
 
-/// The elements of a slab, in the order of their cells.
+/// The particles of a slab, in the order of their cells.
 pub(super) struct Slab<const D: usize> {
     /// Coordinates in steps: along x from the grid's origin, along the others from the origin of
     /// the cell.
     pub lanes: [Vec<f32>; D],
-    /// Radii in steps, where each element has its own.
+    /// Radii in steps, where each particle has its own.
     pub radii: Vec<f32>,
     pub ids: Vec<u32>,
     /// The cell of each.
     pub cells: Vec<u32>,
-    /// For each cell the place of its first element.
+    /// For each cell the place of its first particle.
     pub begin: Vec<u32>,
     pub len: usize,
 }
@@ -36,19 +36,19 @@ impl<const D: usize> Default for Slab<D> {
 }
 
 impl<const D: usize> Slab<D> {
-    /// Heap needed for so many elements and cells.
-    pub fn bytes(elements: usize, cells: usize, each: bool) -> u64 {
-        (4 * (D + 2 + usize::from(each)) * (elements + LANES) + 4 * (cells + 2)) as u64
+    /// Heap needed for so many particles and cells.
+    pub fn bytes(particles: usize, cells: usize, each: bool) -> u64 {
+        (4 * (D + 2 + usize::from(each)) * (particles + LANES) + 4 * (cells + 2)) as u64
     }
 
-    /// Room for so many elements and cells. A vector may be loaded from any place up to the last
-    /// element.
-    pub fn prepare(&mut self, elements: usize, cells: usize, each: bool) {
-        self.lanes.iter_mut().for_each(|lane| at_least(lane, elements + LANES, 0.0));
-        at_least(&mut self.ids, elements + LANES, 0);
-        at_least(&mut self.cells, elements + LANES, 0);
+    /// Room for so many particles and cells. A vector may be loaded from any place up to the last
+    /// particle.
+    pub fn prepare(&mut self, particles: usize, cells: usize, each: bool) {
+        self.lanes.iter_mut().for_each(|lane| at_least(lane, particles + LANES, 0.0));
+        at_least(&mut self.ids, particles + LANES, 0);
+        at_least(&mut self.cells, particles + LANES, 0);
         if each {
-            at_least(&mut self.radii, elements + LANES, 0.0);
+            at_least(&mut self.radii, particles + LANES, 0.0);
         }
         at_least(&mut self.begin, cells + 2, 0);
     }

@@ -1,7 +1,7 @@
-//! The sparse form, for scenes whose elements crowd in a small part of a large domain: the elements
-//! sorted by layer, row and cell, with no array over cells.
+//! The sparse form, for scenes whose particles crowd in a small part of a large domain: the
+//! particles sorted by layer, row and cell, with no array over cells.
 //!
-//! Elements are sorted once. Then each layer is swept against itself and the next one as in the
+//! Particles are sorted once. Then each layer is swept against itself and the next one as in the
 //! form by cells, but the ranges of an occupied cell are found by cursors that go through the
 //! sorted layers side by side with it: ranges begin no earlier for a later cell, so all cursors
 //! together pass over a layer a few times. One thread does all. Cost: N log N for the sort, N for
@@ -26,7 +26,7 @@ const STEPS: u64 = 1 << 24;
 /// As the kernel has it.
 pub(super) const TURN: Option<f32> = Some(STEPS as f32);
 
-/// An element and where it is.
+/// A particle and where it is.
 #[derive(Clone, Copy)]
 struct Place<R> {
     /// Number of the layer, then that of the row.
@@ -39,7 +39,7 @@ struct Place<R> {
     radius: R,
 }
 
-/// A layer: its elements as in any slab, and the key of the cell of each.
+/// A layer: its particles as in any slab, and the key of the cell of each.
 struct Layer<const D: usize> {
     slab: Slab<D>,
     keys: Vec<u64>,
@@ -65,7 +65,7 @@ impl<const D: usize, R> Default for Sparse<D, R> {
     }
 }
 
-/// The ranges of the cell of each element.
+/// The ranges of the cell of each particle.
 #[derive(Clone, Copy)]
 struct Listed<'a> {
     cells: &'a [u32],
@@ -78,7 +78,7 @@ impl Find for Listed<'_> {
     #[inline(always)]
     fn ranges<const D: usize>(&self, at: usize) -> Ranges {
         let mut ranges = self.ranges[self.cells[at] as usize];
-        // The first reaches from after the element to where it ends for the cell.
+        // The first reaches from after the particle to where it ends for the cell.
         let own = at as u32 + 1;
         ranges[0] = (own, ranges[0].1 - own);
         ranges
@@ -86,7 +86,7 @@ impl Find for Listed<'_> {
 }
 
 impl<P: Probe, const D: usize> Run<'_, P, D> {
-    /// Finds the contacts; `fill` copies the elements.
+    /// Finds the contacts; `fill` copies the particles.
     pub fn sparse<S: Sink, R: Size, const EACH: bool>(
         &mut self,
         sparse: &mut Sparse<D, R>,
@@ -96,7 +96,7 @@ impl<P: Probe, const D: usize> Run<'_, P, D> {
     ) -> Result<(), Refusal> {
         const { assert!(R::EACH == EACH) };
         let n = self.n;
-        let shape = || format!("{n} elements, by occupied cells");
+        let shape = || format!("{n} particles, by occupied cells");
         let places = Sparse::<D, R>::bytes(n);
         within(self.options, NAME, places, shape)?;
         fill(sparse);
@@ -111,18 +111,18 @@ impl<P: Probe, const D: usize> Run<'_, P, D> {
 }
 
 impl<const D: usize, R: Size> Sparse<D, R> {
-    /// Heap needed for `n` elements before they are sorted.
+    /// Heap needed for `n` particles before they are sorted.
     pub fn bytes(n: usize) -> u64 {
         (n * size_of::<Place<R>>()) as u64
     }
 
-    /// Heap needed beside that for layers of at most so many elements.
+    /// Heap needed beside that for layers of at most so many particles.
     pub fn bytes_of_layers(most: usize) -> u64 {
         2 * (Slab::<D>::bytes(most, 0, R::EACH) + 8 * most as u64)
             + (size_of::<Ranges>() * most) as u64
     }
 
-    /// Copies all elements.
+    /// Copies all particles.
     pub fn fill<T: Real>(&mut self, bodies: &impl Bodies<T, D>, grid: &Grid<D>) {
         let n = bodies.len();
         self.places.clear();
@@ -147,7 +147,7 @@ impl<const D: usize, R: Size> Sparse<D, R> {
         }));
     }
 
-    /// Puts all elements in order; gives the number of elements in the fullest layer.
+    /// Puts all particles in order; gives the number of particles in the fullest layer.
     pub fn sort(&mut self, probe: &mut impl Probe) -> usize {
         let n = self.places.len();
         probe.add(Op::Integerise, (D * n) as u64);
@@ -156,7 +156,7 @@ impl<const D: usize, R: Size> Sparse<D, R> {
         layers(&self.places).map(<[_]>::len).max().unwrap_or(0)
     }
 
-    /// Sweeps the sorted elements, in layers of at most `most`.
+    /// Sweeps the sorted particles, in layers of at most `most`.
     pub fn sweep<const EACH: bool>(
         &mut self,
         level: Level,
@@ -209,7 +209,7 @@ fn sort<R>(places: &mut [Place<R>], probe: &mut impl Probe) {
     });
 }
 
-/// The elements of each layer that has any.
+/// The particles of each layer that has any.
 fn layers<R>(places: &[Place<R>]) -> impl Iterator<Item = &[Place<R>]> {
     places.chunk_by(|a, b| layer_of(a) == layer_of(b))
 }
@@ -218,7 +218,7 @@ fn layer_of<R>(place: &Place<R>) -> u64 {
     place.row >> 32
 }
 
-/// Makes a layer hold these elements, in their order.
+/// Makes a layer hold these particles, in their order.
 fn fill<const D: usize, R: Size>(
     layer: &mut Layer<D>,
     places: &[Place<R>],

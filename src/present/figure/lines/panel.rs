@@ -24,9 +24,9 @@ pub struct Shared {
     pub zero: f64,
     /// Draw reference slopes.
     pub slopes: bool,
-    /// y is per element: the slopes, too.
-    pub per_element: bool,
-    /// Name and bytes of the caches to be marked; x is the number of elements.
+    /// y is per particle: the slopes, too.
+    pub per_particle: bool,
+    /// Name and bytes of the caches to be marked; x is the number of particles.
     pub caches: Vec<(String, u64)>,
 }
 
@@ -54,7 +54,7 @@ pub fn dash_of(style: Style, key: &CurveKey) -> (f64, Option<Point>) {
     }
 }
 
-/// The number of elements whose coordinates, of eight bytes each, fill so many bytes.
+/// The number of particles whose coordinates, of eight bytes each, fill so many bytes.
 pub fn outgrown(bytes: u64, dim: u32) -> f64 {
     bytes as f64 / (8.0 * f64::from(dim.max(1)))
 }
@@ -176,7 +176,7 @@ impl Area {
 
     /// What algorithms of cost N, N log N and N² look like, all from the lowest first point of a
     /// detector: from a little below it, so that they do not hide the data, unless they are per
-    /// element, where the slope N is the flat floor of the panel.
+    /// particle, where the slope N is the flat floor of the panel.
     fn slopes(
         &self,
         canvas: &mut Canvas,
@@ -203,7 +203,7 @@ impl Area {
                 let place = start + (1.0 - start) * f64::from(step) / 60.0;
                 let x = shared.x.value(place);
                 let growth = model.at(x) / model.at(first.x);
-                let value = if shared.per_element {
+                let value = if shared.per_particle {
                     first.y * growth * first.x / x
                 } else {
                     0.5 * first.y * growth

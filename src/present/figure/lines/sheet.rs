@@ -105,7 +105,7 @@ impl<'a> Sheet<'a> {
             strip,
             zero: if zero { 22.0 } else { 0.0 },
             slopes,
-            per_element: options.per_element,
+            per_particle: options.per_particle,
             caches: if options.caches { machine.caches.clone() } else { Vec::new() },
         };
         let lines = plot.keys().len() + plot.outcomes().len() + shared.caches.len();

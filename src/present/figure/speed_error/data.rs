@@ -18,7 +18,7 @@ pub struct Mark {
     pub detector: String,
     /// Index into [`Plot::arithmetics`].
     pub arithmetic: usize,
-    /// Median time per element, ns.
+    /// Median time per particle, ns.
     pub time: f64,
     /// Lower end of its interval.
     pub low: f64,

@@ -137,7 +137,7 @@ impl<'a> Sheet<'a> {
         let columns = self.plot.rows.iter().map(|row| row.panels.len()).max().unwrap_or(1) as f64;
         let centre = MARGIN + LEFT + (columns * (self.across + GAP) - GAP) / 2.0;
         canvas.text(
-            "time per element (ns)",
+            "time per particle (ns)",
             (centre, bottom + 48.0),
             Text::new(19.0, INK).anchor(0),
         )?;

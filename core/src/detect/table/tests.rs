@@ -1,0 +1,50 @@
+//! Parameters of detectors.
+
+use nalgebra::Point;
+
+use super::*;
+use crate::contact::Test;
+use crate::scene::{AnyScene, Radii, Scene};
+use crate::sink::normalise;
+
+fn lattice() -> AnyScene<'static> {
+    let centre = |k: u32| Point::from([f64::from(k % 40), f64::from(k / 40)]);
+    let centres: Vec<_> = (0..1600).map(centre).collect();
+    Scene::new(centres, Radii::Uniform(0.5)).unwrap().into()
+}
+
+/// Every value of every parameter, where this processor has the instructions.
+#[test]
+fn parameters_change_no_contact() {
+    let scene = lattice();
+    let mut detected = 0;
+    for entry in TABLE.iter().filter(|entry| entry.must_be_right()) {
+        for Parameter { name, values, .. } in entry.parameters {
+            for value in *values {
+                let spec = parse(&format!("{}:{name}={value}", entry.name)).unwrap();
+                let mut pairs = Vec::new();
+                match spec.make(Options::default()).list(&scene, Test::Exact, &mut pairs) {
+                    Err(Refusal::Instructions { .. }) if *name == "level" => continue,
+                    result => result.unwrap(),
+                }
+                normalise(&mut pairs);
+                pairs.dedup();
+                assert_eq!(pairs.len(), 2 * 40 * 39, "{spec}");
+                detected += 1;
+            }
+        }
+    }
+    assert!(detected >= 5, "three forms, and at least best and portable");
+}
+
+#[test]
+fn instructions_that_are_not_there_are_refused_with_those_that_are() {
+    let params = Params::from([("level".to_string(), "neon".to_string())]);
+    let mut pairs = Vec::new();
+    let refusal = streamed(&params, Options::default())
+        .list(&lattice(), Test::Exact, &mut pairs)
+        .unwrap_err()
+        .to_string();
+    assert!(refusal.contains("level=neon") && refusal.contains("portable"), "{refusal}");
+    assert!(pairs.is_empty());
+}

@@ -1,0 +1,289 @@
+//! Asks contenders scene after scene, and keeps what came of it.
+
+use std::mem::discriminant;
+use std::ops::Range;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use rand::{Rng, RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+use super::cases::{CASES, SIZES};
+use super::contender::{Contender, Question, Respondent};
+use super::shrink::shrink;
+use super::{Failure, Limits, MOST_BYTES, Report, Wrong, bytes};
+use crate::contact::Arithmetic;
+use crate::detect::Options;
+use crate::io;
+use crate::oracle::{self, NoTruth, Truth};
+use crate::scene::{AnyScene, hard};
+
+/// Scenes that were once got wrong: see `tests/regressions`.
+const REGRESSIONS: [(&str, &str); 4] = [
+    ("far-apart.csv", include_str!("../../tests/regressions/far-apart.csv")),
+    ("subnormal.csv", include_str!("../../tests/regressions/subnormal.csv")),
+    ("tangent-3-4-5.csv", include_str!("../../tests/regressions/tangent-3-4-5.csv")),
+    ("three-discs.csv", include_str!("../../tests/regressions/three-discs.csv")),
+];
+
+/// Scenes of random bytes for each seed, and the lengths of the bytes: in longer ones particles are
+/// too far apart for cells.
+const RANDOM: u64 = 200;
+const LENGTHS: Range<usize> = 4..64;
+
+pub(super) struct Checker<'a> {
+    limits: &'a Limits,
+    started: Instant,
+    contenders: Vec<(&'a Contender, Box<dyn Respondent>)>,
+    pub(super) report: Report,
+}
+
+impl<'a> Checker<'a> {
+    pub(super) fn new(
+        contenders: &'a [Contender],
+        limits: &'a Limits,
+    ) -> anyhow::Result<Checker<'a>> {
+        let entered = |contender: &'a Contender| {
+            Ok((contender, contender.respondent(limits.options, limits.deadline)?))
+        };
+        let contenders = contenders.iter().map(entered).collect::<anyhow::Result<_>>()?;
+        Ok(Checker { limits, started: Instant::now(), contenders, report: Report::default() })
+    }
+
+    /// There is nobody left to check.
+    fn decided(&self) -> bool {
+        self.report.failures.len() == self.contenders.len()
+    }
+
+    /// The time is over, or there is nobody left to check.
+    pub(super) fn over(&self) -> bool {
+        self.started.elapsed() > self.limits.time || self.decided()
+    }
+
+    /// False if it is over.
+    pub(super) fn generated(
+        &mut self,
+        seed: u64,
+        arithmetics: &[Arithmetic],
+    ) -> anyhow::Result<bool> {
+        for case in CASES {
+            for &dim in case.dims {
+                for &n in SIZES {
+                    if seed > 1 && self.over() || self.decided() {
+                        return Ok(false);
+                    }
+                    let spec = case.spec(dim, n, seed)?;
+                    let params = || {
+                        spec.params
+                            .iter()
+                            .map(|(name, value)| format!(" {name}={value}"))
+                            .collect::<String>()
+                    };
+                    let name = || {
+                        format!(
+                            "{} dim={} n={} seed={}{}",
+                            spec.name,
+                            spec.dim,
+                            spec.n,
+                            spec.seed,
+                            params()
+                        )
+                    };
+                    self.scene("generated", &spec.make()?, name, arithmetics)?;
+                }
+            }
+        }
+        Ok(true)
+    }
+
+    pub(super) fn hard_cases(&mut self, arithmetics: &[Arithmetic]) -> anyhow::Result<()> {
+        for case in hard::cases().filter(|case| case.expect != hard::Expect::Invalid) {
+            for &dim in case.dims {
+                if self.over() {
+                    return Ok(());
+                }
+                let steps = case.steps(dim)?;
+                for (k, scene) in steps.iter().enumerate() {
+                    let step = if steps.len() == 1 {
+                        String::new()
+                    } else {
+                        format!(", step {} of {}", k + 1, steps.len())
+                    };
+                    self.scene(
+                        "hard cases",
+                        scene,
+                        || format!("hard case {} in {dim}D{step}", case.name),
+                        arithmetics,
+                    )?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    pub(super) fn regressions(&mut self, arithmetics: &[Arithmetic]) -> anyhow::Result<()> {
+        for (name, text) in REGRESSIONS {
+            if self.decided() {
+                break;
+            }
+            let scene = io::from(text.as_bytes(), name, "csv", io::Options::default())?;
+            self.scene("regressions", &scene, || format!("tests/regressions/{name}"), arithmetics)?;
+        }
+        Ok(())
+    }
+
+    /// False if it is over.
+    pub(super) fn random_bytes(
+        &mut self,
+        seed: u64,
+        arithmetics: &[Arithmetic],
+    ) -> anyhow::Result<bool> {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        for k in 0..RANDOM {
+            if self.over() {
+                return Ok(false);
+            }
+            let mut data = vec![0; random.random_range(LENGTHS)];
+            random.fill_bytes(&mut data);
+            if let Some(scene) = bytes::scene_from_bytes(&data) {
+                self.scene(
+                    "random bytes",
+                    &scene,
+                    || format!("random bytes, seed {seed}, number {k}"),
+                    arithmetics,
+                )?;
+            }
+        }
+        Ok(true)
+    }
+
+    pub(super) fn scene(
+        &mut self,
+        source: &'static str,
+        scene: &AnyScene<'static>,
+        name: impl Fn() -> String,
+        arithmetics: &[Arithmetic],
+    ) -> anyhow::Result<()> {
+        *self.report.scenes.entry(source).or_default() += 1;
+        for &arithmetic in arithmetics {
+            let (stored, truth) = match truth(scene, arithmetic) {
+                Ok(found) => found,
+                Err(error @ (NoTruth::Refused(_) | NoTruth::Stored(_))) => {
+                    *self
+                        .report
+                        .refused
+                        .entry(format!("{}: {error}", arithmetic.name()))
+                        .or_default() += 1;
+                    continue;
+                }
+                Err(error) => return Err(error.into()),
+            };
+            for (contender, respondent) in &mut self.contenders {
+                if self.report.failures.iter().any(|failure| failure.detector == contender.name()) {
+                    continue;
+                }
+                let question = Question {
+                    given: scene,
+                    stored: &stored,
+                    arithmetic,
+                    fresh: false,
+                    truth: &truth,
+                };
+                let answer = respondent.ask(&question)?;
+                if let Some(reason) = answer.refusal() {
+                    *self
+                        .report
+                        .refused
+                        .entry(format!("{}: {reason}", contender.name()))
+                        .or_default() += 1;
+                } else {
+                    self.report.cases += 1;
+                }
+                if let Some(found) = answer.wrong(&truth) {
+                    let (smallest, wrong) =
+                        simplest(contender, arithmetic, scene, &found, self.limits)?;
+                    let detector = contender.name().to_string();
+                    self.report.failures.push(Failure {
+                        detector,
+                        arithmetic,
+                        found_on: name(),
+                        found,
+                        smallest,
+                        wrong,
+                    });
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The scene as the arithmetic stores it, and the pairs to be found.
+fn truth(
+    scene: &AnyScene<'_>,
+    arithmetic: Arithmetic,
+) -> Result<(Arc<AnyScene<'static>>, Truth), NoTruth> {
+    let stored = Arc::new(scene.stored(arithmetic)?);
+    let truth = oracle::truth_as_stored(&stored, arithmetic.test())?;
+    Ok((stored, truth))
+}
+
+/// A contender that hangs is given up, and after some of them the shrinking, since each leaves a
+/// thread behind.
+const SHRINKING_DEADLINE: Duration = Duration::from_secs(1);
+const SHRINKING_HANGS: u32 = 2;
+
+/// The smallest scene found on which a fresh detector is wrong, and in which way.
+fn simplest(
+    contender: &Contender,
+    arithmetic: Arithmetic,
+    scene: &AnyScene<'static>,
+    found: &Wrong,
+    limits: &Limits,
+) -> anyhow::Result<(AnyScene<'static>, Option<Wrong>)> {
+    if matches!(found, Wrong::Hangs(_)) {
+        return Ok((scene.clone(), Some(found.clone())));
+    }
+    let wrong = |respondent: &mut dyn Respondent,
+                 scene: &AnyScene<'static>,
+                 fresh: bool|
+     -> anyhow::Result<Option<Wrong>> {
+        let Ok((stored, truth)) = truth(scene, arithmetic) else { return Ok(None) };
+        let question = Question { given: scene, stored: &stored, arithmetic, fresh, truth: &truth };
+        Ok(respondent.ask(&question)?.wrong(&truth))
+    };
+    let mut patient = contender.respondent(limits.options, limits.deadline)?;
+    let Some(first) = wrong(&mut *patient, scene, true)? else { return Ok((scene.clone(), None)) };
+    let options =
+        Options { memory_limit: limits.options.memory_limit.min(MOST_BYTES), ..limits.options };
+    let mut respondent = contender.respondent(options, limits.deadline.min(SHRINKING_DEADLINE))?;
+    let mut hangs = 0;
+    let mut smaller = |fresh: bool| {
+        shrink(scene, limits.effort, |scene| {
+            hangs < SHRINKING_HANGS
+                && match wrong(&mut *respondent, scene, fresh) {
+                    Ok(Some(Wrong::Hangs(_))) | Err(_) => {
+                        hangs += 1;
+                        false
+                    }
+                    // In the same way, or another defect may take its place.
+                    Ok(wrong) => {
+                        wrong.is_some_and(|wrong| discriminant(&wrong) == discriminant(&first))
+                    }
+                }
+        })
+    };
+    if contender.is_slow_to_make() {
+        // Most runners forget the scene before, and are a hundred times faster if they need not be
+        // started anew.
+        let smallest = smaller(false);
+        if let Some(wrong) = wrong(&mut *patient, &smallest, true)?
+            .filter(|wrong| discriminant(wrong) == discriminant(&first))
+        {
+            return Ok((smallest, Some(wrong)));
+        }
+    }
+    let smallest = smaller(true);
+    let wrong = wrong(&mut *patient, &smallest, true)?;
+    Ok((smallest, wrong))
+}

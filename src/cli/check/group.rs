@@ -1,0 +1,128 @@
+//! Who is checked: detectors of the table, or a runner.
+
+use std::io::Write;
+
+use anyhow::{bail, ensure};
+
+use super::Check;
+use super::failing::last_words;
+use crate::check::contender::Contender;
+use crate::check::process::{Foreign, Met};
+use crate::check::{Limits, Wrong, conversation};
+use crate::contact::Arithmetic;
+use crate::detect::table::{self, TABLE};
+
+/// Who is checked together, and how contacts are decided.
+pub(super) struct Group {
+    pub(super) contenders: Vec<Contender>,
+    pub(super) arithmetics: Vec<Arithmetic>,
+}
+
+impl Group {
+    pub(super) fn names(&self) -> impl Iterator<Item = &str> {
+        self.contenders.iter().map(Contender::name)
+    }
+}
+
+/// Detectors of the table.
+pub(super) fn detectors(options: &Check) -> anyhow::Result<Group> {
+    let chosen = options
+        .detector
+        .iter()
+        .map(|name| Ok(Contender::from(table::parse(name)?)))
+        .collect::<anyhow::Result<Vec<_>>>()?;
+    let chosen = if chosen.is_empty() {
+        TABLE.iter().filter(|entry| entry.must_be_right()).map(Contender::from).collect()
+    } else {
+        chosen
+    };
+    let arithmetics = if options.arithmetic.is_empty() {
+        vec![Arithmetic::Exact]
+    } else {
+        options.arithmetic.clone()
+    };
+    Ok(Group { contenders: chosen, arithmetics })
+}
+
+/// What stands for an arithmetic in a command.
+const ARITHMETIC: &str = "{arithmetic}";
+
+/// Starts a runner in each arithmetic, talks with it, and says what it offers.
+pub(super) fn runners(
+    command: &str,
+    options: &Check,
+    limits: &Limits,
+    broken: &mut Vec<Wrong>,
+    out: &mut dyn Write,
+) -> anyhow::Result<Vec<Group>> {
+    let words = match shlex::split(command) {
+        Some(words) if !words.is_empty() => words,
+        Some(_) => bail!(
+            "--runner is empty: give the command that starts the runner, as in --runner \"python3 \
+             my_detector.py\""
+        ),
+        None => bail!("--runner '{command}': a quote is not closed"),
+    };
+    let asks = words.iter().any(|word| word.contains(ARITHMETIC));
+    ensure!(
+        asks || options.arithmetic.is_empty(),
+        "--arithmetic: a runner says its own in its first line; if its command takes one, write \
+         {ARITHMETIC} there, as in --runner \"my-detector --arithmetic {ARITHMETIC}\""
+    );
+    let asked: Vec<Option<Arithmetic>> = match (asks, options.arithmetic.is_empty()) {
+        (false, _) => vec![None],
+        (true, true) => Arithmetic::SAFE.map(Some).into(),
+        (true, false) => options.arithmetic.iter().copied().map(Some).collect(),
+    };
+    let mut groups = Vec::new();
+    for arithmetic in asked {
+        let name = arithmetic.map_or("", Arithmetic::name);
+        let words = words.iter().map(|word| word.replace(ARITHMETIC, name)).collect();
+        let met = match Foreign::meet(words)? {
+            Met::Runner(foreign) if arithmetic.is_some_and(|asked| asked != foreign.arithmetic) => {
+                let said = foreign.arithmetic.name();
+                Met::Wrong(Wrong::Breaks(format!(
+                    "started with {name} as its arithmetic, it says {said} in its first line"
+                )))
+            }
+            met => met,
+        };
+        let foreign = match met {
+            Met::Runner(foreign) => foreign,
+            Met::Wrong(wrong) => {
+                wrongs(std::slice::from_ref(&wrong), out)?;
+                broken.push(wrong);
+                continue;
+            }
+        };
+        let manners = conversation::hold(&foreign, limits.deadline)?;
+        let Foreign { name, version, arithmetic, .. } = &foreign;
+        let version = if version.is_empty() { String::new() } else { format!(" {version}") };
+        let lacks: Vec<&str> = ["count", "memory", "pairs"]
+            .into_iter()
+            .filter(|ability| !manners.abilities.contains(ability))
+            .collect();
+        let lacks = if lacks.is_empty() {
+            "has all requests".into()
+        } else {
+            format!("without {}", lacks.join(" and "))
+        };
+        writeln!(out, "runner: {name}{version}, {} arithmetic, {lacks}", arithmetic.name())?;
+        wrongs(&manners.broken, out)?;
+        broken.extend(manners.broken);
+        groups.push(Group {
+            arithmetics: vec![*arithmetic],
+            contenders: vec![Contender::Runner(foreign)],
+        });
+    }
+    Ok(groups)
+}
+
+/// What is wrong with a runner whatever the scene.
+fn wrongs(wrongs: &[Wrong], out: &mut dyn Write) -> anyhow::Result<()> {
+    for wrong in wrongs {
+        writeln!(out, "WRONG: {wrong}")?;
+        last_words(wrong, out)?;
+    }
+    Ok(())
+}

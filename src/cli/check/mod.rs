@@ -1,0 +1,182 @@
+//! `contactbench check`.
+
+mod failing;
+mod group;
+mod verdicts;
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, ensure};
+use failing::{describe, refusals};
+use group::{Group, detectors, runners};
+use verdicts::{as_json, verdicts};
+
+use crate::check::{self, Limits, Report, contender};
+use crate::cli::shared::arithmetic::arithmetic;
+use crate::cli::shared::ci::Outputs;
+use crate::contact::Arithmetic;
+use crate::io;
+use crate::run::interrupt;
+
+/// Options of `check`.
+#[derive(clap::Args)]
+pub struct Check {
+    /// Only this detector, with parameters as in streamed-nbs:level=avx2 (may be given several
+    /// times; default: all)
+    #[arg(long)]
+    detector: Vec<String>,
+    /// A detector in another language: the command that starts its runner (docs/PROTOCOL.md);
+    /// {arithmetic} in it stands for each --arithmetic
+    #[arg(long, value_name = "COMMAND", conflicts_with = "detector")]
+    runner: Option<String>,
+    /// Only this arithmetic (may be given several times; default: exact; a runner says its own);
+    /// textbook filters lose contacts, as is to be expected
+    #[arg(long, value_parser = arithmetic())]
+    arithmetic: Vec<Arithmetic>,
+    /// Check this particle file with radii (may be given several times) instead of the scenes of
+    /// the check
+    #[arg(long)]
+    scene: Vec<PathBuf>,
+    /// Seeds to try at most
+    #[arg(long, default_value_t = Limits::default().seeds)]
+    seeds: u64,
+    /// No new scene is begun after this many seconds (generated scenes of the first seed are always
+    /// completed)
+    #[arg(
+        long,
+        default_value_t = Limits::default().time.as_secs_f64(),
+        allow_negative_numbers = true
+    )]
+    seconds: f64,
+    /// A detection that takes more seconds than this hangs
+    #[arg(long, default_value_t = DEADLINE_S, allow_negative_numbers = true)]
+    deadline: f64,
+    /// Where failing scenes are written
+    #[arg(long, default_value = ".")]
+    out: PathBuf,
+    /// Print JSON instead of text
+    #[arg(long, conflicts_with = "annotations")]
+    json: bool,
+    #[command(flatten)]
+    ci: Outputs,
+}
+
+/// A hang, too, is to be told within 10 seconds; scenes are small.
+const DEADLINE_S: f64 = 5.0;
+/// What came of a group on a given scene, or on those of the battery.
+struct Checked<'a> {
+    group: &'a Group,
+    report: Report,
+    path: Option<&'a Path>,
+}
+
+/// Runs the checks; exit code 1 if a detector disagrees with the truth.
+pub fn check(options: &Check) -> anyhow::Result<ExitCode> {
+    let started = Instant::now();
+    let (seconds, deadline) = (options.seconds, options.deadline);
+    ensure!((0.0..1e9).contains(&seconds), "--seconds {seconds}: give a number from 0 to 10^9");
+    ensure!(
+        (1e-3..1e9).contains(&deadline),
+        "--deadline {deadline}: give a number from 0.001 to 10^9"
+    );
+    ensure!(options.seeds >= 1, "--seeds 0: at least one is needed");
+    let limits = Limits {
+        seeds: options.seeds,
+        time: Duration::from_secs_f64(seconds),
+        deadline: Duration::from_secs_f64(deadline),
+        ..Limits::default()
+    };
+    quiet_panics();
+    let mut out: Box<dyn Write> =
+        if options.json { Box::new(std::io::sink()) } else { Box::new(std::io::stdout().lock()) };
+    let mut broken = Vec::new();
+    let groups = match &options.runner {
+        None => vec![detectors(options)?],
+        Some(command) => {
+            interrupt::end_runners_too().context("cannot listen to Ctrl-C")?;
+            runners(command, options, &limits, &mut broken, &mut out)?
+        }
+    };
+    let mut reports: Vec<Checked<'_>> = Vec::new();
+    for group in &groups {
+        let Group { contenders, arithmetics } = group;
+        for path in &options.scene {
+            let scene = io::scene(path, io::Options::default())?;
+            let report = check::one_scene(
+                &scene,
+                &path.display().to_string(),
+                contenders,
+                arithmetics,
+                &limits,
+            )?;
+            reports.push(Checked { group, report, path: Some(path) });
+        }
+        if options.scene.is_empty() {
+            reports.push(Checked {
+                group,
+                report: check::battery(contenders, arithmetics, &limits)?,
+                path: None,
+            });
+        }
+    }
+    for Checked { report, path, .. } in &reports {
+        for failure in &report.failures {
+            describe(failure, *path, options, &mut out)?;
+        }
+        refusals(report, &mut out)?;
+        if path.is_none() {
+            let scenes: Vec<String> =
+                report.scenes.iter().map(|(source, count)| format!("{source} {count}")).collect();
+            let cut = if report.cut && report.failures.is_empty() {
+                "; the time was over before all were tried (--seconds)"
+            } else {
+                ""
+            };
+            writeln!(
+                out,
+                "scenes: {}, in {:.1} s{cut}",
+                scenes.join(", "),
+                started.elapsed().as_secs_f64()
+            )?;
+        }
+    }
+    let mut names: Vec<&str> = groups.iter().flat_map(Group::names).collect();
+    // A runner in several arithmetics.
+    names.dedup();
+    let cases: u64 = reports.iter().map(|checked| checked.report.cases).sum();
+    let right =
+        broken.is_empty() && reports.iter().all(|checked| checked.report.failures.is_empty());
+    // Whoever refuses everything has shown nothing.
+    let silent = cases == 0 && options.runner.is_some() && !names.is_empty();
+    let verdict = match (right, silent) {
+        (true, false) => "all agree with all pairs tested",
+        (_, true) => "WRONG: it has refused all of them",
+        _ => "WRONG",
+    };
+    writeln!(
+        out,
+        "check: {cases} detections by {}: {verdict}",
+        if names.is_empty() { "nobody".into() } else { names.join(", ") }
+    )?;
+    let right = right && !silent;
+    if options.json {
+        let value = as_json(&reports, &broken, right, options);
+        writeln!(std::io::stdout(), "{}", serde_json::to_string_pretty(&value)?)?;
+    }
+    options.ci.write("check", &verdicts(&reports, &broken, silent, options), &mut out)?;
+    Ok(if right { ExitCode::SUCCESS } else { ExitCode::from(1) })
+}
+
+/// A detector that panics is reported like any other that is wrong, and shrinking makes it panic
+/// often.
+fn quiet_panics() {
+    let hook = std::panic::take_hook();
+    std::panic::set_hook(Box::new(move |panic| {
+        if std::thread::current().name() != Some(contender::THREAD) {
+            hook(panic);
+        }
+    }));
+}

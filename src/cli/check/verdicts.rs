@@ -1,0 +1,119 @@
+//! What a check found, for continuous integration and as JSON.
+
+use std::path::Path;
+
+use serde_json::{Value, json};
+
+use super::failing::regression_file;
+use super::{Check, Checked};
+use crate::check::{Failure, Wrong};
+use crate::cli::shared::ci::{Case, Outcome};
+
+/// Every detector in every arithmetic, on every given scene or on those of the battery, for
+/// continuous integration.
+pub(super) fn verdicts(
+    reports: &[Checked<'_>],
+    broken: &[Wrong],
+    silent: bool,
+    options: &Check,
+) -> Vec<Case> {
+    let case = |wrong: &Wrong| Case {
+        class: "protocol".into(),
+        name: "conversation".into(),
+        result: Outcome::Failed(wrong.to_string()),
+    };
+    let mut cases: Vec<Case> = broken.iter().map(case).collect();
+    for Checked { group, report, path } in reports {
+        let class = path.map_or("generated".into(), |path| path.display().to_string());
+        for arithmetic in &group.arithmetics {
+            for name in group.names() {
+                let wrong = report
+                    .failures
+                    .iter()
+                    .find(|failure| failure.detector == name && failure.arithmetic == *arithmetic);
+                let why = |failure: &Failure| {
+                    let file = regression_file(failure, *path, options);
+                    format!(
+                        "on {}: {}; smallest failing scene: {}",
+                        failure.found_on,
+                        failure.found,
+                        file.display()
+                    )
+                };
+                let elsewhere = report.failures.iter().find(|failure| failure.detector == name);
+                let result = match (wrong, elsewhere) {
+                    (Some(failure), _) => Outcome::Failed(why(failure)),
+                    (None, Some(other)) => Outcome::Skipped(format!(
+                        "not asked to the end: it is wrong in {}",
+                        other.arithmetic.name()
+                    )),
+                    (None, None) if silent => Outcome::Failed("it has refused all scenes".into()),
+                    (None, None) => Outcome::Passed,
+                };
+                cases.push(Case {
+                    class: class.clone(),
+                    name: format!("{name}, {} arithmetic", arithmetic.name()),
+                    result,
+                });
+            }
+        }
+    }
+    cases
+}
+
+pub(super) fn as_json(
+    reports: &[Checked<'_>],
+    broken: &[Wrong],
+    right: bool,
+    options: &Check,
+) -> Value {
+    let failure = |failure: &Failure, path: &Option<&Path>| {
+        json!({
+            "detector": failure.detector,
+            "arithmetic": failure.arithmetic.name(),
+            "found_on": failure.found_on,
+            "found": failure.found.to_string(),
+            "smallest": failure.wrong.as_ref().map(|wrong| wrong.to_string()),
+            "particles": failure.smallest.len(),
+            "file": regression_file(failure, *path, options).display().to_string(),
+        })
+    };
+    let of = |Checked { group, report, path }: &Checked<'_>| {
+        let arithmetics: Vec<&str> = group.arithmetics.iter().map(|known| known.name()).collect();
+        let failures: Vec<Value> =
+            report.failures.iter().map(|found| failure(found, path)).collect();
+        json!({
+            "scene": path.map_or("generated".into(), |path| path.display().to_string()),
+            "detectors": group.names().collect::<Vec<_>>(),
+            "arithmetics": arithmetics,
+            "scenes": report.scenes,
+            "detections": report.cases,
+            "refused": report.refused,
+            "failures": failures,
+        })
+    };
+    // Each name once, in the order of the check.
+    fn union<'a>(of: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
+        let mut names = Vec::new();
+        of.for_each(|name| {
+            if !names.contains(&name) {
+                names.push(name)
+            }
+        });
+        names
+    }
+    let detectors = union(reports.iter().flat_map(|checked| checked.group.names()));
+    let arithmetics =
+        union(reports.iter().flat_map(|checked| {
+            checked.group.arithmetics.iter().map(|arithmetic| arithmetic.name())
+        }));
+    let protocol: Vec<String> = broken.iter().map(Wrong::to_string).collect();
+    let checks: Vec<Value> = reports.iter().map(of).collect();
+    json!({
+        "passed": right,
+        "detectors": detectors,
+        "arithmetics": arithmetics,
+        "protocol": protocol,
+        "checks": checks,
+    })
+}

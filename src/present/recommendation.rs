@@ -1,0 +1,140 @@
+//! What `recommend` says: a sentence, a table, and all of it for programs.
+
+use serde_json::{Value, json};
+
+use crate::number::number;
+use crate::present::table::{Cell, Column, Table};
+use crate::recommend::race::{Race, Standing, fastest};
+use crate::recommend::verdict::{Verdict, bytes_per_particle, per_particle};
+use crate::stats::interval::{Interval, ratio};
+
+/// Its answer against exact decisions on the scene as given, in words.
+fn error(standing: &Standing) -> String {
+    match standing.errors {
+        None => "not compared".into(),
+        Some(errors) if errors.wrong() == 0 => "exact".into(),
+        Some(errors) => errors.to_string(),
+    }
+}
+
+fn range(interval: &Interval) -> String {
+    format!("{} to {}", number(interval.low), number(interval.high))
+}
+
+/// The recommendation in a sentence.
+pub fn sentence(verdict: &Verdict, race: &Race, n: usize) -> String {
+    let standings = &race.standings;
+    let name = |k: usize| standings[k].entry.name;
+    let choice = &standings[verdict.choice];
+    let mut parts = Vec::new();
+    if let Some(time) = per_particle(choice, n) {
+        parts.push(format!("{} ns per particle ({})", number(time.median), range(&time)));
+    }
+    if let Some((k, ratio)) = &verdict.next {
+        let next =
+            if verdict.tied.is_empty() { "the next" } else { "the next that can be told apart" };
+        parts.push(format!(
+            "{:.2} times ({:.2} to {:.2}) faster than {next}, {}",
+            ratio.median,
+            ratio.low,
+            ratio.high,
+            name(*k)
+        ));
+    }
+    if let Some(bytes) = bytes_per_particle(choice, n) {
+        parts.push(format!("{} bytes per particle", number(bytes)));
+    }
+    parts.push(error(choice));
+    let mut text = format!("{}: {}", name(verdict.choice), parts.join("; "));
+    for (k, ratio) in &verdict.tied {
+        let takes = ratio.map_or(String::new(), |ratio| {
+            format!(
+                ", which takes {:.2} times ({:.2} to {:.2}) its time",
+                ratio.median, ratio.low, ratio.high
+            )
+        });
+        let memory = match bytes_per_particle(&standings[*k], n) {
+            Some(bytes) => format!(" and {} bytes per particle", number(bytes)),
+            None => String::new(),
+        };
+        text += &format!(
+            "\n  in time it cannot be told apart from {}{takes}{memory}: the leaner is recommended",
+            name(*k)
+        );
+    }
+    text
+}
+
+/// The detectors, fastest first; those without a time at the end.
+pub fn table(race: &Race, verdict: Option<&Verdict>, n: usize) -> Table {
+    let choice = verdict.map(|verdict| &race.standings[verdict.choice]);
+    let mut standings: Vec<&Standing> = race.standings.iter().collect();
+    let rank =
+        |standing: &Standing| per_particle(standing, n).map_or(f64::INFINITY, |time| time.median);
+    let probe = |standing: &Standing| standing.probe_ns.unwrap_or(u64::MAX);
+    standings.sort_by(|a, b| rank(a).total_cmp(&rank(b)).then(probe(a).cmp(&probe(b))));
+    let row = |standing: &Standing| {
+        let name = standing.entry.name;
+        let chosen = choice.is_some_and(|choice| choice.entry.name == name);
+        let time = per_particle(standing, n);
+        let bytes = bytes_per_particle(standing, n);
+        let said = match (&time, standing.outcome) {
+            (Some(_), _) => error(standing),
+            (None, outcome) if outcome.is_good() => format!("out: {}", standing.reason),
+            (None, outcome) => format!("{}: {}", outcome.name(), standing.reason),
+        };
+        vec![
+            Cell::from(if chosen { format!("{name} <") } else { name.to_string() }),
+            time.map_or_else(Cell::absent, |time| {
+                let [median, low, high] = [time.median, time.low, time.high].map(number);
+                format!("{median} ({low} to {high})").into()
+            }),
+            bytes.into(),
+            said.into(),
+        ]
+    };
+    let columns = vec![
+        Column::left("detector"),
+        Column::right("ns per particle", ""),
+        Column::right("bytes / particle", ""),
+        Column::left("error"),
+    ];
+    Table::new("", columns).with(standings.into_iter().map(row))
+}
+
+fn numbers(interval: Interval) -> Value {
+    let Interval { median, low, high, coverage, count } = interval;
+    json!({ "median": median, "low": low, "high": high, "coverage": coverage, "blocks": count })
+}
+
+/// All of it for programs.
+pub fn as_json(verdict: Option<&Verdict>, race: &Race, n: usize) -> Value {
+    let standings = &race.standings;
+    let name = |k: usize| standings[k].entry.name;
+    let base = fastest(standings).map(|k| standings[k].times.clone()).unwrap_or_default();
+    let detectors = standings.iter().map(|standing| {
+        json!({
+            "detector": standing.entry.name,
+            "threads": standing.threads,
+            "outcome": standing.outcome.name(),
+            "reason": standing.reason,
+            "probe_ns": standing.probe_ns,
+            "ns_per_particle": per_particle(standing, n).map(numbers),
+            "ratio_to_fastest": ratio(&standing.times, &base).map(numbers),
+            "peak_bytes": standing.peak_bytes,
+            "bytes_per_particle": bytes_per_particle(standing, n),
+            "errors": standing.errors,
+        })
+    });
+    let next =
+        |(k, ratio): &(usize, Interval)| json!({ "detector": name(*k), "ratio": numbers(*ratio) });
+    let tied = |verdict: &Verdict| verdict.tied.iter().map(|(k, _)| name(*k)).collect::<Vec<_>>();
+    json!({
+        "use": verdict.map(|verdict| name(verdict.choice)),
+        "because": verdict.map(|verdict| sentence(verdict, race, n)),
+        "next": verdict.and_then(|verdict| verdict.next.as_ref()).map(next),
+        "cannot_tell_apart": verdict.map(tied),
+        "blocks": race.blocks,
+        "detectors": detectors.collect::<Vec<_>>(),
+    })
+}

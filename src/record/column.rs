@@ -1,0 +1,189 @@
+//! The numbers of a row: their names, units, the passes that measure them, and how they are read.
+//!
+//! Expressions, filters, `summary.csv`, merging and comparing know a number by this list alone;
+//! docs/RECORD.md describes each.
+
+use std::borrow::Cow;
+use std::sync::LazyLock;
+
+use crate::oracle::{Causes, Errors};
+use crate::probe::Op;
+use crate::record::outcome::Pass;
+use crate::record::row::Row;
+
+/// A number that rows have.
+pub struct Column {
+    /// What expressions call it.
+    pub name: Cow<'static, str>,
+    /// The pass that measures it; none where every pass knows it.
+    pub pass: Option<Pass>,
+    /// Its unit; empty for a ratio or a plain count.
+    pub unit: &'static str,
+    read: Box<Read>,
+}
+
+type Read = dyn Fn(&Row) -> Option<f64> + Send + Sync;
+/// The errors of one cause.
+type Whose = fn(&Causes) -> &Errors;
+/// One of the numbers of errors.
+type Which = fn(&Errors) -> f64;
+
+/// All columns, in the order of `summary.csv`.
+pub static COLUMNS: LazyLock<Vec<Column>> = LazyLock::new(columns);
+
+/// The column of the times: the only one that differs from block to block.
+pub const TIME: &str = "time_ns";
+
+/// The causes of error: the prefix of their columns, and the prefix that these had before.
+const CAUSES: [(&str, &str, Whose); 3] = [
+    ("representation_", "input_", |causes| &causes.representation),
+    ("predicate_", "arithmetic_", |causes| &causes.predicate),
+    ("search_", "algorithm_", |causes| &causes.search),
+];
+
+const ERRORS: [(&str, &str, Which); 7] = [
+    ("missed", "pairs", |errors| errors.missed as f64),
+    ("spurious", "pairs", |errors| errors.spurious as f64),
+    ("duplicate", "pairs", |errors| errors.duplicate as f64),
+    ("self_pairs", "pairs", |errors| errors.self_pairs as f64),
+    ("deepest_miss", "mean radii", |errors| errors.deepest_miss),
+    ("widest_false", "mean radii", |errors| errors.widest_false),
+    ("wrong", "pairs", |errors| errors.wrong() as f64),
+];
+
+fn columns() -> Vec<Column> {
+    use Pass::{Memory, Time};
+    let number = |name: &'static str, pass, unit, read: fn(&Row) -> Option<f64>| Column {
+        name: name.into(),
+        pass,
+        unit,
+        read: Box::new(read),
+    };
+    let whole = |value: Option<u64>| value.map(|value| value as f64);
+    let whole = move |name, pass, unit, read: fn(&Row) -> Option<u64>| Column {
+        read: Box::new(move |row| whole(read(row))),
+        ..number(name, pass, unit, |_| None)
+    };
+    let mut columns = vec![
+        whole(TIME, Some(Time), "ns", |row| row.time_ns),
+        whole("contacts", None, "pairs", |row| row.contacts),
+    ];
+    columns.extend(Op::ALL.iter().map(|op| Column {
+        name: op.name().into(),
+        pass: Some(Pass::Count),
+        unit: "",
+        // An operation that a version does not know yet has happened no time.
+        read: Box::new(|row| {
+            let counted = row.outcome.is_good() && !row.counts.is_empty();
+            counted.then(|| row.counts.get(op.name()).copied().unwrap_or(0) as f64)
+        }),
+    }));
+    columns.extend([
+        whole("peak_bytes", Some(Memory), "bytes", |row| row.peak_bytes),
+        whole("live_bytes", Some(Memory), "bytes", |row| row.live_bytes),
+        whole("allocations", Some(Memory), "", |row| row.allocations),
+        whole("warm_allocations", Some(Memory), "", |row| row.warm_allocations),
+        whole("formula_bytes", Some(Memory), "bytes", |row| row.formula_bytes),
+        number("true_contacts", None, "pairs", |row| Some(row.stats.true_contacts(row.id.n))),
+    ]);
+    let error = |prefix: &str, (name, unit, read): (&str, _, Which), whose: Option<Whose>| Column {
+        name: format!("{prefix}{name}").into(),
+        pass: None,
+        unit,
+        read: match whose {
+            None => Box::new(move |row| Some(read(row.errors.as_ref()?))),
+            Some(cause) => Box::new(move |row| Some(read(cause(row.causes.as_ref()?)))),
+        },
+    };
+    columns.extend(ERRORS.map(|kind| error("", kind, None)));
+    for (prefix, _, cause) in CAUSES {
+        columns.extend(ERRORS.map(|kind| error(prefix, kind, Some(cause))));
+    }
+    columns.extend([
+        number("packing_fraction", None, "", |row| Some(row.stats.packing_fraction)),
+        number("coordination", None, "", |row| Some(row.stats.coordination)),
+        number("radius_ratio", None, "", |row| row.stats.radius_ratio),
+    ]);
+    columns
+}
+
+impl Column {
+    /// The column that expressions call by this name. Those of older experiments are understood:
+    /// `input_missed` is `representation_missed`.
+    pub fn find(name: &str) -> Option<&'static Column> {
+        let renamed = CAUSES
+            .iter()
+            .find_map(|(prefix, old, _)| Some(format!("{prefix}{}", name.strip_prefix(old)?)));
+        let name = renamed.as_deref().unwrap_or(name);
+        COLUMNS.iter().find(|column| column.name == name)
+    }
+
+    /// The number in a row, if it is there.
+    pub fn read(&self, row: &Row) -> Option<f64> {
+        (self.read)(row)
+    }
+
+    /// Is it the same whenever the same program measures the same cell?
+    pub fn repeats(&self) -> bool {
+        self.pass != Some(Pass::Time)
+    }
+
+    /// The columns that this pass measures.
+    pub fn measured_by(pass: Pass) -> impl Iterator<Item = &'static Column> {
+        COLUMNS.iter().filter(move |column| column.pass == Some(pass))
+    }
+}
+
+/// The columns of errors, of all causes together and of each.
+pub fn errors() -> impl Iterator<Item = &'static Column> {
+    let error = |column: &&Column| ERRORS.iter().any(|(name, ..)| column.name.ends_with(name));
+    COLUMNS.iter().filter(error)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use super::*;
+
+    const PAGE: &str = include_str!("../../docs/RECORD.md");
+
+    #[test]
+    fn names_are_told_apart_and_old_ones_are_understood() {
+        let names: BTreeSet<&str> = COLUMNS.iter().map(|column| &*column.name).collect();
+        assert_eq!(names.len(), COLUMNS.len());
+        assert_eq!(errors().count(), 28);
+        for column in COLUMNS.iter() {
+            assert_eq!(Column::find(&column.name).unwrap().name, column.name);
+        }
+        for (old, new) in [
+            ("input_missed", "representation_missed"),
+            ("arithmetic_wrong", "predicate_wrong"),
+            ("algorithm_deepest_miss", "search_deepest_miss"),
+        ] {
+            assert_eq!(Column::find(old).unwrap().name, new);
+        }
+        assert!(Column::find("storage_missed").is_none() && Column::find("wron").is_none());
+    }
+
+    /// docs/RECORD.md lists every column with its unit and its pass, and no other.
+    #[test]
+    fn the_page_lists_every_column() {
+        let section = PAGE.split_once("\n## Columns\n").unwrap().1;
+        let section = section.split("\n## ").next().unwrap();
+        let mut listed = BTreeSet::new();
+        for line in section.lines().filter(|line| line.starts_with("| `")) {
+            let cells: Vec<&str> = line.split('|').map(str::trim).collect();
+            for name in cells[1].split(", ") {
+                listed.insert((name.trim_matches('`').to_string(), cells[2], cells[3]));
+            }
+        }
+        let columns: BTreeSet<(String, &str, &str)> = COLUMNS
+            .iter()
+            .map(|column| {
+                (column.name.to_string(), column.pass.map_or("", Pass::name), column.unit)
+            })
+            .collect();
+        assert_eq!(listed, columns);
+    }
+}
