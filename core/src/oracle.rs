@@ -165,7 +165,7 @@ pub fn truth_as_stored(scene: &AnyScene<'_>, test: Test) -> Result<Truth, NoTrut
     }
     let pairs =
         if scene.len() <= BRUTE_FORCE { brute_force(scene, test)? } else { agreed(scene, test)? };
-    let digest = Digest::of(&pairs);
+    let digest = Digest::from_pairs(&pairs);
     Ok(Truth { pairs, digest })
 }
 

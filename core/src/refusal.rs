@@ -8,8 +8,7 @@ pub enum Refusal {
     /// The arrays would be larger than the limit.
     #[error(
         "{detector} needs {needed} bytes for this scene ({shape}), the limit is {limit}; raise \
-         the limit (--memory-limit, in experiments memory-limit-mib), or use another detector: \
-         sorting is the leanest, direct needs nothing"
+         the memory limit, or use another detector: sorting is the leanest, direct needs nothing"
     )]
     Memory { detector: &'static str, needed: u64, limit: u64, shape: String },
     /// Cells cannot be told apart or addressed.
@@ -30,7 +29,7 @@ pub enum Refusal {
     /// The square of a diameter overflows in the arithmetic asked for.
     #[error(
         "the square of the largest diameter {diameter:e} overflows in {precision}; use \
-         --arithmetic exact, or smaller units"
+         exact arithmetic, or smaller units"
     )]
     Overflow { diameter: f64, precision: &'static str },
     /// The processor lacks the vector instructions asked for.

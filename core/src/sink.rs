@@ -103,7 +103,7 @@ pub struct Digest {
 
 impl Digest {
     /// The digest of a list of pairs.
-    pub fn of(pairs: &[[u32; 2]]) -> Digest {
+    pub fn from_pairs(pairs: &[[u32; 2]]) -> Digest {
         let mut digest = Digest::default();
         for &[i, j] in pairs {
             digest.contact(i, j);
@@ -166,9 +166,9 @@ mod tests {
 
     #[test]
     fn the_digest_is_free_of_order_and_sees_one_changed_pair() {
-        let a = Digest::of(&[[0, 1], [7, 3], [2, 5]]);
-        assert_eq!(a, Digest::of(&[[5, 2], [1, 0], [3, 7]]));
-        assert_ne!(a, Digest::of(&[[0, 1], [7, 4], [2, 5]]));
-        assert_ne!(a, Digest::of(&[[0, 1], [7, 3], [2, 5], [2, 5]]));
+        let a = Digest::from_pairs(&[[0, 1], [7, 3], [2, 5]]);
+        assert_eq!(a, Digest::from_pairs(&[[5, 2], [1, 0], [3, 7]]));
+        assert_ne!(a, Digest::from_pairs(&[[0, 1], [7, 4], [2, 5]]));
+        assert_ne!(a, Digest::from_pairs(&[[0, 1], [7, 3], [2, 5], [2, 5]]));
     }
 }

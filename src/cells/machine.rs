@@ -16,7 +16,7 @@ pub struct Machine {
 
 impl Machine {
     /// Reads what there is; records of other versions may say less.
-    pub fn of(provenance: Option<&Value>) -> Machine {
+    pub fn from_provenance(provenance: Option<&Value>) -> Machine {
         let field = |name: &str| provenance.and_then(|fields| fields.get(name));
         let size =
             |name: &str| Some((name.to_string(), size_of(field("caches")?.get(name)?.as_str()?)?));
@@ -47,13 +47,13 @@ mod tests {
     fn old_and_new_provenance_are_read() {
         let old =
             serde_json::json!({"caches": {"L1d": "48K", "L2": "2048K", "L3": "480M"}, "cores": 2});
-        let machine = Machine::of(Some(&old));
+        let machine = Machine::from_provenance(Some(&old));
         assert_eq!(machine.caches, [("L2".into(), 2 << 20), ("L3".into(), 480 << 20)]);
         assert_eq!(machine.bandwidth(1), None);
         let one =
             Bandwidth { threads: 1, array_bytes: 1 << 28, read: 1e10, write: 5e9, triad: 8e9 };
         let new = serde_json::json!({"bandwidth_bytes_per_s": [one]});
-        assert_eq!(Machine::of(Some(&new)).bandwidth(1), Some(&one));
-        assert_eq!(Machine::of(None), Machine::default());
+        assert_eq!(Machine::from_provenance(Some(&new)).bandwidth(1), Some(&one));
+        assert_eq!(Machine::from_provenance(None), Machine::default());
     }
 }

@@ -14,13 +14,13 @@ use std::collections::{BTreeMap, BTreeSet};
 
 pub use crate::cells::expression::{Expression, Reading};
 use crate::oracle::{Causes, Errors};
-use crate::record::column::{COLUMNS, Column};
+use crate::record::column::{COLUMNS, Column, FIRST, TIME};
 pub use crate::record::id::{CellId, FIELDS};
 use crate::record::role::Role;
 use crate::record::row::{Measurement, Outcome, Pass, Row};
 pub use crate::record::value::AxisValue;
 use crate::scene::stats::Stats;
-use crate::stats::interval::{Interval, interval};
+use crate::stats::interval::{Interval, interval, median};
 
 /// All that was measured of one detector on one scene.
 #[derive(Clone, Debug, Default)]
@@ -33,6 +33,8 @@ pub struct Cell {
     pub passes: BTreeMap<Pass, (Outcome, String)>,
     /// Nanoseconds per detection, by block.
     pub times: BTreeMap<u32, u64>,
+    /// Nanoseconds of the first detection of each process, by block.
+    pub first: BTreeMap<u32, u64>,
     /// The same of as many copies with one thread each, at work beside each other; empty where that
     /// was not measured.
     pub copies_ns: BTreeMap<u32, u64>,
@@ -105,6 +107,7 @@ impl Cell {
         }
         if let (Pass::Time, Some(time)) = (row.pass, row.time_ns) {
             self.times.insert(row.block, time);
+            self.first.extend(row.first_ns.map(|first| (row.block, first)));
         }
         self.errors = row.errors.or(self.errors);
         self.causes = row.causes.or(self.causes);
@@ -153,7 +156,11 @@ impl Cell {
     /// A variable, with this time in place of the median where one is given.
     pub fn variable(&self, name: &str, time_ns: Option<f64>) -> Option<f64> {
         match Column::find(name) {
-            Some(column) if !column.repeats() => time_ns.or_else(|| Some(self.time()?.median)),
+            Some(column) if column.name == TIME => time_ns.or_else(|| Some(self.time()?.median)),
+            Some(column) if column.name == FIRST => {
+                let all: Vec<f64> = self.first.values().map(|&first| first as f64).collect();
+                median(&all).filter(|_| self.time().is_some())
+            }
             Some(column) => self.values.get(&*column.name).copied(),
             None => self.id.axis(name)?.number(),
         }

@@ -306,7 +306,7 @@ fn the_truth_is_exact(scene: &AnyScene<'_>) {
     let Ok(truth) = oracle::truth(scene, Arithmetic::Exact) else {
         panic!("exact arithmetic refuses:\n{}", as_csv(scene))
     };
-    let numbers = Numbers::of(scene);
+    let numbers = Numbers::new(scene);
     let particles: Vec<([f64; 3], f64)> = numbers
         .values
         .chunks_exact(numbers.stride())

@@ -128,7 +128,7 @@ impl Answer {
     pub fn wrong(self, truth: &Truth) -> Option<Wrong> {
         match self {
             Answer::Right => None,
-            Answer::Pairs(pairs) if Digest::of(&pairs) == truth.digest => None,
+            Answer::Pairs(pairs) if Digest::from_pairs(&pairs) == truth.digest => None,
             Answer::Pairs(pairs) => Some(Wrong::Pairs(Differences::new(pairs, &truth.pairs))),
             Answer::Refused(_, 0) | Answer::Declined(_) => None,
             Answer::Wrong(wrong) => Some(wrong),
@@ -167,7 +167,7 @@ pub fn answer(
     let mut kept = Kept { pairs: Vec::new(), most: expected.most, reported: 0 };
     let both = || {
         detector.visit(scene, test, &mut kept)?;
-        if Digest::of(&kept.pairs) == expected.digest {
+        if Digest::from_pairs(&kept.pairs) == expected.digest {
             kept.pairs.clear();
             detector.list(scene, test, &mut kept.pairs)?;
         }

@@ -41,7 +41,7 @@ pub fn hold(foreign: &Foreign, deadline: Duration) -> anyhow::Result<Manners> {
         .context("cannot make a temporary folder for scenes; set TMPDIR to a writable place")?;
     let row = [0.0, 1.0, 2.0, 10.0].map(|x| nalgebra::Point::from([x, 0.0]));
     let scene = AnyScene::from(Scene::<f64, 2>::new(row.to_vec(), Radii::Uniform(0.5))?);
-    let right = Digest::of(&[[0, 1], [1, 2]]);
+    let right = Digest::from_pairs(&[[0, 1], [1, 2]]);
     let row = Trajectory::write_at_rest(&folder.path().join("row.npy"), &scene)?;
     let mut talk = Talk { foreign, deadline, client: None, manners: Manners::default() };
     talk.early(&folder.path().join("not-there.npy"))?;

@@ -16,7 +16,7 @@ pub struct Numbers {
 
 impl Numbers {
     /// The numbers of a scene.
-    pub fn of(scene: &AnyScene<'_>) -> Numbers {
+    pub fn new(scene: &AnyScene<'_>) -> Numbers {
         let mut values = Vec::with_capacity(scene.len() * (scene.dim() + 1));
         with_scene!(scene, scene => for (k, centre) in scene.centres().iter().enumerate() {
             values.extend(array(centre).iter().map(|x| x.wide()));
@@ -159,7 +159,7 @@ mod tests {
             let numbers = Numbers { dim, values };
             let scene = numbers.scene().unwrap();
             assert_eq!(
-                (Numbers::of(&scene), scene.uniform()),
+                (Numbers::new(&scene), scene.uniform()),
                 (numbers.clone(), dim == 2 && !numbers.is_empty())
             );
         }

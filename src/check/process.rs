@@ -241,7 +241,7 @@ impl Process {
             let counts = Wrong::Counts { said, truth: truth.digest };
             return if right { Ok(Answer::Right) } else { Err(counts.into()) };
         };
-        let own = Digest::of(&pairs);
+        let own = Digest::from_pairs(&pairs);
         let as_text = |digest: Digest| format!("{} contacts and {}", digest.contacts, digest.hex());
         if own != said && own == truth.digest {
             return Err(breaks(format!(

@@ -9,7 +9,7 @@ use crate::scene::AnyScene;
 
 /// A scene as CSV with a header, in numbers that read back to the same bits.
 pub fn as_csv(scene: &AnyScene<'_>) -> String {
-    let numbers = Numbers::of(scene);
+    let numbers = Numbers::new(scene);
     let mut text = String::from(if numbers.dim == 2 { "x,y,r\n" } else { "x,y,z,r\n" });
     for particle in numbers.values.chunks_exact(numbers.stride()) {
         let particle: Vec<String> = particle.iter().map(|x| format!("{x:?}")).collect();

@@ -47,7 +47,7 @@ pub fn shrink(
     effort: Effort,
     mut fails: impl FnMut(&AnyScene<'static>) -> bool,
 ) -> AnyScene<'static> {
-    let best = Numbers::of(scene);
+    let best = Numbers::new(scene);
     if !best.scene().is_ok_and(|scene| fails(&scene)) {
         return scene.clone();
     }

@@ -48,7 +48,7 @@ pub fn draw(options: &Draw) -> anyhow::Result<ExitCode> {
         bail!("there is nothing to draw; name a particle file, or a scene such as packed:n=200");
     };
     let pairs = match &options.pairs {
-        None => Highlighted::of(&scene)?,
+        None => Highlighted::from_scene(&scene)?,
         Some(path) => Highlighted::compare(&scene, &draw::read(path)?)
             .with_context(|| path.display().to_string())?,
     };

@@ -41,7 +41,7 @@ pub fn inspect(options: &Inspect) -> anyhow::Result<ExitCode> {
     if about.radius != RadiusSource::Missing {
         let source = about.radius.clone();
         let scene = particles.scene(&options.file.display().to_string(), options.input.radius)?;
-        let contacts = Contacts::of(&scene);
+        let contacts = Contacts::new(&scene);
         contacts::report(&scene, &source, &contacts, &mut lines, &mut warnings);
         if let Some(count) = contacts.exact() {
             let stats = stats(&scene, count);

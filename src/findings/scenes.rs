@@ -23,6 +23,8 @@ pub struct Contender {
     pub name: String,
     /// Nanoseconds; of a wrong answer, too.
     pub time: Option<f64>,
+    /// Nanoseconds per particle of the first detection in a process.
+    pub first: Option<f64>,
     /// Timed blocks.
     pub blocks: usize,
     /// Its time over that of the fastest, which has 1.
@@ -84,6 +86,7 @@ fn contender(cell: &Cell, name: String, n: f64, fastest: Option<&Cell>) -> Conte
     Contender {
         name,
         time: cell.wrong_time().or(cell.time().map(|time| time.median)).map(|time| time / n),
+        first: per("first_ns"),
         blocks: cell.times.len(),
         versus: match (fastest, cell.time()) {
             (Some(fastest), Some(_)) if fastest.id == cell.id => Versus::Fastest,

@@ -187,7 +187,7 @@ pub(crate) enum Separator {
 
 impl Separator {
     /// That of a line: semicolon, else comma, else tab, else blanks.
-    pub fn of(line: &[u8]) -> Separator {
+    pub fn guess(line: &[u8]) -> Separator {
         [b';', b',', b'\t']
             .into_iter()
             .find(|c| line.contains(c))

@@ -164,13 +164,13 @@ pub fn load_from(
         let head = self::head(&mut reader, name)?;
         ensure!(!head.starts_with(gzip::MAGIC), "{name} is compressed twice; unpack it once");
         let mut reader = std::io::Cursor::new(&head[..]).chain(reader);
-        let (particles, about) = (formats::of(&head, name, ending, options)?.read)(
+        let (particles, about) = (formats::find(&head, name, ending, options)?.read)(
             Source { input: &mut reader, name },
             options,
         )?;
         (particles, About { gzip: true, ..about })
     } else {
-        (formats::of(&head, name, ending, options)?.read)(
+        (formats::find(&head, name, ending, options)?.read)(
             Source { input: &mut reader, name },
             options,
         )?

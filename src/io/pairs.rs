@@ -162,7 +162,7 @@ fn csv(mut lines: Lines<'_>, columns: Option<[&str; 2]>) -> anyhow::Result<List>
         if line.is_empty() || line.starts_with(b"#") {
             continue;
         }
-        let separator = layout.map_or_else(|| Separator::of(line), |(separator, _)| separator);
+        let separator = layout.map_or_else(|| Separator::guess(line), |(separator, _)| separator);
         let cells: Vec<&[u8]> = separator.cells(line).collect();
         let Some((_, [i, j])) = layout else {
             let named = |label: &str| {

@@ -108,7 +108,7 @@ impl Particles {
 
     /// Particles of which coordinates and sizes came one after the other; `name` stands in
     /// messages.
-    pub(crate) fn of(
+    pub(crate) fn from_columns(
         points: Vec<Point<f64, 3>>,
         radii: Option<Vec<f64>>,
         name: &str,

@@ -194,6 +194,9 @@ impl Arrays {
             Some((_, _, label)) => RadiusSource::Column(label.clone()),
             None => RadiusSource::Missing,
         };
-        Ok((crate::io::Particles::of(points, self.sizes.map(|(sizes, ..)| sizes), name)?, source))
+        Ok((
+            crate::io::Particles::from_columns(points, self.sizes.map(|(sizes, ..)| sizes), name)?,
+            source,
+        ))
     }
 }

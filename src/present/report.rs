@@ -72,13 +72,11 @@ pub fn write(
     let cells = cells(rows);
     let styles = Styles::new(cells.iter());
     let figure_folder = folder.join("figures");
-    std::fs::create_dir_all(&figure_folder)
-        .with_context(|| format!("cannot make the folder {}", figure_folder.display()))?;
     let provenance = std::fs::read(folder.join("provenance.json"))
         .ok()
         .and_then(|bytes| serde_json::from_slice::<Value>(&bytes).ok());
     let provenance = provenance.as_ref();
-    let machine = Machine::of(provenance);
+    let machine = Machine::from_provenance(provenance);
     let (mut parts, mut csv_files, mut warnings) =
         (Vec::new(), Files::default(), warnings.to_vec());
     for experiment in experiments {

@@ -31,8 +31,10 @@ type Which = fn(&Errors) -> f64;
 /// All columns, in the order of `summary.csv`.
 pub static COLUMNS: LazyLock<Vec<Column>> = LazyLock::new(columns);
 
-/// The column of the times: the only one that differs from block to block.
+/// The columns that differ from block to block: the times, and those of first detections.
 pub const TIME: &str = "time_ns";
+/// See [`TIME`].
+pub const FIRST: &str = "first_ns";
 
 /// The causes of error: the prefix of their columns, and the prefix that these had before.
 const CAUSES: [(&str, &str, Whose); 3] = [
@@ -66,6 +68,7 @@ fn columns() -> Vec<Column> {
     };
     let mut columns = vec![
         whole(TIME, Some(Time), "ns", |row| row.time_ns),
+        whole(FIRST, Some(Time), "ns", |row| row.first_ns),
         whole("contacts", None, "pairs", |row| row.contacts),
     ];
     columns.extend(Op::ALL.iter().map(|op| Column {

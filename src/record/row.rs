@@ -27,6 +27,10 @@ pub struct Row {
     /// Nanoseconds per detection, from raw coordinates to the complete list of pairs; of several
     /// copies the harmonic mean.
     pub time_ns: Option<u64>,
+    /// Nanoseconds of the first detection in the sample's process, which is not in the sample: cold
+    /// caches, fresh memory.
+    #[serde(default)]
+    pub first_ns: Option<u64>,
     /// Detections in this sample.
     pub calls: Option<u64>,
     /// Nanoseconds of the whole sample.

@@ -33,10 +33,10 @@ fn elements(last_cache: u64, threads: usize) -> usize {
 /// Measures with so many threads on a machine whose last cache has `last_cache` bytes (0: unknown).
 /// `None` where there is no memory for the arrays.
 pub fn measure(threads: usize, last_cache: u64) -> Option<Bandwidth> {
-    of(threads, elements(last_cache, threads))
+    measured(threads, elements(last_cache, threads))
 }
 
-fn of(threads: usize, n: usize) -> Option<Bandwidth> {
+fn measured(threads: usize, n: usize) -> Option<Bandwidth> {
     let gate = Barrier::new(threads);
     let rounds: Vec<Option<Vec<[f64; 3]>>> = std::thread::scope(|scope| {
         let workers: Vec<_> = (0..threads).map(|_| scope.spawn(|| work(n, &gate))).collect();
@@ -130,7 +130,7 @@ mod tests {
             (8 << 20, 6 << 20, 32 << 20)
         );
         for threads in [1, 3] {
-            let found = of(threads, 1 << 16).unwrap();
+            let found = measured(threads, 1 << 16).unwrap();
             assert_eq!((found.threads, found.array_bytes), (threads, (threads as u64) << 19));
             // between a tape drive and a light beam
             for rate in [found.read, found.write, found.triad] {

@@ -2,7 +2,7 @@
 //! one thread each, at work on the same scene at the same time.
 //!
 //! Copies share nothing but the machine: caches, memory, clock, and the cores that it really gives.
-//! What they lose beside each other no parallel form of the same algorithm can win back. One row
+//! Each sample is of processes of their own, as elsewhere. What they lose beside each other no parallel form of the same algorithm can win back. One row
 //! per block: the harmonic mean of their times, so that k copies at `time_ns` each have the
 //! throughput that was measured.
 
@@ -10,12 +10,11 @@ use std::sync::Barrier;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use crate::record::row::{Outcome, Pass, Row};
-use crate::run::client::{Client, Failure};
+use crate::run::client::{Client, Failure, Start};
 use crate::run::judge::Judge;
-use crate::run::passes::{Running, astray, load_all};
+use crate::run::passes::{Running, astray, fresh};
 use crate::run::protocol::{Reply, Request};
 use crate::run::stage::Stage;
-use crate::run::trajectory::Trajectory;
 
 /// Longer than other samples: between two of its own a copy is idle for some tens of microseconds,
 /// in which its neighbours are not disturbed.
@@ -27,46 +26,21 @@ impl Stage<'_> {
         self.index.ended(&Row { pass: Pass::Ceiling, ..blank.clone() }).is_some()
     }
 
-    /// Starts the copies of a detector with several threads, if they are asked for; a row says so
-    /// if they cannot be started.
-    pub fn start_copies(
-        &mut self,
-        running: &mut Running,
-        loads: &[Trajectory],
-    ) -> anyhow::Result<()> {
+    /// How the copies of a detector are started, if they are asked for; a row says so if they are
+    /// not tried.
+    pub fn copy(&mut self, running: &Running) -> anyhow::Result<Option<Start>> {
         let blank = Row { pass: Pass::Ceiling, ..running.blank.clone() };
         let Some(start) = running.contender.copy.clone().filter(|_| !self.no_ceiling(&blank))
         else {
-            return Ok(());
+            return Ok(None);
         };
         if let Some(n) = self.too_slow.at(&blank) {
             let reason = format!("copies not tried: over the time limit at N = {n} already");
-            return self.fail(
-                &blank,
-                Failure { outcome: Outcome::Timeout, reason },
-                Pass::Ceiling.rest(),
-            );
+            let failure = Failure { outcome: Outcome::Timeout, reason };
+            self.fail(&blank, failure, Pass::Ceiling.rest())?;
+            return Ok(None);
         }
-        for _ in 0..running.contender.threads {
-            let mut contender = running.contender.clone();
-            contender.copy = None;
-            let started = Client::start(&start)
-                .and_then(|mut client| load_all(&mut client, loads).map(|()| client));
-            match started {
-                Ok(client) => running.copies.push(Running {
-                    contender,
-                    client,
-                    arithmetic: running.arithmetic,
-                    blank: blank.clone(),
-                    copies: Vec::new(),
-                }),
-                Err(failure) => {
-                    running.copies.clear();
-                    return self.fail(&blank, copies_failed(failure), Pass::Ceiling.rest());
-                }
-            }
-        }
-        Ok(())
+        Ok(Some(start))
     }
 
     /// One sample of all copies of a detector at once, if it has any. They are given up after a
@@ -78,13 +52,19 @@ impl Stage<'_> {
         judge: &mut Judge<'_>,
     ) -> anyhow::Result<()> {
         let mut row = Row { pass: Pass::Ceiling, block, ..running.blank.clone() };
-        if running.copies.is_empty() || self.index.has(&row) {
+        let Some(start) = running.copy.as_ref().filter(|_| !self.index.has(&row)) else {
             return Ok(());
-        }
-        let answers = match together(&mut running.copies) {
+        };
+        let answers = (0..running.contender.threads)
+            .map(|_| Ok(fresh(start, &running.loads)?.0))
+            .collect::<Result<Vec<Client>, Failure>>()
+            .and_then(|mut copies| Ok((together(&mut copies)?, copies)));
+        let (answers, mut copies) = match answers {
             Ok(answers) => answers,
             Err(failure) => {
-                running.copies.clear();
+                running.copy = None;
+                // The first of all says that there are none.
+                let row = if block == 1 { Row { block: 0, ..row } } else { row };
                 return self.fail(&row, copies_failed(failure), Pass::Ceiling.rest());
             }
         };
@@ -92,11 +72,11 @@ impl Stage<'_> {
         row.time_ns = Some((answers.len() as f64 / rate).round() as u64);
         row.calls = Some(answers.iter().map(|answer| answer.calls).sum());
         row.elapsed_ns = answers.iter().map(|answer| answer.elapsed_ns).max();
-        for (copy, answer) in running.copies.iter_mut().zip(answers) {
+        for (copy, answer) in copies.iter_mut().zip(answers) {
             // The first wrong answer speaks for all.
             if row.outcome.is_good() {
                 (row.contacts, row.digest) = (Some(answer.contacts), Some(answer.digest));
-                self.judge(&mut row, copy, judge)?;
+                self.judge(&mut row, running, copy, judge)?;
             }
         }
         self.write(&row)?;
@@ -119,15 +99,15 @@ struct Answer {
 
 /// One sample of each copy, begun together. A copy that has answered goes on detecting until all
 /// have: no clock runs beside an idle neighbour.
-fn together(copies: &mut [Running]) -> Result<Vec<Answer>, Failure> {
+fn together(copies: &mut [Client]) -> Result<Vec<Answer>, Failure> {
     let (start, answered, all) = (Barrier::new(copies.len()), AtomicUsize::new(0), copies.len());
-    let work = |copy: &mut Running| {
+    let work = |copy: &mut Client| {
         start.wait();
-        let first = sample(&mut copy.client);
+        let first = sample(copy);
         // One that failed counts as well, or the others would wait for it.
         let mut done = answered.fetch_add(1, Ordering::Relaxed) + 1;
         while first.is_ok() && done < all {
-            if sample(&mut copy.client).is_err() {
+            if sample(copy).is_err() {
                 // It will fail in the next block again, and be given up there.
                 break;
             }

@@ -111,7 +111,7 @@ impl<'a> Judge<'a> {
             &truths.rounded.pairs
         } else {
             let answer = fetch().and_then(|pairs| {
-                let same = Digest::of(&pairs) == said;
+                let same = Digest::from_pairs(&pairs) == said;
                 if same { Ok(pairs) } else { Err("asked for them, it gave others".into()) }
             });
             fetched = match answer {
@@ -205,7 +205,7 @@ impl Known {
 
 /// Most answers are right: their pairs need not be sorted.
 fn compare(reported: &[[u32; 2]], truth: &Truth, scene: &AnyScene<'_>) -> Errors {
-    if Digest::of(reported) == truth.digest {
+    if Digest::from_pairs(reported) == truth.digest {
         Errors::default()
     } else {
         oracle::compare(reported, &truth.pairs, scene)
@@ -227,7 +227,7 @@ mod tests {
 
     fn judged(arithmetic: Arithmetic, said: &[[u32; 2]], shown: Option<&[[u32; 2]]>) -> Judged {
         let scene = row();
-        let digest = Digest::of(said);
+        let digest = Digest::from_pairs(said);
         let fetch = || shown.map(<[_]>::to_vec).ok_or_else(|| "it has gone".into());
         let answer = (digest.contacts, &*digest.hex());
         Judge::new(&scene).judge("one", arithmetic, answer, fetch).unwrap()
@@ -269,7 +269,7 @@ mod tests {
     #[test]
     fn a_digest_that_is_none_is_wrong() {
         let scene = row();
-        let upper = Digest::of(&RIGHT).hex().to_uppercase();
+        let upper = Digest::from_pairs(&RIGHT).hex().to_uppercase();
         let judged = Judge::new(&scene)
             .judge("one", Arithmetic::Exact, (3, &upper), || Ok(RIGHT.to_vec()))
             .unwrap();

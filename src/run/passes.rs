@@ -1,10 +1,16 @@
 //! What is measured of one contender on one scene: its runner loads the scene, counts, measures the
 //! memory, and gives timed samples; every answer is judged before its row is written.
+//!
+//! Each timed sample is of a process of its own. Where a process lies in memory is worth up to a
+//! fifth of its time in one case of ten, and stays as it is while the process lives: blocks within
+//! one process would repeat one draw of that, and call equal code different.
+
+use std::rc::Rc;
 
 use crate::contact::Arithmetic;
 use crate::record::role::Role;
 use crate::record::row::{Outcome, Pass, Row};
-use crate::run::client::{Client, Failure};
+use crate::run::client::{Client, Failure, Start};
 use crate::run::contender::Contender;
 use crate::run::interrupt;
 use crate::run::judge::Judge;
@@ -14,16 +20,17 @@ use crate::run::stage::Stage;
 use crate::run::trajectory::Trajectory;
 
 /// Samples are at least this long, or the clock would be measured.
-pub(crate) const SHORTEST_SAMPLE_NS: u64 = 1_000_000;
+pub(crate) const SHORTEST_SAMPLE_NS: u64 = 2_000_000;
 
-/// A contender at work on a scene.
+/// A contender that is in the race on a scene.
 pub(crate) struct Running {
     pub contender: Contender,
-    pub client: Client,
     pub arithmetic: Arithmetic,
     pub blank: Row,
-    /// With one thread each; none if the ceiling is not asked for.
-    pub copies: Vec<Running>,
+    /// The scene, and those before it.
+    pub loads: Rc<[Trajectory]>,
+    /// How its copies are started, each with one thread; none if the ceiling is not asked for.
+    pub copy: Option<Start>,
 }
 
 /// Gives a runner several scenes to load, one after the other, as hard cases with a history want
@@ -39,6 +46,17 @@ pub(crate) fn load_all(client: &mut Client, loads: &[Trajectory]) -> Result<(), 
         }
     }
     load(client, last)
+}
+
+/// A runner in a process of its own that has detected once, which took so many nanoseconds.
+pub(crate) fn fresh(start: &Start, loads: &[Trajectory]) -> Result<(Client, u64), Failure> {
+    let mut client = Client::start(start)?;
+    load_all(&mut client, loads)?;
+    let request = Request::Sample { min_ns: 1 };
+    match client.ask(&request)? {
+        Reply::Sample { time_ns, .. } => Ok((client, time_ns)),
+        other => Err(astray(&request, &other)),
+    }
 }
 
 fn load(client: &mut Client, trajectory: &Trajectory) -> Result<(), Failure> {
@@ -68,7 +86,7 @@ impl Stage<'_> {
         &mut self,
         contender: Contender,
         mut blank: Row,
-        loads: &[Trajectory],
+        loads: &Rc<[Trajectory]>,
         judge: &mut Judge<'_>,
     ) -> anyhow::Result<Option<Running>> {
         if self.too_slow(&blank)? {
@@ -90,43 +108,51 @@ impl Stage<'_> {
             self.fail(&blank, failure, &Pass::ALL)?;
             return Ok(None);
         }
-        let mut running = Running { contender, client, arithmetic, blank, copies: Vec::new() };
+        let loads = loads.clone();
+        let mut running = Running { contender, arithmetic, blank, loads, copy: None };
         for pass in [Pass::Count, Pass::Memory] {
             let mut row = Row { pass, ..running.blank.clone() };
             if self.index.has(&row) {
                 continue;
             }
-            if let Err(failure) = measure(&mut running.client, &mut row) {
+            if let Err(failure) = measure(&mut client, &mut row) {
                 self.fail(&running.blank, failure, pass.rest())?;
                 return Ok(None);
             }
-            self.judge(&mut row, &mut running, judge)?;
+            self.judge(&mut row, &running, &mut client, judge)?;
             self.write(&row)?;
         }
-        self.start_copies(&mut running, loads)?;
+        running.copy = self.copy(&running)?;
         Ok(Some(running))
     }
 
-    /// One timed sample. False if the contender is out.
+    /// One timed sample, of a process of its own. False if the contender is out.
     pub fn sample(
         &mut self,
-        running: &mut Running,
+        running: &Running,
         mut row: Row,
         judge: &mut Judge<'_>,
     ) -> anyhow::Result<bool> {
         let request = Request::Sample { min_ns: SHORTEST_SAMPLE_NS };
-        let failure = match running.client.ask(&request) {
-            Ok(Reply::Sample { time_ns, calls, elapsed_ns, contacts, digest, .. }) => {
+        let answer = fresh(&running.contender.start, &running.loads)
+            .and_then(|(mut client, first_ns)| Ok((client.ask(&request)?, client, first_ns)));
+        let failure = match answer {
+            Ok((reply, mut client, first_ns)) => {
+                let Reply::Sample { time_ns, calls, elapsed_ns, contacts, digest, .. } = reply
+                else {
+                    self.fail(&row, astray(&request, &reply), Pass::Time.rest())?;
+                    return Ok(false);
+                };
+                row.first_ns = Some(first_ns);
                 row.time_ns = Some(time_ns);
                 row.calls = Some(calls);
                 row.elapsed_ns = Some(elapsed_ns);
                 row.contacts = Some(contacts);
                 row.digest = Some(digest);
-                self.judge(&mut row, running, judge)?;
+                self.judge(&mut row, running, &mut client, judge)?;
                 self.write(&row)?;
                 return Ok(true);
             }
-            Ok(other) => astray(&request, &other),
             Err(failure) => failure,
         };
         self.fail(&row, failure, Pass::Time.rest())?;
@@ -137,7 +163,8 @@ impl Stage<'_> {
     pub fn judge(
         &mut self,
         row: &mut Row,
-        running: &mut Running,
+        running: &Running,
+        client: &mut Client,
         judge: &mut Judge<'_>,
     ) -> anyhow::Result<()> {
         if running.contender.role == Role::Nothing {
@@ -148,7 +175,7 @@ impl Stage<'_> {
         let (Some(contacts), Some(digest)) = (row.contacts, row.digest.as_deref()) else {
             return Ok(());
         };
-        let Running { contender, client, arithmetic, .. } = running;
+        let Running { contender, arithmetic, .. } = running;
         let path = self.folder.join("pairs.npy");
         let fetch = || client.pairs(&path);
         let judged = judge.judge(&contender.name, *arithmetic, (contacts, digest), fetch)?;
@@ -159,7 +186,7 @@ impl Stage<'_> {
         row.causes = judged.causes;
         if row.outcome == Outcome::Refused {
             // No time without an answer that is known to be right.
-            row.time_ns = None;
+            (row.time_ns, row.first_ns) = (None, None);
         }
         if row.outcome == Outcome::Wrong {
             let scene = describe(self.experiment, self.spec);

@@ -87,7 +87,7 @@ impl Server {
                 self.detector
                     .count(loaded(&self.scene)?, test, &mut tally, &mut self.pairs)
                     .map_err(refused)?;
-                let digest = Digest::of(&self.pairs);
+                let digest = Digest::from_pairs(&self.pairs);
                 let counts = tally.iter().map(|(op, count)| (op.name().into(), count)).collect();
                 Ok(Reply::Count { counts, contacts: digest.contacts, digest: digest.hex() })
             }
@@ -136,7 +136,7 @@ impl Server {
             None => self.calibrate(min_ns)?,
         };
         self.calls = Some(calls);
-        let digest = Digest::of(&self.pairs);
+        let digest = Digest::from_pairs(&self.pairs);
         let time_ns = (elapsed_ns + calls / 2) / calls;
         Ok(Reply::Sample {
             time_ns,
@@ -190,7 +190,7 @@ impl Server {
             (detector.list(scene, test, pairs), detector)
         });
         result.map_err(refused)?;
-        let digest = Digest::of(pairs);
+        let digest = Digest::from_pairs(pairs);
         pairs.clear();
         // A library declares no formula.
         let formula_bytes = self.spec.entry.is_ours().then(|| detector.formula_bytes());

@@ -2,8 +2,8 @@
 //! rows are written.
 //!
 //! Each contender's runner loads the scene, counts, and measures its memory; then blocks of timed
-//! samples, every contender once per block in a fresh random order, and right after one with
-//! several threads its copies, if the experiment asks for them. Rows go to the record one by one.
+//! samples, every contender once per block in a fresh random order and in a fresh process, and right
+//! after one with several threads its copies, if the experiment asks for them. Rows go to the record one by one.
 //! What the record holds already (of a killed run) is not measured again.
 
 use std::path::Path;
@@ -83,6 +83,7 @@ impl Stage<'_> {
             let path = self.folder.join(format!("scene-{k}.npy"));
             loads.push(Trajectory::write_at_rest(&path, scene)?);
         }
+        let loads = loads.into();
         let mut running = Vec::new();
         for contender in contenders {
             let contender = contender.allowing(scene, contacts);
@@ -117,7 +118,7 @@ impl Stage<'_> {
             let mut still = Vec::new();
             for mut one in running {
                 let blank = Row { pass: Pass::Time, block, ..one.blank.clone() };
-                if self.index.has(&blank) || self.sample(&mut one, blank, judge)? {
+                if self.index.has(&blank) || self.sample(&one, blank, judge)? {
                     self.ceiling(&mut one, block, judge)?;
                     still.push(one);
                 }

@@ -43,7 +43,7 @@ impl Stats {
 /// radius or one per particle, and the bits of the radius or radii. An f32 scene has the
 /// fingerprint of the equal f64 scene; 0.0 and -0.0 differ.
 pub fn scene_hash(scene: &AnyScene<'_>) -> String {
-    fn of<T: Real, const D: usize>(scene: &Scene<'_, T, D>) -> u64 {
+    fn chained<T: Real, const D: usize>(scene: &Scene<'_, T, D>) -> u64 {
         let mut hash = 0;
         let mut chain = |value: u64| hash = splitmix64(hash ^ value);
         chain(D as u64);
@@ -63,7 +63,7 @@ pub fn scene_hash(scene: &AnyScene<'_>) -> String {
         }
         hash
     }
-    format!("{:#018x}", with_scene!(scene, scene => of(scene)))
+    format!("{:#018x}", with_scene!(scene, scene => chained(scene)))
 }
 
 /// The statistics of a scene in which `contacts` pairs touch.

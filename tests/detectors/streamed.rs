@@ -191,7 +191,7 @@ fn textbook_loses_nothing() {
     .unwrap();
     let digest =
         answer(&mut Streamed::<2>::with(Options::default()), &Stored::F64(scene), Test::Textbook);
-    assert_eq!(digest, Digest::of(&[[0, 1]]));
+    assert_eq!(digest, Digest::from_pairs(&[[0, 1]]));
 }
 
 #[test]
@@ -208,10 +208,14 @@ fn threads_find_the_same() {
             let flat = one_bundle(scene.dim());
             let mut few = Vec::new();
             detector.list(&flat, Test::Exact, &mut few).unwrap();
-            assert_eq!(Digest::of(&few), Digest::of(&[]), "{threads} threads, after {text}");
+            assert_eq!(
+                Digest::from_pairs(&few),
+                Digest::from_pairs(&[]),
+                "{threads} threads, after {text}"
+            );
             pairs.truncate(1);
             detector.list(&scene, Test::Exact, &mut pairs).unwrap();
-            Digest::of(&pairs[1..])
+            Digest::from_pairs(&pairs[1..])
         });
         assert!(digests.iter().all(|&digest| digest == digests[0]), "{text}: {digests:?}");
     }

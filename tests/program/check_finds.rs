@@ -130,7 +130,7 @@ fn failure(way: u8) -> Failure {
 
 /// The significant bits of all coordinates and radii.
 fn total_bits(failure: &Failure) -> u32 {
-    Numbers::of(&failure.smallest).values.iter().map(|&x| bits(x)).sum()
+    Numbers::new(&failure.smallest).values.iter().map(|&x| bits(x)).sum()
 }
 
 /// Pairs missed, added, repeated, and of a particle with itself.

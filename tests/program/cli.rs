@@ -237,13 +237,13 @@ fn scenes_that_no_grid_can_hold_are_refused_with_numbers() {
         "screening needs 3999992000012 bytes",
         "999999 x 999999 cells",
         "the limit is 4294967296",
-        "raise the limit (--memory-limit",
+        "raise the memory limit",
     ];
     refused(folder, &["loose.csv", "--detector", "screening"], &words);
     refused(
         folder,
         &["loose.csv", "--memory-limit", "1000"],
-        &["nbs needs", "the limit is 1000", "raise the limit (--memory-limit"],
+        &["nbs needs", "the limit is 1000", "raise the memory limit"],
     );
     assert_eq!(detected(folder, &["loose.csv"]).stdout, "i,j\n");
 }

@@ -118,6 +118,6 @@ fn the_digests_of_the_page_are_those_of_the_program() {
             .map(|piece| piece.parse().unwrap())
             .collect();
         let pairs: Vec<[u32; 2]> = numbers.chunks_exact(2).map(|pair| [pair[0], pair[1]]).collect();
-        assert_eq!(Digest::of(&pairs).hex(), digest, "{line}");
+        assert_eq!(Digest::from_pairs(&pairs).hex(), digest, "{line}");
     }
 }

@@ -4,6 +4,10 @@
 use std::path::Path;
 use std::process::Command;
 
+use contactbench::cells::{self, Cell};
+use contactbench::detect::table::{Role, TABLE};
+use contactbench::record::row;
+
 const README: &str = include_str!("../../README.md");
 const DETECTORS: &str = include_str!("../../docs/DETECTORS.md");
 const EXAMPLE: &str = include_str!("../../examples/add_a_detector.rs");
@@ -83,6 +87,38 @@ fn the_commands_work_as_written() {
         std::fs::read_to_string(folder.path().join("pairs.csv")).unwrap(),
         "i,j\n0,1\n2,3\n"
     );
+}
+
+/// The measured columns of the table of detectors are those of the record that it links to.
+#[test]
+fn the_measured_table_is_that_of_the_record() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("results/reference");
+    let cells = cells::cells(&row::read(&folder.join(row::FILE)).unwrap().rows);
+    let is_shown = |cell: &&Cell| {
+        let id = &cell.id;
+        (&*id.experiment, &*id.scene, id.dim, id.n) == ("scaling", "packed", 3, 100_000)
+            && (&*id.arithmetic, id.threads()) == ("exact", 1)
+    };
+    let (start, end) = ("<!-- measured:begin -->", "<!-- measured:end -->");
+    let table = README.split_once(start).unwrap().1.split_once(end).unwrap().0;
+    let rows: Vec<Vec<&str>> = table
+        .lines()
+        .filter(|line| line.starts_with("| `"))
+        .map(|line| line.trim_matches('|').split('|').map(str::trim).collect())
+        .collect();
+    let ours = TABLE.iter().filter(|entry| entry.role == Role::Detector);
+    let names: Vec<String> = ours.map(|entry| format!("`{}`", entry.name)).collect();
+    assert_eq!(rows.iter().map(|row| row[0]).collect::<Vec<_>>(), names);
+    for row in rows {
+        let detector = row[0].trim_matches('`');
+        let cell = cells.iter().filter(is_shown).find(|cell| cell.id.detector == detector);
+        let cell = cell.unwrap_or_else(|| panic!("{detector} is not in the record"));
+        let n = cell.id.n as f64;
+        let time = cell.time().map(|time| format!("{:.0}", time.median / n));
+        let bytes = cell.variable("peak_bytes", None).map(|bytes| format!("{:.1}", bytes / n));
+        let expected = [time.unwrap_or("over the limit".into()), bytes.unwrap_or("–".into())];
+        assert_eq!(row[4..], expected, "{detector}");
+    }
 }
 
 #[test]

@@ -308,7 +308,7 @@ fn traces_refuse_what_they_cannot_show() {
 fn a_drawing_shows_scene_contacts_and_mistakes() {
     let scene = discs(&[[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [3.0000001, 0.0], [9.0, 9.0]], 0.5);
     let of = |pairs: &Highlighted, look: &Look| draw::svg(&scene, pairs, look).unwrap();
-    let plain = of(&Highlighted::of(&scene).unwrap(), &Look::titled("a < b & \"c\""));
+    let plain = of(&Highlighted::from_scene(&scene).unwrap(), &Look::titled("a < b & \"c\""));
     assert_eq!(
         plain.matches("<circle").count(),
         5 + 3 + 2,
@@ -387,7 +387,7 @@ fn every_scene_can_be_drawn() {
         for grid in [false, true] {
             let svg = draw::svg(
                 scene,
-                &Highlighted::of(scene).unwrap(),
+                &Highlighted::from_scene(scene).unwrap(),
                 &Look { grid, ..Look::titled("hard") },
             )
             .unwrap();

@@ -124,7 +124,7 @@ pub enum SpecError {
 pub fn parse(spec: &str) -> Result<DetectorSpec, SpecError> {
     let (name, rest) = spec.split_once(':').unwrap_or((spec, ""));
     let (name, rest) = (name.trim(), rest.trim());
-    let Some(entry) = table::TABLE.iter().find(|entry| entry.name == name) else {
+    let Some(entry) = table::find(name) else {
         return Err(match peers::missing(name) {
             Some(reason) => SpecError::NotBuilt { reason },
             None => SpecError::Unknown { name: name.into() },

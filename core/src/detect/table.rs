@@ -38,14 +38,16 @@ pub enum Group {
     Streamed,
     /// Controls of the measurement.
     Controls,
+    /// More twins of detectors, where the noise is to be known well.
+    Twins,
     /// Libraries that people use.
     Peers,
 }
 
 impl Group {
     /// All groups, in the order of the table.
-    pub const ALL: [Group; 5] =
-        [Group::Book, Group::Modern, Group::Streamed, Group::Controls, Group::Peers];
+    pub const ALL: [Group; 6] =
+        [Group::Book, Group::Modern, Group::Streamed, Group::Controls, Group::Twins, Group::Peers];
 
     /// The name in experiments.
     pub fn name(self) -> &'static str {
@@ -54,6 +56,7 @@ impl Group {
             Group::Modern => "@modern",
             Group::Streamed => "@streamed",
             Group::Controls => "@controls",
+            Group::Twins => "@twins",
             Group::Peers => "@peers",
         }
     }
@@ -310,6 +313,30 @@ pub static TABLE: &[Entry] = &[
         parameters: &[],
         constructor: Both::<nbs2d::Nbs2d, nbs3d::Nbs3d>::boxed,
     },
+    Entry {
+        name: "cell-grid-twin",
+        role: Role::Twin("cell-grid"),
+        group: Group::Twins,
+        summary: "control: the same code as cell-grid",
+        cost: "N + cells",
+        memory: "as cell-grid",
+        limits: "as cell-grid",
+        threads: true,
+        parameters: &[],
+        constructor: Both::<cell_grid::CellGrid<2>, cell_grid::CellGrid<3>>::boxed,
+    },
+    Entry {
+        name: "streamed-nbs-twin",
+        role: Role::Twin("streamed-nbs"),
+        group: Group::Twins,
+        summary: "control: the same code as streamed-nbs",
+        cost: "as streamed-nbs",
+        memory: "as streamed-nbs",
+        limits: "as streamed-nbs",
+        threads: true,
+        parameters: &[],
+        constructor: streamed,
+    },
     #[cfg(feature = "peers")]
     peer(&peers::KIDDO, Both::<peers::kiddo::Kiddo<2>, peers::kiddo::Kiddo<3>>::boxed),
     #[cfg(feature = "peers")]
@@ -351,10 +378,9 @@ fn streamed(params: &Params, options: Options) -> Box<dyn AnyDetector> {
     }
 }
 
-/// The line of a detector; `name` may be followed by parameters, which are not checked.
+/// The line of a detector; [`super::spec::parse`] takes parameters, too.
 pub fn find(name: &str) -> Option<&'static Entry> {
-    let name = name.split(':').next();
-    TABLE.iter().find(|entry| Some(entry.name) == name)
+    TABLE.iter().find(|entry| entry.name == name)
 }
 
 /// The names of all detectors and controls, for messages.

@@ -60,7 +60,7 @@ pub struct Near {
 impl Near {
     /// For particles whose radii have this sum (as computed in f64).
     #[inline(always)]
-    pub fn of(sum: f64, slack: Slack) -> Near {
+    pub fn new(sum: f64, slack: Slack) -> Near {
         // The sum's own rounding is in the 16u: squares of sums and distances together have less
         // than 6u + 4u.
         const BAND: f64 = 16.0 / (1u64 << 53) as f64;
@@ -114,7 +114,7 @@ mod tests {
                 let (a, b) = (bodies.position(0), bodies.position(j));
                 let square = (0..D).map(|k| (a[k] - b[k]) * (a[k] - b[k])).sum();
                 if let Some(verdict) =
-                    Near::of(bodies.radius(0) + bodies.radius(j), bodies.slack()).verdict(square)
+                    Near::new(bodies.radius(0) + bodies.radius(j), bodies.slack()).verdict(square)
                 {
                     assert_eq!(verdict, bodies.touch(0, j, &mut Silent), "{a:?} {b:?}");
                     self.0 += 1;

@@ -74,7 +74,7 @@ fn picture(failure: &Failure) -> Option<String> {
         _ => Differences::default(),
     };
     contacts.retain(|pair| missed.binary_search(pair).is_err());
-    let near = Highlighted::of(smallest).ok()?.near;
+    let near = Highlighted::from_scene(smallest).ok()?.near;
     let pairs = Highlighted {
         contacts,
         near,

@@ -37,10 +37,10 @@ pub(super) enum Contacts {
 }
 
 impl Contacts {
-    pub fn of(scene: &AnyScene<'static>) -> Contacts {
+    pub fn new(scene: &AnyScene<'static>) -> Contacts {
         match scene {
-            AnyScene::Plane(Stored::F64(scene)) => of(scene),
-            AnyScene::Space(Stored::F64(scene)) => of(scene),
+            AnyScene::Plane(Stored::F64(scene)) => contacts(scene),
+            AnyScene::Space(Stored::F64(scene)) => contacts(scene),
             // Readers give doubles.
             _ => Contacts::Refused("not in f64".into()),
         }
@@ -52,7 +52,7 @@ impl Contacts {
     }
 }
 
-fn of<const D: usize>(scene: &Scene<'static, f64, D>) -> Contacts
+fn contacts<const D: usize>(scene: &Scene<'static, f64, D>) -> Contacts
 where
     AnyScene<'static>: From<Scene<'static, f64, D>>,
 {

@@ -57,7 +57,7 @@ pub(crate) fn read(source: Source<'_>, options: Options) -> anyhow::Result<(Part
             commented = Some(columns);
         }
     }
-    let separator = Separator::of(lines.line());
+    let separator = Separator::guess(lines.line());
     let count = separator.cells(lines.line()).count();
     let numeric = separator.cells(lines.line()).all(|cell| number(cell).is_some());
     let of_comment = commented.filter(|columns| {
@@ -84,7 +84,9 @@ pub(crate) fn read(source: Source<'_>, options: Options) -> anyhow::Result<(Part
 
 fn named(header: &[u8]) -> Columns {
     Columns::named(
-        Separator::of(header).cells(header).map(|cell| String::from_utf8_lossy(cell).into_owned()),
+        Separator::guess(header)
+            .cells(header)
+            .map(|cell| String::from_utf8_lossy(cell).into_owned()),
     )
 }
 

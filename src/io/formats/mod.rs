@@ -156,7 +156,7 @@ fn entry(format: Format) -> &'static Entry {
 }
 
 /// The format of a file that begins with `head`.
-pub(crate) fn of(
+pub(crate) fn find(
     head: &[u8],
     name: &str,
     ending: &str,

@@ -35,7 +35,7 @@ pub struct Highlighted {
 
 impl Highlighted {
     /// The contacts of a scene, decided exactly, and the pairs that just do not touch.
-    pub fn of(scene: &AnyScene<'_>) -> anyhow::Result<Highlighted> {
+    pub fn from_scene(scene: &AnyScene<'_>) -> anyhow::Result<Highlighted> {
         let contacts = find(scene)?;
         let near = almost(scene, &contacts);
         Ok(Highlighted { contacts, near, ..Highlighted::default() })
@@ -43,7 +43,7 @@ impl Highlighted {
 
     /// The same, and what a list of pairs has missed or added.
     pub fn compare(scene: &AnyScene<'_>, reported: &[[u32; 2]]) -> anyhow::Result<Highlighted> {
-        let mut pairs = Highlighted::of(scene)?;
+        let mut pairs = Highlighted::from_scene(scene)?;
         let mut reported = reported.to_vec();
         normalise(&mut reported);
         pairs.duplicates =

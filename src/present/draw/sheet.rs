@@ -306,9 +306,9 @@ impl<'a> Sheet<'a> {
 /// The lowest corner of the cells that detectors use, and their edge; none where there are no
 /// cells.
 fn cells(scene: &AnyScene<'_>) -> Option<(Vec<f64>, f64)> {
-    fn of<T: Real, const D: usize>(scene: &Scene<'_, T, D>) -> Option<(Vec<f64>, f64)> {
+    fn corner<T: Real, const D: usize>(scene: &Scene<'_, T, D>) -> Option<(Vec<f64>, f64)> {
         let cells = Cells::new(&any_bodies(scene, Test::Exact).ok()?).ok()?;
         Some((cells.origin().to_vec(), cells.edge()))
     }
-    with_scene!(scene, scene => of(scene))
+    with_scene!(scene, scene => corner(scene))
 }

@@ -34,6 +34,8 @@ pub fn draw(
         return Ok(Vec::new());
     };
     let stem = folder.join(file_stem(&experiment.name, &figure.name));
+    std::fs::create_dir_all(folder)
+        .with_context(|| format!("cannot make the folder {}", folder.display()))?;
     let failed = |path: &Path| format!("cannot write the figure {}", path.display());
     let (svg, png) = (stem.with_extension("svg"), stem.with_extension("png"));
     std::fs::write(&svg, &picture).with_context(|| failed(&svg))?;

@@ -107,7 +107,7 @@ impl Styles {
     }
 
     /// The style of a detector; grey for names that were not announced.
-    pub fn of(&self, name: &str) -> Style {
+    pub fn get(&self, name: &str) -> Style {
         self.0.get(name).copied().unwrap_or(Style {
             colour: CONTROL,
             marker: Marker::Plus,
@@ -143,7 +143,7 @@ mod tests {
         });
         let styles = Styles::new(cells::cells(&lab.rows()).iter());
         for (k, name) in detectors.iter().enumerate() {
-            let of = |name: &str| styles.of(name);
+            let of = |name: &str| styles.get(name);
             assert!(
                 !of(name).control
                     && detectors[..k].iter().all(|other| of(other).colour != of(name).colour),

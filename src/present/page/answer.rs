@@ -29,7 +29,7 @@ pub struct Marks<'a> {
 impl Marks<'_> {
     fn find(&self, name: &str) -> (usize, Marker) {
         let k = self.detectors.iter().position(|known| *known == name).unwrap_or(0);
-        (k, self.styles.of(name).marker)
+        (k, self.styles.get(name).marker)
     }
 }
 

@@ -123,7 +123,7 @@ pub fn json(
         })
         .collect();
     let detector = |name: &&str| {
-        let style = styles.of(name);
+        let style = styles.get(name);
         json!({"name": name, "mark": marks::outline(style.marker), "control": style.control,
             "filled": !matches!(style.marker, Marker::Cross | Marker::Plus)})
     };

@@ -55,7 +55,7 @@ fn hex((r, g, b): Colour) -> String {
 pub fn css(names: &[&str], styles: &Styles) -> String {
     let list = |change: fn(Colour) -> Colour| {
         let entry =
-            |(k, name): (usize, &&str)| format!("--d{k}:{};", hex(change(styles.of(name).colour)));
+            |(k, name): (usize, &&str)| format!("--d{k}:{};", hex(change(styles.get(name).colour)));
         names.iter().enumerate().map(entry).collect::<String>()
     };
     format!(

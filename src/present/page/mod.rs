@@ -219,12 +219,12 @@ impl Page<'_> {
     fn answers(&self, detectors: &[&str]) -> String {
         let mut out = String::from("<ul class=\"who\" aria-label=\"Marks of the detectors\">");
         for (k, name) in
-            detectors.iter().enumerate().filter(|(_, name)| !self.styles.of(name).control)
+            detectors.iter().enumerate().filter(|(_, name)| !self.styles.get(name).control)
         {
             let _ = write!(
                 out,
                 "<li>{}{}</li>",
-                marks::chip(k, self.styles.of(name).marker),
+                marks::chip(k, self.styles.get(name).marker),
                 escape(name)
             );
         }

@@ -17,6 +17,7 @@ fn table(scene: &SceneResults) -> Table {
     let columns = vec![
         Column::left("detector"),
         Column::right("time / N", "ns"),
+        Column::right("first call / N", "ns"),
         Column::right("blocks", ""),
         Column::right("time / fastest", ""),
         Column::right("contact tests / N", ""),
@@ -34,6 +35,7 @@ fn table(scene: &SceneResults) -> Table {
             } else {
                 time
             },
+            found.first.into(),
             Cell::count(found.blocks as u64),
             match &found.versus {
                 Versus::Fastest => Cell::count(1),

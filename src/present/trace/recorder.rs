@@ -238,7 +238,7 @@ impl Recorder {
                     (self.row, self.central) = (None, None);
                     self.part("Which rows are new?".into());
                 }
-                if let Some((words, marks)) = words::of(self, &before, &event) {
+                if let Some((words, marks)) = words::sentence(self, &before, &event) {
                     self.step(words, marks);
                 }
                 if matches!(event, Event::Take { .. }) {

@@ -94,7 +94,7 @@ pub fn tree(halvings: u32) -> String {
 }
 
 /// A step for an event, if it is one; `before` is the state before it.
-pub fn of(recorder: &Recorder, before: &State, event: &Event) -> Option<(String, Marks)> {
+pub fn sentence(recorder: &Recorder, before: &State, event: &Event) -> Option<(String, Marks)> {
     let names = &recorder.names;
     match *event {
         Event::Push { heads, list, particle, next } => {
@@ -144,7 +144,7 @@ pub fn of(recorder: &Recorder, before: &State, event: &Event) -> Option<(String,
             );
             Some((words, Marks { cell: Some(cell), ..Marks::default() }))
         }
-        _ => crate::present::trace::words_sort::of(recorder, event),
+        _ => crate::present::trace::words_sort::sentence(recorder, event),
     }
 }
 

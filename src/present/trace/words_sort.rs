@@ -4,7 +4,7 @@ use crate::event::Event;
 use crate::present::trace::recorder::{Marks, Recorder};
 
 /// A step for an event of sorting, if it is one.
-pub fn of(recorder: &Recorder, event: &Event) -> Option<(String, Marks)> {
+pub fn sentence(recorder: &Recorder, event: &Event) -> Option<(String, Marks)> {
     let (names, state) = (&recorder.names, &recorder.state);
     // Places count as particles do.
     let place = |at: usize| at as u32 + names.first;

@@ -10,7 +10,7 @@
 use crate::scene::hard::build::*;
 use crate::scene::hard::{Allowed, Case, Expect, Group};
 
-const BORDERS: Case = Case::of(Group::Borders);
+const BORDERS: Case = Case::in_group(Group::Borders);
 
 pub const CASES: &[Case] = &[
     Case {

@@ -10,7 +10,7 @@ use crate::scene::generate::draw::Draw;
 use crate::scene::hard::build::*;
 use crate::scene::hard::{Allowed, Case, Expect, Group};
 
-const CLUSTERS: Case = Case::of(Group::Clusters);
+const CLUSTERS: Case = Case::in_group(Group::Clusters);
 
 pub const CASES: &[Case] = &[
     Case {

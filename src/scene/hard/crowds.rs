@@ -12,7 +12,7 @@ use crate::scene::generate::draw::Draw;
 use crate::scene::hard::build::*;
 use crate::scene::hard::{Case, Expect, Group};
 
-const CROWDS: Case = Case::of(Group::Crowds);
+const CROWDS: Case = Case::in_group(Group::Crowds);
 
 pub const CASES: &[Case] = &[
     Case {

@@ -3,7 +3,7 @@
 use crate::scene::hard::build::*;
 use crate::scene::hard::{Allowed, Case, Expect, Group};
 
-const DEGENERATE: Case = Case::of(Group::Degenerate);
+const DEGENERATE: Case = Case::in_group(Group::Degenerate);
 const INVALID: Case = Case { expect: Expect::Invalid, ..DEGENERATE };
 
 pub const CASES: &[Case] = &[

@@ -3,7 +3,7 @@
 use crate::scene::hard::build::*;
 use crate::scene::hard::{Case, Expect, Group};
 
-const EDGES: Case = Case::of(Group::Edges);
+const EDGES: Case = Case::in_group(Group::Edges);
 
 pub const CASES: &[Case] = &[
     Case {

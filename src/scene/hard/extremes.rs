@@ -8,7 +8,7 @@
 use crate::scene::hard::build::*;
 use crate::scene::hard::{Allowed, Case, Expect, Group};
 
-const EXTREMES: Case = Case::of(Group::Extremes);
+const EXTREMES: Case = Case::in_group(Group::Extremes);
 
 pub const CASES: &[Case] = &[
     Case {

@@ -9,7 +9,7 @@
 use crate::scene::hard::build::*;
 use crate::scene::hard::{Allowed, Case, Expect, Group};
 
-const KEYS: Case = Case::of(Group::Keys);
+const KEYS: Case = Case::in_group(Group::Keys);
 
 pub const CASES: &[Case] = &[
     Case {

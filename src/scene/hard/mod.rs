@@ -154,7 +154,7 @@ impl Group {
 
 impl Case {
     /// A case of the group with what most cases have; name, reason and maker are missing.
-    const fn of(group: Group) -> Case {
+    const fn in_group(group: Group) -> Case {
         Case {
             name: "",
             group,

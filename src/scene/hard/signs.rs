@@ -9,8 +9,8 @@
 use crate::scene::hard::build::*;
 use crate::scene::hard::{Case, Expect, Group};
 
-const SIGNS: Case = Case::of(Group::Signs);
-const ZEROS: Case = Case::of(Group::Zeros);
+const SIGNS: Case = Case::in_group(Group::Signs);
+const ZEROS: Case = Case::in_group(Group::Zeros);
 
 pub const CASES: &[Case] = &[
     Case {

@@ -11,7 +11,7 @@ use crate::scene::hard::build::*;
 use crate::scene::hard::tangent::of_length;
 use crate::scene::hard::{Case, Expect, Group};
 
-const SIZES: Case = Case::of(Group::Sizes);
+const SIZES: Case = Case::in_group(Group::Sizes);
 
 pub const CASES: &[Case] = &[
     Case {

@@ -9,7 +9,7 @@
 use crate::scene::hard::build::*;
 use crate::scene::hard::{Case, Expect, Group};
 
-const STATE: Case = Case::of(Group::State);
+const STATE: Case = Case::in_group(Group::State);
 
 pub const CASES: &[Case] = &[
     Case {

@@ -10,7 +10,7 @@
 use crate::scene::hard::build::*;
 use crate::scene::hard::{Case, Expect, Group};
 
-const TANGENT: Case = Case::of(Group::Tangent);
+const TANGENT: Case = Case::in_group(Group::Tangent);
 
 pub const CASES: &[Case] = &[
     Case {

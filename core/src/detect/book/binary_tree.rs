@@ -217,13 +217,13 @@ impl BinaryTree {
             if level == depth {
                 let central = integerise(bodies, cells, at, probe);
                 probe.note(|| Event::Central { cell: plane(central) });
-                let mut heads = [EMPTY; M];
-                for (head, offset) in heads.iter_mut().zip(&mask) {
-                    let cell = mask::neighbour(central, *offset);
-                    *head = self.find(cell, levels, probe);
-                    let first = (*head != EMPTY).then_some(*head);
+                let heads = mask.map(|offset| {
+                    let cell = mask::neighbour(central, offset);
+                    let head = self.find(cell, levels, probe);
+                    let first = (head != EMPTY).then_some(head);
                     probe.note(|| Event::Descended { cell: plane(cell), first });
-                }
+                    head
+                });
                 self.e.check(0, bodies, at, heads, probe, sink);
             } else {
                 probe.count(Op::NodeVisit);

@@ -157,7 +157,6 @@ impl Nbs2d {
     }
 
     /// Checks the central row, which begins with `first`, against itself and the row below.
-    #[inline(never)]
     fn row<T: Real, P: Probe, S: Sink>(
         &mut self,
         bodies: &impl Bodies<T, 2>,

@@ -153,7 +153,6 @@ impl Nbs3d {
 
     /// Checks the central row, which begins with `first`, against itself and its four neighbouring
     /// rows.
-    #[inline(never)]
     fn row<T: Real, P: Probe, S: Sink>(
         &mut self,
         bodies: &impl Bodies<T, 3>,

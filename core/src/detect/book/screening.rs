@@ -15,7 +15,7 @@
 //!   heads are marked old with the highest bit instead of by adding N; particles count from 0. The
 //!   array is kept between detections, and one made for a smaller domain is replaced.
 
-use super::list::{EMPTY, Heads, Links, numbered};
+use super::list::{Heads, Links, numbered};
 use super::mask;
 use crate::contact::Bodies;
 use crate::detect::{Declare, Detector, Options, Refusal, within};
@@ -94,10 +94,8 @@ impl Screening {
             let cell = cells.place(bodies.position(k), probe);
             if let Some(central) = self.c.take_new(cell, probe) {
                 probe.note(|| Event::Central { cell: cells.of_place(cell) });
-                let mut heads = [EMPTY; M];
-                for (head, offset) in heads.iter_mut().zip(&offsets) {
-                    *head = self.c.first(cell.wrapping_add_signed(*offset), probe);
-                }
+                let heads =
+                    offsets.map(|offset| self.c.first(cell.wrapping_add_signed(offset), probe));
                 self.e.check(0, bodies, central, heads, probe, sink);
             }
         }
@@ -139,7 +137,7 @@ impl Screening {
 #[cfg(test)]
 mod tests {
     use super::super::golden::{InCells, NINE, printed};
-    use super::super::list::as_printed;
+    use super::super::list::{EMPTY, as_printed};
     use super::*;
     use crate::probe::Silent;
 

@@ -80,7 +80,7 @@ pub struct One {
 impl One {
     /// For bodies of this radius.
     pub fn new(radius: f64, slack: Slack) -> One {
-        One { near: Near::of(2.0 * radius, slack), half: half(radius, slack) }
+        One { near: Near::new(2.0 * radius, slack), half: half(radius, slack) }
     }
 }
 
@@ -112,7 +112,7 @@ impl Each {
 impl Nearness for Each {
     #[inline(always)]
     fn near(&self, a: f32, b: f32) -> Near {
-        Near::of(f64::from(a) + f64::from(b), self.0)
+        Near::new(f64::from(a) + f64::from(b), self.0)
     }
 
     #[inline(always)]

@@ -75,9 +75,9 @@ impl Area {
         }
         // controls first: they stay behind the detectors
         let mut lines: Vec<_> = panel.lines.iter().collect();
-        lines.sort_by_key(|(key, _)| std::cmp::Reverse(styles.of(&key.detector).control));
+        lines.sort_by_key(|(key, _)| std::cmp::Reverse(styles.get(&key.detector).control));
         for (key, line) in &lines {
-            let style = styles.of(&key.detector);
+            let style = styles.get(&key.detector);
             self.line(canvas, line, shared, style, key)?;
         }
         let corners =
@@ -88,7 +88,7 @@ impl Area {
             let y = self.low.1 + 2.0 + ROW * (row as f64 + 0.5);
             for &(x, outcome) in &line.marks {
                 if let Some(x) = self.x(shared, x) {
-                    badge(canvas, (x, y), letter(outcome).0, styles.of(&key.detector).colour)?;
+                    badge(canvas, (x, y), letter(outcome).0, styles.get(&key.detector).colour)?;
                 }
             }
         }
@@ -184,7 +184,7 @@ impl Area {
         shared: &Shared,
         styles: &Styles,
     ) -> anyhow::Result<()> {
-        let lines = panel.lines.iter().filter(|(key, _)| !styles.of(&key.detector).control);
+        let lines = panel.lines.iter().filter(|(key, _)| !styles.get(&key.detector).control);
         let firsts = lines.filter_map(|(_, line)| {
             line.points.iter().find(|point| point.y > 0.0 && point.x >= 2.0)
         });

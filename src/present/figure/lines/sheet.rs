@@ -174,7 +174,7 @@ impl<'a> Sheet<'a> {
         let (left, mut y) =
             (WIDTH - MARGIN - self.legend + 22.0 + self.gap - GAP, self.top + HEADING + 12.0);
         for key in self.plot.keys() {
-            let style = self.styles.of(&key.detector);
+            let style = self.styles.get(&key.detector);
             let (line_width, dash) = dash_of(style, key);
             canvas.line(&[(left, y), (left + 36.0, y)], style.colour, line_width, dash)?;
             canvas.marker(

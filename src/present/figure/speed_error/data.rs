@@ -109,7 +109,7 @@ impl Plot {
             let scene =
                 scenes.iter().position(|known| *known == cell.id.scene).unwrap_or(scenes.len());
             let others = fields.iter().map(|name| cell.id.axis(name)).collect();
-            let column = Column::of(across.as_ref().and_then(|name| cell.id.axis(name)));
+            let column = Column::new(across.as_ref().and_then(|name| cell.id.axis(name)));
             rows.entry((scene, cell.id.dim, others))
                 .or_default()
                 .entry(column)
@@ -169,7 +169,7 @@ struct Column {
 }
 
 impl Column {
-    fn of(value: Option<AxisValue>) -> Column {
+    fn new(value: Option<AxisValue>) -> Column {
         let size = value.as_ref().and_then(AxisValue::number).map(|size| size.abs().into());
         Column { size, value }
     }

@@ -230,7 +230,7 @@ impl SmallPanel<'_> {
                     canvas,
                     (x, self.top + 10.0),
                     letter(*outcome).0,
-                    self.sheet.styles.of(detector).colour,
+                    self.sheet.styles.get(detector).colour,
                 )?;
             }
         }
@@ -238,6 +238,6 @@ impl SmallPanel<'_> {
     }
 
     fn colour(&self, mark: &Mark) -> Colour {
-        self.sheet.styles.of(&mark.detector).colour
+        self.sheet.styles.get(&mark.detector).colour
     }
 }

@@ -156,7 +156,7 @@ impl<'a> Sheet<'a> {
         canvas.text("colour: detector", (left, y), head)?;
         for name in &self.plot.detectors {
             y += 26.0;
-            let colour = self.styles.of(name).colour;
+            let colour = self.styles.get(name).colour;
             canvas.rect((left + 6.0, y - 7.0), (left + 28.0, y + 7.0), colour)?;
             canvas.text(name, (left + 40.0, y), Text::new(18.0, INK))?;
         }
