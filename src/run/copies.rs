@@ -2,9 +2,9 @@
 //! one thread each, at work on the same scene at the same time.
 //!
 //! Copies share nothing but the machine: caches, memory, clock, and the cores that it really gives.
-//! Each sample is of processes of their own, as elsewhere. What they lose beside each other no parallel form of the same algorithm can win back. One row
-//! per block: the harmonic mean of their times, so that k copies at `time_ns` each have the
-//! throughput that was measured.
+//! Each sample is of processes of their own, as elsewhere. What they lose beside each other no
+//! parallel form of the same algorithm can win back. One row per block: the harmonic mean of their
+//! times, so that k copies at `time_ns` each have the throughput that was measured.
 
 use std::sync::Barrier;
 use std::sync::atomic::{AtomicUsize, Ordering};

@@ -2,9 +2,9 @@
 //! rows are written.
 //!
 //! Each contender's runner loads the scene, counts, and measures its memory; then blocks of timed
-//! samples, every contender once per block in a fresh random order and in a fresh process, and right
-//! after one with several threads its copies, if the experiment asks for them. Rows go to the record one by one.
-//! What the record holds already (of a killed run) is not measured again.
+//! samples, every contender once per block in a fresh random order and in a fresh process, and
+//! right after one with several threads its copies, if the experiment asks for them. Rows go to the
+//! record one by one. What the record holds already (of a killed run) is not measured again.
 
 use std::path::Path;
 use std::time::Instant;

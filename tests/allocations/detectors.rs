@@ -129,7 +129,7 @@ fn refusals_allocate_nothing() {
     assert!(usage.unwrap().peak_bytes < 1000, "{usage:?}");
     assert!(
         text.contains("1073741824")
-            && text.contains("--memory-limit")
+            && text.contains("the memory limit")
             && text.contains("screening"),
         "{text}"
     );

@@ -49,7 +49,10 @@ fn steady(rows: &[Row]) -> BTreeMap<Measurement, String> {
     let of = |row: &Row| {
         (
             row.measurement(),
-            format!("{:?}", Row { time_ns: None, calls: None, elapsed_ns: None, ..row.clone() }),
+            format!(
+                "{:?}",
+                Row { time_ns: None, first_ns: None, calls: None, elapsed_ns: None, ..row.clone() }
+            ),
         )
     };
     let steady: BTreeMap<Measurement, String> = rows.iter().map(of).collect();

@@ -79,7 +79,8 @@ fn a_row_has_the_fields_of_the_format() {
                      block time_ns outcome reason contacts digest counts peak_bytes live_bytes \
                      allocations formula_bytes stats";
     // What the format has beyond the fields promised.
-    let more = "calls elapsed_ns warm_allocations errors causes schema machine role resources";
+    let more =
+        "first_ns calls elapsed_ns warm_allocations errors causes schema machine role resources";
     let expected: BTreeSet<String> =
         published.split_whitespace().chain(more.split_whitespace()).map(String::from).collect();
     for line in text.lines() {

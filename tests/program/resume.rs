@@ -52,7 +52,10 @@ fn steady(folder: &Path) -> BTreeMap<Measurement, String> {
     let of = |row: Row| {
         (
             row.measurement(),
-            format!("{:?}", Row { time_ns: None, calls: None, elapsed_ns: None, ..row }),
+            format!(
+                "{:?}",
+                Row { time_ns: None, first_ns: None, calls: None, elapsed_ns: None, ..row }
+            ),
         )
     };
     let steady: BTreeMap<Measurement, String> = record.rows.into_iter().map(of).collect();
