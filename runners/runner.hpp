@@ -188,7 +188,7 @@ void serve(const std::string& name, const std::string& version, Plane plane, Spa
             } else if (!flat && !solid) {
                 say("{\"reply\":\"error\",\"reason\":\"no scene is loaded; send load first\"}");
             } else if (asked == "sample") {
-                detect(1);
+                const std::uint64_t first = detect(1);
                 if (calls == 0) {
                     const std::uint64_t least = std::stoull(field(line, "min_ns"));
                     calls = 1;
@@ -198,7 +198,7 @@ void serve(const std::string& name, const std::string& version, Plane plane, Spa
                 const std::uint64_t took = detect(calls);
                 const std::uint64_t each = (took + calls / 2) / calls;
                 std::ostringstream reply;
-                reply << "{\"reply\":\"sample\",\"time_ns\":" << each << ",\"calls\":" << calls << ",\"elapsed_ns\":" << took << ",\"step_ns\":[" << each << "]," << digest(pairs) << "}";
+                reply << "{\"reply\":\"sample\",\"time_ns\":" << each << ",\"calls\":" << calls << ",\"elapsed_ns\":" << took << ",\"step_ns\":[" << each << "],\"first_ns\":" << first << "," << digest(pairs) << "}";
                 say(reply.str());
             } else if (asked == "pairs") {
                 detect(1);

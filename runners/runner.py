@@ -120,14 +120,14 @@ def serve(name, version, prepare, arithmetic="exact"):
             elif detect is None:
                 say("error", reason="no scene is loaded; send load first")
             elif asked == "sample":
-                timed(detect, 1)
+                first = timed(detect, 1)[0]
                 if calls is None:
                     calls, least = 1, request["min_ns"]
                     while (elapsed := timed(detect, calls)[0]) < least:
                         calls = max(calls + 1, min(10 * calls, least * calls * 9 // (8 * max(elapsed, 1))))
                 elapsed, pairs = timed(detect, calls)
                 each = (elapsed + calls // 2) // calls
-                say("sample", time_ns=each, calls=calls, elapsed_ns=elapsed, step_ns=[each], **digest(pairs))
+                say("sample", time_ns=each, calls=calls, elapsed_ns=elapsed, step_ns=[each], first_ns=first, **digest(pairs))
             elif asked == "pairs":
                 pairs = np.stack(columns(timed(detect, 1)[1]), axis=1).astype("<u4")
                 with open(request["path"], "wb") as file:

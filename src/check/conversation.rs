@@ -160,7 +160,7 @@ impl Talk<'_> {
             if matches!(reply, Reply::Refused { .. }) {
                 return Ok(());
             }
-            let Reply::Sample { time_ns, calls, elapsed_ns, step_ns, contacts, digest } = reply
+            let Reply::Sample { time_ns, calls, elapsed_ns, step_ns, contacts, digest, .. } = reply
             else {
                 self.breaks(format!("{when}, it answers {}", word(&reply)));
                 return Ok(());

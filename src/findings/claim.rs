@@ -16,7 +16,7 @@ use crate::experiment::{Claim, ClaimKind, Experiment};
 use crate::record::id::Projection;
 use crate::record::row::{Outcome, Pass};
 use crate::stats::growth;
-use crate::stats::growth::Model;
+use crate::stats::growth::{Model, Tail};
 use crate::stats::interval::{Interval, ratio};
 
 /// Relative difference that rounding of an expression may cause.
@@ -246,7 +246,9 @@ fn grows(points: &[Valued], wanted: Model) -> Finding {
     let mut others = Vec::new();
     for (key, points) in &series {
         let choice = growth::choose(points);
-        if choice.law == Ok(wanted) {
+        let tail = Tail::new(points, wanted);
+        let off = tail.filter(Tail::is_off);
+        if choice.law == Ok(wanted) && off.is_none() {
             let exponent = choice.slope.map_or(f64::NAN, |slope| slope.exponent);
             let delta = choice.delta().unwrap_or(0.0);
             let fitting =
@@ -257,16 +259,17 @@ fn grows(points: &[Valued], wanted: Model) -> Finding {
             fitting.series += 1;
         } else {
             let place = if fields.is_empty() { String::new() } else { place(key, &fields) };
-            others.push(Series { place, slope: choice.slope, law: choice.law });
+            others.push(Series { place, slope: choice.slope, law: choice.law, off });
         }
     }
-    let status = match (others.is_empty(), others.iter().any(|series| series.law.is_ok())) {
+    let fails = |series: &Series| series.off.is_some() || series.law.is_ok();
+    let status = match (others.is_empty(), others.iter().any(fails)) {
         (true, _) => Status::Holds,
         (_, true) => Status::Fails,
         _ => Status::NotShown,
     };
     // What decided comes first.
-    others.sort_by_key(|series| series.law.is_err());
+    others.sort_by_key(|series| !fails(series));
     (status, Found::Growth { law: wanted, fitting, others })
 }
 

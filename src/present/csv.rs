@@ -4,8 +4,19 @@ use std::collections::BTreeSet;
 
 use crate::cells::{Cell, FIELDS};
 use crate::present::table::{self, Column, Table};
-use crate::record::column::COLUMNS;
+use crate::record::column::{COLUMNS, FIRST};
 use crate::stats::interval::{mad, median};
+
+/// What is said of the times.
+const TIMES: [&str; 7] = [
+    "time_ns_median",
+    "time_ns_low",
+    "time_ns_high",
+    "time_ns_min",
+    "time_ns_mad",
+    "blocks",
+    "first_ns_median",
+];
 
 /// One line per cell with all its values.
 pub fn summary(cells: &[Cell]) -> Table {
@@ -14,8 +25,6 @@ pub fn summary(cells: &[Cell]) -> Table {
         .flat_map(|cell| cell.id.names())
         .filter(|name| !FIELDS.contains(&name.as_str()))
         .collect();
-    let times =
-        ["time_ns_median", "time_ns_low", "time_ns_high", "time_ns_min", "time_ns_mad", "blocks"];
     // Only where copies were timed: other tables keep their columns.
     let beside: &[&str] = if cells.iter().any(|cell| !cell.copies_ns.is_empty()) {
         &["beside_ns_median"]
@@ -29,7 +38,7 @@ pub fn summary(cells: &[Cell]) -> Table {
         .map(|column| &*column.name)
         .filter(|name| cells.iter().any(|cell| cell.values.contains_key(name)))
         .collect();
-    let columns = fields.iter().chain(&["outcome", "reason"]).chain(&times).chain(beside);
+    let columns = fields.iter().chain(&["outcome", "reason"]).chain(&TIMES).chain(beside);
     let columns = columns.chain(&numbers).map(|name| Column::left(*name)).collect();
     let row = |cell: &Cell| {
         let (outcome, reason) = cell.overall();
@@ -51,13 +60,15 @@ pub fn summary(cells: &[Cell]) -> Table {
     Table::new("", columns).with(cells.iter().map(row))
 }
 
-/// Median, interval, minimum, deviation and number of the times.
-fn time(cell: &Cell) -> [Option<f64>; 6] {
-    let Some(time) = cell.time() else { return [None; 6] };
+/// Median, interval, minimum, deviation and number of the times, and the first detection.
+fn time(cell: &Cell) -> [Option<f64>; 7] {
+    let Some(time) = cell.time() else { return [None; 7] };
     let all: Vec<f64> = cell.times.values().map(|&t| t as f64).collect();
     let least = all.iter().copied().fold(f64::INFINITY, f64::min);
     let deviation = mad(&all).unwrap_or(0.0);
-    [time.median, time.low, time.high, least, deviation, time.count as f64].map(Some)
+    let all = [time.median, time.low, time.high, least, deviation, time.count as f64].map(Some);
+    let [median, low, high, least, deviation, count] = all;
+    [median, low, high, least, deviation, count, cell.variable(FIRST, None)]
 }
 
 #[cfg(test)]

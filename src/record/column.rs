@@ -31,9 +31,9 @@ type Which = fn(&Errors) -> f64;
 /// All columns, in the order of `summary.csv`.
 pub static COLUMNS: LazyLock<Vec<Column>> = LazyLock::new(columns);
 
-/// The columns that differ from block to block: the times, and those of first detections.
+/// The time of a detection.
 pub const TIME: &str = "time_ns";
-/// See [`TIME`].
+/// The time of the first detection of a process.
 pub const FIRST: &str = "first_ns";
 
 /// The causes of error: the prefix of their columns, and the prefix that these had before.

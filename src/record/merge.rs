@@ -198,6 +198,8 @@ fn agree(a: &Row, b: &Row, folder: &Path) -> anyhow::Result<()> {
         "the outcome"
     } else if a.digest != b.digest {
         "the fingerprint of the pairs"
+    } else if a.counts != b.counts {
+        "the count of operations"
     } else if let Some(column) = repeating.find(|column| column.read(a) != column.read(b)) {
         &column.name
     } else {

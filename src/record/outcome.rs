@@ -87,7 +87,7 @@ impl Outcome {
 
     /// After these the detector is not asked again on this scene.
     pub fn is_final(self) -> bool {
-        !matches!(self, Outcome::Ok | Outcome::Control | Outcome::Wrong)
+        !matches!(self, Outcome::Ok | Outcome::Lossy | Outcome::Control | Outcome::Wrong)
     }
 
     /// The word in the record.
@@ -102,6 +102,19 @@ impl Outcome {
             Outcome::Refused => "refused",
             Outcome::Unavailable => "unavailable",
             Outcome::Crashed => "crashed",
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A resumed run measures the rest of what has ended well so far.
+    #[test]
+    fn what_is_good_is_not_final() {
+        for outcome in [Outcome::Ok, Outcome::Lossy, Outcome::Control] {
+            assert!(outcome.is_good() && !outcome.is_final(), "{}", outcome.name());
         }
     }
 }

@@ -12,8 +12,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use crate::record::row::{Outcome, Pass, Row};
 use crate::run::client::{Client, Failure, Start};
 use crate::run::judge::Judge;
-use crate::run::passes::{Running, astray, fresh};
-use crate::run::protocol::{Reply, Request};
+use crate::run::passes::{Running, Sample, fresh, sample};
 use crate::run::stage::Stage;
 
 /// Longer than other samples: between two of its own a copy is idle for some tens of microseconds,
@@ -56,7 +55,7 @@ impl Stage<'_> {
             return Ok(());
         };
         let answers = (0..running.contender.threads)
-            .map(|_| Ok(fresh(start, &running.loads)?.0))
+            .map(|_| fresh(start, &running.hello, &running.loads))
             .collect::<Result<Vec<Client>, Failure>>()
             .and_then(|mut copies| Ok((together(&mut copies)?, copies)));
         let (answers, mut copies) = match answers {
@@ -88,27 +87,18 @@ fn copies_failed(failure: Failure) -> Failure {
     Failure { reason: format!("of the copies: {}", failure.reason), ..failure }
 }
 
-/// The first sample of a copy.
-struct Answer {
-    time_ns: u64,
-    calls: u64,
-    elapsed_ns: u64,
-    contacts: u64,
-    digest: String,
-}
-
 /// One sample of each copy, begun together. A copy that has answered goes on detecting until all
 /// have: no clock runs beside an idle neighbour.
-fn together(copies: &mut [Client]) -> Result<Vec<Answer>, Failure> {
+fn together(copies: &mut [Client]) -> Result<Vec<Sample>, Failure> {
     let (start, answered, all) = (Barrier::new(copies.len()), AtomicUsize::new(0), copies.len());
     let work = |copy: &mut Client| {
         start.wait();
-        let first = sample(copy);
+        let first = sample(copy, SAMPLE_NS);
         // One that failed counts as well, or the others would wait for it.
         let mut done = answered.fetch_add(1, Ordering::Relaxed) + 1;
         while first.is_ok() && done < all {
-            if sample(copy).is_err() {
-                // It will fail in the next block again, and be given up there.
+            if sample(copy, SAMPLE_NS).is_err() {
+                // The sample that counts is complete.
                 break;
             }
             done = answered.load(Ordering::Relaxed);
@@ -123,14 +113,4 @@ fn together(copies: &mut [Client]) -> Result<Vec<Answer>, Failure> {
         };
         threads.into_iter().map(|thread| thread.join().unwrap_or_else(|_| Err(failed()))).collect()
     })
-}
-
-fn sample(client: &mut Client) -> Result<Answer, Failure> {
-    let request = Request::Sample { min_ns: SAMPLE_NS };
-    match client.ask(&request)? {
-        Reply::Sample { time_ns, calls, elapsed_ns, contacts, digest, .. } => {
-            Ok(Answer { time_ns, calls, elapsed_ns, contacts, digest })
-        }
-        other => Err(astray(&request, &other)),
-    }
 }

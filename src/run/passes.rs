@@ -10,7 +10,7 @@ use std::rc::Rc;
 use crate::contact::Arithmetic;
 use crate::record::role::Role;
 use crate::record::row::{Outcome, Pass, Row};
-use crate::run::client::{Client, Failure, Start};
+use crate::run::client::{Client, Failure, Hello, Start};
 use crate::run::contender::Contender;
 use crate::run::interrupt;
 use crate::run::judge::Judge;
@@ -26,6 +26,8 @@ pub(crate) const SHORTEST_SAMPLE_NS: u64 = 2_000_000;
 pub(crate) struct Running {
     pub contender: Contender,
     pub arithmetic: Arithmetic,
+    /// What its first process said in its first line.
+    pub hello: Hello,
     pub blank: Row,
     /// The scene, and those before it.
     pub loads: Rc<[Trajectory]>,
@@ -48,13 +50,36 @@ pub(crate) fn load_all(client: &mut Client, loads: &[Trajectory]) -> Result<(), 
     load(client, last)
 }
 
-/// A runner in a process of its own that has detected once, which took so many nanoseconds.
-pub(crate) fn fresh(start: &Start, loads: &[Trajectory]) -> Result<(Client, u64), Failure> {
-    let mut client = Client::start(start)?;
+/// A runner in a process of its own, with the scene.
+pub(crate) fn fresh(start: &Start, hello: &Hello, loads: &[Trajectory]) -> Result<Client, Failure> {
+    // What started before and does not now gets a second chance: the system may be short of
+    // something for a moment.
+    let mut client = Client::start(start).or_else(|_| Client::start(start))?;
+    if client.hello != *hello {
+        let reason = "the runner says another hello than when it was started first".into();
+        return Err(Failure { outcome: Outcome::Crashed, reason });
+    }
     load_all(&mut client, loads)?;
-    let request = Request::Sample { min_ns: 1 };
+    Ok(client)
+}
+
+/// A timed sample.
+pub(crate) struct Sample {
+    pub time_ns: u64,
+    pub first_ns: Option<u64>,
+    pub calls: u64,
+    pub elapsed_ns: u64,
+    pub contacts: u64,
+    pub digest: String,
+}
+
+/// Asks for a sample of at least so many nanoseconds.
+pub(crate) fn sample(client: &mut Client, min_ns: u64) -> Result<Sample, Failure> {
+    let request = Request::Sample { min_ns };
     match client.ask(&request)? {
-        Reply::Sample { time_ns, .. } => Ok((client, time_ns)),
+        Reply::Sample { time_ns, first_ns, calls, elapsed_ns, contacts, digest, .. } => {
+            Ok(Sample { time_ns, first_ns, calls, elapsed_ns, contacts, digest })
+        }
         other => Err(astray(&request, &other)),
     }
 }
@@ -108,8 +133,8 @@ impl Stage<'_> {
             self.fail(&blank, failure, &Pass::ALL)?;
             return Ok(None);
         }
-        let loads = loads.clone();
-        let mut running = Running { contender, arithmetic, blank, loads, copy: None };
+        let (hello, loads) = (client.hello.clone(), loads.clone());
+        let mut running = Running { contender, arithmetic, hello, blank, loads, copy: None };
         for pass in [Pass::Count, Pass::Memory] {
             let mut row = Row { pass, ..running.blank.clone() };
             if self.index.has(&row) {
@@ -133,30 +158,25 @@ impl Stage<'_> {
         mut row: Row,
         judge: &mut Judge<'_>,
     ) -> anyhow::Result<bool> {
-        let request = Request::Sample { min_ns: SHORTEST_SAMPLE_NS };
-        let answer = fresh(&running.contender.start, &running.loads)
-            .and_then(|(mut client, first_ns)| Ok((client.ask(&request)?, client, first_ns)));
-        let failure = match answer {
-            Ok((reply, mut client, first_ns)) => {
-                let Reply::Sample { time_ns, calls, elapsed_ns, contacts, digest, .. } = reply
-                else {
-                    self.fail(&row, astray(&request, &reply), Pass::Time.rest())?;
-                    return Ok(false);
-                };
-                row.first_ns = Some(first_ns);
-                row.time_ns = Some(time_ns);
-                row.calls = Some(calls);
-                row.elapsed_ns = Some(elapsed_ns);
-                row.contacts = Some(contacts);
-                row.digest = Some(digest);
-                self.judge(&mut row, running, &mut client, judge)?;
-                self.write(&row)?;
-                return Ok(true);
+        let answer = fresh(&running.contender.start, &running.hello, &running.loads)
+            .and_then(|mut client| Ok((sample(&mut client, SHORTEST_SAMPLE_NS)?, client)));
+        let (sample, mut client) = match answer {
+            Ok(answer) => answer,
+            Err(failure) => {
+                self.fail(&row, failure, Pass::Time.rest())?;
+                return Ok(false);
             }
-            Err(failure) => failure,
         };
-        self.fail(&row, failure, Pass::Time.rest())?;
-        Ok(false)
+        row.time_ns = Some(sample.time_ns);
+        // With a history the process has detected before.
+        row.first_ns = sample.first_ns.filter(|_| running.loads.len() == 1);
+        row.calls = Some(sample.calls);
+        row.elapsed_ns = Some(sample.elapsed_ns);
+        row.contacts = Some(sample.contacts);
+        row.digest = Some(sample.digest);
+        self.judge(&mut row, running, &mut client, judge)?;
+        self.write(&row)?;
+        Ok(true)
     }
 
     /// Judges a row's answer before the row is written.

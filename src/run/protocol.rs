@@ -94,6 +94,9 @@ pub enum Reply {
         /// Nanoseconds per detection, frame by frame; may be missing where there is one frame.
         #[serde(default)]
         step_ns: Vec<u64>,
+        /// Nanoseconds of the detection before the clock starts; may be missing.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        first_ns: Option<u64>,
         /// Pairs of the last detection.
         contacts: u64,
         /// Fingerprint of the pairs of the last detection.

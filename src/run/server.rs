@@ -128,14 +128,16 @@ impl Server {
     }
 
     fn sample(&mut self, min_ns: u64) -> Answer {
-        // Since the last sample other runners had the caches: one detection wins them back before
-        // the clock starts.
+        // The first detection warms caches and buffers.
+        let start = Instant::now();
         self.detect()?;
-        let (calls, elapsed_ns) = match self.calls {
-            Some(calls) => (calls, self.repeat(calls)?),
+        let first_ns = Some(start.elapsed().as_nanos() as u64);
+        let calls = match self.calls {
+            Some(calls) => calls,
             None => self.calibrate(min_ns)?,
         };
         self.calls = Some(calls);
+        let elapsed_ns = self.repeat(calls)?;
         let digest = Digest::from_pairs(&self.pairs);
         let time_ns = (elapsed_ns + calls / 2) / calls;
         Ok(Reply::Sample {
@@ -143,18 +145,19 @@ impl Server {
             calls,
             elapsed_ns,
             step_ns: vec![time_ns],
+            first_ns,
             contacts: digest.contacts,
             digest: digest.hex(),
         })
     }
 
-    /// How many detections make a sample of `min_ns`, and how long so many took.
-    fn calibrate(&mut self, min_ns: u64) -> Result<(u64, u64), Reply> {
+    /// How many detections make a sample of `min_ns`.
+    fn calibrate(&mut self, min_ns: u64) -> Result<u64, Reply> {
         let mut calls = 1;
         loop {
             let elapsed = self.repeat(calls)?;
             if elapsed >= min_ns || calls >= MOST_CALLS {
-                return Ok((calls, elapsed));
+                return Ok(calls);
             }
             // Ten times as many at once: the first guesses are mostly the cost of the clock.
             let wanted = (u128::from(min_ns) * u128::from(calls) * 9 / 8)

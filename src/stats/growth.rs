@@ -34,6 +34,15 @@ pub const TREND: f64 = 0.1;
 /// The same, over the upper half of the N.
 pub const UPPER_TREND: f64 = 0.05;
 
+/// A series that grows by a law has its exponent over the last [`OCTAVES`], to within this. (Both
+/// are of what detectors do: there a boundary, which has N^((D-1)/D) of N particles, moves exponents
+/// by up to 0.023; a factor of N^0.05 moves them by 0.05.)
+pub const LIMIT: f64 = 0.03;
+/// So many doublings of N at the end tell how a series grows,
+pub const OCTAVES: i32 = 5;
+/// if they begin no lower than here: in smaller scenes boundaries weigh more.
+pub const LEAST_TAIL: f64 = 1000.0;
+
 /// A law of growth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Model {
@@ -220,6 +229,43 @@ fn student(freedom: usize) -> f64 {
     }
 }
 
+/// The exponent over the last octaves, against a law's over the same N.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tail {
+    /// The smallest and the largest N there.
+    pub sizes: [f64; 2],
+    /// The exponent found.
+    pub found: f64,
+    /// The law's.
+    pub law: f64,
+}
+
+impl Tail {
+    /// None with fewer than three distinct N there, or where they span less than [`LEAST_SPAN`] or
+    /// begin below [`LEAST_TAIL`].
+    pub fn new(points: &[(f64, f64)], law: Model) -> Option<Tail> {
+        let all = logs(points);
+        let last = all.last()?.0;
+        let from = last - f64::from(OCTAVES) * std::f64::consts::LN_2;
+        // A series of half decades ends 5.06 octaves above its fourth last N.
+        let there = &all[all.partition_point(|point| point.0 < from - 0.1)..];
+        let first = there.first()?.0;
+        let short = last - first < LEAST_SPAN.ln() * (1.0 - 1e-9);
+        if there.len() < 3 || short || first < LEAST_TAIL.ln() * (1.0 - 1e-9) {
+            return None;
+        }
+        let of_law: Vec<(f64, f64)> =
+            there.iter().map(|(x, _)| (*x, law.at(x.exp()).ln())).collect();
+        let (found, law) = (StraightLine::fit(there)?.slope, StraightLine::fit(&of_law)?.slope);
+        Some(Tail { sizes: [first.exp().round(), last.exp().round()], found, law })
+    }
+
+    /// Is it farther from the law's than [`LIMIT`]?
+    pub fn is_off(&self) -> bool {
+        (self.found - self.law).abs() > LIMIT
+    }
+}
+
 /// Chooses among the models, or says why it cannot.
 pub fn choose(points: &[(f64, f64)]) -> Choice {
     let kept = logs(points);
@@ -345,6 +391,29 @@ mod tests {
             Err(Doubt::Trend { found, .. }) => assert!((found - 1.5).abs() < 1e-9),
             other => panic!("{other:?}"),
         }
+    }
+
+    #[test]
+    fn the_last_octaves_tell_a_small_factor_from_a_boundary() {
+        let tail = |law, f: fn(f64) -> f64| Tail::new(&points(f), law).unwrap();
+        for (law, f) in [
+            (Model::Linear, (|n| 13.0 * n - 9.0 * n.powf(2.0 / 3.0)) as fn(f64) -> f64),
+            (Model::Linear, |n| 4.0 * n + 100.0),
+            (Model::Linearithmic, |n| n * n.log2() - 1.2 * n),
+            (Model::Quadratic, |n| n * (n - 1.0) / 2.0),
+        ] {
+            let found = tail(law, f);
+            assert!(!found.is_off() && found.sizes == [3e3, 1e5], "{found:?}");
+        }
+        for (law, f) in [
+            (Model::Linear, (|n| n.powf(1.3)) as fn(f64) -> f64),
+            (Model::Linear, |n| n.powf(0.95)),
+            (Model::Linearithmic, |n| n.powf(1.05) * n.log2()),
+            (Model::Quadratic, |n| n.powf(2.04)),
+        ] {
+            assert!(tail(law, f).is_off(), "{:?}", tail(law, f));
+        }
+        assert_eq!(Tail::new(&points(|n| n)[..2], Model::Linear), None);
     }
 
     #[test]

@@ -227,7 +227,10 @@ fn what_does_not_belong_together_is_not_merged() {
     refused(
         folder,
         &["merge", "a", "count", "--out", "b"],
-        &["list_push of nbs (exact, packed) with N = 50 in count is another", "Compare them"],
+        &[
+            "the count of operations of nbs (exact, packed) with N = 50 in count is another",
+            "Compare them",
+        ],
     );
     changed(folder, "a", "scene", |row| row["stats"]["scene_hash"] = "0x1".into(), |_| ());
     refused(

@@ -94,6 +94,12 @@ fn a_row_has_the_fields_of_the_format() {
         }
         assert!(row["resources"]["threads"].is_u64(), "{line}");
         assert_eq!(row["time_ns"].is_u64(), row["pass"] == "time");
+        assert_eq!(row["first_ns"].is_u64(), row["pass"] == "time");
+        // A sample is many detections, however short one is.
+        if row["pass"] == "time" {
+            let (calls, elapsed) = (&row["calls"], &row["elapsed_ns"]);
+            assert!(calls.as_u64() > Some(100) && elapsed.as_u64() > Some(1_000_000), "{line}");
+        }
         assert_eq!(row["digest"].as_str().unwrap().len(), "0x".len() + 16);
         assert_eq!(row["outcome"], "ok");
     }

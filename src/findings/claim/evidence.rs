@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::record::row::Outcome;
-use crate::stats::growth::{Doubt, Model, Slope};
+use crate::stats::growth::{Doubt, Model, Slope, Tail};
 use crate::stats::interval::Interval;
 
 /// What was found of a claim, and what it was found without.
@@ -148,4 +148,6 @@ pub struct Series {
     pub slope: Option<Slope>,
     /// The law that fits, or why none does.
     pub law: Result<Model, Doubt>,
+    /// Its exponent over the last octaves, where that is not the claimed law's.
+    pub off: Option<Tail>,
 }

@@ -76,6 +76,23 @@ fn each_kind_holds_and_fails() {
         ("kind = 'model'\nvalue = 'contact_test'\nmodel = 'N'".into(), Fails, "direct: exponent"),
         (
             format!("kind = 'model'\nvalue = 'n ^ 1.5'\nmodel = 'N log N'\n{nbs}"),
+            Fails,
+            "1.500 over n = 1000..30000, where N log N has 1.118: 0.382 off, 0.03 allowed",
+        ),
+        (
+            format!("kind = 'model'\nvalue = 'list_push * n ^ 0.3'\nmodel = 'N'\n{nbs}"),
+            Fails,
+            "0.300 off",
+        ),
+        (
+            format!("kind = 'model'\nvalue = 'list_push * n ^ 0.05'\nmodel = 'N'\n{nbs}"),
+            Fails,
+            "0.050 off",
+        ),
+        (
+            "kind = 'model'\nvalue = 'n ^ 1.5'\nmodel = 'N log N'\n\
+             where = { detector = 'nbs', n = '<= 3000' }"
+                .into(),
             NotShown,
             "undecided",
         ),

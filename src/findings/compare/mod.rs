@@ -96,7 +96,7 @@ pub enum Absent {
 pub enum Lack {
     /// Only one has made this pass.
     Pass(Pass, Side),
-    /// Only one has this: `times`, or the name of a column.
+    /// Only one has this: `times`, `counts`, or the name of a column.
     Value(&'static str, Side),
     /// Both have times, but no ratio of them.
     Blocks,
@@ -300,7 +300,9 @@ fn lacks(a: &Cell, b: &Cell, timed: bool) -> Vec<Lack> {
         found.extend(Side::only(a, b).map(|side| Lack::Value(what, side)));
     };
     see("times", a.time().is_some(), b.time().is_some());
-    for name in exact() {
+    see("counts", a.has(Pass::Count), b.has(Pass::Count));
+    let bytes = Column::measured_by(Pass::Memory).map(|column| &*column.name);
+    for name in ["contacts"].into_iter().chain(bytes) {
         see(name, a.values.contains_key(name), b.values.contains_key(name));
     }
     if !timed && a.time().is_some() && b.time().is_some() {

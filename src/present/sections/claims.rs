@@ -5,6 +5,7 @@ use crate::number::{number, percent, plural};
 use crate::present::document::{Block, Text};
 use crate::present::table::{Cell, Column, Table};
 use crate::record::row::Outcome;
+use crate::stats::growth::{LIMIT, Tail};
 
 /// `26 claims: 25 hold, 0 fail, 1 could not be shown`.
 pub fn score(verdicts: &[Verdict]) -> String {
@@ -127,9 +128,15 @@ fn series(series: &Series, wanted: &str) -> String {
     let exponent = series.slope.map_or_else(String::new, |slope| {
         format!("exponent {:.3} [{:.3}, {:.3}], ", slope.exponent, slope.low, slope.high)
     });
-    let law = match series.law {
-        Ok(law) => format!("{} fits, not {wanted}", law.name()),
-        Err(doubt) => format!("undecided: {doubt}"),
+    let law = match (series.law, series.off) {
+        (Ok(law), _) if law.name() != wanted => format!("{} fits, not {wanted}", law.name()),
+        (_, Some(Tail { sizes: [first, last], found, law })) => format!(
+            "{found:.3} over n = {first}..{last}, where {wanted} has {law:.3}: {:.3} off, {LIMIT} \
+             allowed",
+            (found - law).abs()
+        ),
+        (Ok(_), None) => format!("{wanted} fits"),
+        (Err(doubt), None) => format!("undecided: {doubt}"),
     };
     format!("{place}{exponent}{law}")
 }
