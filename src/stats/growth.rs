@@ -35,8 +35,8 @@ pub const TREND: f64 = 0.1;
 pub const UPPER_TREND: f64 = 0.05;
 
 /// A series that grows by a law has its exponent over the last [`OCTAVES`], to within this. (Both
-/// are of what detectors do: there a boundary, which has N^((D-1)/D) of N particles, moves exponents
-/// by up to 0.023; a factor of N^0.05 moves them by 0.05.)
+/// are of what detectors do: there a boundary, which has N^((D-1)/D) of N particles, moves
+/// exponents by up to 0.023; a factor of N^0.05 moves them by 0.05.)
 pub const LIMIT: f64 = 0.03;
 /// So many doublings of N at the end tell how a series grows,
 pub const OCTAVES: i32 = 5;
