@@ -135,6 +135,10 @@ fn run_named(options: &Run, name: &str) -> anyhow::Result<ExitCode> {
         done: &done.rows,
     };
     let ready = job::prepare(&job)?;
+    ensure!(
+        ready.scenes() > 0 || options.shard.is_some(),
+        "there is no scene to run: a list such as n = [] is empty; give it a value"
+    );
     std::fs::create_dir_all(folder.join("experiments")).with_context(|| {
         format!("cannot make the result folder {}; choose another with --out", folder.display())
     })?;

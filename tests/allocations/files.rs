@@ -140,7 +140,7 @@ const DATA: &str = "made by hand\n\n2 atoms\n1 atom types\n0 9 xlo xhi\n0 9 ylo 
                     zhi\n\nMasses\n\n1 1.0\n\nAtoms # sphere\n\n7 1 1.0 2500 1 2 3\n3 1 0.5 2500 \
                     4 5 6 0 0 -1 # the second\n\nVelocities\n\n7 0 0 0 0 0 0\n";
 const MERCURY: &str =
-    "2 0.5 0 0 0 9 9 9\n1 2 3 0 0 0 0 0 0 0 0 0 0.5 0\n4 5 6 0 0 0 0 0 0 0 0 0 0.25 0\n";
+    "2 0.5 0 0 0 9 9 9\n1 2 3 0 0 0 0.5 0 0 0 0 0 7 0\n4 5 6 0 0 0 0.25 0 0 0 0 0 7 0\n";
 const VTK_HEAD: &str = "# vtk DataFile Version 3.0\nparticles\n";
 const PLY_HEAD: &str = "ply\nformat FORMAT 1.0\ncomment none\nelement vertex 2\nproperty float \
                         x\nproperty float y\nproperty float z\nproperty uchar red\nproperty float \

@@ -1,8 +1,8 @@
 //! MercuryDPM `.data`: frames of a header `N time xmin ymin zmin xmax ymax zmax` (in 2D also
 //! without zmin and zmax) and N lines.
 //!
-//! Spheres have 14 columns or more: position, velocity, orientation and angular velocity (three
-//! each), radius, species. Discs have 8: x y vx vy radius angle angular-velocity species. Format:
+//! Spheres have 14 columns or more: position and velocity (three each), radius, orientation and
+//! angular velocity (three each), species. Discs have 8: x y vx vy radius angle angular-velocity species. Format:
 //! the MercuryDPM documentation, "data file".
 
 use anyhow::{bail, ensure};
@@ -12,7 +12,7 @@ use crate::io::lines::{Lines, Separator, Source, number, words};
 use crate::io::particles::{Columns, Particles, loaded};
 use crate::io::{About, Options};
 
-const SPACE: &str = "x y z vx vy vz qx qy qz wx wy wz radius species";
+const SPACE: &str = "x y z vx vy vz radius qx qy qz wx wy wz species";
 const PLANE: &str = "x y vx vy radius angle omega species";
 
 /// Six or eight numbers, the first of them whole, and 8 or at least 14 in the next line.

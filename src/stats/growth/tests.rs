@@ -1,0 +1,132 @@
+//! Made-up series of every kind.
+
+use super::*;
+
+const N: [f64; 7] = [100.0, 300.0, 1e3, 3e3, 1e4, 3e4, 1e5];
+
+fn points(f: impl Fn(f64) -> f64) -> Vec<(f64, f64)> {
+    N.iter().map(|&n| (n, f(n))).collect()
+}
+
+/// A fixed relative wobble of about one per cent.
+fn wobble(n: f64) -> f64 {
+    1.0 + 0.01 * (n.ln() * 7.3).sin()
+}
+
+#[test]
+fn laws_are_recognised_exact_and_with_noise() {
+    for (f, expected) in [
+        (Box::new(|n: f64| 4.0 * n) as Box<dyn Fn(f64) -> f64>, Model::Linear),
+        (Box::new(|n: f64| 4.0 * n + 100.0), Model::Linear),
+        (Box::new(|n: f64| 3.0 * n - 2.0 * n.sqrt()), Model::Linear),
+        (Box::new(|n: f64| n * n.log2()), Model::Linearithmic),
+        (Box::new(|n: f64| 2.0 * n * n.log2() - 2.0 * n), Model::Linearithmic),
+        (Box::new(|n: f64| n * (n - 1.0) / 2.0), Model::Quadratic),
+    ] {
+        for noisy in [false, true] {
+            let choice = choose(&points(|n| f(n) * if noisy { wobble(n) } else { 1.0 }));
+            assert_eq!(choice.law, Ok(expected), "{choice:?}");
+            // nothing scores better than the floor allows, however exact
+            assert!(
+                choice.scores.iter().all(|s| s.1.is_finite() && s.1 >= 7.0 * (FLOOR * FLOOR).ln())
+            );
+        }
+    }
+}
+
+#[test]
+fn it_says_why_it_is_undecided() {
+    use std::mem::discriminant;
+    let trend = |upper| Doubt::Trend { best: Model::Linear, upper, found: 0.0, expected: 0.0 };
+    let hundreds = |k: i32| (100.0 * f64::from(k), 100.0 * f64::from(k));
+    for (points, doubt) in [
+        (points(|n| n.powf(1.5)), trend(false)),
+        (points(|n| n.powf(1.2)), trend(false)),
+        (points(|n| n.powf(0.8)), trend(false)),
+        (points(|n| n)[..4].to_vec(), Doubt::FewSizes(4)),
+        ((1..=7).map(hundreds).collect(), Doubt::NarrowSpan(7.0)),
+        (points(|n| n - 100.0), Doubt::NotPositive),
+        (Vec::new(), Doubt::FewSizes(0)),
+    ] {
+        let found = choose(&points).law.unwrap_err();
+        assert_eq!(discriminant(&found), discriminant(&doubt), "{found}");
+    }
+    assert!(choose(&points(|n| n * n.log2().sqrt())).law.is_err());
+    match choose(&points(|n| n.powf(1.5))).law {
+        Err(Doubt::Trend { found, .. }) => assert!((found - 1.5).abs() < 1e-9),
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn the_last_octaves_tell_a_small_factor_from_a_boundary() {
+    let tail = |law, f: fn(f64) -> f64| Tail::new(&points(f), law).unwrap();
+    for (law, f) in [
+        (Model::Linear, (|n| 13.0 * n - 9.0 * n.powf(2.0 / 3.0)) as fn(f64) -> f64),
+        (Model::Linear, |n| 4.0 * n + 100.0),
+        (Model::Linearithmic, |n| n * n.log2() - 1.2 * n),
+        (Model::Quadratic, |n| n * (n - 1.0) / 2.0),
+    ] {
+        let found = tail(law, f);
+        assert!(!found.is_off() && found.sizes == [3e3, 1e5], "{found:?}");
+    }
+    for (law, f) in [
+        (Model::Linear, (|n| n.powf(1.3)) as fn(f64) -> f64),
+        (Model::Linear, |n| n.powf(0.95)),
+        (Model::Linearithmic, |n| n.powf(1.05) * n.log2()),
+        (Model::Quadratic, |n| n.powf(2.04)),
+    ] {
+        assert!(tail(law, f).is_off(), "{:?}", tail(law, f));
+    }
+    assert_eq!(Tail::new(&points(|n| n)[..2], Model::Linear), None);
+}
+
+#[test]
+fn a_surface_term_is_not_called_n_log_n() {
+    // contacts of a lattice block: the surface, of order N^(2/3), has fewer
+    let choice = choose(&points(|n| 6.0 * n - 9.0 * n.powf(2.0 / 3.0)));
+    assert_ne!(choice.law, Ok(Model::Linearithmic), "{choice:?}");
+}
+
+#[test]
+fn the_slope_has_the_textbook_error() {
+    // x = ln N in {1, 2, 3, 4}; y = 1.2, 1.9, 3.2, 3.7: b = 0.88, residuals 0.02, -0.16, 0.26,
+    // -0.12
+    let points: Vec<(f64, f64)> = [(1.0, 1.2), (2.0, 1.9), (3.0, 3.2), (4.0, 3.7)]
+        .iter()
+        .map(|&(x, y): &(f64, f64)| (x.exp(), y.exp()))
+        .collect();
+    let found = slope(&points).unwrap();
+    let error =
+        ((0.02_f64.powi(2) + 0.16_f64.powi(2) + 0.26_f64.powi(2) + 0.12_f64.powi(2)) / 2.0 / 5.0)
+            .sqrt();
+    assert!((found.exponent - 0.88).abs() < 1e-9, "{found:?}");
+    assert!((found.error - error).abs() < 1e-9, "{found:?} {error}");
+    assert!((found.high - 0.88 - 4.30265 * error).abs() < 1e-6);
+}
+
+#[test]
+fn student_is_near_the_printed_table() {
+    // degrees of freedom, 97.5% point, relative error
+    for (freedom, printed, error) in [
+        (1, 12.7062, 1e-9),
+        (2, 4.30265, 1e-9),
+        (3, 3.18245, 1.3e-3),
+        (4, 2.77645, 5e-4),
+        (5, 2.57058, 2e-4),
+        (13, 2.16037, 1e-5),
+        (1000, 1.96234, 1e-5),
+    ] {
+        let found = student(freedom) / printed - 1.0;
+        assert!(found.abs() <= error, "{freedom}: {found:e}");
+    }
+}
+
+#[test]
+fn names_are_read_back() {
+    for model in Model::ALL {
+        assert_eq!(Model::parse(model.name()), Some(model));
+    }
+    assert_eq!(Model::parse("n log2 n"), Some(Model::Linearithmic));
+    assert_eq!(Model::parse("N^3"), None);
+}
