@@ -2,8 +2,8 @@
 //! without zmin and zmax) and N lines.
 //!
 //! Spheres have 14 columns or more: position and velocity (three each), radius, orientation and
-//! angular velocity (three each), species. Discs have 8: x y vx vy radius angle angular-velocity species. Format:
-//! the MercuryDPM documentation, "data file".
+//! angular velocity (three each), species. Discs have 8: x y vx vy radius angle angular-velocity
+//! species. Format: the MercuryDPM documentation, "data file".
 
 use anyhow::{bail, ensure};
 
