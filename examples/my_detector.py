@@ -2,7 +2,7 @@
 
 contactbench check --runner "python3 examples/my_detector.py"
 """
-import json, struct, sys, time
+import json, os, struct, sys, time
 
 
 def detect(centres, radii):
@@ -66,8 +66,8 @@ def answer(scene, request, path=None, min_ns=1, **load_fields):
     return {"reply": "unsupported"}
 
 
-print(json.dumps({"reply": "hello", "protocol": 2, "detector": "my-detector", "arithmetic": "f64"}), flush=True)
-scene = []
+scene, channel, _ = [], os.fdopen(os.dup(1), "w"), os.dup2(2, 1)  # replies have a descriptor of their own; what a library prints goes to standard error
+print(json.dumps({"reply": "hello", "protocol": 2, "detector": "my-detector", "arithmetic": "f64"}), file=channel, flush=True)
 for line in sys.stdin:
     try:
         asked = json.loads(line)
@@ -76,4 +76,4 @@ for line in sys.stdin:
         reply = answer(scene, **asked)
     except Exception as error:
         reply = {"reply": "error", "reason": f"{type(error).__name__}: {error}"}
-    print(json.dumps(reply), flush=True)
+    print(json.dumps(reply), file=channel, flush=True)

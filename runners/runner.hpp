@@ -3,6 +3,9 @@
 //
 // A detector that keeps more than buffers for its next detection has a member function `reset()`, which drops it: a sample is passes over the
 // trajectory, and each pass begins with a reset. These runners take scenes at rest, trajectories of one frame.
+//
+// A member function `prepare(scene)` is called once for each scene, outside the clock: for what does not depend on coordinates.
+// What the library prints on standard output goes to standard error: the protocol has a descriptor of its own.
 #pragma once
 
 #include <algorithm>
@@ -20,6 +23,11 @@
 #include <stdexcept>
 #include <string>
 #include <vector>
+#ifdef _WIN32
+#include <io.h>
+#else
+#include <unistd.h>
+#endif
 
 namespace runner {
 
@@ -92,7 +100,30 @@ inline std::string escaped(const std::string& text) {
     return out;
 }
 
-inline void say(const std::string& reply) { std::cout << reply << std::endl; }
+// Where replies go.
+inline std::FILE*& channel() {
+    static std::FILE* file = stdout;
+    return file;
+}
+
+// Keeps standard output for the protocol alone: descriptor 1 becomes standard error, and replies go to a copy of what it was.
+inline void own_channel() {
+    std::fflush(stdout);
+#ifdef _WIN32
+    const int copy = _dup(1);
+    std::FILE* file = copy < 0 ? nullptr : _fdopen(copy, "w");
+    if (file && _dup2(2, 1) == 0) channel() = file;
+#else
+    const int copy = dup(1);
+    std::FILE* file = copy < 0 ? nullptr : fdopen(copy, "w");
+    if (file && dup2(2, 1) == 1) channel() = file;
+#endif
+}
+
+inline void say(const std::string& reply) {
+    std::fputs((reply + "\n").c_str(), channel());
+    std::fflush(channel());
+}
 
 inline std::vector<double> numbers(const std::string& path, std::size_t count) {
     std::ifstream file(path, std::ios::binary);
@@ -152,6 +183,10 @@ inline void write(const std::string& path, const Pairs& pairs) {
 template <class Detect> auto reset(Detect& detect, int) -> decltype(detect.reset()) { return detect.reset(); }
 template <class Detect> void reset(Detect&, long) {}
 
+// The member function `prepare`, if there is one.
+template <class Detect, class Scene> auto prepare(Detect& detect, const Scene& scene, int) -> decltype(detect.prepare(scene)) { return detect.prepare(scene); }
+template <class Detect, class Scene> void prepare(Detect&, const Scene&, long) {}
+
 // Nanoseconds of so many passes.
 template <int D, class Detect> std::uint64_t timed(Detect& detect, const Scene<D>& scene, std::uint64_t passes, Pairs& pairs) {
     const auto start = std::chrono::steady_clock::now();
@@ -163,12 +198,30 @@ template <int D, class Detect> std::uint64_t timed(Detect& detect, const Scene<D
     return static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now() - start).count());
 }
 
+// What the compiler was, and the widest instructions that it might use.
+#if defined(__clang__)
+inline const std::string compiler = "clang " __clang_version__;
+#elif defined(__GNUC__)
+inline const std::string compiler = "gcc " __VERSION__;
+#else
+inline const std::string compiler = "unknown";
+#endif
+#if defined(__AVX512F__)
+inline const std::string level = "avx512";
+#elif defined(__AVX2__)
+inline const std::string level = "avx2";
+#else
+inline const std::string level = "portable";
+#endif
+
 // Answers requests until `quit`. `Plane` and `Space` are called with a scene and a cleared list of pairs: one detection, from raw coordinates on.
 // `arithmetic` is the one in which the answers are right: `exact`, `f64` (as `Scene::touch` decides), `textbook` or `f32`.
 template <class Plane, class Space>
 void serve(const std::string& name, const std::string& version, Plane plane, Space space, const std::string& arithmetic = "exact") {
     std::ios::sync_with_stdio(false);
-    say("{\"reply\":\"hello\",\"protocol\":2,\"detector\":\"" + name + "\",\"arithmetic\":\"" + arithmetic + "\",\"version\":\"" + version + "\"}");
+    own_channel();
+    say("{\"reply\":\"hello\",\"protocol\":2,\"detector\":\"" + name + "\",\"arithmetic\":\"" + arithmetic + "\",\"version\":\"" + version +
+        "\",\"build\":{\"compiler\":\"" + compiler + "\",\"level\":\"" + level + "\"}}");
     std::optional<Scene<2>> flat;
     std::optional<Scene<3>> solid;
     std::uint64_t calls = 0;
@@ -182,6 +235,8 @@ void serve(const std::string& name, const std::string& version, Plane plane, Spa
                 flat.reset(), solid.reset(), calls = 0;
                 if (field(line, "dim") == "2") flat = load<2>(line);
                 else solid = load<3>(line);
+                if (flat) prepare(plane, *flat, 0);
+                else prepare(space, *solid, 0);
                 say("{\"reply\":\"loaded\"}");
             } else if (asked == "count" || asked == "memory") {
                 say("{\"reply\":\"unsupported\"}");
@@ -189,13 +244,19 @@ void serve(const std::string& name, const std::string& version, Plane plane, Spa
                 say("{\"reply\":\"error\",\"reason\":\"no scene is loaded; send load first\"}");
             } else if (asked == "sample") {
                 const std::uint64_t first = detect(1);
-                if (calls == 0) {
-                    const std::uint64_t least = std::stoull(field(line, "min_ns"));
+                const bool fresh = calls == 0;
+                const std::uint64_t least = std::stoull(field(line, "min_ns"));
+                if (fresh) {
                     calls = 1;
                     for (std::uint64_t took; (took = detect(calls)) < least;)
                         calls = std::max(calls + 1, std::min(10 * calls, least * calls / std::max<std::uint64_t>(took, 1) * 9 / 8));
                 }
-                const std::uint64_t took = detect(calls);
+                std::uint64_t took = detect(calls);
+                // What disturbed the calibration made the detections too few.
+                while (fresh && took < least / 2) {
+                    calls = std::min(10 * calls, std::max(calls + 1, least * calls / std::max<std::uint64_t>(took, 1)));
+                    took = detect(calls);
+                }
                 const std::uint64_t each = (took + calls / 2) / calls;
                 std::ostringstream reply;
                 reply << "{\"reply\":\"sample\",\"time_ns\":" << each << ",\"calls\":" << calls << ",\"elapsed_ns\":" << took << ",\"step_ns\":[" << each << "],\"first_ns\":" << first << "," << digest(pairs) << "}";

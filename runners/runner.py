@@ -10,6 +10,7 @@ of one frame.
 
 import json
 import os
+import platform
 import sys
 import time
 
@@ -18,9 +19,16 @@ for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "NUMB
     os.environ[name] = "1"
 
 
+# What a library prints on standard output, from C too, goes to standard error: replies have a
+# descriptor of their own.
+sys.stdout.flush()
+channel = os.fdopen(os.dup(1), "w")
+os.dup2(2, 1)
+
+
 def say(reply, **fields):
-    sys.stdout.write(json.dumps({"reply": reply, **fields}) + "\n")
-    sys.stdout.flush()
+    channel.write(json.dumps({"reply": reply, **fields}) + "\n")
+    channel.flush()
 
 
 def unavailable(library, install, error):
@@ -103,7 +111,8 @@ def at_rest(frames, dim, n, radius):
 def serve(name, version, prepare, arithmetic="exact"):
     """Answers requests until `quit`. `prepare(scene)` is outside the clock: for what does not depend
     on coordinates, and for conversions."""
-    say("hello", protocol=2, detector=name, arithmetic=arithmetic, version=version)
+    build = {"python": platform.python_version(), "numpy": np.__version__}
+    say("hello", protocol=2, detector=name, arithmetic=arithmetic, version=version, build=build)
     detect, calls = None, None
     for line in sys.stdin:
         request = json.loads(line)
@@ -121,11 +130,16 @@ def serve(name, version, prepare, arithmetic="exact"):
                 say("error", reason="no scene is loaded; send load first")
             elif asked == "sample":
                 first = timed(detect, 1)[0]
-                if calls is None:
+                fresh = calls is None
+                if fresh:
                     calls, least = 1, request["min_ns"]
                     while (elapsed := timed(detect, calls)[0]) < least:
                         calls = max(calls + 1, min(10 * calls, least * calls * 9 // (8 * max(elapsed, 1))))
                 elapsed, pairs = timed(detect, calls)
+                # What disturbed the calibration made the detections too few.
+                while fresh and elapsed < least // 2:
+                    calls = min(10 * calls, max(calls + 1, least * calls // max(elapsed, 1)))
+                    elapsed, pairs = timed(detect, calls)
                 each = (elapsed + calls // 2) // calls
                 say("sample", time_ns=each, calls=calls, elapsed_ns=elapsed, step_ns=[each], first_ns=first, **digest(pairs))
             elif asked == "pairs":

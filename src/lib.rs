@@ -38,7 +38,7 @@
 //! ```
 
 pub use contactbench_core::{
-    contact, detect, event, filter, oracle, probe, sink, wide, with_scene,
+    contact, crowd, detect, event, filter, memory, oracle, pair_list, probe, sink, wide, with_scene,
 };
 
 pub mod cells;
@@ -47,6 +47,7 @@ pub mod cli;
 pub mod experiment;
 pub mod findings;
 pub mod io;
+pub mod nearest;
 pub mod number;
 pub mod present;
 pub mod recommend;

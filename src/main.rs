@@ -4,19 +4,32 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use contactbench::cli::{
-    Cli, Verb, check, compare, detect, draw, inspect, list, merge, new_detector, recommend, run,
-    runner, scene, shell, trace, verify,
+    Cli, Verb, check, compare, detect, draw, inspect, list, merge, new_detector, recommend, report,
+    run, runner, scene, shell, trace, verify,
 };
+use contactbench::record::faults::Damaged;
 use contactbench::run::alloc::Counting;
 
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
 fn main() -> ExitCode {
-    let result = match Cli::parse().verb {
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(error) => {
+            let advice = shell::advice(&error);
+            if advice.is_some() || error.use_stderr() {
+                let _ = error.print();
+                advice.into_iter().for_each(|advice| eprintln!("\n  tip: {advice}"));
+                return ExitCode::from(2);
+            }
+            error.exit()
+        }
+    };
+    let result = match cli.verb {
         None => run::standard(),
         Some(Verb::Run(options)) => run::run(&options),
-        Some(Verb::Report(options)) => run::report(&options),
+        Some(Verb::Report(options)) => report::report(&options),
         Some(Verb::Compare(options)) => compare::compare(&options),
         Some(Verb::Merge(options)) => merge::merge(&options),
         Some(Verb::List(options)) => list::list(&options),
@@ -37,7 +50,8 @@ fn main() -> ExitCode {
         Err(error) if broken_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("contactbench: {error:#}");
-            ExitCode::from(2)
+            // What is wrong is found, as a wrong answer is.
+            ExitCode::from(if error.chain().any(|cause| cause.is::<Damaged>()) { 1 } else { 2 })
         }
     }
 }

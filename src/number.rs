@@ -30,6 +30,42 @@ pub fn number(value: f64) -> String {
     }
 }
 
+/// A whole number as people write it: `1000000`, `1e6`, `1_000_000`. None if it is not one from 0
+/// to 2^53, or to 2^64 in digits.
+pub fn whole(text: &str) -> Option<u64> {
+    let text = text.trim().replace('_', "");
+    let real = || {
+        let value: f64 = text.parse().ok()?;
+        let exact = value >= 0.0 && value.fract() == 0.0 && value <= (1u64 << 53) as f64;
+        exact.then_some(value as u64)
+    };
+    text.parse().ok().or_else(real)
+}
+
+/// Bytes as people write them: a whole number, or one with a unit such as `4GiB`, `512 MiB` or
+/// `1.5GB`.
+pub fn bytes(text: &str) -> Option<u64> {
+    let text = text.trim();
+    let end = text.find(|c: char| c.is_alphabetic() && !matches!(c, 'e' | 'E'));
+    let (value, unit) = text.split_at(end.unwrap_or(text.len()));
+    let one: f64 = match unit.to_ascii_lowercase().as_str() {
+        "" => return whole(value),
+        "b" => 1.0,
+        "kb" => 1e3,
+        "mb" => 1e6,
+        "gb" => 1e9,
+        "tb" => 1e12,
+        "k" | "kib" => 1024.0,
+        "m" | "mib" => 1024f64.powi(2),
+        "g" | "gib" => 1024f64.powi(3),
+        "t" | "tib" => 1024f64.powi(4),
+        _ => return None,
+    };
+    let value: f64 = value.trim().parse().ok()?;
+    let bytes = (value * one).round();
+    (bytes >= 0.0 && bytes < u64::MAX as f64).then_some(bytes as u64)
+}
+
 /// A fraction as a percentage.
 pub fn percent(fraction: f64) -> String {
     let value = 100.0 * fraction;
@@ -113,6 +149,18 @@ mod tests {
         let wide = Interval { median: 1.25, low: 1.2, high: 11.0, coverage: 0.96, count: 15 };
         assert_eq!(with_interval(&wide), "1.25 (1.20 to 11.00)");
         assert_eq!([1.254, 12.54].map(times), ["1.25", "12.5"]);
+    }
+
+    #[test]
+    fn numbers_are_read_as_people_write_them() {
+        let all = ["1000", "1e3", "1_000", "1000.0", "18446744073709551615", "1.5", "-1", "", "x"];
+        let wholes = [Some(1000), Some(1000), Some(1000), Some(1000), Some(u64::MAX)];
+        assert_eq!(all.map(whole)[..5], wholes);
+        assert_eq!(all.map(whole)[5..], [None; 4]);
+        let all = ["4096", "4GiB", "4 GiB", "4g", "0.5MB", "1e3kB", "4 GiBi", "GiB", "-1MiB"];
+        let gib = Some(4 << 30);
+        let sizes = [Some(4096), gib, gib, gib, Some(500_000), Some(1_000_000), None, None, None];
+        assert_eq!(all.map(bytes), sizes);
     }
 
     #[test]

@@ -30,7 +30,8 @@ pub enum Error {
 ///
 /// # Errors
 /// Coordinates or radii that are not finite, negative radii, as many radii as are neither one nor
-/// the number of centres, more than 2^31 - 1 particles, arrays of more than 4 GiB, a scene of 2^31
+/// the number of centres, more than 2^31 - 1 particles, arrays or pairs of
+/// more than 4 GiB or a quarter of the machine's memory, a scene of 2^31
 /// cells along an axis.
 pub fn contacts<const D: usize>(centres: &[[f64; D]], radii: &[f64]) -> Result<Vec<[u32; 2]>, Error>
 where
@@ -82,7 +83,7 @@ impl<const D: usize> Contacts<D> {
 }
 
 impl<const D: usize> Default for Contacts<D> {
-    /// 4 GiB and one thread.
+    /// 4 GiB, or a quarter of the machine's memory if that is less, and one thread.
     fn default() -> Contacts<D> {
         Contacts::new(Options::default())
     }

@@ -24,22 +24,26 @@
 //! 3. [`detect`]: a detector finds the touching pairs; one file per algorithm, one line each in
 //!    [`detect::table`].
 //! 4. [`probe`] counts operations, or costs nothing when nobody listens; [`event`] tells them one
-//!    by one; [`sink`] makes the contacts a list, a count or a digest.
-//! 5. [`refusal`]: why a detector will not work on a scene.
+//!    by one; [`sink`] makes the contacts a list, a count or a digest; a [`pair_list`] has a limit.
+//! 5. [`refusal`]: why a detector will not work on a scene; [`crowd`] knows it before it is tried;
+//!    [`memory`] says what limit fits the machine.
 //! 6. [`oracle`]: the true contacts, by testing all pairs, and what an answer got wrong.
 //! 7. [`wide`]: sixteen floats at a time.
 //!
 //! Each imports only those before it (detectors use [`wide`], the oracle uses detectors). There is
-//! no file, process, figure or command line here; those are in the crate `contactbench`, which
-//! measures these detectors.
+//! no file (but for the system's word on its memory), process, figure or command line here; those
+//! are in the crate `contactbench`, which measures these detectors.
 #![deny(missing_docs)]
 
 pub mod contact;
 mod contacts;
+pub mod crowd;
 pub mod detect;
 pub mod event;
 pub mod filter;
+pub mod memory;
 pub mod oracle;
+pub mod pair_list;
 mod parallel;
 pub mod probe;
 pub mod refusal;

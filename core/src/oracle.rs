@@ -14,13 +14,15 @@ use serde::{Deserialize, Serialize};
 
 use crate::contact::depth::depth;
 use crate::contact::{Arithmetic, Bodies, Test, WithBodies, with_stored};
+use crate::crowd;
 use crate::detect::Options;
 use crate::detect::table::{self, Role};
+use crate::pair_list::{Allowance, PairList};
 use crate::parallel;
 use crate::probe::Silent;
 use crate::refusal::Refusal;
 use crate::scene::{AnyScene, Real, array};
-use crate::sink::{Digest, normalise};
+use crate::sink::{Digest, Sink, normalise};
 use crate::with_scene;
 
 /// How a set of pairs differs from another that is taken for true.
@@ -153,24 +155,37 @@ pub enum NoTruth {
 
 /// The truth about `scene` in `arithmetic` (which may round the scene to f32 first): what all pairs
 /// tested give.
+///
+/// # Errors
+/// See [`truth_as_stored`]; the limit is that of [`Options::default`].
 pub fn truth(scene: &AnyScene<'_>, arithmetic: Arithmetic) -> Result<Truth, NoTruth> {
-    truth_as_stored(&scene.stored(arithmetic)?, arithmetic.test())
+    let limit = Options::default().memory_limit;
+    truth_as_stored(&scene.stored(arithmetic)?, arithmetic.test(), limit)
 }
 
-/// The truth about a scene as it is stored, in a contact test.
-pub fn truth_as_stored(scene: &AnyScene<'_>, test: Test) -> Result<Truth, NoTruth> {
+/// The truth about a scene as it is stored, in a contact test. A list of pairs may take `limit`
+/// bytes; while the truth is being found there may be two.
+///
+/// # Errors
+/// [`NoTruth::Refused`] if there are more pairs than that, or no square can be computed in the
+/// test; else what [`NoTruth`] says.
+pub fn truth_as_stored(scene: &AnyScene<'_>, test: Test, limit: u64) -> Result<Truth, NoTruth> {
     let test = test.safe();
     if test == Test::Exact && !scene.is_f64() {
-        return truth_as_stored(&scene.stored(Arithmetic::F64)?, test);
+        return truth_as_stored(&scene.stored(Arithmetic::F64)?, test, limit);
     }
-    let pairs =
-        if scene.len() <= BRUTE_FORCE { brute_force(scene, test)? } else { agreed(scene, test)? };
+    crowd::within(scene, limit)?;
+    let pairs = if scene.len() <= BRUTE_FORCE {
+        brute_force(scene, test, limit)?
+    } else {
+        agreed(scene, test, limit)?
+    };
     let digest = Digest::from_pairs(&pairs);
     Ok(Truth { pairs, digest })
 }
 
-fn brute_force(scene: &AnyScene<'_>, test: Test) -> Result<Vec<[u32; 2]>, Refusal> {
-    rows(scene, test, Rows { particles: None })
+fn brute_force(scene: &AnyScene<'_>, test: Test, limit: u64) -> Result<Vec<[u32; 2]>, Refusal> {
+    rows(scene, test, Rows { particles: None, limit })
 }
 
 fn rows(scene: &AnyScene<'_>, test: Test, rows: Rows) -> Result<Vec<[u32; 2]>, Refusal> {
@@ -180,15 +195,18 @@ fn rows(scene: &AnyScene<'_>, test: Test, rows: Rows) -> Result<Vec<[u32; 2]>, R
     }
 }
 
-fn agreed(scene: &AnyScene<'_>, test: Test) -> Result<Vec<[u32; 2]>, NoTruth> {
+fn agreed(scene: &AnyScene<'_>, test: Test, limit: u64) -> Result<Vec<[u32; 2]>, NoTruth> {
+    let options = Options { memory_limit: limit, ..Options::default() };
     let mut first: Option<(&'static str, Vec<[u32; 2]>)> = None;
     for name in ["nbs", "sorting", "binary-tree", "screening"] {
         let Some(entry) = table::find(name).filter(|entry| entry.role == Role::Detector) else {
             continue;
         };
         let mut pairs = Vec::new();
-        if entry.make(Options::default()).list(scene, test, &mut pairs).is_err() {
-            continue;
+        match entry.make(options).list(scene, test, &mut pairs) {
+            Ok(()) => {}
+            Err(refusal) if refusal.is_of_scene() => return Err(refusal.into()),
+            Err(_) => continue,
         }
         normalise(&mut pairs);
         let Some((earlier, agreed)) = &first else {
@@ -203,17 +221,24 @@ fn agreed(scene: &AnyScene<'_>, test: Test) -> Result<Vec<[u32; 2]>, NoTruth> {
                 b: pairs.len(),
             });
         }
-        check_sample(scene, test, &pairs)?;
+        drop(pairs);
+        let Some((_, pairs)) = first else { break };
+        check_sample(scene, test, &pairs, limit)?;
         return Ok(pairs);
     }
     if scene.len() > LARGEST_BRUTE_FORCE {
         return Err(NoTruth::TooLarge { n: scene.len() });
     }
-    Ok(brute_force(scene, test)?)
+    Ok(brute_force(scene, test, limit)?)
 }
 
 /// Tests random particles against all others.
-fn check_sample(scene: &AnyScene<'_>, test: Test, pairs: &[[u32; 2]]) -> Result<(), NoTruth> {
+fn check_sample(
+    scene: &AnyScene<'_>,
+    test: Test,
+    pairs: &[[u32; 2]],
+    limit: u64,
+) -> Result<(), NoTruth> {
     let mut random = ChaCha8Rng::seed_from_u64(scene.len() as u64);
     let mut particles: Vec<u32> = index::sample(&mut random, scene.len(), SAMPLE.min(scene.len()))
         .into_iter()
@@ -222,67 +247,77 @@ fn check_sample(scene: &AnyScene<'_>, test: Test, pairs: &[[u32; 2]]) -> Result<
     particles.sort_unstable();
     let mut chosen = vec![false; scene.len()];
     particles.iter().for_each(|&k| chosen[k as usize] = true);
-    let theirs: Vec<[u32; 2]> =
-        pairs.iter().copied().filter(|[i, j]| chosen[*i as usize] || chosen[*j as usize]).collect();
-    let mut ours = rows(scene, test, Rows { particles: Some(particles) })?;
+    let mut theirs =
+        pairs.iter().copied().filter(|[i, j]| chosen[*i as usize] || chosen[*j as usize]);
+    let mut ours = rows(scene, test, Rows { particles: Some(particles), limit })?;
     ours.dedup(); // pairs of two chosen particles were tested from both sides
-    if ours == theirs {
-        return Ok(());
+    let mut ours = ours.into_iter();
+    loop {
+        match (ours.next(), theirs.next()) {
+            (None, None) => return Ok(()),
+            (a, b) if a == b => {}
+            (a, b) => {
+                let [i, j] = a.or(b).unwrap_or_default();
+                return Err(NoTruth::Sample { particle: if chosen[i as usize] { i } else { j } });
+            }
+        }
     }
-    let differs = ours
-        .iter()
-        .zip(&theirs)
-        .find(|(a, b)| a != b)
-        .map_or_else(|| ours.last().or(theirs.last()), |(a, _)| Some(a));
-    Err(NoTruth::Sample {
-        particle: differs.map_or(0, |[i, j]| if chosen[*i as usize] { *i } else { *j }),
-    })
 }
 
 /// Tests all pairs, or the given particles against all others; pairs in ascending order (twice
 /// where both particles are given).
 struct Rows {
     particles: Option<Vec<u32>>,
+    /// For the pairs, in bytes.
+    limit: u64,
 }
 
 impl<T: Real, const D: usize> WithBodies<T, D> for Rows {
     type Output = Result<Vec<[u32; 2]>, Refusal>;
     fn call<B: Bodies<T, D>>(self, bodies: B) -> Self::Output {
         let n = bodies.len() as u32;
-        let others = |i: u32, from: u32| {
-            (from..n)
-                .filter(move |&j| j != i && bodies.touch(i, j, &mut Silent))
-                .map(move |j| [i, j])
-        };
-        let rows = self.particles.as_ref().map_or(n as usize, Vec::len);
-        let found = parallel::contacts(rows, rayon::current_num_threads(), &|rows, pairs| {
-            for row in rows {
-                match &self.particles {
-                    None => pairs.extend(others(row as u32, row as u32 + 1)),
-                    Some(particles) => pairs.extend(others(particles[row], 0)),
+        let row = |i: u32, from: u32, pairs: &mut PairList<'_>| {
+            for j in (from..n).filter(|&j| j != i) {
+                if bodies.touch(i, j, &mut Silent) {
+                    pairs.contact(i, j);
                 }
             }
-        });
-        let mut pairs = found.concat();
+        };
+        let count = (self.particles.as_ref().map_or(n as usize, Vec::len), n as usize);
+        let threads = rayon::current_num_threads();
+        let found = parallel::contacts(count, threads, self.limit, &|rows, pairs| {
+            for k in rows {
+                match &self.particles {
+                    None => row(k as u32, k as u32 + 1, pairs),
+                    Some(particles) => row(particles[k], 0, pairs),
+                }
+            }
+        })?;
+        let allowance = Allowance::new(self.limit);
+        let (mut all, mut pairs) = (PairList::new(&allowance), Vec::new());
+        all.gather(&found.iter().map(Vec::as_slice).collect::<Vec<_>>());
+        drop(found);
+        all.end(n as usize, &mut pairs)?;
         normalise(&mut pairs);
         Ok(pairs)
     }
 }
 
-/// What a detector's pairs, in any order, miss and add; `truth` is in ascending order, depths are
-/// those of `scene`.
+/// What a detector's pairs miss and add. Both lists are in the order of [`normalise`], and nothing
+/// is copied; depths are those of `scene`.
 pub fn compare(reported: &[[u32; 2]], truth: &[[u32; 2]], scene: &AnyScene<'_>) -> Errors {
-    let mut reported = reported.to_vec();
-    normalise(&mut reported);
-    let all = reported.len();
-    reported.dedup();
-    let mut errors = Errors { duplicate: (all - reported.len()) as u64, ..Errors::default() };
+    debug_assert!(reported.is_sorted() && truth.is_sorted());
+    let (mut errors, mut last) = (Errors::default(), None);
     let mut miss = |pair: [u32; 2]| {
         errors.missed += 1;
         errors.deepest_miss = errors.deepest_miss.max(depth_of(scene, pair));
     };
     let mut truth = truth.iter().copied().peekable();
-    for pair in reported {
+    for &pair in reported {
+        if last.replace(pair) == Some(pair) {
+            errors.duplicate += 1;
+            continue;
+        }
         while let Some(missed) = truth.next_if(|&t| t < pair) {
             miss(missed);
         }
@@ -326,7 +361,7 @@ mod tests {
             [[0, 1], [0, 2], [1, 2], [1, 3], [2, 3], [2, 4], [3, 4], [3, 5], [4, 5], [5, 6]]
         );
         assert_eq!(compare(&truth, &truth, &scene), Errors::default());
-        let reported = [
+        let mut reported = [
             [2, 0],
             [0, 2],
             [2, 1],
@@ -348,6 +383,7 @@ mod tests {
             deepest_miss: 0.5,
             widest_false: 1.0,
         };
+        normalise(&mut reported);
         assert_eq!(compare(&reported, &truth, &scene), errors);
         // Tangent pairs are missed at depth 0.
         let without: Vec<[u32; 2]> =

@@ -9,6 +9,9 @@ use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
 
+use crate::pair_list::{self, Allowance, PAIR_BYTES, PairList};
+use crate::refusal::Refusal;
+
 /// Contacts in the order in which they were found.
 type Pairs = Vec<[u32; 2]>;
 
@@ -35,17 +38,27 @@ fn run(shares: usize, work: &(dyn Fn(usize) + Sync)) {
     (0..shares).into_par_iter().with_max_len(1).for_each(work);
 }
 
-/// The contacts that `work` finds in ranges of `0..count`, in the order of the ranges. With one
-/// thread the range is one.
+/// The contacts among `particles` that `work` finds in ranges of `0..count`, in the order of the
+/// ranges; with one thread the range is one. All lists together may take `limit` bytes.
+///
+/// # Errors
+/// [`Refusal::Pairs`] if that is not enough.
 pub fn contacts(
-    count: usize,
+    (count, particles): (usize, usize),
     threads: usize,
-    work: &(dyn Fn(Range<usize>, &mut Pairs) + Sync),
-) -> Vec<Pairs> {
+    limit: u64,
+    work: &(dyn Fn(Range<usize>, &mut PairList<'_>) + Sync),
+) -> Result<Vec<Pairs>, Refusal> {
     let shares = if threads > 1 { (SHARES_PER_THREAD * threads).min(count).max(1) } else { 1 };
-    let mut found = vec![Vec::new(); shares];
+    let allowance = Allowance::new(limit);
+    let mut found: Vec<_> = (0..shares).map(|_| PairList::new(&allowance)).collect();
     for_each(&mut found, |k, pairs| work(share(count, shares, k), pairs));
-    found
+    pair_list::lists(found, particles)
+}
+
+/// Bytes that lists of contacts take.
+pub fn bytes(lists: &[Pairs]) -> u64 {
+    lists.iter().map(|pairs| pairs.capacity() as u64 * PAIR_BYTES).sum()
 }
 
 #[cfg(test)]
@@ -57,14 +70,15 @@ mod tests {
     use crate::detect::Options;
     use crate::detect::table::TABLE;
     use crate::scene::{AnyScene, Radii, Scene};
-    use crate::sink::{normalise, splitmix64};
+    use crate::sink::{Sink, normalise, splitmix64};
 
     #[test]
     fn every_thing_is_in_one_share_and_results_are_in_order() {
         for (count, threads) in [(0, 1), (0, 4), (1, 4), (7, 1), (7, 3), (1000, 2), (1001, 5)] {
-            let found = contacts(count, threads, &|range, pairs| {
-                pairs.extend(range.map(|k| [k as u32, 0]));
+            let found = contacts((count, count), threads, 1 << 20, &|range, pairs| {
+                range.for_each(|k| pairs.contact(k as u32, 0));
             });
+            let found = found.unwrap();
             assert!(threads > 1 || found.len() == 1);
             let all: Vec<usize> = found.iter().flatten().map(|pair| pair[0] as usize).collect();
             assert_eq!(all, (0..count).collect::<Vec<_>>(), "{count} by {threads}");

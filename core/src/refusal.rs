@@ -11,6 +11,22 @@ pub enum Refusal {
          the memory limit, or use another detector: sorting is the leanest, direct needs nothing"
     )]
     Memory { detector: &'static str, needed: u64, limit: u64, shape: String },
+    /// There are more pairs than a list may hold, or could; they were counted.
+    #[error(
+        "{particles} particles have {found} touching pairs, {} each, and a list of them may not \
+         take more than {room} bytes; are the radii in another unit than the coordinates, or \
+         particles there twice? If not, raise the memory limit",
+        count(2.0 * *found as f64 / *particles as f64)
+    )]
+    Pairs { found: u64, particles: u64, room: u64 },
+    /// There will be more pairs than a list may hold: a sample of the particles says so.
+    #[error(
+        "each of the {particles} particles touches about {} others, which makes some {:.1e} \
+         pairs, and a list of them may not take more than {limit} bytes; are the radii in another \
+         unit than the coordinates, or particles there twice? If not, raise the memory limit",
+        count(*each), 0.5 * each * *particles as f64
+    )]
+    Crowd { particles: u64, each: f64, limit: u64 },
     /// Cells cannot be told apart or addressed.
     #[error(
         "the scene spans {cells:.3e} cells of edge {edge:e} along {axis} ({low:e} to {high:e}), a \
@@ -41,4 +57,16 @@ pub enum Refusal {
     /// The library behind a peer cannot be trusted with the scene.
     #[error("{detector}: {reason}")]
     Library { detector: &'static str, reason: String },
+}
+
+impl Refusal {
+    /// The pairs of the scene are too many, for every detector alike.
+    pub fn is_of_scene(&self) -> bool {
+        matches!(self, Refusal::Pairs { .. } | Refusal::Crowd { .. })
+    }
+}
+
+/// A number of contacts, to be read.
+fn count(each: f64) -> String {
+    if each < 10.0 { format!("{each:.1}") } else { format!("{each:.0}") }
 }

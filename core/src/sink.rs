@@ -4,7 +4,7 @@
 //! not depend on the order of the pairs nor on the order within a pair, so that two detectors agree
 //! exactly when count and digest agree (up to a collision of 64-bit sums).
 
-use crate::parallel;
+use crate::pair_list::append;
 
 /// Takes the contacts that a detector finds.
 pub trait Sink {
@@ -41,7 +41,8 @@ impl<S: Sink + ?Sized> Sink for &mut S {
     }
 }
 
-/// The complete list of pairs, as found.
+/// The complete list of pairs, as found, without a limit; see [`crate::pair_list`] for one that has
+/// one.
 impl Sink for Vec<[u32; 2]> {
     #[inline(always)]
     fn contact(&mut self, i: u32, j: u32) {
@@ -51,22 +52,8 @@ impl Sink for Vec<[u32; 2]> {
     fn contacts(&mut self, pairs: &[[u32; 2]]) {
         self.extend_from_slice(pairs);
     }
-    /// Copied by all threads at once.
     fn gather(&mut self, lists: &[&[[u32; 2]]]) {
-        let total = lists.iter().map(|list| list.len()).sum();
-        self.reserve(total);
-        let (mut room, mut pieces) = (self.spare_capacity_mut(), Vec::with_capacity(lists.len()));
-        for &list in lists {
-            let (piece, rest) = room.split_at_mut(list.len());
-            pieces.push((piece, list));
-            room = rest;
-        }
-        parallel::for_each(&mut pieces, |_, (piece, list)| {
-            piece.write_copy_of_slice(list);
-        });
-        // SAFETY: the pieces are the first `total` places of the room, one after the other, and all
-        // were written.
-        unsafe { self.set_len(self.len() + total) };
+        append(self, lists);
     }
 }
 

@@ -9,7 +9,7 @@ use anyhow::bail;
 
 use crate::cells::{Cell, variables};
 pub use crate::experiment::expression::Expression;
-use crate::experiment::nearest::hint;
+use crate::nearest::hint;
 use crate::record::column::Column;
 use crate::record::row::{Outcome, Pass};
 

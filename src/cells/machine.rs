@@ -3,7 +3,8 @@
 
 use serde_json::Value;
 
-use crate::record::provenance::{Bandwidth, size_of};
+use crate::record::hardware::size_of;
+use crate::record::provenance::Bandwidth;
 
 /// The machine that a record was made on, as far as its provenance says.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -20,7 +20,7 @@ use crate::record::role::Role;
 use crate::record::row::{Measurement, Outcome, Pass, Row};
 pub use crate::record::value::AxisValue;
 use crate::scene::stats::Stats;
-use crate::stats::interval::{Interval, interval, median};
+use crate::stats::interval::{Blocks, Interval, interval, median, ratio, typical_ratio};
 
 /// All that was measured of one detector on one scene.
 #[derive(Clone, Debug, Default)]
@@ -35,9 +35,13 @@ pub struct Cell {
     pub times: BTreeMap<u32, u64>,
     /// Nanoseconds of the first detection of each process, by block.
     pub first: BTreeMap<u32, u64>,
-    /// The same of as many copies with one thread each, at work beside each other; empty where that
-    /// was not measured.
+    /// Nanoseconds per detection of each round, by block: where builds are timed side by side.
+    pub rounds: Vec<Blocks>,
+    /// The same as the times of as many copies with one thread each, at work beside each other;
+    /// empty where that was not measured.
     pub copies_ns: BTreeMap<u32, u64>,
+    /// The same of each copy alone, one after the other.
+    pub alone_ns: BTreeMap<u32, u64>,
     /// Why there are no copies, or not in all blocks.
     pub copies_failure: Option<(Outcome, String)>,
     /// What was measured besides times, by column.
@@ -96,6 +100,7 @@ impl Cell {
             match row.time_ns {
                 Some(time) => {
                     self.copies_ns.insert(row.block, time);
+                    self.alone_ns.extend(row.alone_ns.map(|alone| (row.block, alone)));
                 }
                 None => self.copies_failure = Some((row.outcome, row.reason.clone())),
             }
@@ -108,6 +113,12 @@ impl Cell {
         if let (Pass::Time, Some(time)) = (row.pass, row.time_ns) {
             self.times.insert(row.block, time);
             self.first.extend(row.first_ns.map(|first| (row.block, first)));
+            for (round, &time) in row.rounds_ns.iter().enumerate() {
+                if self.rounds.len() <= round {
+                    self.rounds.push(Blocks::new());
+                }
+                self.rounds[round].insert(row.block, time);
+            }
         }
         self.errors = row.errors.or(self.errors);
         self.causes = row.causes.or(self.causes);
@@ -142,6 +153,13 @@ impl Cell {
     /// The median time with its interval over the blocks; none unless all blocks ended well.
     pub fn time(&self) -> Option<Interval> {
         self.blocks().filter(|_| self.outcome(&[Pass::Time]).0.is_good())
+    }
+
+    /// The ratio of its time to another's, paired by block; and within a block by round, where both
+    /// took turns.
+    pub fn ratio(&self, to: &Cell) -> Option<Interval> {
+        let rounds: Vec<_> = self.rounds.iter().zip(&to.rounds).collect();
+        if rounds.is_empty() { ratio(&self.times, &to.times) } else { typical_ratio(&rounds) }
     }
 
     /// The median time of a wrong answer: never compared with anything, but shown, marked.

@@ -9,7 +9,7 @@ use anyhow::bail;
 use crate::cells::{Cell, variables};
 use crate::experiment::Where;
 use crate::record::column::Column;
-use crate::record::id::variable;
+use crate::record::id::{CellId, MACHINE, variable};
 use crate::record::value::AxisValue;
 
 /// The cells that match; an error if an entry names neither a field nor a parameter nor a variable
@@ -38,6 +38,17 @@ pub fn select<'a>(cells: &'a [Cell], filter: &Where) -> anyhow::Result<Vec<&'a C
         })
     };
     Ok(cells.iter().filter(matches).collect())
+}
+
+/// May a cell that is planned match? What is measured of it is not known yet.
+pub fn may_match(id: &CellId, filter: &Where) -> bool {
+    filter.iter().all(|(name, wanted)| {
+        let name = variable(name);
+        match id.axis(&name) {
+            Some(found) => wanted.iter().any(|wanted| equal(&found, wanted)),
+            None => name == MACHINE || Column::find(&name).is_some(),
+        }
+    })
 }
 
 fn equal(found: &AxisValue, wanted: &toml::Value) -> bool {

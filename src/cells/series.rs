@@ -109,8 +109,15 @@ impl<'a> Group<'a> {
 
     /// The fastest of those that are right, are no controls, and have one thread.
     pub fn fastest(&self, n: u64) -> Option<(&Line, f64)> {
-        let able =
-            self.lines.iter().filter(|(line, _)| line.threads == 1 && !line.role.is_control());
+        self.fastest_of(n, |_| true)
+    }
+
+    /// The same among these.
+    pub fn fastest_of(&self, n: u64, wanted: impl Fn(&Line) -> bool) -> Option<(&Line, f64)> {
+        let able = self
+            .lines
+            .iter()
+            .filter(|(line, _)| line.threads == 1 && !line.role.is_control() && wanted(line));
         let timed = able.filter_map(|(line, cells)| Some((line, time(cells.get(&n)?)?)));
         timed.min_by(|a, b| a.1.total_cmp(&b.1))
     }

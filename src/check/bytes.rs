@@ -248,7 +248,7 @@ pub fn fuzz_one(data: &[u8]) {
     for scene in &scenes {
         for arithmetic in Arithmetic::ALL {
             let Ok(stored) = scene.stored(arithmetic) else { continue };
-            let truth = oracle::truth_as_stored(&stored, arithmetic.test());
+            let truth = oracle::truth_as_stored(&stored, arithmetic.test(), OPTIONS.memory_limit);
             for (entry, detector) in &mut detectors {
                 if !keep {
                     *detector = entry.make(OPTIONS);
@@ -378,6 +378,7 @@ pub fn fuzz_reader(data: &[u8]) {
         frame,
         format,
         survey: kind & 16 != 0,
+        columns: None,
     };
     let ending = ["", "csv", "xyz", "txt"][usize::from(kind >> 6)];
     let scene = match io::from(data, "bytes", ending, options) {

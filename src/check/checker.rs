@@ -166,7 +166,7 @@ impl<'a> Checker<'a> {
     ) -> anyhow::Result<()> {
         *self.report.scenes.entry(source).or_default() += 1;
         for &arithmetic in arithmetics {
-            let (stored, truth) = match truth(scene, arithmetic) {
+            let (stored, truth) = match truth(scene, arithmetic, self.limits) {
                 Ok(found) => found,
                 Err(error @ (NoTruth::Refused(_) | NoTruth::Stored(_))) => {
                     *self
@@ -208,6 +208,7 @@ impl<'a> Checker<'a> {
                         arithmetic,
                         found_on: name(),
                         found,
+                        scene: scene.clone(),
                         smallest,
                         wrong,
                     });
@@ -222,9 +223,10 @@ impl<'a> Checker<'a> {
 fn truth(
     scene: &AnyScene<'_>,
     arithmetic: Arithmetic,
+    limits: &Limits,
 ) -> Result<(Arc<AnyScene<'static>>, Truth), NoTruth> {
     let stored = Arc::new(scene.stored(arithmetic)?);
-    let truth = oracle::truth_as_stored(&stored, arithmetic.test())?;
+    let truth = oracle::truth_as_stored(&stored, arithmetic.test(), limits.options.memory_limit)?;
     Ok((stored, truth))
 }
 
@@ -248,7 +250,7 @@ fn simplest(
                  scene: &AnyScene<'static>,
                  fresh: bool|
      -> anyhow::Result<Option<Wrong>> {
-        let Ok((stored, truth)) = truth(scene, arithmetic) else { return Ok(None) };
+        let Ok((stored, truth)) = truth(scene, arithmetic, limits) else { return Ok(None) };
         let question = Question { given: scene, stored: &stored, arithmetic, fresh, truth: &truth };
         Ok(respondent.ask(&question)?.wrong(&truth))
     };

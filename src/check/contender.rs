@@ -151,6 +151,10 @@ impl Sink for Kept {
     fn contact(&mut self, i: u32, j: u32) {
         self.reported += 1;
         if self.pairs.len() < self.most {
+            if self.pairs.len() == self.pairs.capacity() && self.pairs.try_reserve(1).is_err() {
+                self.most = self.pairs.len();
+                return;
+            }
             self.pairs.push([i, j]);
         }
     }

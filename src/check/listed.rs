@@ -1,15 +1,23 @@
 //! A contact list of another code, compared with the exact truth.
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 
-use anyhow::bail;
+use anyhow::{Context, bail};
 
+use crate::check::reading::{self, Reading};
 use crate::contact::Arithmetic;
 use crate::contact::depth::depth;
+use crate::io;
 use crate::oracle::{self, Errors};
 use crate::scene::{AnyScene, Real, array};
 use crate::sink::normalise;
 use crate::with_scene;
+
+/// So many pairs of a kind are kept.
+pub const WORST: usize = 100;
+/// Bytes for each pair of list and truth that other readings of a list take at most.
+const READING_BYTES: u64 = 128;
 
 /// What the numbers of a list mean.
 #[derive(Clone, Debug)]
@@ -29,14 +37,28 @@ pub enum Meaning {
     Ids,
 }
 
-/// Another meaning of the numbers, which would make more of the list right.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Hint {
-    /// Pairs that would differ all the same.
-    pub wrong: u64,
-    /// What the numbers would mean.
-    pub meaning: Meaning,
+/// What is not held against a list.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Allowed {
+    /// Each pair stands there as i,j and as j,i, and is taken once.
+    pub both_sides: bool,
+    /// Pairs that are apart by no more than this length may be listed.
+    pub skin: f64,
 }
+
+/// How a list is compared.
+#[derive(Clone, Copy, Debug)]
+pub struct Terms {
+    /// Decides what touches.
+    pub arithmetic: Arithmetic,
+    /// Not held against the list.
+    pub allowed: Allowed,
+    /// Most bytes for a list of pairs.
+    pub memory_limit: u64,
+}
+
+/// A pair of the list, by the numbers that stand there.
+type Couple = [i64; 2];
 
 /// A list against the truth.
 #[derive(Clone, Debug)]
@@ -47,13 +69,18 @@ pub struct Verification {
     pub errors: Errors,
     /// Pairs of the list that name no particle.
     pub unknown: Vec<[i64; 2]>,
-    /// Pairs that are not listed and their overlap in mean radii, the deepest first.
+    /// Pairs that are not listed and their overlap in mean radii, the deepest first, at most
+    /// [`WORST`].
     pub missed: Vec<([u32; 2], f64)>,
     /// Pairs that are listed and do not touch, with their depth in mean radii, which is negative:
-    /// the widest gap first.
+    /// the widest gap first, at most [`WORST`].
     pub spurious: Vec<([u32; 2], f64)>,
-    /// A better meaning of the numbers, if there is one.
-    pub hint: Option<Hint>,
+    /// Pairs of the list that are there from one side only, where both are expected.
+    pub one_sided: Vec<[i64; 2]>,
+    /// Pairs that do not touch and are within the skin.
+    pub within_skin: u64,
+    /// A better way to read the list, if there is one.
+    pub reading: Option<Reading>,
 }
 
 impl Naming {
@@ -79,8 +106,13 @@ impl Naming {
         }
     }
 
-    /// Pairs of places in the file, and the pairs that name no particle.
-    fn apply(&self, list: &[[i64; 2]], n: usize) -> (Vec<[u32; 2]>, Vec<[i64; 2]>) {
+    /// Pairs of places in the file, and the pairs that name no particle. An error where there is
+    /// no memory for them.
+    pub(super) fn apply(
+        &self,
+        list: &[[i64; 2]],
+        n: usize,
+    ) -> anyhow::Result<(Vec<[u32; 2]>, Vec<Couple>)> {
         let place = |name: i64| match self {
             Naming::Base(base) => name
                 .checked_sub(*base)
@@ -88,69 +120,138 @@ impl Naming {
                 .filter(|&k| (k as usize) < n),
             Naming::Ids(ids) => ids.get(&name).copied(),
         };
-        let (mut known, mut unknown) = (Vec::with_capacity(list.len()), Vec::new());
+        let (mut known, mut unknown) = (room_for(list.len())?, Vec::new());
         for &[i, j] in list {
             match (place(i), place(j)) {
                 (Some(i), Some(j)) => known.push([i, j]),
-                _ => unknown.push([i, j]),
+                _ => {
+                    io::room(&mut unknown)?;
+                    unknown.push([i, j]);
+                }
             }
         }
-        (known, unknown)
+        Ok((known, unknown))
     }
 }
 
 impl Verification {
-    /// Compares `list` with the pairs that touch by this arithmetic. Where it differs, the `others`
-    /// are tried, too. An error if the truth cannot be found.
+    /// Compares `list` with the pairs that touch. Where it differs, other ways
+    /// to read it are tried, among them the `others`; `bounds` is the box that the particles' file
+    /// declares. An error if the truth cannot be found.
     pub fn new(
         scene: &AnyScene<'_>,
         list: &[[i64; 2]],
         naming: &Naming,
         others: &[Naming],
-        arithmetic: Arithmetic,
+        terms: Terms,
+        bounds: Option<&[[f64; 2]]>,
     ) -> anyhow::Result<Verification> {
-        let truth = oracle::truth(scene, arithmetic)?;
-        let (reported, unknown) = naming.apply(list, scene.len());
-        let errors = oracle::compare(&reported, &truth.pairs, scene);
+        let Terms { arithmetic, allowed, memory_limit } = terms;
+        let stored = scene.stored(arithmetic)?;
+        let truth = oracle::truth_as_stored(&stored, arithmetic.test(), memory_limit)?.pairs;
+        drop(stored);
+        let (taken, one_sided) = match allowed.both_sides {
+            true => one_side(list)?,
+            false => (Cow::Borrowed(list), Vec::new()),
+        };
+        let (mut reported, unknown) = naming.apply(&taken, scene.len())?;
+        normalise(&mut reported);
+        let named = reported.len();
+        if allowed.skin > 0.0 {
+            let touches = |pair: &[u32; 2]| truth.binary_search(pair).is_ok();
+            let near = |pair: &[u32; 2]| pair_gap(scene, *pair) <= allowed.skin;
+            reported.retain(|pair| pair[0] == pair[1] || touches(pair) || !near(pair));
+        }
+        let errors = oracle::compare(&reported, &truth, scene);
         let mut found = Verification {
-            contacts: truth.pairs.len() as u64,
+            contacts: truth.len() as u64,
             errors,
             unknown,
-            missed: only(scene, &truth.pairs, &reported),
-            spurious: only(scene, &reported, &truth.pairs),
-            hint: None,
+            missed: only(scene, &truth, &reported),
+            spurious: only(scene, &reported, &truth),
+            one_sided,
+            within_skin: (named - reported.len()) as u64,
+            reading: None,
         };
-        if !found.is_same() {
-            let hint = |naming: &Naming| {
-                let (reported, unknown) = naming.apply(list, scene.len());
-                let errors = oracle::compare(&reported, &truth.pairs, scene);
-                Hint { wrong: errors.wrong() + unknown.len() as u64, meaning: naming.meaning() }
-            };
-            let wrong = errors.wrong() + found.unknown.len() as u64;
-            found.hint = others.iter().map(hint).filter(|hint| hint.wrong < wrong / 2).min();
+        drop(reported);
+        // A hint is not worth all the memory there is.
+        let small = (list.len() + truth.len()) as u64 * READING_BYTES <= memory_limit;
+        if !found.is_same() && allowed == Allowed::default() && small {
+            let namings: Vec<&Naming> = std::iter::once(naming).chain(others).collect();
+            found.reading = reading::explain(scene, list, &namings, &truth, arithmetic, bounds)?;
         }
         Ok(found)
     }
 
     /// Are the two lists the same?
     pub fn is_same(&self) -> bool {
-        self.errors == Errors::default() && self.unknown.is_empty()
+        self.errors == Errors::default() && self.unknown.is_empty() && self.one_sided.is_empty()
     }
 }
 
-/// The pairs of `these` that are not among `those`, the deepest overlap first, or the widest gap.
-fn only(scene: &AnyScene<'_>, these: &[[u32; 2]], those: &[[u32; 2]]) -> Vec<([u32; 2], f64)> {
-    let (mut these, mut those) = (these.to_vec(), those.to_vec());
-    normalise(&mut these);
-    normalise(&mut those);
-    these.dedup();
-    these.retain(|pair| pair[0] != pair[1] && those.binary_search(pair).is_err());
-    let mut list: Vec<_> = these.into_iter().map(|pair| (pair, pair_depth(scene, pair))).collect();
-    list.sort_by(|(_, a), (_, b)| b.abs().total_cmp(&a.abs()));
-    list
+/// An empty list with room for so many.
+fn room_for<T>(count: usize) -> anyhow::Result<Vec<T>> {
+    let mut list = Vec::new();
+    let room = list.try_reserve_exact(count);
+    room.with_context(|| format!("no memory for {count} pairs; compare a part of the scene"))?;
+    Ok(list)
 }
 
-fn pair_depth(scene: &AnyScene<'_>, [i, j]: [u32; 2]) -> f64 {
+/// The worst pairs of `these` that are not among `those`, both in order: the deepest overlap first,
+/// or the widest gap.
+fn only(scene: &AnyScene<'_>, these: &[[u32; 2]], those: &[[u32; 2]]) -> Vec<([u32; 2], f64)> {
+    let mut worst: Vec<([u32; 2], f64)> = Vec::new();
+    let keep = |worst: &mut Vec<([u32; 2], f64)>| {
+        worst.sort_by(|(_, a), (_, b)| b.abs().total_cmp(&a.abs()));
+        worst.truncate(WORST);
+    };
+    let mut last = None;
+    for &pair in these {
+        if last.replace(pair) == Some(pair)
+            || pair[0] == pair[1]
+            || those.binary_search(&pair).is_ok()
+        {
+            continue;
+        }
+        worst.push((pair, pair_depth(scene, pair)));
+        if worst.len() == 2 * WORST {
+            keep(&mut worst);
+        }
+    }
+    keep(&mut worst);
+    worst
+}
+
+/// Of pairs from both sides, one each; and those that are there from one side only.
+fn one_side(list: &[Couple]) -> anyhow::Result<(Cow<'_, [Couple]>, Vec<Couple>)> {
+    let mut sorted: Vec<[i64; 2]> = room_for(list.len())?;
+    sorted.extend_from_slice(list);
+    sorted.sort_unstable_by_key(|&[i, j]| (i.min(j), i.max(j)));
+    let (mut taken, mut single) = (room_for(list.len())?, Vec::new());
+    for same in
+        sorted.chunk_by(|a, b| (a.iter().min(), a.iter().max()) == (b.iter().min(), b.iter().max()))
+    {
+        let forward = same.iter().filter(|&&[i, j]| i <= j).count();
+        let backward = same.len() - forward;
+        let pair = [same[0][0].min(same[0][1]), same[0][0].max(same[0][1])];
+        taken.extend(std::iter::repeat_n(pair, forward.max(backward)));
+        // A particle with itself has but one side.
+        if forward != backward && pair[0] != pair[1] {
+            io::room(&mut single)?;
+            single.push(same[0]);
+        }
+    }
+    Ok((taken.into(), single))
+}
+
+/// How far apart two particles are, in the units of the scene; negative where they overlap.
+pub(super) fn pair_gap(scene: &AnyScene<'_>, pair: [u32; 2]) -> f64 {
+    let [a, b] = pair.map(|k| particle(scene, k).1);
+    -pair_depth(scene, pair) * 0.5 * (a + b)
+}
+
+/// The overlap of two particles in mean radii; negative where they are apart.
+pub fn pair_depth(scene: &AnyScene<'_>, [i, j]: [u32; 2]) -> f64 {
     let (i, j) = (i as usize, j as usize);
     with_scene!(scene, scene => {
         let [a, b] = [i, j].map(|k| array(&scene.centres()[k]).map(Real::wide));
@@ -168,48 +269,4 @@ pub fn particle(scene: &AnyScene<'_>, k: u32) -> (Vec<f64>, f64) {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::io;
-
-    fn scene() -> AnyScene<'static> {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("p.csv");
-        std::fs::write(&path, "x,y,r\n0,0,1\n1,0,1\n3,0,1\n10,0,1\n20,0,1\n").unwrap();
-        let (particles, _) = io::load(&path, io::Options::default()).unwrap();
-        particles.scene("p", None).unwrap()
-    }
-
-    fn verified(list: &[[i64; 2]], naming: Naming, others: &[Naming]) -> Verification {
-        Verification::new(&scene(), list, &naming, others, Arithmetic::Exact).unwrap()
-    }
-
-    #[test]
-    fn every_kind_of_difference_is_found() {
-        // True are 0,1 (overlap of one radius) and 1,2 (tangent).
-        let list = [[2, 1], [1, 2], [3, 3], [2, 3], [0, 4], [1, 9]];
-        let found = verified(&list, Naming::Base(0), &[]);
-        let Errors { missed, spurious, duplicate, self_pairs, .. } = found.errors;
-        assert_eq!((missed, spurious, duplicate, self_pairs, found.contacts), (1, 2, 1, 1, 2));
-        assert_eq!((found.unknown.as_slice(), found.is_same()), (&[[1, 9]][..], false));
-        assert_eq!(found.missed, [([0, 1], 1.0)]);
-        assert_eq!(found.spurious, [([0, 4], -18.0), ([2, 3], -5.0)]);
-        assert!(verified(&[[0, 1], [2, 1]], Naming::Base(0), &[]).is_same());
-    }
-
-    #[test]
-    fn a_better_meaning_is_found() {
-        let ids = Naming::by_id(&[7, 8, 9, 10, 11]).unwrap();
-        let others = [ids.clone(), Naming::Base(1)];
-        let found = verified(&[[1, 2], [2, 3]], Naming::Base(0), &others);
-        assert_eq!(found.hint, Some(Hint { wrong: 0, meaning: Meaning::Base(1) }));
-        let found = verified(&[[7, 8], [8, 9]], Naming::Base(0), &others);
-        assert_eq!(found.hint, Some(Hint { wrong: 0, meaning: Meaning::Ids }));
-        assert!(verified(&[[7, 8], [8, 9]], ids, &[]).is_same());
-        let twice = Naming::by_id(&[7, 8, 7]).unwrap_err().to_string();
-        assert!(
-            twice.contains("the id 7 stands twice in the file, at particles 0 and 2"),
-            "{twice}"
-        );
-    }
-}
+mod tests;

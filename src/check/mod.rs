@@ -18,6 +18,7 @@ pub mod conversation;
 pub mod listed;
 pub mod numbers;
 pub mod process;
+pub mod reading;
 pub mod regression;
 pub mod shrink;
 mod wrong;
@@ -93,6 +94,8 @@ pub struct Failure {
     pub found_on: String,
     /// In which way, there.
     pub found: Wrong,
+    /// That scene.
+    pub scene: AnyScene<'static>,
     /// The smallest scene found on which a fresh detector is still wrong; the one it was noticed
     /// on, if a fresh one is right or hangs.
     pub smallest: AnyScene<'static>,

@@ -20,7 +20,7 @@ use crate::run::client::{self, Client, NO_REPLY, Start};
 use crate::run::judge::verdict;
 use crate::run::protocol::{self, Reply, Request};
 use crate::run::trajectory::Trajectory;
-use crate::sink::Digest;
+use crate::sink::{Digest, normalise};
 
 /// Address space of a runner under test, in bytes: enough for an interpreter and its libraries.
 const ADDRESS_SPACE: u64 = 8 << 30;
@@ -128,6 +128,7 @@ fn spawn(command: &[String], time_limit: Duration) -> anyhow::Result<Client> {
         install: String::new(),
         time_limit,
         memory_limit: ADDRESS_SPACE,
+        processor: None,
     };
     Client::spawn(&start).map_err(|failure| anyhow!(failure.reason))
 }
@@ -174,8 +175,10 @@ impl Process {
         };
         match client.message(request).and_then(|message| client.exchange(&message)) {
             Ok(reply) => {
+                let impossible = client.impossible(request, &reply);
                 self.client = Some(client);
                 match reply {
+                    _ if impossible.is_some() => Err(breaks(impossible.unwrap_or_default())),
                     Reply::Refused { reason } => Err(Stop::Answer(Answer::Declined(reason))),
                     reply => Ok(reply),
                 }
@@ -237,7 +240,7 @@ impl Process {
         if right && given.len() > SMALL {
             return Ok(Answer::Right);
         }
-        let Some(pairs) = self.pairs(given.len())? else {
+        let Some(mut pairs) = self.pairs(given.len())? else {
             let counts = Wrong::Counts { said, truth: truth.digest };
             return if right { Ok(Answer::Right) } else { Err(counts.into()) };
         };
@@ -256,6 +259,7 @@ impl Process {
                 "its sample is right, but not the pairs that it writes: {differences}"
             )));
         }
+        normalise(&mut pairs);
         let (outcome, _) = verdict(&pairs, truth, stored, *arithmetic);
         Ok(if outcome.is_good() { Answer::Right } else { Answer::Pairs(pairs) })
     }

@@ -2,37 +2,42 @@
 
 use std::collections::BTreeSet;
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 
-use anyhow::ensure;
+use anyhow::{Context, bail, ensure};
 use serde_json::{Map, Value, json};
 
+use crate::cells::cells;
 use crate::cli::shared::ci::{Case, Outcome, Outputs};
 use crate::cli::shared::terminal;
 use crate::findings::compare::{
-    Absent, Compared, Judgement, Options, Summary, Timing, compare as cell_by_cell, records,
+    Absent, Builds, Compared, Judgement, Options as How, Summary, Timing, compare as cell_by_cell,
+    control, records,
 };
+use crate::findings::conditions::Conditions;
+use crate::findings::noise::Noise;
 use crate::number::plural;
-use crate::present::sections::compare as words;
+use crate::present::sections::{compare as words, conditions as doubtful};
 use crate::record::merge::Part;
 
 /// Options of `compare`.
 #[derive(clap::Args)]
 pub struct Compare {
-    /// A result folder: before, or the first machine
+    /// A result folder: before, or the first machine; alone, one in which two builds took turns
+    /// (`contactbench run --against PROGRAM`)
     a: PathBuf,
     /// Another: after, or the second machine
-    b: PathBuf,
-    /// Compare times as multiples of this detector's in the same block: for two machines, or where
-    /// the machine's speed drifts
-    #[arg(long, value_name = "DETECTOR")]
+    b: Option<PathBuf>,
+    /// Compare times as multiples of this detector's in the same block, whose code has not changed
+    /// (default: one that has a twin in both folders)
+    #[arg(long, value_name = "DETECTOR", requires = "b")]
     against: Option<String>,
     /// Percent by which times may differ and still be equal
     #[arg(long, value_name = "PERCENT", default_value_t = 5.0, allow_negative_numbers = true)]
     band: f64,
     /// The two are of one machine, though its name differs (containers often have new names)
-    #[arg(long)]
+    #[arg(long, requires = "b")]
     same_machine: bool,
     /// A cell that is slower is a failure
     #[arg(long)]
@@ -53,8 +58,8 @@ pub struct Compare {
 /// What there is to print.
 struct Comparison<'a> {
     options: &'a Compare,
-    parts: &'a [Part; 2],
-    how: &'a Options,
+    parts: &'a [Part],
+    how: &'a How,
     cells: &'a [Compared],
     summary: Summary,
     /// Cells in which something differs that is gated.
@@ -68,7 +73,8 @@ pub fn compare(options: &Compare) -> anyhow::Result<ExitCode> {
         "--band {}: give percent from 0 to 1000",
         options.band
     );
-    let parts = [Part::read(&options.a)?, Part::read(&options.b)?];
+    let folders = [Some(&options.a), options.b.as_ref()].into_iter().flatten();
+    let parts = folders.map(|folder| Part::read(folder)).collect::<anyhow::Result<Vec<_>>>()?;
     for part in &parts {
         let folder = part.folder.display();
         ensure!(!part.rows.is_empty(), "the record in {folder} holds no rows");
@@ -82,30 +88,20 @@ pub fn compare(options: &Compare) -> anyhow::Result<ExitCode> {
         }
         part.warnings.iter().for_each(|warning| eprintln!("{warning}"));
     }
-    let how = Options {
-        band: options.band / 100.0,
-        against: options.against.clone(),
-        machines: records::two_machines(&parts).filter(|_| !options.same_machine),
-        builds: records::two_builds(&parts),
+    let (how, cells) = match &*parts {
+        [both] => builds(both, options)?,
+        parts => folders_apart(parts, options)?,
     };
-    let [a, b] = records::common(&parts)?;
-    let cells = cell_by_cell(&a, &b, &how);
+    let summary = Summary::new(&cells);
+    let decidable = cells.iter().filter_map(|cell| cell.timing.as_ref()).any(Timing::is_decidable);
     ensure!(
-        cells.iter().any(|cell| !matches!(cell.absent, Some(Absent::OnlyIn(_)))),
-        "{} and {} have no cell in common: they are results of different experiments or scenes",
-        options.a.display(),
-        options.b.display()
-    );
-    let mut timings = cells.iter().filter_map(|cell| cell.timing.as_ref());
-    ensure!(
-        !options.gate_time || timings.any(Timing::is_decidable),
-        "--gate-time: no time could be judged ({}; an interval needs four blocks on either side); \
-         leave it out, or measure what can be compared",
+        !options.gate_time || decidable && summary.decides(),
+        "--gate-time: no time could be judged ({}; an interval needs six blocks, and a verdict \
+         one narrow enough); leave it out, or measure what can be compared",
         words::pairing(&how)
     );
     let cases: Vec<Case> = cells.iter().map(|cell| case(cell, options)).collect();
     let failed = cases.iter().filter(|case| matches!(case.result, Outcome::Failed(_))).count();
-    let summary = Summary::new(&cells);
     let (parts, how, cells) = (&parts, &how, &*cells);
     let found = Comparison { options, parts, how, cells, summary, failed };
     let mut out = std::io::stdout().lock();
@@ -116,6 +112,44 @@ pub fn compare(options: &Compare) -> anyhow::Result<ExitCode> {
     }
     options.ci.write("compare", &cases, &mut out)?;
     Ok(if failed == 0 { ExitCode::SUCCESS } else { ExitCode::from(1) })
+}
+
+/// The two builds of one record.
+fn builds(part: &Part, options: &Compare) -> anyhow::Result<(How, Vec<Compared>)> {
+    let found = Builds::new(&part.rows).with_context(|| {
+        format!(
+            "the record in {} is of one build; name a second folder, or measure another build \
+             beside this one with contactbench run --against PROGRAM",
+            part.folder.display()
+        )
+    })?;
+    let all = cells(&part.rows);
+    let noise = Noise::new(&all.iter().collect::<Vec<_>>());
+    let how = How { band: options.band / 100.0, side_by_side: Some(noise), ..How::default() };
+    let cells = cell_by_cell(&found.base, &found.this, &how);
+    Ok((how, cells))
+}
+
+/// Two folders, measured at different times.
+fn folders_apart(parts: &[Part], options: &Compare) -> anyhow::Result<(How, Vec<Compared>)> {
+    let [a, b] = parts else { bail!("compare takes one folder or two") };
+    let both = [a, b];
+    let [a, b] = records::common(both)?;
+    let how = How {
+        band: options.band / 100.0,
+        side_by_side: None,
+        against: control(&a, &b, options.against.as_deref()),
+        machines: records::two_machines(both).filter(|_| !options.same_machine),
+        builds: records::two_builds(both),
+    };
+    let cells = cell_by_cell(&a, &b, &how);
+    ensure!(
+        cells.iter().any(|cell| !matches!(cell.absent, Some(Absent::OnlyIn(_)))),
+        "{} and {} have no cell in common: they are results of different experiments or scenes",
+        both[0].folder.display(),
+        both[1].folder.display()
+    );
+    Ok((how, cells))
 }
 
 fn list(names: BTreeSet<String>) -> String {
@@ -152,19 +186,30 @@ fn lacks(cell: &Compared) -> String {
 impl Comparison<'_> {
     fn print(&self, out: &mut impl Write) -> anyhow::Result<()> {
         let Comparison { options, parts, how, cells, .. } = *self;
-        for (name, part) in ["A", "B"].into_iter().zip(parts) {
-            let machines = list(records::machines(part));
-            writeln!(out, "{name}: {}, measured on {machines}", part.folder.display())?;
+        let measured = |part: &Part| {
+            format!("{}, measured on {}", part.folder.display(), list(records::machines(part)))
+        };
+        let names: &[&str] =
+            if parts.len() == 1 { &["A: the base, B: this build, in"] } else { &["A:", "B:"] };
+        for (name, part) in names.iter().zip(parts) {
+            writeln!(out, "{name} {}", measured(part))?;
+            if let Some(said) = doubtful::sentence(&conditions(part)) {
+                writeln!(out, "   {said}")?;
+            }
         }
-        writeln!(out, "times: {}\n", words::pairing(how))?;
+        writeln!(out, "times: {}", words::pairing(how))?;
+        if let Some(noise) = &how.side_by_side {
+            writeln!(out, "floor: {}", words::floor(noise))?;
+        }
+        writeln!(out)?;
         for cell in cells.iter().filter(|cell| !cell.changes.is_empty()) {
             writeln!(out, "CHANGED  {}", cell.place)?;
             for change in &cell.changes {
                 writeln!(out, "         {}", words::change(change))?;
             }
         }
-        for cell in cells.iter().filter(|_| options.all || options.strict) {
-            if let Some(absent) = &cell.absent {
+        for cell in cells {
+            if let Some(absent) = cell.absent.as_ref().filter(|_| options.all || options.strict) {
                 writeln!(out, "absent   {}: {}", cell.place, words::absent(absent))?;
             }
             if !cell.lacks.is_empty() {
@@ -192,10 +237,12 @@ impl Comparison<'_> {
             .map(|(verdict, count)| (verdict.name().replace(' ', "-"), (*count).into()))
             .collect();
         json!({
-            "a": side(&parts[0], &options.a),
-            "b": side(&parts[1], &options.b),
+            "a": parts.first().map(side),
+            "b": parts.last().map(side),
             "band_percent": options.band,
-            "against": how.against,
+            "against": how.against.as_ref().map(|control| &control.detector),
+            "drift": how.against.as_ref().map(|control| control.drift),
+            "floor": how.side_by_side.as_ref().map(|noise| noise.floor),
             "times": words::pairing(how),
             "gate_time": options.gate_time,
             "strict": options.strict,
@@ -212,18 +259,23 @@ impl Comparison<'_> {
     }
 }
 
-fn side(part: &Part, folder: &Path) -> Value {
+fn side(part: &Part) -> Value {
     json!({
-        "folder": folder.display().to_string(),
+        "folder": part.folder.display().to_string(),
         "machines": records::machines(part),
         "revision": records::field(part, "revision"),
         "profile": records::field(part, "profile"),
+        "doubts": doubtful::doubts(&conditions(part)),
     })
 }
 
-fn as_json(cell: &Compared, how: &Options) -> Value {
+fn conditions(part: &Part) -> Conditions {
+    Conditions::new(part.provenances(), &part.ledger, &part.rows)
+}
+
+fn as_json(cell: &Compared, how: &How) -> Value {
     let time = cell.timing.as_ref().map(|timing| {
-        let Timing { a_ns, b_ns, ratio, judgement, .. } = timing;
+        let Timing { a_ns, b_ns, ratio, judgement, least, .. } = timing;
         json!({
             "a_ns": a_ns,
             "b_ns": b_ns,
@@ -233,6 +285,7 @@ fn as_json(cell: &Compared, how: &Options) -> Value {
             "coverage": ratio.coverage,
             "blocks": ratio.count,
             "verdict": judgement,
+            "least": least,
             "note": words::note(timing, how),
         })
     });

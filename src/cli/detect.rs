@@ -5,11 +5,16 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Instant;
 
-use anyhow::{Context, ensure};
+use anyhow::{Context, bail, ensure};
 
 use crate::cli::shared::arithmetic::arithmetic;
+use crate::cli::shared::limit::Limit;
+use crate::cli::shared::scene::Source;
+use crate::cli::shared::values;
 use crate::contact::Arithmetic;
-use crate::detect::{Options, table};
+use crate::crowd;
+use crate::detect::Options;
+use crate::experiment::detectors;
 use crate::io;
 use crate::run::alloc;
 use crate::sink::normalise;
@@ -17,23 +22,24 @@ use crate::sink::normalise;
 /// Options of `detect`.
 #[derive(clap::Args)]
 pub struct Detect {
-    /// The particles: CSV, XYZ, LAMMPS, MercuryDPM, YADE, NumPy, VTK or PLY, also compressed with
-    /// gzip
-    file: PathBuf,
-    /// The detector, with parameters as in streamed-nbs:level=avx2
-    #[arg(long, default_value = "nbs")]
-    detector: String,
     #[command(flatten)]
-    input: crate::cli::shared::input::Input,
+    source: Source,
+    /// The detector, with parameters as in streamed-nbs:level=avx2
+    #[arg(
+        long,
+        default_value = "streamed-nbs",
+        value_parser = values::DETECTOR,
+        hide_possible_values = true
+    )]
+    detector: String,
     /// How contacts are decided
     #[arg(long, value_parser = arithmetic(), default_value_t)]
     arithmetic: Arithmetic,
     /// Threads, for detectors that can use them
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value_t = 1, value_parser = values::whole::<usize>)]
     threads: usize,
-    /// Most bytes for the detector's arrays
-    #[arg(long, default_value_t = Options::default().memory_limit)]
-    memory_limit: u64,
+    #[command(flatten)]
+    limit: Limit,
     /// Where the pairs go: a .csv or .npy file, or .vtk to see them in ParaView (default: CSV to
     /// standard output)
     #[arg(short, long)]
@@ -42,31 +48,34 @@ pub struct Detect {
 
 /// Reads, detects, writes the pairs, and says on standard error what was done.
 pub fn detect(options: &Detect) -> anyhow::Result<ExitCode> {
-    let spec = table::parse(&options.detector)?;
+    let spec = detectors::parse(&options.detector)?;
     let threads = options.threads;
     ensure!(threads >= 1, "--threads 0: at least one is needed");
     ensure!(
         threads == 1 || spec.entry.threads,
-        "{} is sequential and cannot use {threads} threads; leave out --threads, or use direct or \
-         cell-grid",
+        "{} is sequential and cannot use {threads} threads; leave out --threads, or use \
+         streamed-nbs, cell-grid or direct",
         spec.entry.name
     );
     if let Some(path) = &options.output {
         io::write::format(path)?;
     }
     crate::cli::use_threads(threads);
-    let scene = io::scene(&options.file, options.input.options())?;
-    let given = scene;
+    let Some((name, given)) = options.source.get()? else {
+        bail!("name a particle file, or a scene such as packed:n=1000 (contactbench list scenes)");
+    };
     let scene = given
         .stored(options.arithmetic)
-        .with_context(|| format!("{} in {}", options.file.display(), options.arithmetic.name()))?;
-    let mut detector = spec.make(Options { memory_limit: options.memory_limit, threads });
+        .with_context(|| format!("{name} in {}", options.arithmetic.name()))?;
+    let memory_limit = options.limit.bytes(scene.len());
+    crowd::within(&scene, memory_limit).with_context(|| name.clone())?;
+    let mut detector = spec.make(Options { memory_limit, threads });
     let mut pairs = Vec::new();
     let started = Instant::now();
     let (result, usage) =
         alloc::measure(|| detector.list(&scene, options.arithmetic.test(), &mut pairs));
     let seconds = started.elapsed().as_secs_f64();
-    result?;
+    result.with_context(|| name.clone())?;
     // What is left on the heap is the list of pairs and the detector's buffers.
     let memory = usage.map(|usage| usage.live_bytes.saturating_sub(pairs.capacity() as u64 * 8));
     normalise(&mut pairs);
@@ -80,8 +89,7 @@ pub fn detect(options: &Detect) -> anyhow::Result<ExitCode> {
         }
     }
     eprintln!(
-        "{}: N = {}, {}D, {} pairs, {:.3} ms, {} held by the detector, {}, {} arithmetic",
-        options.file.display(),
+        "{name}: N = {}, {}D, {} pairs, {:.3} ms, {} held by the detector, {}, {} arithmetic",
         scene.len(),
         scene.dim(),
         pairs.len(),

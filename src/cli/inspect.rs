@@ -6,9 +6,10 @@ use std::process::ExitCode;
 
 use serde_json::{Value, json};
 
-use crate::cli::shared::input::Input;
-use crate::io;
-use crate::io::{About, Frame, Particles, RadiusSource};
+use crate::cli::shared::input::{self, Input};
+use crate::cli::shared::terminal;
+use crate::io::{self, About, Particles, RadiusSource};
+use crate::number::{number, wrap};
 use crate::scene::stats::stats;
 
 mod contacts;
@@ -32,9 +33,11 @@ struct Line(&'static str, String, Vec<(&'static str, Value)>);
 
 /// Reads the file, looks for contacts, prints what was found, and warns.
 pub fn inspect(options: &Inspect) -> anyhow::Result<ExitCode> {
-    let frame = options.input.frame.unwrap_or(Frame::Last);
-    let reading = io::Options { frame, survey: true, ..options.input.options() };
-    let (particles, about) = io::load(&options.file, reading)?;
+    let (particles, about) = input::load(
+        &options.file,
+        &options.input,
+        io::Options { survey: true, ..options.input.options() },
+    )?;
     let (mut lines, mut warnings) = (Vec::new(), Vec::new());
     of_file(options, &particles, &about, &mut lines, &mut warnings);
     of_centres(&particles, &mut lines, &mut warnings);
@@ -66,14 +69,24 @@ pub fn inspect(options: &Inspect) -> anyhow::Result<ExitCode> {
         all.insert("warnings".into(), json!(warnings));
         writeln!(out, "{:#}", Value::Object(all))?;
     } else {
+        let width = terminal::width();
         for Line(label, text, _) in &lines {
-            writeln!(out, "{label:<17} {text}")?;
+            hanging(&mut out, &format!("{label:<17} "), text, width)?;
         }
         for warning in &warnings {
-            writeln!(out, "warning: {warning}")?;
+            hanging(&mut out, "warning: ", warning, width)?;
         }
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// The head, then the text wrapped beside it.
+fn hanging(out: &mut impl Write, head: &str, text: &str, width: usize) -> std::io::Result<()> {
+    let indent = head.chars().count();
+    for (k, line) in wrap(text, width.saturating_sub(indent)).iter().enumerate() {
+        writeln!(out, "{:indent$}{line}", if k == 0 { head } else { "" })?;
+    }
+    Ok(())
 }
 
 /// What the reader says.
@@ -111,7 +124,7 @@ fn of_file(
     ));
     if about.frames > 1 {
         warnings.push(format!(
-            "the file has {} frames; the other verbs want to know which: --frame {}",
+            "the file has {} frames, numbered from 0; this is frame {}",
             about.frames, about.frame
         ));
     }
@@ -135,7 +148,8 @@ fn of_file(
         vec![("radius_source", json!(kind)), ("radius_column", json!(column))],
     ));
     if let Some(bounds) = &about.bounds {
-        let text: Vec<String> = bounds.iter().map(|[lo, hi]| format!("{lo} to {hi}")).collect();
+        let text: Vec<String> =
+            bounds.iter().map(|[lo, hi]| format!("{} to {}", number(*lo), number(*hi))).collect();
         lines.push(Line("box in the file", text.join(", "), vec![("declared_box", json!(bounds))]));
     }
     for note in &about.notes {
@@ -156,8 +170,9 @@ fn of_centres(particles: &Particles, lines: &mut Vec<Line>, warnings: &mut Vec<S
             (low[axis], high[axis]) = (low[axis].min(x), high[axis].max(x));
         }
     }
-    let text: Vec<String> =
-        (0..dim).map(|k| format!("{} {} to {}", ["x", "y", "z"][k], low[k], high[k])).collect();
+    let text: Vec<String> = (0..dim)
+        .map(|k| format!("{} {} to {}", ["x", "y", "z"][k], number(low[k]), number(high[k])))
+        .collect();
     lines.push(Line(
         "centres",
         text.join(", "),

@@ -6,11 +6,12 @@ use std::process::ExitCode;
 
 use anyhow::{Context, ensure};
 
-use crate::cli::run::finish;
+use crate::cli::report::finish;
 use crate::cli::shared::ci::Outputs;
+use crate::record::ledger::Ledger;
 use crate::record::merge::Part;
 use crate::record::row::Writer;
-use crate::record::{merge, provenance, row};
+use crate::record::{ledger, merge, provenance, row};
 use crate::run::disk;
 
 /// Options of `merge`.
@@ -60,13 +61,14 @@ pub fn merge(options: &Merge) -> anyhow::Result<ExitCode> {
         .join(" ")
         .into();
     write(options.out.join(provenance::FILE), &serde_json::to_string_pretty(&provenance)?)?;
-    for (k, part) in parts.iter().enumerate() {
-        if let Some(fields) = &part.provenance {
-            write(
-                options.out.join(format!("provenance-part-{}.json", k + 1)),
-                &serde_json::to_string_pretty(fields)?,
-            )?;
-        }
+    for (k, fields) in parts.iter().flat_map(Part::provenances).enumerate() {
+        let path = options.out.join(format!("provenance-part-{}.json", k + 1));
+        write(path, &serde_json::to_string_pretty(fields)?)?;
+    }
+    let mut entries = Ledger::default();
+    parts.iter().for_each(|part| entries.join(part.ledger.clone()));
+    if entries != Ledger::default() {
+        write(options.out.join(ledger::FILE), &entries.text())?;
     }
     // Half a record would look like a whole one.
     let half = options.out.join(".samples.jsonl.part");

@@ -9,6 +9,7 @@ pub mod list;
 pub mod merge;
 pub mod new_detector;
 pub mod recommend;
+pub mod report;
 pub mod run;
 pub mod runner;
 pub mod scene;
@@ -27,8 +28,8 @@ use clap::{Parser, Subcommand};
     about,
     after_help = "Without a verb the standard reproduction is run: the book's scaling figures, on \
                   this machine, in minutes.\n\nExit codes: 0 all is well; 1 a detector was wrong, \
-                  a machine-independent claim failed, or two lists or records differ; 2 bad \
-                  arguments or input; 130 ended by Ctrl-C."
+                  a machine-independent claim failed, a record is damaged, or two lists or \
+                  records differ; 2 bad arguments or input; 130 ended by Ctrl-C."
 )]
 pub struct Cli {
     /// What to do.
@@ -46,7 +47,7 @@ pub enum Verb {
     /// Makes report and figures of a result folder again, from its record alone
     #[command(after_help = "Example: contactbench report results/reference\nExample: \
                             contactbench report results/reference --table latex > table.tex")]
-    Report(run::Report),
+    Report(report::Report),
     /// Compares two result folders: of two revisions, or two machines
     #[command(after_help = "Example: contactbench compare results/before results/after\nExample: \
                             contactbench compare laptop server --against nbs\nExit code 1 if \

@@ -9,10 +9,10 @@ use anyhow::{Context, bail, ensure};
 use serde_json::json;
 
 use crate::cli::shared::arithmetic::arithmetic;
+use crate::cli::shared::limit::Limit;
 use crate::cli::shared::scene::Source;
-use crate::cli::shared::terminal;
+use crate::cli::shared::{terminal, values};
 use crate::contact::Arithmetic;
-use crate::detect::Options;
 use crate::number::plural;
 use crate::present::recommendation;
 use crate::recommend::race::{self, Question};
@@ -34,11 +34,10 @@ pub struct Recommend {
     #[arg(long, value_parser = arithmetic(), default_value_t)]
     arithmetic: Arithmetic,
     /// Threads, for detectors that can use them
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value_t = 1, value_parser = values::whole::<usize>)]
     threads: usize,
-    /// Most bytes for a detector's arrays
-    #[arg(long, default_value_t = Options::default().memory_limit)]
-    memory_limit: u64,
+    #[command(flatten)]
+    limit: Limit,
     /// All numbers, for programs
     #[arg(long)]
     json: bool,
@@ -58,7 +57,8 @@ pub fn recommend(options: &Recommend) -> anyhow::Result<ExitCode> {
     let program =
         std::env::current_exe().context("cannot find this program to start it as runner")?;
     let time = Duration::from_secs_f64(seconds);
-    let Recommend { arithmetic, memory_limit, .. } = *options;
+    let Recommend { arithmetic, limit, .. } = *options;
+    let memory_limit = limit.bytes(scene.len());
     let question = Question {
         scene: &scene,
         history: &history,

@@ -1,33 +1,29 @@
-//! `contactbench run`, `contactbench report`, and `contactbench` alone.
+//! `contactbench run`, and `contactbench` alone.
 
-use std::collections::BTreeSet;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use anyhow::{Context, bail, ensure};
 
-use crate::cells;
-use crate::cli::shared::ci::{Case, Outputs};
+use crate::cli::report::finish;
+use crate::cli::shared::ci::Outputs;
 use crate::cli::shared::progress::Terminal;
-use crate::cli::shared::{ci, terminal};
-use crate::experiment::{Experiment, builtin};
-use crate::findings::claim;
-use crate::present::sections::claims::evidence;
-use crate::present::{document, latex, report};
-use crate::record::provenance::Bandwidth;
+use crate::cli::shared::values;
+use crate::experiment::shard::Shard;
+use crate::experiment::{Experiment, builtin, detectors};
 use crate::record::row::{Record, WriteError, Writer};
-use crate::record::{provenance, row};
+use crate::record::{folder, ledger, machines, provenance, row};
 use crate::run::interrupt::Interrupted;
+use crate::run::origins::Origins;
 use crate::run::plan::Job;
-use crate::run::shard::Shard;
 use crate::run::{bandwidth, interrupt, job};
 
 /// Options of `run`.
 #[derive(clap::Args)]
 pub struct Run {
     /// Names of experiments (see `contactbench list experiments`), or TOML files
-    #[arg(required = true)]
+    #[arg(required = true, value_parser = values::EXPERIMENT, hide_possible_values = true)]
     experiments: Vec<String>,
     /// Small scenes and few blocks: does everything work?
     #[arg(long)]
@@ -38,24 +34,16 @@ pub struct Run {
     /// The result folder (default: results/EXPERIMENT/DATE-MACHINE; with --resume the last one)
     #[arg(long)]
     out: Option<PathBuf>,
+    /// Time another build of this program side by side with this one: in each block both take
+    /// turns in fresh processes on one processor; `contactbench compare FOLDER` says what differs
+    #[arg(long, value_name = "PROGRAM", conflicts_with = "shard")]
+    against: Option<PathBuf>,
     /// Only part k of n of the scenes, as in 2/8: for the jobs of an array; `contactbench merge`
     /// puts the parts together
     #[arg(long, value_name = "K/N")]
     shard: Option<Shard>,
     #[command(flatten)]
     ci: Outputs,
-}
-
-/// Options of `report`.
-#[derive(clap::Args)]
-pub struct Report {
-    /// A result folder
-    folder: PathBuf,
-    #[command(flatten)]
-    ci: Outputs,
-    /// Print the main results as a table for a paper or a README instead, and write nothing
-    #[arg(long, value_enum, value_name = "FORMAT")]
-    table: Option<latex::Format>,
 }
 
 /// The standard reproduction.
@@ -74,6 +62,7 @@ pub fn standard() -> anyhow::Result<ExitCode> {
         quick: false,
         resume: false,
         out: None,
+        against: None,
         shard: None,
         ci: Outputs::default(),
     };
@@ -102,9 +91,12 @@ fn run_named(options: &Run, name: &str) -> anyhow::Result<ExitCode> {
             "there are two experiments named '{name}'; run them one by one"
         );
     }
+    let asked = found.iter().flat_map(|(experiment, _)| &experiment.detectors);
+    detectors::not_built(asked).iter().for_each(|missing| eprintln!("{missing}"));
     let folder = folder(options, name)?;
     let path = folder.join(row::FILE);
-    let done = previous(&path, options.resume)?;
+    let label = machines::label_here(&folder);
+    let done = previous(&path, options.resume, &label)?;
     for (experiment, text) in &found {
         // Rows of two different experiments must not end in one record.
         let begun = done.rows.is_empty() || copy(&folder, experiment).exists();
@@ -131,8 +123,10 @@ fn run_named(options: &Run, name: &str) -> anyhow::Result<ExitCode> {
         experiments: &experiments,
         quick: options.quick,
         program,
+        against: options.against.as_deref().map(other_build).transpose()?,
         shard: options.shard,
         done: &done.rows,
+        machine: label.clone(),
     };
     let ready = job::prepare(&job)?;
     ensure!(
@@ -151,6 +145,8 @@ fn run_named(options: &Run, name: &str) -> anyhow::Result<ExitCode> {
         "{} has grown while this run began: another writes to it",
         path.display()
     );
+    let mut origins = Origins::append(&folder)
+        .with_context(|| format!("cannot write {}", folder.join(ledger::FILE).display()))?;
     interrupt::install().context("cannot listen to Ctrl-C")?;
     for (experiment, text) in &found {
         write(&copy(&folder, experiment), text.as_bytes())?;
@@ -158,16 +154,18 @@ fn run_named(options: &Run, name: &str) -> anyhow::Result<ExitCode> {
     let names: Vec<String> = experiments.iter().map(|experiment| experiment.name.clone()).collect();
     // Also where what is resumed has not come so far.
     let first = !folder.join(provenance::FILE).exists();
-    let bandwidth = if first { bandwidths(&experiments) } else { Vec::new() };
+    let bandwidth = if first { bandwidth::asked(&experiments) } else { Vec::new() };
     let provenance_file = if first {
         provenance::FILE.into()
     } else {
         format!("provenance-resumed-{}.json", provenance::date())
     };
     let shard = options.shard.map(|shard| shard.to_string());
-    let provenance = provenance::gather(&names, options.quick, shard, &bandwidth);
+    let provenance = provenance::gather(&names, options.quick, shard, &bandwidth, &label);
     write(&folder.join(provenance_file), serde_json::to_string_pretty(&provenance)?.as_bytes())?;
-    match ready.run(&mut record, &mut Terminal::default()) {
+    // Its bar is gone before anything else is printed.
+    let outcome = ready.run(&mut record, &mut origins, &mut Terminal::default());
+    match outcome {
         Ok(()) if ready.scenes() == 0 => {
             let mut out = std::io::stdout();
             writeln!(out, "there are more shards than scenes: nothing is to be run in this one")?;
@@ -200,6 +198,13 @@ fn run_named(options: &Run, name: &str) -> anyhow::Result<ExitCode> {
     }
 }
 
+/// Another build of this program, by an absolute path.
+fn other_build(path: &Path) -> anyhow::Result<PathBuf> {
+    std::fs::canonicalize(path).with_context(|| {
+        format!("--against {}: there is no such program; give the path of one", path.display())
+    })
+}
+
 /// Where the experiment of a record is kept.
 fn copy(folder: &Path, experiment: &Experiment) -> PathBuf {
     folder.join("experiments").join(format!("{}.toml", experiment.name))
@@ -210,32 +215,19 @@ fn again(options: &Run, folder: &Path) -> String {
     let mut words = vec!["contactbench".to_string(), "run".into()];
     words.extend(options.experiments.iter().cloned());
     words.extend(options.quick.then(|| "--quick".into()));
+    words.extend(
+        options.against.iter().flat_map(|path| ["--against".into(), path.display().to_string()]),
+    );
     words.extend(options.shard.iter().flat_map(|shard| ["--shard".into(), shard.to_string()]));
     words.extend(["--resume".into(), "--out".into(), folder.display().to_string()]);
     words.iter().map(|word| quoted(word)).collect::<Vec<_>>().join(" ")
 }
 
 /// A word as a shell reads it back.
-fn quoted(word: &str) -> String {
+pub(super) fn quoted(word: &str) -> String {
     let plain =
         !word.is_empty() && word.chars().all(|c| c.is_alphanumeric() || "-_./+=,:@%".contains(c));
     if plain { word.to_string() } else { format!("'{}'", word.replace('\'', "'\\''")) }
-}
-
-/// The memory bandwidth with every number of threads for which an experiment asks for a bound.
-fn bandwidths(experiments: &[Experiment]) -> Vec<Bandwidth> {
-    let asked = experiments
-        .iter()
-        .filter(|experiment| experiment.bound)
-        .flat_map(|experiment| experiment.threads.to_vec());
-    let asked: BTreeSet<usize> = asked.collect();
-    if !asked.is_empty() {
-        eprintln!("measuring the memory bandwidth");
-    }
-    asked
-        .into_iter()
-        .filter_map(|threads| bandwidth::measure(threads, provenance::last_cache()))
-        .collect()
 }
 
 /// Where the results go: never over earlier ones. Jobs of an array may begin in the same second.
@@ -271,7 +263,7 @@ fn folder(options: &Run, name: &str) -> anyhow::Result<PathBuf> {
     }
 }
 
-fn previous(path: &Path, resume: bool) -> anyhow::Result<Record> {
+fn previous(path: &Path, resume: bool, here: &str) -> anyhow::Result<Record> {
     let nothing = Record { rows: Vec::new(), warnings: Vec::new() };
     if !path.exists() {
         return Ok(nothing);
@@ -283,12 +275,12 @@ fn previous(path: &Path, resume: bool) -> anyhow::Result<Record> {
             path.display()
         );
     }
+    folder::sound(path.parent().unwrap_or(Path::new(".")))?;
     let record = row::read(path)?;
     for warning in &record.warnings {
         eprintln!("{warning}");
     }
     eprintln!("resuming: {} rows are there already", record.rows.len());
-    let here = provenance::machine();
     if let Some(row) = record
         .rows
         .iter()
@@ -313,90 +305,10 @@ fn previous(path: &Path, resume: bool) -> anyhow::Result<Record> {
     Ok(record)
 }
 
+/// Writes a file as a whole: a killed run leaves none or all of it.
 fn write(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
-    std::fs::write(path, bytes).with_context(|| format!("cannot write {}", path.display()))
-}
-
-/// Makes the report of a result folder again.
-pub fn report(options: &Report) -> anyhow::Result<ExitCode> {
-    let Some(format) = options.table else { return finish(&options.folder, &options.ci) };
-    let (record, experiments) = read(&options.folder)?;
-    let text = latex::tables(&experiments, &cells::cells(&record.rows), format);
-    std::io::stdout().lock().write_all(text.as_bytes())?;
-    Ok(ExitCode::SUCCESS)
-}
-
-/// The record of a result folder, and its experiments.
-fn read(folder: &Path) -> anyhow::Result<(Record, Vec<Experiment>)> {
-    let record = row::read(&folder.join(row::FILE))?;
-    ensure!(
-        !record.rows.is_empty(),
-        "the record in {} holds no rows yet; run the experiment first",
-        folder.display()
-    );
-    let mut names: Vec<&str> = Vec::new();
-    for row in &record.rows {
-        if !names.contains(&&*row.id.experiment) {
-            names.push(&row.id.experiment);
-        }
-    }
-    let read =
-        |name: &&str| Experiment::read(&folder.join("experiments").join(format!("{name}.toml")));
-    let experiments = names.iter().map(read).collect::<anyhow::Result<Vec<_>>>()?;
-    Ok((record, experiments))
-}
-
-/// Everything right of the record: verdicts, figures, report.
-pub(super) fn finish(folder: &Path, ci: &Outputs) -> anyhow::Result<ExitCode> {
-    let (record, experiments) = read(folder)?;
-    let again = || {
-        format!(
-            "the record is whole; when this is mended: contactbench report {}",
-            quoted(&folder.display().to_string())
-        )
-    };
-    let report =
-        report::write(folder, &experiments, &record.rows, &record.warnings).with_context(again)?;
-    let mut out = std::io::stdout().lock();
-    writeln!(out, "{}", document::plain(&report.terminal, terminal::width()))?;
-    for warning in &report.warnings {
-        writeln!(out, "note:    {warning}")?;
-    }
-    writeln!(out, "figures: {} in {}", report.figures.len(), folder.join("figures").display())?;
-    writeln!(out, "report:  {}", report.path.display())?;
-    writeln!(out, "page:    {}", report.page.display())?;
-    let mut cases: Vec<Case> = report.verdicts.iter().map(case).collect();
-    let wrong = record.rows.iter().filter(|row| row.outcome == row::Outcome::Wrong).count();
-    if wrong > 0 {
-        writeln!(out, "WRONG answers in {wrong} rows: see the report")?;
-    }
-    let ours = |row: &&row::Row| row.outcome == row::Outcome::Crashed && row.role.is_ours();
-    let crashed = record.rows.iter().filter(ours).count();
-    if crashed > 0 {
-        writeln!(out, "CRASHED detectors in {crashed} rows: see the report")?;
-    }
-    for (name, rows) in [("every answer is right", wrong), ("no detector crashes", crashed)] {
-        let why =
-            || ci::Outcome::Failed(format!("not so in {rows} rows: see {}", report.path.display()));
-        let result = if rows == 0 { ci::Outcome::Passed } else { why() };
-        cases.push(Case { class: "record".into(), name: name.into(), result });
-    }
-    ci.write("run", &cases, &mut out)?;
-    Ok(if wrong > 0 || crashed > 0 || claim::any_failed(&report.verdicts) {
-        ExitCode::from(1)
-    } else {
-        ExitCode::SUCCESS
-    })
-}
-
-/// A claim for continuous integration. Those about times gate nothing.
-fn case(verdict: &claim::Verdict) -> Case {
-    let why = || format!("{}: {}", verdict.status.name(), evidence(&verdict.evidence));
-    let result = match verdict.status {
-        claim::Status::Holds => ci::Outcome::Passed,
-        claim::Status::Fails if verdict.machine_independent => ci::Outcome::Failed(why()),
-        claim::Status::Fails => ci::Outcome::Noted(why()),
-        claim::Status::NotShown => ci::Outcome::Skipped(why()),
-    };
-    Case { class: verdict.experiment.clone(), name: verdict.claim.clone(), result }
+    let part = path.with_extension("part");
+    std::fs::write(&part, bytes)
+        .and_then(|()| std::fs::rename(&part, path))
+        .with_context(|| format!("cannot write {}", path.display()))
 }

@@ -7,6 +7,7 @@ use std::process::ExitCode;
 use anyhow::Context;
 
 use crate::cli::shared::input::Input;
+use crate::cli::shared::values;
 use crate::io::write;
 
 /// Options of `scene`.
@@ -14,6 +15,7 @@ use crate::io::write;
 pub struct Scene {
     /// A generator such as packed:dim=3,n=1000,seed=1 (see contactbench list scenes), or a particle
     /// file
+    #[arg(value_parser = values::SCENE, hide_possible_values = true)]
     scene: String,
     #[command(flatten)]
     input: Input,

@@ -1,24 +1,87 @@
 //! `contactbench completions`: what shells ask of the program.
 
 use std::io::Write;
+use std::path::Path;
 use std::process::ExitCode;
 
 use clap::CommandFactory;
+use clap::error::{ContextKind, ContextValue};
+use clap_complete::Shell;
 
 use crate::cli::Cli;
+use crate::experiment::builtin;
+use crate::nearest::nearest;
+use crate::scene::spec::GENERATORS;
+
+/// What to do with a word that is no verb: an experiment, a file or a scene may be meant.
+pub fn advice(error: &clap::Error) -> Option<String> {
+    let Some(ContextValue::String(word)) = error.get(ContextKind::InvalidSubcommand) else {
+        return None;
+    };
+    let is_scene = |name: &str| GENERATORS.iter().any(|generator| generator.name == name);
+    let near = || nearest(word, builtin::names());
+    if builtin::names().any(|name| name == word) || word.ends_with(".toml") {
+        Some(format!("'{word}' is an experiment: contactbench run {word}"))
+    } else if Path::new(word).is_file() {
+        Some(format!("'{word}' is a file: contactbench inspect {word}"))
+    } else if word.split(':').next().is_some_and(is_scene) {
+        Some(format!("'{word}' is a scene: contactbench draw {word}"))
+    } else {
+        near().map(|name| format!("is the experiment '{name}' meant? contactbench run {name}"))
+    }
+}
 
 /// Options of `completions`.
 #[derive(clap::Args)]
 pub struct Completions {
     /// The shell
     #[arg(value_enum)]
-    shell: clap_complete::Shell,
+    shell: Shell,
 }
 
 /// Writes the script to standard output.
 pub fn completions(options: &Completions) -> anyhow::Result<ExitCode> {
     let mut script = Vec::new();
     clap_complete::generate(options.shell, &mut Cli::command(), "contactbench", &mut script);
-    std::io::stdout().lock().write_all(&script)?;
+    let script = with_files(options.shell, &String::from_utf8_lossy(&script));
+    std::io::stdout().lock().write_all(script.as_bytes())?;
     Ok(ExitCode::SUCCESS)
+}
+
+/// Where a scene or an experiment may be named, a file may be, too: shells are told so, which the
+/// generator of the script does not.
+fn with_files(shell: Shell, script: &str) -> String {
+    let scenes = GENERATORS.map(|generator| generator.name).join(" ");
+    let experiments = builtin::names().collect::<Vec<_>>().join(" ");
+    let kinds = [
+        ("scenes", scenes, &["detect", "draw", "recommend", "scene", "trace"][..]),
+        ("experiments", experiments, &["run"][..]),
+    ];
+    let mut script = script.to_string();
+    for (what, names, verbs) in kinds {
+        match shell {
+            Shell::Zsh => {
+                let function = format!("_contactbench_{what}");
+                script = script.replace(&format!(":({names})"), &format!(":{function}"));
+                let body = format!(
+                    "{function}() {{\n    _alternative '{what}:{what}:({names})' \
+                     'files:file:_files'\n}}\n\n"
+                );
+                // Before what calls the completion.
+                let end = script.rfind("\nif [ ").map_or(script.len(), |end| end + 1);
+                script.insert_str(end, &body);
+            }
+            Shell::Fish => {
+                for verb in verbs {
+                    script += &format!(
+                        "complete -c contactbench -n \"__fish_contactbench_using_subcommand \
+                         {verb}\" -a \"{names}\" -d '{what}'\n"
+                    );
+                }
+            }
+            // Bash falls back to files by itself.
+            _ => {}
+        }
+    }
+    script
 }

@@ -6,6 +6,7 @@ use std::process::ExitCode;
 use anyhow::Context;
 
 use crate::cli::shared::scene::Source;
+use crate::io::write;
 use crate::present::trace::{Algorithm, example, page, still, trace as run};
 
 /// Options of `trace`.
@@ -36,7 +37,8 @@ pub fn trace(options: &Trace) -> anyhow::Result<ExitCode> {
     let failed = || format!("cannot write to {}; choose another folder with -o", folder.display());
     std::fs::create_dir_all(folder).with_context(failed)?;
     let page = folder.join(format!("{}.html", algorithm.name()));
-    std::fs::write(&page, page::html(&trace, &name)).with_context(failed)?;
+    let text = page::html(&trace, &name);
+    write::whole(&page, |out| out.write_all(text.as_bytes())).with_context(failed)?;
     let last = trace.steps.len() - 1;
     let mut pictures = String::new();
     if !options.page_only {
@@ -44,7 +46,7 @@ pub fn trace(options: &Trace) -> anyhow::Result<ExitCode> {
         let digits = last.to_string().len().max(3);
         for (k, svg) in (0..=last).filter_map(|k| Some((k, stills.svg(k)?))) {
             let path = folder.join(format!("{}-{k:0digits$}.svg", algorithm.name()));
-            std::fs::write(&path, svg).with_context(failed)?;
+            write::whole(&path, |out| out.write_all(svg.as_bytes())).with_context(failed)?;
         }
         pictures = format!(" and {} pictures", last + 1);
     }

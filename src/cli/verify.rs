@@ -7,13 +7,17 @@ use std::process::ExitCode;
 use anyhow::{Context, bail, ensure};
 use serde_json::{Value, json};
 
-use crate::check::listed::{Hint, Meaning, Naming, Verification, particle};
+use crate::check::listed::{Allowed, Meaning, Naming, Terms, Verification, particle};
+use crate::check::reading::{Deviation, Reading};
 use crate::cli::shared::arithmetic::arithmetic;
-use crate::cli::shared::input::Input;
+use crate::cli::shared::input::{self, Input};
+use crate::cli::shared::limit::Limit;
 use crate::cli::shared::terminal;
 use crate::contact::Arithmetic;
 use crate::io;
 use crate::io::{Frame, pairs};
+use crate::number::{number, plural, wrap};
+use crate::oracle::Errors;
 use crate::present::table::{Cell, Column, Table};
 use crate::scene::AnyScene;
 
@@ -38,15 +42,24 @@ pub struct Verify {
     /// The list names particles by the column 'id' of the particle file
     #[arg(long)]
     ids: bool,
-    /// The two columns of the list that name the particles, as in --columns c_pair[1],c_pair[2]
+    /// The list has each pair twice, as i,j and as j,i: it is taken once
     #[arg(long)]
-    columns: Option<String>,
+    both_sides: bool,
+    /// Pairs that are apart by no more than this length may be listed (a neighbour list with a
+    /// skin)
+    #[arg(long, value_name = "LENGTH", default_value_t = 0.0, allow_negative_numbers = true)]
+    skin: f64,
+    /// The two columns of the list that name the particles, as in c_pair[1],c_pair[2]
+    #[arg(long, value_name = "I,J")]
+    pairs_columns: Option<String>,
     /// Which frame of the list (default: as --frame)
     #[arg(long)]
     pairs_frame: Option<Frame>,
     /// How contacts are decided; the default is the exact sign for the numbers in the file
     #[arg(long, value_parser = arithmetic(), default_value_t)]
     arithmetic: Arithmetic,
+    #[command(flatten)]
+    limit: Limit,
     /// Print the result as JSON
     #[arg(long)]
     json: bool,
@@ -68,15 +81,25 @@ pub fn verify(options: &Verify) -> anyhow::Result<ExitCode> {
         "--base {}: it must be 0 or 1",
         options.base.unwrap_or_default()
     );
-    let columns = match options.columns.as_deref().map(|text| text.split_once(',')) {
+    ensure!(
+        options.skin >= 0.0 && options.skin.is_finite(),
+        "--skin {}: it must be a finite length of at least 0",
+        options.skin
+    );
+    let columns = match options.pairs_columns.as_deref().map(|text| text.split_once(',')) {
         None => None,
         Some(Some((i, j))) => Some([i.trim(), j.trim()]),
-        Some(None) => bail!("--columns takes two names with a comma between, as in --columns i,j"),
+        Some(None) => {
+            bail!("--pairs-columns takes two names with a comma between, as in --pairs-columns i,j")
+        }
     };
-    let frame = options.pairs_frame.or(options.input.frame).unwrap_or_default();
+    let frame = options.pairs_frame.or(options.input.frame).unwrap_or(Frame::Last);
     let list = pairs::read(&options.pairs, columns, frame)?;
-    let (particles, _) =
-        io::load(&options.file, io::Options { ids: true, ..options.input.options() })?;
+    let (particles, about) = input::load(
+        &options.file,
+        &options.input,
+        io::Options { ids: true, ..options.input.options() },
+    )?;
     let ids = particles.ids().map(Naming::by_id);
     let (naming, others) = match (options.base, ids) {
         (None, Some(ids)) if options.ids || list.ids => {
@@ -94,7 +117,13 @@ pub fn verify(options: &Verify) -> anyhow::Result<ExitCode> {
         }
     };
     let scene = particles.scene(&options.file.display().to_string(), options.input.radius)?;
-    let found = Verification::new(&scene, &list.pairs, &naming, &others, options.arithmetic)?;
+    let terms = Terms {
+        arithmetic: options.arithmetic,
+        allowed: Allowed { both_sides: options.both_sides, skin: options.skin },
+        memory_limit: options.limit.bytes(scene.len()),
+    };
+    let bounds = about.bounds.as_deref();
+    let found = Verification::new(&scene, &list.pairs, &naming, &others, terms, bounds)?;
     let same = found.is_same();
     let naming = naming.meaning();
     let verified = Verified { options, list: &list, naming, scene: &scene, found };
@@ -121,6 +150,17 @@ fn flag(meaning: Meaning) -> String {
     }
 }
 
+fn pairs_of(count: u64) -> String {
+    plural(usize::try_from(count).unwrap_or(usize::MAX), "pair")
+}
+
+/// Upwards to three digits, in the fewest that read back.
+fn rounded_up(value: f64) -> f64 {
+    let step = 10f64.powf(value.abs().log10().floor() - 2.0);
+    let up = format!("{:.2e}", (value / step).ceil() * step).parse().unwrap_or(value);
+    if up >= value { up } else { value }
+}
+
 impl Verified<'_> {
     fn print(&self, out: &mut impl Write) -> anyhow::Result<()> {
         let Verified { options, list, found, .. } = self;
@@ -145,48 +185,137 @@ impl Verified<'_> {
             list.format,
             words(self.naming)
         )?;
+        if found.within_skin > 0 {
+            writeln!(out, "{} apart within the skin, allowed", pairs_of(found.within_skin))?;
+        }
         if found.is_same() {
             writeln!(out, "the same: no pair is missed, spurious or repeated")?;
             return Ok(());
         }
         writeln!(out, "\n{}", errors(found).plain(terminal::width()).trim_end())?;
-        self.couples(out, "missed", "overlap", &found.missed)?;
-        self.couples(out, "spurious", "gap", &found.spurious)?;
-        if let Some(Hint { wrong, meaning }) = found.hint {
-            let words = match wrong {
-                0 => "the lists are the same".to_string(),
-                wrong => format!("only {wrong} pairs differ"),
-            };
-            writeln!(out, "\nhint: with {}, {words}", flag(meaning))?;
+        if let Some(reading) = &found.reading {
+            let hint = format!("hint: {}", self.sentence(reading));
+            writeln!(out, "\n{}", wrap(&hint, terminal::width()).join("\n"))?;
+            if reading.wrong == 0 {
+                return Ok(());
+            }
         }
+        let Errors { missed, spurious, .. } = found.errors;
+        self.couples(out, "missed", "overlap", &found.missed, missed)?;
+        self.couples(out, "spurious", "gap", &found.spurious, spurious)?;
         Ok(())
     }
 
-    /// The worst pairs of a kind, with their particles.
+    /// The options with which the list would be read so.
+    fn flags(&self, reading: &Reading) -> Vec<String> {
+        let mut flags = Vec::new();
+        if reading.meaning != self.naming {
+            flags.push(flag(reading.meaning));
+        }
+        if reading.both_sides {
+            flags.push("--both-sides".into());
+        }
+        match reading.deviation {
+            Some(Deviation::Rounded(arithmetic)) => {
+                flags.push(format!("--arithmetic {}", arithmetic.name()))
+            }
+            Some(Deviation::Skin(gap)) => flags.push(format!("--skin {}", rounded_up(gap))),
+            _ => {}
+        }
+        flags
+    }
+
+    /// How the list would agree, and what to do.
+    fn sentence(&self, reading: &Reading) -> String {
+        let mut with = Vec::new();
+        if reading.meaning != self.naming {
+            with.push(match reading.meaning {
+                Meaning::Base(base) => format!("numbers from {base}"),
+                Meaning::Ids => "ids of the particles' file as numbers".into(),
+            });
+        }
+        if reading.both_sides {
+            with.push("each pair taken once, which is listed as i,j and as j,i".into());
+        }
+        match reading.deviation {
+            None => {}
+            Some(Deviation::Rounded(arithmetic)) => {
+                with.push(format!("contacts decided in {}", arithmetic.name()))
+            }
+            Some(Deviation::Strict) => {
+                with.push("< in the place of <= (the pairs missed touch in one point)".into())
+            }
+            Some(Deviation::Tangent) => {
+                with.push("any answer for pairs that are tangent to the last digits".into())
+            }
+            Some(Deviation::Skin(gap)) => {
+                with.push(format!("pairs up to {} apart (a skin)", rounded_up(gap)))
+            }
+            Some(Deviation::Radii(by)) => {
+                let slip = match by {
+                    2.0 => ": diameters taken for radii?",
+                    0.5 => ": radii taken for diameters?",
+                    _ => "",
+                };
+                with.push(format!("radii {} times as large{slip}", number(by)))
+            }
+        }
+        if let Some(lengths) = &reading.periodic {
+            let along = lengths.iter().zip(["x", "y", "z"]);
+            let box_of = |(length, axis): (&Option<f64>, &str)| {
+                length.map(|length| format!("{} along {axis}", number(length)))
+            };
+            let lengths: Vec<String> = along.filter_map(box_of).collect();
+            with.push(format!("periodic images (a box of {})", lengths.join(", ")));
+        }
+        let result = match reading.wrong {
+            0 => format!("all {} agree", pairs_of(self.listed(reading))),
+            wrong => format!("all but {} agree", pairs_of(wrong)),
+        };
+        let flags = self.flags(reading);
+        let add =
+            if flags.is_empty() { String::new() } else { format!(": add {}", flags.join(" ")) };
+        let open = match reading.periodic {
+            Some(_) => "; boundaries are open here: leave out the pairs across them",
+            None => "",
+        };
+        format!("with {}, {result}{add}{open}", with.join(", and "))
+    }
+
+    /// Pairs of the list, each once.
+    fn listed(&self, reading: &Reading) -> u64 {
+        let pairs = self.list.pairs.len() as u64;
+        if reading.both_sides { pairs / 2 } else { pairs }
+    }
+
+    /// The worst of `count` pairs of a kind, with their particles.
     fn couples(
         &self,
         out: &mut impl Write,
         kind: &str,
         measure: &str,
         list: &[([u32; 2], f64)],
+        count: u64,
     ) -> anyhow::Result<()> {
         if list.is_empty() {
             return Ok(());
         }
-        writeln!(
-            out,
-            "\n{kind}, the worst first (places in the file from 0; {measure} in mean radii)"
-        )?;
+        let head =
+            format!("{kind}, the worst first (places in the file from 0; {measure} in mean radii)");
+        writeln!(out, "\n{}", wrap(&head, terminal::width()).join("\n"))?;
         for (pair, depth) in list.iter().take(SHOWN) {
-            writeln!(out, "  {},{}  {measure} {:.3e}", pair[0], pair[1], depth.abs())?;
+            writeln!(out, "  {},{}  {measure} {}", pair[0], pair[1], number(depth.abs()))?;
             for &k in pair {
                 let (centre, radius) = particle(self.scene, k);
                 let centre: Vec<String> = centre.iter().map(|x| format!("{x:?}")).collect();
-                writeln!(out, "    {k}: {}  r {radius:?}", centre.join(" "))?;
+                let line = format!("{k}: {} r {radius:?}", centre.join(" "));
+                for line in wrap(&line, terminal::width().saturating_sub(6)) {
+                    writeln!(out, "    {line}")?;
+                }
             }
         }
-        if list.len() > SHOWN {
-            writeln!(out, "  and {} more", list.len() - SHOWN)?;
+        if let Some(more @ 1..) = count.checked_sub(SHOWN as u64) {
+            writeln!(out, "  and {more} more")?;
         }
         Ok(())
     }
@@ -204,6 +333,7 @@ impl Verified<'_> {
                 .map(|(pair, depth)| json!({ "bodies": pair.map(body), "depth": finite(*depth) }))
                 .collect()
         };
+        let hint = found.reading.as_ref().map(|it| self.flags(it).join(" "));
         json!({
             "file": options.file.display().to_string(),
             "pairs": options.pairs.display().to_string(),
@@ -220,7 +350,10 @@ impl Verified<'_> {
             "unknown": found.unknown.len(),
             "missed": couples(&found.missed),
             "spurious": couples(&found.spurious),
-            "hint": found.hint.map(|hint| flag(hint.meaning)),
+            "within_skin": found.within_skin,
+            "one_sided": found.one_sided.len(),
+            "hint": hint.filter(|flags| !flags.is_empty()),
+            "reading": found.reading.as_ref().map(|it| self.sentence(it)),
         })
     }
 }
@@ -230,7 +363,7 @@ fn errors(found: &Verification) -> Table {
     let errors = &found.errors;
     let worst = |pairs: u64, what: &str, size: f64| match pairs {
         0 => String::new(),
-        _ => format!("{what} {size:.3e} mean radii"),
+        _ => format!("{what} {} mean radii", number(size)),
     };
     let overlap = worst(errors.missed, "deepest overlap", errors.deepest_miss);
     let gap = worst(errors.spurious, "widest gap", errors.widest_false);
@@ -243,6 +376,10 @@ fn errors(found: &Verification) -> Table {
     if let Some([i, j]) = found.unknown.first() {
         let example = format!("such as {i},{j}: the file has no such particle");
         rows.push(("unknown", found.unknown.len() as u64, example));
+    }
+    if let Some([i, j]) = found.one_sided.first() {
+        let example = format!("such as {i},{j}: not there as {j},{i}");
+        rows.push(("from one side", found.one_sided.len() as u64, example));
     }
     let columns = vec![Column::left(""), Column::right("", ""), Column::left("")];
     let row = |(kind, count, remark): (&str, u64, String)| {

@@ -6,6 +6,8 @@ use std::path::Path;
 use anyhow::{Context, anyhow};
 
 use crate::experiment::Experiment;
+use crate::nearest::hint;
+use crate::scene::spec::GENERATORS;
 
 /// Name and text of each file in `experiments/`.
 pub const FILES: &[(&str, &str)] = &[
@@ -23,6 +25,11 @@ pub const FILES: &[(&str, &str)] = &[
     ("peers", include_str!("../../experiments/peers.toml")),
 ];
 
+/// Their names.
+pub fn names() -> impl Iterator<Item = &'static str> {
+    FILES.iter().map(|(name, _)| *name)
+}
+
 /// All of them.
 pub fn all() -> anyhow::Result<Vec<Experiment>> {
     FILES.iter().map(|(name, text)| parse(name, text)).collect()
@@ -35,15 +42,29 @@ pub fn find(name: &str) -> anyhow::Result<(Experiment, String)> {
     }
     let path = Path::new(name);
     if !path.exists() {
-        let known: Vec<&str> = FILES.iter().map(|(name, _)| *name).collect();
+        let known: Vec<&str> = names().collect();
+        if GENERATORS.iter().any(|it| name.split(':').next() == Some(it.name)) {
+            return Err(anyhow!(
+                "'{name}' is a scene, not an experiment: try `contactbench recommend {name}`, or \
+                 write it into an experiment as [[scene]] (docs/EXPERIMENTS.md)"
+            ));
+        }
         return Err(anyhow!(
-            "there is no experiment '{name}': it is neither a file nor one of {}",
+            "there is no experiment '{name}'{}; it is neither a file nor one of {}",
+            hint(name.trim_end_matches(".toml"), known.iter().copied()),
             known.join(", ")
         ));
     }
     let text = std::fs::read_to_string(path)
         .with_context(|| format!("cannot read the experiment {name}"))?;
-    Ok((Experiment::read(path)?, text))
+    let experiment = Experiment::read_to_run(path);
+    if path.extension().is_some_and(|ending| ending == "toml") {
+        return Ok((experiment?, text));
+    }
+    let experiment = experiment.map_err(|error| {
+        anyhow!("{error:#} (an experiment; for a file of particles: contactbench recommend {name})")
+    });
+    Ok((experiment?, text))
 }
 
 fn parse(name: &str, text: &str) -> anyhow::Result<Experiment> {

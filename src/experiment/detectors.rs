@@ -1,9 +1,12 @@
 //! Names of detectors in experiments: groups become the detectors in them, and every detector with
 //! parameters has one way of being written.
 
-use crate::detect::peers::PEERS;
+use std::collections::BTreeSet;
+
+use crate::detect::peers::{self, PEERS};
+use crate::detect::spec::DetectorSpec;
 use crate::detect::table::{self, Group, SpecError, TABLE};
-use crate::experiment::nearest::hint;
+use crate::nearest::hint;
 
 /// Groups that are not a [`Group`] of the table, but several.
 const ALL: (&str, [Group; 3]) = ("@all", [Group::Book, Group::Modern, Group::Streamed]);
@@ -26,7 +29,7 @@ pub fn expand(names: &[String]) -> Result<Vec<String>, String> {
             Ok(spec) => spec.to_string(),
             // Its rows say how to get it.
             Err(SpecError::NotBuilt { .. }) => name.clone(),
-            Err(error) => return Err(error.to_string()),
+            Err(error) => return Err(worded(&error)),
         };
         if named.contains(&name) {
             return Err(twice(&name));
@@ -34,7 +37,7 @@ pub fn expand(names: &[String]) -> Result<Vec<String>, String> {
         named.push(name.clone());
         all.push(name);
     }
-    let mut seen = std::collections::BTreeSet::new();
+    let mut seen = BTreeSet::new();
     all.retain(|name| seen.insert(name.clone()));
     Ok(all)
 }
@@ -61,6 +64,46 @@ pub fn members(group: &str) -> Result<Vec<String>, String> {
         }
     }
     Ok(names)
+}
+
+/// The names of all detectors, libraries that were not compiled included.
+pub fn names() -> impl Iterator<Item = &'static str> {
+    let peers = PEERS.iter().map(|peer| peer.name).filter(|name| table::find(name).is_none());
+    TABLE.iter().map(|entry| entry.name).chain(peers)
+}
+
+/// The detector that a text asks for; the error names the nearest one.
+pub fn parse(spec: &str) -> anyhow::Result<DetectorSpec> {
+    table::parse(spec).map_err(|error| anyhow::Error::msg(worded(&error)))
+}
+
+/// What is wrong, with the name that was meant.
+fn worded(error: &SpecError) -> String {
+    let parameters = |spec: &str| {
+        let name = spec.split(':').next().unwrap_or_default().trim();
+        table::find(name).map_or(&[][..], |entry| entry.parameters)
+    };
+    let hint = match error {
+        SpecError::Unknown { name } => hint(name, names()),
+        SpecError::Parameter { spec, name, .. } => {
+            hint(name, parameters(spec).iter().map(|parameter| parameter.name))
+        }
+        SpecError::Value { value, values, .. } => hint(value, values.iter().copied()),
+        _ => String::new(),
+    };
+    format!("{error}{hint}")
+}
+
+/// Which of these are libraries that were not compiled, and how to have them measured.
+pub fn not_built<'a>(names: impl Iterator<Item = &'a String>) -> Option<String> {
+    let missing = names.filter(|name| peers::missing(name).is_some());
+    let missing: BTreeSet<&str> = missing.map(String::as_str).collect();
+    let of_table = PEERS.iter().map(|peer| peer.name).filter(|name| missing.contains(name));
+    let all: Vec<&str> = of_table.collect();
+    let how = peers::missing(all.first()?).unwrap_or_default();
+    let how = how.rsplit_once("; ").map_or(&*how, |(_, how)| how);
+    let are = if all.len() == 1 { "is" } else { "are" };
+    Some(format!("{} {are} not measured, being libraries: {how}", all.join(", ")))
 }
 
 /// The one way of writing a detector; a name that is not in the table stays as it is.

@@ -15,9 +15,10 @@ use toml::de::{DeTable, DeValue};
 
 use crate::experiment::claims::{Claim, ClaimKind};
 use crate::experiment::figures::{Figure, FigureKind};
-use crate::experiment::nearest::hint;
+use crate::experiment::plain::plain;
 use crate::experiment::scenes::{Quick, SceneSweep};
 use crate::experiment::{Experiment, REQUIRED, keys};
+use crate::nearest::hint;
 
 /// What is wrong, and where.
 pub(super) struct Problem {
@@ -50,7 +51,7 @@ impl From<toml::de::Error> for Problem {
     fn from(error: toml::de::Error) -> Problem {
         // A list of what was expected follows on lines of its own.
         let lines = error.message().split('\n').map(str::trim).filter(|line| !line.is_empty());
-        Problem { at: error.span(), words: lines.collect::<Vec<_>>().join("; ") }
+        Problem { at: error.span(), words: plain(&lines.collect::<Vec<_>>().join("; ")) }
     }
 }
 
@@ -68,6 +69,7 @@ impl<'a> Document<'a> {
         let mut table = DeTable::parse(text)?;
         let root = table.get_mut();
         let keys = root.keys().map(|key| (key.get_ref().to_string(), key.span())).collect();
+        top_level(root)?;
         if let Some(missing) = REQUIRED.iter().find(|key| !root.contains_key(**key)) {
             let form = if *missing == "scene" { "give a [[scene]]" } else { "give it a value" };
             return Err(Problem { at: None, words: format!("{missing} is missing: {form}") });
@@ -106,6 +108,25 @@ impl<'a> Document<'a> {
     pub fn figure(&self, k: usize, words: String) -> anyhow::Error {
         Problem { at: self.figures.get(k).cloned(), words }.located(self.text)
     }
+}
+
+/// Refuses keys that there are not, before others are missed, and tables in single brackets.
+fn top_level(root: &DeTable<'_>) -> Result<(), Problem> {
+    let known = keys::fields::<Experiment>();
+    for (name, value) in root {
+        let (at, name) = (name.span(), &**name.get_ref());
+        if !known.contains(&name) {
+            let hint = hint(name, known.iter().copied());
+            let words = format!("there is no key '{name}'{hint}; there are: {}", known.join(", "));
+            return Err(Problem::new(at, words));
+        }
+        let many = ["scene", "runner", "claim", "figure"].contains(&name);
+        if many && matches!(value.get_ref(), DeValue::Table(_)) {
+            let words = format!("[{name}] stands for one of several: write [[{name}]]");
+            return Err(Problem::new(at, words));
+        }
+    }
+    Ok(())
 }
 
 /// Changes each table of an array of tables; gives their places. What is no table is left for serde
@@ -162,7 +183,10 @@ fn nest<'de, Common: Deserialize<'de>, Kind: Deserialize<'de>>(
                 .as_str()
                 .and_then(|name| kinds.iter().copied().find(|kind| *kind == name));
             let refused = || {
-                let words = format!("there is no such kind of {what}; the kinds are: {}", list());
+                let name = value.get_ref().as_str().unwrap_or_default();
+                let hint = hint(name, kinds.iter().copied());
+                let words =
+                    format!("there is no such kind of {what}{hint}; the kinds are: {}", list());
                 Problem::new(place.clone(), words)
             };
             (place.clone(), found.ok_or_else(refused)?)

@@ -137,7 +137,7 @@ fn defaults_are_the_defaults_and_required_keys_are_required() {
                 continue;
             }
             let read = read.unwrap_or_else(|error| panic!("{heading}: {key}: {error:#}"));
-            if ["none", "the generator's"].contains(&default) {
+            if ["none", "the generator's", "the machine's"].contains(&default) {
                 continue;
             }
             let line = format!("{key} = {default}\n");

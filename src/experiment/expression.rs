@@ -9,7 +9,8 @@
 
 use std::fmt;
 
-use serde::Deserialize;
+use serde::de::{Error, Visitor};
+use serde::{Deserialize, Deserializer};
 
 /// Levels of parentheses, signs and powers; nobody writes more, and the parser recurses.
 const DEEPEST: u32 = 64;
@@ -39,8 +40,7 @@ enum Step {
 }
 
 /// An expression over variables.
-#[derive(Clone, Debug, Deserialize)]
-#[serde(try_from = "String")]
+#[derive(Clone, Debug)]
 pub struct Expression {
     text: String,
     /// Each variable with the column of its first use.
@@ -59,11 +59,32 @@ pub struct NotAnExpression {
     problem: String,
 }
 
-impl TryFrom<String> for Expression {
-    type Error = NotAnExpression;
+/// A text, or a number as it stands.
+impl<'de> Deserialize<'de> for Expression {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Expression, D::Error> {
+        deserializer.deserialize_any(TextOrNumber)
+    }
+}
 
-    fn try_from(text: String) -> Result<Expression, NotAnExpression> {
-        Expression::parse(&text)
+struct TextOrNumber;
+
+impl Visitor<'_> for TextOrNumber {
+    type Value = Expression;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("an expression in quotes, or a number")
+    }
+
+    fn visit_i64<E: Error>(self, value: i64) -> Result<Expression, E> {
+        self.visit_str(&value.to_string())
+    }
+
+    fn visit_f64<E: Error>(self, value: f64) -> Result<Expression, E> {
+        self.visit_str(&value.to_string())
+    }
+
+    fn visit_str<E: Error>(self, text: &str) -> Result<Expression, E> {
+        Expression::parse(text).map_err(E::custom)
     }
 }
 
@@ -228,7 +249,9 @@ impl Parser {
         }
         if unary.is_none() && fold.is_none() {
             self.at = start;
-            return Err(format!("there is no function '{name}'; the functions are: {}", known()));
+            let hint = crate::nearest::hint(&name, functions());
+            let all = known();
+            return Err(format!("there is no function '{name}'{hint}; the functions are: {all}"));
         }
         self.at += 1;
         self.operand(0)?;

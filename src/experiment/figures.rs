@@ -26,6 +26,8 @@ pub struct Figure {
 pub enum FigureKind {
     /// y against x, one panel per scene and dimension, one line per detector.
     Lines(Lines),
+    /// Times over that of one detector, a panel per scene and N, a bar per detector.
+    Bars(Bars),
     /// Error rate against time per particle, one panel per scene, one mark per detector and
     /// arithmetic.
     SpeedError(SpeedError),
@@ -72,6 +74,14 @@ impl Lines {
         }
         None
     }
+}
+
+/// Options of a figure of bars.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Bars {
+    /// The detector that the others are compared with.
+    pub to: String,
 }
 
 /// Options of a figure of speed against error.

@@ -50,7 +50,10 @@ impl<'de, T: Deserialize<'de>> Visitor<'de> for Values<T> {
     }
 
     fn visit_f64<E: Error>(self, value: f64) -> Result<List<T>, E> {
-        T::deserialize(value.into_deserializer()).map(List::from)
+        match whole(value) {
+            Some(value) => self.visit_i64(value),
+            None => T::deserialize(value.into_deserializer()).map(List::from),
+        }
     }
 
     fn visit_str<E: Error>(self, value: &str) -> Result<List<T>, E> {
@@ -58,6 +61,69 @@ impl<'de, T: Deserialize<'de>> Visitor<'de> for Values<T> {
     }
 
     fn visit_seq<A: SeqAccess<'de>>(self, values: A) -> Result<List<T>, A::Error> {
-        Vec::deserialize(SeqAccessDeserializer::new(values)).map(List)
+        let items = Vec::<Item<T>>::deserialize(SeqAccessDeserializer::new(values))?;
+        Ok(List(items.into_iter().map(|item| item.0).collect()))
     }
+}
+
+/// The whole number that a float such as `1e6` is.
+fn whole(value: f64) -> Option<i64> {
+    let exact = value.fract() == 0.0 && value.abs() <= (1u64 << 53) as f64;
+    exact.then_some(value as i64)
+}
+
+/// One value of a list.
+struct Item<T>(T);
+
+impl<'de, T: Deserialize<'de>> Deserialize<'de> for Item<T> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Item<T>, D::Error> {
+        deserializer.deserialize_any(OneValue(PhantomData))
+    }
+}
+
+struct OneValue<T>(PhantomData<T>);
+
+impl<'de, T: Deserialize<'de>> Visitor<'de> for OneValue<T> {
+    type Value = Item<T>;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a value")
+    }
+
+    fn visit_bool<E: Error>(self, value: bool) -> Result<Item<T>, E> {
+        T::deserialize(value.into_deserializer()).map(Item)
+    }
+
+    fn visit_i64<E: Error>(self, value: i64) -> Result<Item<T>, E> {
+        T::deserialize(value.into_deserializer()).map(Item)
+    }
+
+    fn visit_f64<E: Error>(self, value: f64) -> Result<Item<T>, E> {
+        match whole(value) {
+            Some(value) => self.visit_i64(value),
+            None => T::deserialize(value.into_deserializer()).map(Item),
+        }
+    }
+
+    fn visit_str<E: Error>(self, value: &str) -> Result<Item<T>, E> {
+        T::deserialize(value.into_deserializer()).map(Item)
+    }
+}
+
+/// For a key with one value: `1e6` is a whole number there, too.
+pub fn one<'de, D, T>(deserializer: D) -> Result<T, D::Error>
+where
+    D: Deserializer<'de>,
+    T: Deserialize<'de>,
+{
+    Item::deserialize(deserializer).map(|item| item.0)
+}
+
+/// For a key with a list, where one value may stand without brackets.
+pub fn many<'de, D, T>(deserializer: D) -> Result<Vec<T>, D::Error>
+where
+    D: Deserializer<'de>,
+    T: Deserialize<'de>,
+{
+    List::deserialize(deserializer).map(|list| list.0)
 }

@@ -8,9 +8,12 @@ mod document;
 pub mod expression;
 pub mod figures;
 pub mod keys;
+mod known;
 pub mod list;
-pub mod nearest;
+mod plain;
+pub mod plan;
 pub mod scenes;
+pub mod shard;
 
 use std::path::Path;
 
@@ -20,9 +23,11 @@ use serde::Deserialize;
 use crate::contact::Arithmetic;
 pub use crate::experiment::claims::{Claim, ClaimKind, Where};
 use crate::experiment::document::Document;
-pub use crate::experiment::figures::{Against, Figure, FigureKind, Lines, SpeedError};
+pub use crate::experiment::figures::{Against, Bars, Figure, FigureKind, Lines, SpeedError};
 pub use crate::experiment::list::List;
 pub use crate::experiment::scenes::SceneSweep;
+use crate::memory::default_limit;
+use crate::record::faults::{MOST_THREADS, is_word};
 
 /// One experiment file. [`Experiment::parse`] asks for the keys in [`REQUIRED`].
 #[derive(Clone, Debug, Deserialize)]
@@ -39,8 +44,10 @@ pub struct Experiment {
     /// Part of the standard reproduction.
     pub standard: bool,
     /// Detectors of the table, with their parameters; groups are resolved.
+    #[serde(deserialize_with = "list::many")]
     pub detectors: Vec<String>,
     /// Arithmetics to run each detector with.
+    #[serde(deserialize_with = "list::many")]
     pub arithmetics: Vec<Arithmetic>,
     /// Threads given to the detectors; those that cannot use several run once, with one.
     pub threads: List<usize>,
@@ -56,6 +63,7 @@ pub struct Experiment {
     pub ratios_to: Option<String>,
     /// Paired blocks: each runs every detector once, in a fresh random order. 0: no times, only
     /// answers, counts and memory.
+    #[serde(deserialize_with = "list::one")]
     pub blocks: u32,
     /// Seconds after which no further block of a scene is begun, once six are done.
     pub block_budget_s: f64,
@@ -64,6 +72,7 @@ pub struct Experiment {
     pub time_limit_s: f64,
     /// Limit for a detector's arrays, and (with an allowance for input, output and program) for a
     /// runner's address space.
+    #[serde(deserialize_with = "list::one")]
     pub memory_limit_mib: u64,
     /// Scenes, each swept over its lists.
     #[serde(rename = "scene")]
@@ -102,7 +111,7 @@ impl Default for Experiment {
             blocks: 15,
             block_budget_s: f64::INFINITY,
             time_limit_s: 30.0,
-            memory_limit_mib: 4096,
+            memory_limit_mib: default_limit() >> 20,
             scenes: Vec::new(),
             runners: Vec::new(),
             claims: Vec::new(),
@@ -134,9 +143,6 @@ pub struct ExternalRunner {
     pub install: String,
 }
 
-/// More threads than any machine has cores are a slip of the pen.
-const MOST_THREADS: usize = 1024;
-
 impl Experiment {
     /// Reads and checks an experiment file.
     pub fn read(path: &Path) -> anyhow::Result<Experiment> {
@@ -146,8 +152,26 @@ impl Experiment {
             .with_context(|| format!("in {}", path.display()))
     }
 
+    /// As [`Experiment::read`], for a run that is to begin: names in claims and figures must be of
+    /// rows that it will have.
+    pub fn read_to_run(path: &Path) -> anyhow::Result<Experiment> {
+        let text = std::fs::read_to_string(path)
+            .with_context(|| format!("cannot read the experiment {}", path.display()))?;
+        let named = |text: &str, folder: &Path| {
+            let (experiment, document) = Experiment::checked(text, folder)?;
+            known::check(&experiment, &document)?;
+            Ok::<_, anyhow::Error>(experiment)
+        };
+        named(&text, path.parent().unwrap_or(Path::new(".")))
+            .with_context(|| format!("in {}", path.display()))
+    }
+
     /// Parses and checks; relative file names of scenes are taken from `folder`.
     pub fn parse(text: &str, folder: &Path) -> anyhow::Result<Experiment> {
+        Experiment::checked(text, folder).map(|read| read.0)
+    }
+
+    fn checked<'a>(text: &'a str, folder: &Path) -> anyhow::Result<(Experiment, Document<'a>)> {
         let (mut experiment, document) =
             Document::read(text).map_err(|problem| problem.located(text))?;
         experiment.detectors = detectors::expand(&experiment.detectors)
@@ -170,7 +194,7 @@ impl Experiment {
         }
         experiment.plan(false)?;
         experiment.plan(true)?;
-        Ok(experiment)
+        Ok((experiment, document))
     }
 
     /// Parses without a check of what the values mean.
@@ -192,26 +216,32 @@ impl Experiment {
                     let words = format!(
                         "than = \"{than}\": it must be one of the experiment's detectors or \
                          runners{}",
-                        nearest::hint(than, known.iter().map(String::as_str))
+                        crate::nearest::hint(than, known.iter().map(String::as_str))
                     );
                     return Err(problem(words));
                 }
             }
         }
         for (k, figure) in self.figures.iter_mut().enumerate() {
-            claims::resolve(&mut figure.filter).map_err(|words| document.figure(k, words))?;
+            let problem = |words| document.figure(k, words);
+            claims::resolve(&mut figure.filter).map_err(problem)?;
+            if let FigureKind::Bars(Bars { to }) = &mut figure.kind {
+                *to = detectors::normal(to);
+                if !known.contains(to) {
+                    let words = format!(
+                        "to = \"{to}\": it must be one of the experiment's detectors or runners{}",
+                        crate::nearest::hint(to, known.iter().map(String::as_str))
+                    );
+                    return Err(problem(words));
+                }
+            }
         }
         Ok(())
     }
 
     /// The first value that cannot be meant: its key, and what is wrong with it.
     fn problem(&self) -> Option<(&'static str, String)> {
-        let word = |name: &str| {
-            !name.is_empty()
-                && name.chars().all(|c| c.is_ascii_alphanumeric() || "-_.".contains(c))
-                && !name.starts_with('.')
-        };
-        if !word(&self.name) {
+        if !is_word(&self.name) {
             let words = format!(
                 "the name '{}' must be of letters, digits, '-', '_' and '.': files are named \
                  after it",

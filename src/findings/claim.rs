@@ -1,4 +1,5 @@
-//! Claims of experiments, checked from the record: does each hold, fail, or was it not shown?
+//! Claims of experiments, checked from the record: does each hold over what was planned, fail, or
+//! was it not covered or not shown?
 //!
 //! Only cells that ended well enter; cells that did not are named in the evidence, and a cell with
 //! a wrong answer makes the claim fail, because a detector that loses contacts has no cost worth
@@ -13,11 +14,13 @@ pub use evidence::{At, Evidence, Fitting, Found, Series, Without};
 use crate::cells::label::{over, place, varying};
 use crate::cells::{Cell, CellId, Expression, Reading, select};
 use crate::experiment::{Claim, ClaimKind, Experiment};
+use crate::findings::coverage::Coverage;
+use crate::findings::noise::Noise;
 use crate::record::id::Projection;
 use crate::record::row::{Outcome, Pass};
 use crate::stats::growth;
 use crate::stats::growth::{Model, Tail};
-use crate::stats::interval::{Interval, ratio};
+use crate::stats::interval::Interval;
 
 /// Relative difference that rounding of an expression may cause.
 const ROUNDING: f64 = 1e-12;
@@ -25,10 +28,12 @@ const ROUNDING: f64 = 1e-12;
 /// What came of a claim.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Status {
-    /// True in every cell measured.
+    /// True in every cell planned.
     Holds,
     /// False somewhere, or it cannot be checked as written.
     Fails,
+    /// True in what is there, and a part of what was planned is not there.
+    NotCovered,
     /// No data, or too little to tell.
     NotShown,
 }
@@ -39,6 +44,7 @@ impl Status {
         match self {
             Status::Holds => "holds",
             Status::Fails => "FAILS",
+            Status::NotCovered => "not covered",
             Status::NotShown => "not shown",
         }
     }
@@ -68,19 +74,27 @@ pub fn any_failed(verdicts: &[Verdict]) -> bool {
 
 /// Checks every claim of an experiment; cells of other experiments are left aside. A claim that
 /// cannot be checked (an unknown variable, say) fails and says why.
-pub fn verdicts(experiment: &Experiment, cells: &[Cell]) -> Vec<Verdict> {
+pub fn verdicts(experiment: &Experiment, cells: &[Cell], coverage: &Coverage<'_>) -> Vec<Verdict> {
     let own: Vec<Cell> =
         cells.iter().filter(|cell| cell.id.experiment == experiment.name).cloned().collect();
     let judge = |claim: &Claim| {
         let ((status, found), without) = check(claim, &own)
             .unwrap_or_else(|e| ((Status::Fails, Found::Unusable(format!("{e:#}"))), None));
+        let uncovered = coverage.uncovered(claim);
+        let status = match (status, &found) {
+            _ if uncovered.is_none() => status,
+            // Another law may fit the whole.
+            (Status::Fails, Found::Growth { .. }) => Status::NotCovered,
+            (Status::Fails, _) => Status::Fails,
+            _ => Status::NotCovered,
+        };
         Verdict {
             experiment: experiment.name.clone(),
             claim: claim.name.clone(),
             source: claim.source.clone(),
             status,
             machine_independent: !claim.uses_time(),
-            evidence: Evidence { found, of_machine: claim.uses_time(), without },
+            evidence: Evidence { found, of_machine: claim.uses_time(), without, uncovered },
         }
     };
     experiment.claims.iter().map(judge).collect()
@@ -280,7 +294,7 @@ fn faster(than: &str, cells: &[&Cell], own: &[Cell]) -> (Finding, BTreeSet<CellI
         let twin = cell.id.clone().with_contender(than);
         let good = |cell: &Cell| cell.outcome(&[Pass::Time]).0.is_good();
         if let Some(&other) = other.get(&twin).filter(|other| good(other) && good(cell)) {
-            found.extend(ratio(&cell.times, &other.times).map(|ratio| (cell, ratio)));
+            found.extend(cell.ratio(other).map(|ratio| (cell, ratio)));
         }
     }
     let used = found
@@ -293,11 +307,10 @@ fn faster(than: &str, cells: &[&Cell], own: &[Cell]) -> (Finding, BTreeSet<CellI
     };
     let low = found.iter().map(|(_, ratio)| ratio.median).fold(f64::INFINITY, f64::min);
     let high = found.iter().map(|(_, ratio)| ratio.median).fold(0.0, f64::max);
-    let slower = found.iter().filter(|(_, ratio)| ratio.count > 1 && ratio.low >= 1.0).count();
-    let open = found
-        .iter()
-        .filter(|(_, ratio)| ratio.count < 2 || (ratio.low < 1.0 && ratio.high >= 1.0))
-        .count();
+    let noise = Noise::new(&own.iter().collect::<Vec<_>>());
+    let decided = |(cell, ratio): &(&Cell, Interval)| noise.decides(ratio, cell.id.n);
+    let slower = found.iter().filter(|pair| decided(pair) && pair.1.median > 1.0).count();
+    let open = found.iter().filter(|pair| !decided(pair)).count();
     let status = match (slower, open) {
         (0, 0) => Status::Holds,
         (0, _) => Status::NotShown,

@@ -5,7 +5,7 @@
 use std::collections::BTreeMap;
 
 use crate::cells::Cell;
-use crate::findings::cost::{Fit, Series, Term, fits, series};
+use crate::findings::cost::{Fit, Kind, Series, Term, fits, series};
 use crate::stats::line::StraightLine;
 
 /// Predictions are made from this N to that.
@@ -26,6 +26,8 @@ pub struct CostModel {
     pub right: usize,
     /// All such couples.
     pub couples: usize,
+    /// Fitted without the largest N of each detector: the factors by which times there are missed.
+    pub held_out: Vec<f64>,
     /// One per scene and arithmetic with two detectors.
     pub predictions: Vec<Prediction>,
 }
@@ -61,10 +63,11 @@ pub struct Crossing {
 }
 
 impl CostModel {
-    /// Fits the model; none where no detector has two cells for every kind of its operations.
-    pub fn new(cells: &[&Cell]) -> Option<CostModel> {
+    /// Fits the model, with the caches of the machine (name and bytes); none where no detector has
+    /// two cells for every kind of its operations.
+    pub fn new(cells: &[&Cell], caches: &[(String, u64)]) -> Option<CostModel> {
         let series = series(cells);
-        let fits = fits(&series);
+        let fits = fits(&series, caches);
         let (right, couples) = score(&series, &fits);
         let mut scenes: BTreeMap<(&str, &str), Vec<&Series<'_>>> = BTreeMap::new();
         for one in &series {
@@ -72,7 +75,9 @@ impl CostModel {
         }
         let predictions = scenes.values().filter_map(|members| predict(members, &fits)).collect();
         let orders = series.iter().any(|one| one.order != series[0].order);
-        (!fits.is_empty()).then_some(CostModel { fits, orders, right, couples, predictions })
+        let held_out = fits.iter().flat_map(|fit| fit.held_out.clone()).collect();
+        let found = CostModel { fits, orders, right, couples, held_out, predictions };
+        (!found.fits.is_empty()).then_some(found)
     }
 }
 
@@ -99,10 +104,10 @@ impl<'a> Curve<'a> {
 /// count = c N^b by least squares in logarithms, over the cells that have any; the constant is one.
 /// None with a single N.
 fn power(term: &Term, cells: &BTreeMap<u64, &Cell>) -> Option<(f64, f64)> {
-    if term.operations.is_empty() {
+    if term.kind == Kind::Detection {
         return Some((term.ns, 0.0));
     }
-    let counts = cells.iter().map(|(&n, cell)| (n as f64, term.count(cell)));
+    let counts = cells.iter().map(|(&n, cell)| (n as f64, term.kind.count(cell)));
     let points: Vec<(f64, f64)> = counts
         .filter(|(n, count)| *n > 0.0 && *count > 0.0)
         .map(|p| (p.0.ln(), p.1.ln()))

@@ -23,6 +23,44 @@ pub struct Failure {
     pub more: usize,
 }
 
+/// A contender that is wrong, or one of ours that crashed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Culprit {
+    /// The contender.
+    pub name: String,
+    /// Wrong or crashed.
+    pub outcome: Outcome,
+    /// In so many cells.
+    pub cells: usize,
+    /// The first of them.
+    pub first: String,
+    /// Why, there.
+    pub reason: String,
+}
+
+/// Each that gave a wrong answer, once, then each of ours that crashed.
+pub fn culprits(cells: &[&Cell]) -> Vec<Culprit> {
+    let mut found: BTreeMap<(bool, String), Culprit> = BTreeMap::new();
+    for cell in cells {
+        let (outcome, reason) = cell.overall();
+        let wrong = outcome == Outcome::Wrong;
+        if !(wrong || outcome == Outcome::Crashed && cell.role.is_ours()) {
+            continue;
+        }
+        let name = series::label(&Line::new(cell), cells);
+        let fields = ["experiment", "scene", "dim", "n", "seed"].map(String::from);
+        let new = || Culprit {
+            name: name.clone(),
+            outcome,
+            cells: 0,
+            first: label::place(&cell.id, &fields),
+            reason: reason.to_string(),
+        };
+        found.entry((!wrong, name.clone())).or_insert_with(new).cells += 1;
+    }
+    found.into_values().collect()
+}
+
 /// One per contender, scene and outcome.
 pub fn failures(cells: &[&Cell]) -> Vec<Failure> {
     // name, scene, outcome: N and reason

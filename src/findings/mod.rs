@@ -1,9 +1,11 @@
-//! What a record says: findings as values, from cells alone.
+//! What a record says: findings as values, from cells, and what is said of the rows behind them.
 
 pub mod bound;
 pub mod claim;
 pub mod compare;
+pub mod conditions;
 pub mod cost;
+pub mod coverage;
 pub mod crossover;
 pub mod errors;
 pub mod failures;

@@ -2,21 +2,30 @@
 //!
 //! A twin is the same code as its original, timed again in every block. Where it differs from the
 //! original no detector can be told from another.
+//!
+//! One rule says everywhere that one time is larger than another: the interval of their ratio
+//! covers the true median with at least [`SURE`] and excludes 1, and the ratio is beyond what twins
+//! of as many particles differ by in the same experiment. All else is undecided.
 
 use std::collections::BTreeMap;
 
 use crate::cells::{Cell, CellId};
 use crate::record::row::Pass;
-use crate::stats::interval::{Blocks, Interval, median, ratio, typical_ratio};
+use crate::stats::interval::{Blocks, Interval, median, typical_ratio};
+
+/// The least coverage of an interval that decides: that of five blocks, the fewest that a full run
+/// takes, is 0.94.
+pub const SURE: f64 = 0.9;
 
 /// Every twin against its original.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Noise {
     /// Twins with times.
     pub twins: Vec<Twin>,
-    /// Nine in ten cells of the twins are within this factor of the original; 1 without twins. A
-    /// smaller difference between detectors decides nothing.
+    /// Nine in ten cells of the twins are within this factor of the original; 1 without twins.
     pub floor: f64,
+    /// The same of the cells with so many particles.
+    pub(super) floors: BTreeMap<u64, f64>,
 }
 
 /// A twin.
@@ -45,25 +54,58 @@ impl Noise {
     pub fn new(cells: &[&Cell]) -> Noise {
         let by_id: BTreeMap<&CellId, &Cell> = cells.iter().map(|cell| (&cell.id, *cell)).collect();
         let good = |cell: &Cell| cell.outcome(&[Pass::Time]).0.is_good();
-        let mut couples: BTreeMap<(&str, &str), Vec<(&Blocks, &Blocks)>> = BTreeMap::new();
+        let mut couples: BTreeMap<(&str, &str), Vec<(&Cell, &Cell)>> = BTreeMap::new();
         for &cell in cells.iter().filter(|cell| good(cell)) {
             let Some(original) = cell.role.twin_of() else { continue };
             let id = CellId { detector: original.into(), ..cell.id.clone() };
             if let Some(known) = by_id.get(&id).filter(|known| good(known)) {
                 let name = cell.id.detector.as_str();
-                couples.entry((name, original)).or_default().push((&cell.times, &known.times));
+                couples.entry((name, original)).or_default().push((cell, known));
             }
         }
-        let (mut twins, mut apart) = (Vec::new(), Vec::new());
+        let (mut twins, mut apart) = (Vec::new(), BTreeMap::<u64, Vec<f64>>::new());
         for ((name, original), couples) in couples {
-            let ratios: Vec<Interval> = couples.iter().filter_map(|(a, b)| ratio(a, b)).collect();
-            apart.extend(ratios.iter().map(distance));
-            twins.extend(Twin::new(name, original, &ratios, typical_ratio(&couples)));
+            let mut ratios = Vec::new();
+            for (twin, known) in &couples {
+                if let Some(ratio) = twin.ratio(known) {
+                    apart.entry(twin.id.n).or_default().push(distance(&ratio));
+                    ratios.push(ratio);
+                }
+            }
+            let times: Vec<(&Blocks, &Blocks)> =
+                couples.iter().map(|(a, b)| (&a.times, &b.times)).collect();
+            twins.extend(Twin::new(name, original, &ratios, typical_ratio(&times)));
         }
-        apart.sort_by(f64::total_cmp);
-        let ninth = (apart.len() * 9 / 10).min(apart.len().saturating_sub(1));
-        Noise { twins, floor: apart.get(ninth).map_or(1.0, |log| log.exp()) }
+        let floors = apart.iter().map(|(&n, logs)| (n, nine_in_ten(logs))).collect();
+        let all: Vec<f64> = apart.into_values().flatten().collect();
+        Noise { twins, floor: nine_in_ten(&all), floors }
     }
+
+    /// From one twin's time over that of its original.
+    pub fn of_twin(ratio: Option<Interval>) -> Noise {
+        let floor = ratio.map_or(1.0, |ratio| distance(&ratio).exp());
+        Noise { floor, ..Noise::default() }
+    }
+
+    /// The noise floor at so many particles: nine in ten cells of the twins there are within this
+    /// factor of the original. That of all sizes where no twin was timed.
+    pub fn floor_at(&self, n: u64) -> f64 {
+        self.floors.get(&n).copied().unwrap_or(self.floor)
+    }
+
+    /// Does this ratio of two times at so many particles say that one of them is larger?
+    pub fn decides(&self, ratio: &Interval, n: u64) -> bool {
+        let beyond = distance(ratio) > self.floor_at(n).ln();
+        ratio.coverage >= SURE && ratio.excludes(1.0) && beyond
+    }
+}
+
+/// The factor that nine in ten of these logarithms are within; 1 of none.
+pub(super) fn nine_in_ten(logs: &[f64]) -> f64 {
+    let mut logs = logs.to_vec();
+    logs.sort_by(f64::total_cmp);
+    let ninth = (logs.len() * 9 / 10).min(logs.len().saturating_sub(1));
+    logs.get(ninth).map_or(1.0, |log| log.exp())
 }
 
 impl Twin {
@@ -116,6 +158,21 @@ mod tests {
         assert!((twin.worst.median - 2.0).abs() < 1e-9 && twin.by_chance > 0.03, "{twin:?}");
         let none: Vec<&Cell> =
             all.iter().filter(|cell| cell.id.detector == "nbs").copied().collect();
-        assert_eq!(Noise::new(&none), Noise { twins: Vec::new(), floor: 1.0 });
+        let silent = Noise::new(&none);
+        assert!(silent.twins.is_empty() && silent.floor == 1.0 && silent.floor_at(20) == 1.0);
+        // The floor is that of the size, and of all sizes where there is none.
+        assert!((found.floor_at(20) - 2.0).abs() < 1e-9 && found.floor_at(3) == 1.0);
+        assert_eq!(found.floor_at(1000), found.floor);
+        let ratio = |median: f64| Interval {
+            median,
+            low: 0.99 * median,
+            high: 1.01 * median,
+            coverage: 0.95,
+            count: 15,
+        };
+        assert!(found.decides(&ratio(1.5), 3) && found.decides(&ratio(0.4), 20));
+        assert!(!found.decides(&ratio(1.5), 20) && !found.decides(&ratio(0.6), 20));
+        let few = Interval { coverage: 0.75, count: 3, ..ratio(1.5) };
+        assert!(!found.decides(&few, 3), "three blocks decide nothing");
     }
 }

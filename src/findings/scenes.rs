@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use crate::cells::Cell;
 use crate::findings::winners::{largest, time};
 use crate::record::row::Outcome;
-use crate::stats::interval::{Interval, ratio};
+use crate::stats::interval::Interval;
 
 /// All contenders of a scene.
 #[derive(Clone, Debug, PartialEq)]
@@ -90,9 +90,7 @@ fn contender(cell: &Cell, name: String, n: f64, fastest: Option<&Cell>) -> Conte
         blocks: cell.times.len(),
         versus: match (fastest, cell.time()) {
             (Some(fastest), Some(_)) if fastest.id == cell.id => Versus::Fastest,
-            (Some(fastest), Some(_)) => {
-                ratio(&cell.times, &fastest.times).map_or(Versus::Unknown, Versus::Slower)
-            }
+            (Some(fastest), Some(_)) => cell.ratio(fastest).map_or(Versus::Unknown, Versus::Slower),
             _ => Versus::Unknown,
         },
         contact_tests: per("contact_test"),

@@ -2,9 +2,9 @@
 //!
 //! Of each block: the speed-up is the time with one thread over that with k. The ceiling is the
 //! throughput of k copies with one thread each, at work together, over that of one alone: k times
-//! the time alone over the time of the copies. Their quotient is the fraction of the ceiling that
-//! was reached. A detector can pass the ceiling: k threads on one scene share their caches, k
-//! copies share nothing.
+//! the time alone over the time of the copies. The fraction of the ceiling that was reached is the
+//! throughput with k threads over that of the copies. A detector can pass the ceiling: k threads on
+//! one scene share their caches, k copies share nothing.
 
 use std::collections::BTreeMap;
 
@@ -107,7 +107,9 @@ fn gain(
         line: line.clone(),
         name,
         speedup: series::ratio(one, many)?,
-        ceiling: series::ratio_of(one, |cell| &cell.times, many, |cell| &cell.copies_ns)
+        ceiling: series::ratio_of(many, |cell| &cell.alone_ns, many, |cell| &cell.copies_ns)
+            // Of records that have none: the time with one thread stands in.
+            .or_else(|| series::ratio_of(one, |cell| &cell.times, many, |cell| &cell.copies_ns))
             .map(|ratio| ratio.scaled(k)),
         fraction: series::ratio_of(many, |cell| &cell.copies_ns, many, |cell| &cell.times)
             .map(|ratio| ratio.scaled(1.0 / k)),
@@ -168,6 +170,15 @@ mod tests {
         assert!((first.speedup - 1.5).abs() < 1e-9 && (first.most - 1.5).abs() < 1e-9);
         assert!((first.fraction.unwrap() - 15.0 / 16.0).abs() < 1e-9);
         assert_eq!(found.typical[1].fraction, None);
+        // Copies timed alone by the same path go before the time with one thread.
+        let mut rows = lab.rows();
+        for row in rows.iter_mut().filter(|row| row.pass == Pass::Ceiling) {
+            row.alone_ns = row.time_ns.map(|time| time * 2 / 3);
+        }
+        let with_alone = crate::cells::cells(&rows);
+        let again = Threads::new(&with_alone.iter().collect::<Vec<_>>()).unwrap();
+        assert!(is(again.gains[0].ceiling.unwrap(), 4.0 / 3.0), "{:?}", again.gains[0]);
+        assert_eq!(again.gains[0].fraction, two.fraction);
         let sequential: Vec<&Cell> = cells.iter().filter(|cell| cell.id.threads() == 1).collect();
         assert_eq!(Threads::new(&sequential), None);
     }

@@ -8,8 +8,7 @@
 //! run in a rounded arithmetic would win by being wrong. Settings have tables of their own: all
 //! contenders of a scene, threads, arithmetics.
 //!
-//! The fastest is decided if its ratio to the next has an interval that excludes 1 and covers the
-//! true median with at least [`SURE`], and is beyond the noise floor.
+//! Whether the fastest is decided says [`Noise::decides`] of its ratio to the next.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -18,11 +17,7 @@ use crate::cells::series::Line;
 use crate::cells::{Cell, CellId, label, series};
 use crate::contact::Arithmetic;
 use crate::findings::noise::Noise;
-use crate::stats::interval::{Interval, median, ratio};
-
-/// The least coverage of an interval that decides: that of five blocks, the fewest that a full run
-/// takes, is 0.94.
-pub const SURE: f64 = 0.9;
+use crate::stats::interval::{Interval, median};
 
 /// A scene at its largest N.
 #[derive(Clone, Debug, PartialEq)]
@@ -75,26 +70,22 @@ pub struct Wins {
 /// The contests of all scenes in which someone was timed.
 pub fn contests(cells: &[&Cell]) -> Vec<Contest> {
     let able: Vec<&Cell> = cells.iter().filter(|cell| is_able(cell)).copied().collect();
-    let floor = Noise::new(cells).floor;
+    let noise = Noise::new(cells);
     let scenes = largest(&able);
     let taking_part: Vec<&Cell> = scenes.iter().flat_map(|scene| plainest(&scene.cells)).collect();
-    scenes.iter().filter_map(|scene| contest(scene, &taking_part, floor)).collect()
+    scenes.iter().filter_map(|scene| contest(scene, &taking_part, &noise)).collect()
 }
 
 /// The winner among the cells of one scene, N and seed, if it is decided.
-pub fn winner<'a>(cells: &[&'a Cell], floor: f64) -> Option<&'a Cell> {
+pub fn winner<'a>(cells: &[&'a Cell], noise: &Noise) -> Option<&'a Cell> {
     let able: Vec<&Cell> = cells.iter().filter(|cell| is_able(cell)).copied().collect();
     let order = plainest(&able);
     let [first, next, ..] = order[..] else { return None };
-    ratio(&next.times, &first.times).filter(|ratio| decides(ratio, floor)).map(|_| first)
+    next.ratio(first).filter(|ratio| noise.decides(ratio, first.id.n)).map(|_| first)
 }
 
 fn is_able(cell: &Cell) -> bool {
     !cell.role.is_control() && cell.time().is_some()
-}
-
-fn decides(next: &Interval, floor: f64) -> bool {
-    next.coverage >= SURE && next.excludes(1.0) && next.median > floor
 }
 
 /// A scene at its largest N, and among several with that N at the last parameters and the first
@@ -146,7 +137,7 @@ fn plainest<'a>(cells: &[&'a Cell]) -> Vec<&'a Cell> {
     order
 }
 
-fn contest(scene: &Scene<'_>, all: &[&Cell], floor: f64) -> Option<Contest> {
+fn contest(scene: &Scene<'_>, all: &[&Cell], noise: &Noise) -> Option<Contest> {
     let order = plainest(&scene.cells);
     let (first, others) = order.split_first()?;
     let contender = |cell: &Cell, ratio| {
@@ -155,9 +146,9 @@ fn contest(scene: &Scene<'_>, all: &[&Cell], floor: f64) -> Option<Contest> {
         Contender { line, name, per_particle: time(cell) / scene.n.max(1) as f64, ratio }
     };
     let others: Vec<Contender> =
-        others.iter().map(|cell| contender(cell, ratio(&cell.times, &first.times))).collect();
+        others.iter().map(|cell| contender(cell, cell.ratio(first))).collect();
     let next = others.first().and_then(|next| next.ratio);
-    let decided = next.is_some_and(|next| decides(&next, floor));
+    let decided = next.is_some_and(|next| noise.decides(&next, scene.n));
     Some(Contest { title: scene.title.clone(), first: contender(first, None), others, decided })
 }
 
@@ -246,8 +237,9 @@ mod tests {
         let [wins] = &*tally.wins else { panic!("{:?}", tally.wins) };
         assert_eq!((&*wins.detector, wins.margins.len()), ("nbs", 1));
         let packed: Vec<&Cell> = largest(&all)[2].cells.clone();
-        assert_eq!(winner(&packed, 1.1).map(|cell| cell.id.detector.as_str()), Some("nbs"));
-        assert!(winner(&packed, 2.6).is_none());
+        let noise = |floor| Noise { floor, ..Noise::default() };
+        let wins = |floor| winner(&packed, &noise(floor)).map(|cell| cell.id.detector.as_str());
+        assert_eq!((wins(1.1), wins(2.6)), (Some("nbs"), None));
     }
 
     #[test]

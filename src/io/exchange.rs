@@ -7,6 +7,7 @@ use std::path::Path;
 
 use anyhow::{Context, ensure};
 
+use crate::io::formats::gzip::Unpacking;
 use crate::io::formats::npy;
 use crate::io::lines::Source;
 use crate::io::particles::room;
@@ -66,7 +67,9 @@ pub fn read_scene(
 pub fn read_pairs(path: &Path) -> anyhow::Result<Vec<[u32; 2]>> {
     let name = path.display().to_string();
     let file = File::open(path).with_context(|| format!("cannot read the pairs {name}"))?;
-    let mut source = Source { input: &mut BufReader::new(file), name: &name };
+    let unpacking = Unpacking::default();
+    let input = &mut BufReader::new(file);
+    let mut source = Source { input, name: &name, unpacking: &unpacking };
     let header = npy::header(&mut source)?;
     let kind = header.kind == Kind::U32 && !header.big && !header.fortran;
     ensure!(

@@ -5,6 +5,8 @@ use std::io::{BufRead, Read};
 
 use anyhow::{Context, bail, ensure};
 
+use crate::io::formats::gzip::Unpacking;
+
 /// Longest line of a text file. A longer one is some other kind of file, and would fill the memory.
 pub const LONGEST_LINE: usize = 1 << 20;
 
@@ -12,6 +14,7 @@ pub const LONGEST_LINE: usize = 1 << 20;
 pub(crate) struct Source<'a> {
     pub input: &'a mut dyn BufRead,
     pub name: &'a str,
+    pub unpacking: &'a Unpacking,
 }
 
 impl Source<'_> {
@@ -55,18 +58,25 @@ impl<'a> Lines<'a> {
         let read = Read::take(&mut self.source.input, LONGEST_LINE as u64 + 1)
             .read_until(b'\n', &mut self.line);
         read.with_context(|| format!("cannot read {}", self.place()))?;
-        if self.line.len() > LONGEST_LINE {
-            bail!(
-                "{}: the line is longer than {LONGEST_LINE} bytes; this is not a particle file",
-                self.place()
-            );
-        }
         let more = !self.line.is_empty();
         if self.number == 1 && self.line.starts_with(b"\xef\xbb\xbf") {
             self.line.drain(..3);
         }
         while let Some(b'\n' | b'\r') = self.line.last() {
             self.line.pop();
+        }
+        if self.line.contains(&b'\r') {
+            bail!(
+                "{}: a line ends in a carriage return alone, as old Macintosh files have it; write \
+                 line feeds: tr '\\r' '\\n'",
+                self.place()
+            );
+        }
+        if self.line.len() > LONGEST_LINE {
+            bail!(
+                "{}: the line is longer than {LONGEST_LINE} bytes; this is not a particle file",
+                self.place()
+            );
         }
         Ok(more)
     }

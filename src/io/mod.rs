@@ -18,6 +18,8 @@
 //! **Memory.** Particles grow by a quarter, with the bytes that are there, whatever the file
 //! promises; nothing else is kept.
 
+mod chosen;
+mod counted;
 pub mod exchange;
 mod formats;
 mod frames;
@@ -32,12 +34,14 @@ use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 
 use anyhow::{Context, ensure};
-use formats::gzip;
+pub use chosen::Chosen;
+use formats::gzip::{self, Unpacking};
 pub use formats::{FORMATS, Format};
 pub use frames::Frame;
 pub use lines::LONGEST_LINE;
 use lines::Source;
 pub use particles::Particles;
+pub(crate) use particles::room;
 
 use crate::scene::AnyScene;
 
@@ -56,6 +60,8 @@ pub struct Options {
     pub ids: bool,
     /// Read on to the end of the file, to count its frames.
     pub survey: bool,
+    /// Which columns of a text hold what; none lets their names decide.
+    pub columns: Option<Chosen>,
 }
 
 impl Options {
@@ -67,6 +73,7 @@ impl Options {
         format: None,
         ids: false,
         survey: false,
+        columns: None,
     };
 }
 
@@ -143,7 +150,7 @@ fn ending(path: &Path) -> String {
 
 /// As [`load`], from a stream; `ending` is the file name's, in lower case.
 pub fn load_from(
-    mut reader: impl BufRead,
+    reader: impl BufRead,
     name: &str,
     ending: &str,
     options: Options,
@@ -157,21 +164,23 @@ pub fn load_from(
     if let Some(dim) = options.dim {
         ensure!(dim == 2 || dim == 3, "the dimension given is {dim}; it must be 2 or 3");
     }
+    let unpacking = Unpacking::default();
+    let mut reader = unpacking.file(reader);
     let head = head(&mut reader, name)?;
     let mut reader = std::io::Cursor::new(&head[..]).chain(reader);
     let (mut particles, mut about) = if head.starts_with(gzip::MAGIC) {
-        let mut reader = BufReader::with_capacity(1 << 17, gzip::expand(reader));
+        let mut reader = BufReader::with_capacity(1 << 17, unpacking.gzip(reader));
         let head = self::head(&mut reader, name)?;
         ensure!(!head.starts_with(gzip::MAGIC), "{name} is compressed twice; unpack it once");
         let mut reader = std::io::Cursor::new(&head[..]).chain(reader);
         let (particles, about) = (formats::find(&head, name, ending, options)?.read)(
-            Source { input: &mut reader, name },
+            Source { input: &mut reader, name, unpacking: &unpacking },
             options,
         )?;
         (particles, About { gzip: true, ..about })
     } else {
         (formats::find(&head, name, ending, options)?.read)(
-            Source { input: &mut reader, name },
+            Source { input: &mut reader, name, unpacking: &unpacking },
             options,
         )?
     };

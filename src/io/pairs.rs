@@ -10,10 +10,12 @@ use std::path::Path;
 use anyhow::{Context, bail, ensure};
 
 use crate::io::Frame;
-use crate::io::formats::{gzip, npy};
+use crate::io::formats::gzip::{self, Unpacking};
+use crate::io::formats::npy;
 use crate::io::frames::{Frames, Step};
 use crate::io::lines::{Lines, Separator, Source, number, shown};
 use crate::io::particles::room;
+use crate::sink::splitmix64;
 
 /// A contact list as it was read.
 #[derive(Debug, Default, PartialEq)]
@@ -40,11 +42,13 @@ pub fn read(path: &Path, columns: Option<[&str; 2]>, frame: Frame) -> anyhow::Re
 
 /// As [`read`], from a stream.
 pub fn from(
-    mut reader: impl BufRead,
+    reader: impl BufRead,
     name: &str,
     columns: Option<[&str; 2]>,
     frame: Frame,
 ) -> anyhow::Result<List> {
+    let unpacking = &Unpacking::default();
+    let mut reader = unpacking.file(reader);
     let mut head = Vec::new();
     (&mut reader)
         .take(4096)
@@ -52,20 +56,16 @@ pub fn from(
         .with_context(|| format!("cannot read {name}"))?;
     let mut reader = std::io::Cursor::new(&head[..]).chain(reader);
     if head.starts_with(gzip::MAGIC) {
-        let mut unpacked = BufReader::with_capacity(1 << 17, gzip::expand(reader));
+        let mut unpacked = BufReader::with_capacity(1 << 17, unpacking.gzip(reader));
         let mut inner = Vec::new();
         (&mut unpacked)
             .take(4096)
             .read_to_end(&mut inner)
             .with_context(|| format!("cannot read {name}"))?;
-        return plain(
-            Source { input: &mut std::io::Cursor::new(&inner[..]).chain(unpacked), name },
-            &inner,
-            columns,
-            frame,
-        );
+        let input = &mut std::io::Cursor::new(&inner[..]).chain(unpacked);
+        return plain(Source { input, name, unpacking }, &inner, columns, frame);
     }
-    plain(Source { input: &mut reader, name }, &head, columns, frame)
+    plain(Source { input: &mut reader, name, unpacking }, &head, columns, frame)
 }
 
 fn plain(
@@ -183,7 +183,7 @@ fn csv(mut lines: Lines<'_>, columns: Option<[&str; 2]>) -> anyhow::Result<List>
             ensure!(cells.len() >= 2, "{}: a pair needs two columns; write i,j", lines.place());
             ensure!(
                 !header || columns.is_some() || by_name.is_some() || cells.len() == 2,
-                "{}: which columns hold the numbers of a pair? Name them with --columns I,J",
+                "{}: which columns hold the numbers of a pair? Name them with --pairs-columns I,J",
                 lines.place()
             );
             if !header {
@@ -239,12 +239,14 @@ fn fstat(mut lines: Lines<'_>, frame: Frame) -> anyhow::Result<List> {
     if let Frame::Number(_) = frame {
         frames.end(lines.source.name, crate::io::About::default())?;
     }
-    // Where all are there from both sides, one side is taken.
-    let mut turned: Vec<[i64; 2]> = list.pairs.iter().map(|&[i, j]| [j, i]).collect();
-    let mut sorted = list.pairs.clone();
-    turned.sort_unstable();
-    sorted.sort_unstable();
-    list.both_sides = turned == sorted && !sorted.is_empty();
+    // Where all are there from both sides, one side is taken: then fingerprints of the pairs as
+    // they stand and of the pairs turned round are the same, whatever their order.
+    let mix = |i: i64, j: i64| splitmix64(splitmix64(i as u64) ^ j as u64);
+    let sum = |sum: [u64; 2], &[i, j]: &[i64; 2]| {
+        [sum[0].wrapping_add(mix(i, j)), sum[1].wrapping_add(mix(j, i))]
+    };
+    let [there, back] = list.pairs.iter().fold([0; 2], sum);
+    list.both_sides = there == back && !list.pairs.is_empty();
     if list.both_sides {
         list.pairs.retain(|[i, j]| i <= j);
     }
@@ -344,7 +346,8 @@ fn chosen(names: &[&str], columns: Option<[&str; 2]>) -> anyhow::Result<[usize; 
     let second = first.and_then(|first| at(&names[first].replace("[1]", "[2]")));
     let (Some(i), Some(j)) = (first, second) else {
         bail!(
-            "which columns hold the ids of a pair? Name them with --columns I,J; there are {}",
+            "which columns hold the ids of a pair? Name them with --pairs-columns I,J; there are \
+             {}",
             crate::io::lines::listed(names)
         )
     };

@@ -6,6 +6,7 @@ use nalgebra::Point;
 
 use crate::io::lines::{number, short, shown};
 use crate::io::{About, Options, RadiusSource};
+use crate::memory;
 use crate::scene::{AnyScene, Radii, Scene};
 
 /// Room for one more, a quarter at a time: a list doubled may be twice as large as needed, and this
@@ -13,9 +14,9 @@ use crate::scene::{AnyScene, Radii, Scene};
 pub(crate) fn room<T>(list: &mut Vec<T>) -> anyhow::Result<()> {
     if list.len() == list.capacity() {
         let more = list.len() / 4 + 1024;
-        list.try_reserve_exact(more).with_context(|| {
-            format!("no memory for more than {} particles; split the file", list.len())
-        })?;
+        let bytes = ((list.len() + more) * size_of::<T>()) as u64;
+        let fits = bytes <= memory::most_of_one() && list.try_reserve_exact(more).is_ok();
+        ensure!(fits, "no memory for more than {} of them; split the file", list.len());
     }
     Ok(())
 }
@@ -189,6 +190,8 @@ pub(crate) enum Column {
 impl Column {
     /// What a column of that name holds.
     pub fn named(name: &str) -> Column {
+        // A unit may follow, as in x [m] or radius (mm).
+        let name = name.split(['[', '(']).next().unwrap_or_default().trim_end();
         match name.to_ascii_lowercase().as_str() {
             "x" => Column::Axis(0),
             "y" => Column::Axis(1),
@@ -224,10 +227,26 @@ impl Columns {
     /// Columns that mean what their names say.
     pub fn named(names: impl IntoIterator<Item = impl Into<String>>) -> Columns {
         let names: Vec<String> = names.into_iter().map(Into::into).collect();
-        Columns {
-            meaning: names.iter().map(|name| Column::named(name)).collect(),
-            names,
-            or_more: false,
+        let mut meaning: Vec<Column> = names.iter().map(|name| Column::named(name)).collect();
+        // ParaView calls the places Points:0, Points:1, Points:2, where nothing else is called so.
+        if !meaning.contains(&Column::Axis(0)) {
+            for (meaning, name) in meaning.iter_mut().zip(&names) {
+                let name = name.to_ascii_lowercase().replace('_', ":");
+                if let Some(k) =
+                    ["points:0", "points:1", "points:2"].iter().position(|p| *p == name)
+                {
+                    *meaning = Column::Axis(k);
+                }
+            }
+        }
+        Columns { meaning, names, or_more: false }
+    }
+
+    /// With the meaning that the options give them, if they do.
+    pub fn chosen(self, place: &str, options: Options) -> anyhow::Result<Columns> {
+        match options.columns {
+            Some(chosen) => chosen.apply(self, place),
+            None => Ok(self),
         }
     }
 
@@ -303,11 +322,11 @@ impl Columns {
                 Column::Axis(axis) => match number(cell) {
                     Some(value) if value.is_finite() => point[*axis] = value,
                     Some(_) => bad = Some((k, "is not a finite number")),
-                    None => bad = Some((k, "is not a number")),
+                    None => bad = Some((k, not_a_number(cell))),
                 },
                 Column::Radius | Column::Diameter => {
-                    match number(cell).ok_or("is not a number").and_then(|value| column.size(value))
-                    {
+                    let value = number(cell).ok_or_else(|| not_a_number(cell));
+                    match value.and_then(|value| column.size(value)) {
                         Ok(value) => radius = value,
                         Err(why) => bad = Some((k, why)),
                     }
@@ -321,9 +340,10 @@ impl Columns {
             let (count, wanted) = (all.clone().count(), self.meaning.len());
             ensure!(
                 count == wanted || self.or_more && count > wanted,
-                "{}: {count} columns where {wanted} are expected{}",
+                "{}: {count} columns where {wanted} are expected{}{}",
                 place(),
-                between()
+                between(),
+                if count == 2 * wanted { DECIMAL_COMMAS } else { "" }
             );
             if let Some((k, why)) = bad {
                 let cell = all.clone().nth(k).unwrap_or_default();
@@ -337,6 +357,24 @@ impl Columns {
         }
         particles.push(point, radius, id).with_context(place)
     }
+}
+
+/// What to do about 1,5 for 1.5.
+pub(crate) const DECIMAL_COMMAS: &str = "; if the commas are decimal commas, write points";
+
+fn not_a_number(cell: &[u8]) -> &'static str {
+    if is_decimal_comma(cell) {
+        "has a decimal comma, which is not read: write a point"
+    } else {
+        "is not a number"
+    }
+}
+
+/// Is it 1,5 for 1.5?
+pub(crate) fn is_decimal_comma(cell: &[u8]) -> bool {
+    let point = |&b: &u8| if b == b',' { b'.' } else { b };
+    let pointed: Vec<u8> = cell.iter().map(point).collect();
+    cell.contains(&b',') && number(&pointed).is_some()
 }
 
 /// Particles of columns, and what was understood.

@@ -63,12 +63,44 @@ pub fn scene_format(path: &Path) -> anyhow::Result<SceneFormat> {
 }
 
 fn create(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> anyhow::Result<()> {
-    let create = || -> io::Result<()> {
-        let mut file = BufWriter::new(File::create(path)?);
-        write(&mut file)?;
-        file.flush()
+    whole(path, write).with_context(|| format!("cannot write {}", path.display()))
+}
+
+/// Writes a file that is there as a whole or not at all: beside its place first, under a name that
+/// begins with a dot, and when it is complete it takes its own. What stood there before stays until
+/// then. A pipe or a device is written to as it is.
+///
+/// # Errors
+/// As of the system; the file is then as it was before.
+pub fn whole(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+    let fill = |file: &mut File| -> io::Result<()> {
+        let mut out = BufWriter::with_capacity(1 << 16, file);
+        write(&mut out)?;
+        out.flush()
     };
-    create().with_context(|| format!("cannot write {}", path.display()))
+    // A link is followed: the file that it names is written, not the link.
+    let path = &path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
+    let before = std::fs::metadata(path).ok();
+    if before.as_ref().is_some_and(|before| !before.is_file()) {
+        return fill(&mut File::options().write(true).open(path)?);
+    }
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    let mut prefix = std::ffi::OsString::from(".");
+    prefix.push(path.file_name().unwrap_or_default());
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(&prefix).suffix(".part");
+    // Such as any new file has, but for the process's mask.
+    #[cfg(unix)]
+    let new: std::fs::Permissions = std::os::unix::fs::PermissionsExt::from_mode(0o666);
+    #[cfg(unix)]
+    builder.permissions(new);
+    let mut file = builder.tempfile_in(folder.unwrap_or(Path::new(".")))?;
+    if let Some(before) = before {
+        file.as_file().set_permissions(before.permissions())?;
+    }
+    fill(file.as_file_mut())?;
+    file.persist(path)?;
+    Ok(())
 }
 
 /// Writes pairs to a file whose ending, `.csv` or `.npy`, gives the format.

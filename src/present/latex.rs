@@ -35,10 +35,10 @@ pub fn tables(experiments: &[Experiment], cells: &[Cell], format: Format) -> Str
     for experiment in experiments {
         let all: Vec<&Cell> =
             cells.iter().filter(|cell| cell.id.experiment == experiment.name).collect();
-        let floor = Noise::new(&all).floor;
+        let noise = Noise::new(&all);
         let own: Vec<&Cell> = all.into_iter().filter(|cell| !cell.role.is_control()).collect();
         for group in series::groups(&own) {
-            let made = table(&group, &own, floor);
+            let made = table(&group, &own, &noise);
             out += &match format {
                 Format::Latex => format!(
                     "% {}: {}\n{}\n",
@@ -54,7 +54,7 @@ pub fn tables(experiments: &[Experiment], cells: &[Cell], format: Format) -> Str
 }
 
 /// A scene: by N, the fastest first; N is named once.
-fn table(group: &series::Group<'_>, own: &[&Cell], floor: f64) -> Table {
+fn table(group: &series::Group<'_>, own: &[&Cell], noise: &Noise) -> Table {
     let mut sizes: BTreeMap<u64, Vec<(&Line, &Seeds<'_>)>> = BTreeMap::new();
     for (line, cells) in &group.lines {
         for (&n, seeds) in cells {
@@ -76,7 +76,7 @@ fn table(group: &series::Group<'_>, own: &[&Cell], floor: f64) -> Table {
         entries.sort_by(|a, b| place(a.1).total_cmp(&place(b.1)));
         let firsts: Vec<&Cell> =
             entries.iter().filter_map(|(_, seeds)| seeds.first().copied()).collect();
-        let winner = winners::winner(&firsts, floor).map(Line::new);
+        let winner = winners::winner(&firsts, noise).map(Line::new);
         for (k, (line, seeds)) in entries.into_iter().enumerate() {
             let mut row = vec![
                 if k == 0 { table::Cell::count(n) } else { "".into() },

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use crate::number::number;
+use crate::number::{number, with_interval};
 use crate::present::table::{Cell, Column, Table};
 use crate::recommend::race::{Race, Standing, fastest};
 use crate::recommend::verdict::{Verdict, bytes_per_particle, per_particle};
@@ -33,13 +33,8 @@ pub fn sentence(verdict: &Verdict, race: &Race, n: usize) -> String {
     if let Some((k, ratio)) = &verdict.next {
         let next =
             if verdict.tied.is_empty() { "the next" } else { "the next that can be told apart" };
-        parts.push(format!(
-            "{:.2} times ({:.2} to {:.2}) faster than {next}, {}",
-            ratio.median,
-            ratio.low,
-            ratio.high,
-            name(*k)
-        ));
+        let (next, takes) = (format!("{next}, {},", name(*k)), with_interval(ratio));
+        parts.push(format!("{next} takes {takes} times as long"));
     }
     if let Some(bytes) = bytes_per_particle(choice, n) {
         parts.push(format!("{} bytes per particle", number(bytes)));
@@ -48,20 +43,25 @@ pub fn sentence(verdict: &Verdict, race: &Race, n: usize) -> String {
     let mut text = format!("{}: {}", name(verdict.choice), parts.join("; "));
     for (k, ratio) in &verdict.tied {
         let takes = ratio.map_or(String::new(), |ratio| {
-            format!(
-                ", which takes {:.2} times ({:.2} to {:.2}) its time",
-                ratio.median, ratio.low, ratio.high
-            )
+            format!(", which takes {} times as long", with_interval(&ratio))
         });
         let memory = match bytes_per_particle(&standings[*k], n) {
             Some(bytes) => format!(" and {} bytes per particle", number(bytes)),
             None => String::new(),
         };
         text += &format!(
-            "\n  in time it cannot be told apart from {}{takes}{memory}: the leaner is recommended",
+            "\n  in time undecided against {}{takes}{memory}: the leaner is recommended",
             name(*k)
         );
     }
+    text += &match &race.twin {
+        Some(twin) => format!(
+            "\n  the same detector, measured again beside itself, takes {} times as long: less \
+             decides nothing",
+            with_interval(twin)
+        ),
+        None => "\n  one block decides nothing; give more time with --seconds".into(),
+    };
     text
 }
 
@@ -135,6 +135,7 @@ pub fn as_json(verdict: Option<&Verdict>, race: &Race, n: usize) -> Value {
         "next": verdict.and_then(|verdict| verdict.next.as_ref()).map(next),
         "cannot_tell_apart": verdict.map(tied),
         "blocks": race.blocks,
+        "twin_ratio": race.twin.map(numbers),
         "detectors": detectors.collect::<Vec<_>>(),
     })
 }

@@ -10,6 +10,9 @@ use crate::cells::machine::Machine;
 use crate::cells::{Cell, cells};
 use crate::experiment::{Experiment, Table};
 use crate::findings::claim::{self, Verdict};
+use crate::findings::conditions::Conditions;
+use crate::findings::coverage::{Coverage, Scope, Summary};
+use crate::findings::failures::{Culprit, culprits};
 use crate::findings::price::Price;
 use crate::findings::verdicts::Matrix;
 use crate::findings::winners::{Contest, contests};
@@ -20,13 +23,17 @@ use crate::present::page::origin::{command, shown};
 use crate::present::sections::{self, Files};
 use crate::present::table::csv;
 use crate::present::{csv as files, figure, page};
+use crate::record::ledger::Ledger;
+use crate::record::provenance;
 use crate::record::row::Row;
 
 /// What was written.
 pub struct Report {
     /// All claims, in the order of the experiments.
     pub verdicts: Vec<Verdict>,
-    /// What a terminal shows: answers, winners, claims.
+    /// Who is wrong, or crashed: each once.
+    pub culprits: Vec<Culprit>,
+    /// What a terminal shows: who is wrong, answers, winners, claims.
     pub terminal: Vec<Block>,
     /// The figures, SVG and PNG.
     pub figures: Vec<PathBuf>,
@@ -44,12 +51,14 @@ pub struct Part<'a> {
     pub experiment: &'a Experiment,
     /// Its cells.
     pub cells: Vec<&'a Cell>,
+    /// How much of its plan is there.
+    pub coverage: Summary,
     /// Its claims.
     pub verdicts: Vec<Verdict>,
     /// Who is the fastest.
     pub contests: Vec<Contest>,
     /// How the detector of interest compares, in a sentence, if the experiment asks.
-    pub headline: Option<Text>,
+    pub headline: Option<sections::Headline>,
     /// What each arithmetic costs.
     pub price: Vec<Block>,
     /// Who is right, case by case, if the experiment asks.
@@ -58,6 +67,17 @@ pub struct Part<'a> {
     pub figures: Vec<(String, Vec<PathBuf>)>,
     /// All its tables.
     pub tables: Vec<Block>,
+}
+
+/// Where a record is from.
+#[derive(Clone, Copy)]
+pub struct Origin<'a> {
+    /// Command, revision and machine.
+    pub provenance: Option<&'a Value>,
+    /// What makes its times doubtful, and what else the machine did.
+    pub conditions: &'a Conditions,
+    /// The programs that answered.
+    pub ledger: &'a Ledger,
 }
 
 /// Writes the report of these experiments into `folder`. Rows of other experiments are in
@@ -72,15 +92,16 @@ pub fn write(
     let cells = cells(rows);
     let styles = Styles::new(cells.iter());
     let figure_folder = folder.join("figures");
-    let provenance = std::fs::read(folder.join("provenance.json"))
-        .ok()
-        .and_then(|bytes| serde_json::from_slice::<Value>(&bytes).ok());
+    let provenance = provenance::of_folder(folder);
     let provenance = provenance.as_ref();
+    let ledger = Ledger::read(folder);
+    let conditions = Conditions::new(&provenance::all(folder), &ledger, rows);
     let machine = Machine::from_provenance(provenance);
+    let scope = Scope::new(provenance, experiments);
     let (mut parts, mut csv_files, mut warnings) =
         (Vec::new(), Files::default(), warnings.to_vec());
     for experiment in experiments {
-        let mut part = Part::new(experiment, &cells, &machine, &mut csv_files);
+        let mut part = Part::new(experiment, &cells, &machine, &scope, &mut csv_files);
         for plan in &experiment.figures {
             match figure::draw(&figure_folder, experiment, plan, &cells, &styles, &machine) {
                 Ok(paths) if paths.is_empty() => {}
@@ -94,10 +115,15 @@ pub fn write(
         parts.push(part);
     }
     let (path, page) = (folder.join("report.md"), page::path(folder));
-    let text = document::markdown(&blocks(&parts, &warnings, provenance));
+    let culprits = culprits(&cells.iter().collect::<Vec<_>>());
+    // Nothing is more important.
+    let wrong: Vec<String> = culprits.iter().map(sections::failures::culprit).collect();
+    let said = [&wrong[..], &warnings[..]].concat();
+    let origin = Origin { provenance, conditions: &conditions, ledger: &ledger };
+    let text = document::markdown(&blocks(&parts, &said, &origin));
     let (resumed, cells, styles) = (resumed(folder), &cells, &styles);
-    let warned = &warnings;
-    let html = Page { parts: &parts, cells, styles, provenance, resumed, warnings: warned }.html();
+    let (warned, parted) = (&said, &parts);
+    let html = Page { parts: parted, cells, styles, origin, resumed, warnings: warned }.html();
     for (path, text) in [(&path, text), (&page, html)] {
         std::fs::write(path, text)
             .with_context(|| format!("cannot write the report {}", path.display()))?;
@@ -117,7 +143,8 @@ pub fn write(
         std::fs::write(&path, text).with_context(|| format!("cannot write {}", path.display()))?;
     }
     Ok(Report {
-        terminal: terminal(&parts),
+        terminal: terminal(&parts, &wrong, &conditions),
+        culprits,
         figures: parts.iter().flat_map(|part| &part.figures).flat_map(|it| it.1.clone()).collect(),
         verdicts: parts.into_iter().flat_map(|part| part.verdicts).collect(),
         path,
@@ -126,15 +153,30 @@ pub fn write(
     })
 }
 
+/// What is to be said of plans that are not whole: a sentence for each.
+pub fn partial(folder: &Path, experiments: &[Experiment], rows: &[Row]) -> Vec<String> {
+    let (cells, provenance) = (cells(rows), provenance::of_folder(folder));
+    let scope = Scope::new(provenance.as_ref(), experiments);
+    let summary = |experiment: &Experiment| {
+        let of = |cell: &&Cell| cell.id.experiment == experiment.name;
+        let own: Vec<&Cell> = cells.iter().filter(of).collect();
+        Coverage::new(experiment, &own, &scope).summary()
+    };
+    let found = experiments.iter().map(summary);
+    found.filter_map(|found| sections::coverage::partial(&found)).collect()
+}
+
 impl<'a> Part<'a> {
     fn new(
         experiment: &'a Experiment,
         cells: &'a [Cell],
         machine: &Machine,
+        scope: &Scope<'_>,
         files: &mut Files,
     ) -> Part<'a> {
         let own: Vec<&Cell> =
             cells.iter().filter(|cell| cell.id.experiment == experiment.name).collect();
+        let coverage = Coverage::new(experiment, &own, scope);
         let matrix = Matrix::new(&own).filter(|_| experiment.table == Some(Table::Verdicts));
         let mut tables = sections::sections(experiment, &own, machine, files);
         // The matrix says all that these would, of a hundred scenes.
@@ -143,15 +185,35 @@ impl<'a> Part<'a> {
         }
         Part {
             experiment,
-            verdicts: claim::verdicts(experiment, cells),
+            verdicts: claim::verdicts(experiment, cells, &coverage),
+            coverage: coverage.summary(),
             contests: contests(&own),
-            headline: sections::headline(experiment, &own),
+            headline: sections::Headline::new(experiment, &own),
             price: Price::new(&own).map_or(Vec::new(), |price| sections::price::blocks(&price)),
             matrix,
             figures: Vec::new(),
             tables,
             cells: own,
         }
+    }
+}
+
+impl Part<'_> {
+    /// What the experiment asks, answered in a sentence.
+    pub fn sentence(&self) -> Text {
+        match self.headline.as_ref().filter(|headline| headline.answers) {
+            Some(headline) => headline.text.clone(),
+            None => sections::winners::sentence(&self.contests),
+        }
+    }
+
+    /// The sentence, and who is the fastest of each scene.
+    fn answer(&self) -> Vec<Block> {
+        let mut blocks = sections::winners::blocks(&self.contests);
+        if let Some(first) = blocks.first_mut() {
+            *first = Block::Paragraph(self.sentence());
+        }
+        blocks
     }
 }
 
@@ -173,13 +235,24 @@ fn resumed(folder: &Path) -> Vec<Value> {
         .collect()
 }
 
+/// The warning at the head of everything that shows times, if they are doubtful.
+fn doubts(conditions: &Conditions) -> Option<Block> {
+    Some(Block::Warning(sections::conditions::sentence(conditions)?.into()))
+}
+
+/// How much of each plan is there.
+pub fn summaries(parts: &[Part<'_>]) -> Vec<Summary> {
+    parts.iter().map(|part| part.coverage.clone()).collect()
+}
+
 /// What a terminal shows.
-fn terminal(parts: &[Part<'_>]) -> Vec<Block> {
-    let mut out = Vec::new();
+fn terminal(parts: &[Part<'_>], wrong: &[String], conditions: &Conditions) -> Vec<Block> {
+    let mut out: Vec<Block> = wrong.iter().map(|it| Block::paragraph(it.as_str())).collect();
+    out.extend(sections::coverage::blocks(&summaries(parts)));
+    out.extend(doubts(conditions));
     for part in parts {
         let answers = part.matrix.as_ref().map(sections::verdicts::terminal).unwrap_or_default();
-        let said: Vec<Block> =
-            answers.into_iter().chain(sections::winners::blocks(&part.contests)).collect();
+        let said: Vec<Block> = answers.into_iter().chain(part.answer()).collect();
         if !said.is_empty() {
             let Experiment { name, title, .. } = part.experiment;
             out.push(Block::heading(2, format!("{name}: {title}")));
@@ -192,24 +265,27 @@ fn terminal(parts: &[Part<'_>]) -> Vec<Block> {
 }
 
 /// All of the report.
-fn blocks(parts: &[Part<'_>], warnings: &[String], provenance: Option<&Value>) -> Vec<Block> {
-    let mut out = head(parts, warnings, provenance);
+fn blocks(parts: &[Part<'_>], warnings: &[String], origin: &Origin<'_>) -> Vec<Block> {
+    let mut out = head(parts, warnings, origin);
     for part in parts {
         section(&mut out, part);
     }
-    foot(&mut out, provenance);
+    foot(&mut out, origin);
     out
 }
 
 /// Title, the command that made it, the score of the claims, warnings; each question with its
 /// answer: who won where.
-fn head(parts: &[Part<'_>], warnings: &[String], provenance: Option<&Value>) -> Vec<Block> {
+fn head(parts: &[Part<'_>], warnings: &[String], origin: &Origin<'_>) -> Vec<Block> {
     let title = match parts {
         [part] => part.experiment.title.as_str(),
         _ => "Contact detection: results",
     };
     let mut out = vec![Block::heading(1, title)];
-    if let Some(command) = provenance.and_then(|fields| fields.get("command")).map(command) {
+    out.extend(warnings.iter().map(|warning| Block::Warning(warning.as_str().into())));
+    out.extend(sections::coverage::blocks(&summaries(parts)));
+    out.extend(doubts(origin.conditions));
+    if let Some(command) = origin.provenance.and_then(|fields| fields.get("command")).map(command) {
         out.extend([Block::paragraph("Made by"), Block::Code(command)]);
     }
     let verdicts: Vec<Verdict> = parts.iter().flat_map(|part| part.verdicts.clone()).collect();
@@ -217,12 +293,13 @@ fn head(parts: &[Part<'_>], warnings: &[String], provenance: Option<&Value>) -> 
         [] => "No claims were checked.".into(),
         all => Text::new().strong(format!("{}.", sections::claims::score(all))),
     }));
-    out.extend(warnings.iter().map(|warning| Block::Warning(warning.as_str().into())));
     for part in parts {
         out.push(Block::Paragraph(Text::new().strong(part.experiment.question.as_str())));
-        out.extend(part.headline.clone().map(Block::Paragraph));
+        if let Some(headline) = part.headline.as_ref().filter(|headline| !headline.answers) {
+            out.push(Block::Paragraph(headline.text.clone()));
+        }
         out.extend(part.price.iter().cloned());
-        out.extend(sections::winners::blocks(&part.contests));
+        out.extend(part.answer());
     }
     out
 }
@@ -249,7 +326,7 @@ fn section(out: &mut Vec<Block>, part: &Part<'_>) {
 }
 
 /// Legend of the tables, machine, bias.
-fn foot(out: &mut Vec<Block>, provenance: Option<&Value>) {
+fn foot(out: &mut Vec<Block>, origin: &Origin<'_>) {
     out.push(Block::heading(2, "How to read the tables"));
     let text = Text::from(
         "Times are medians over paired blocks, from raw coordinates to the complete list of \
@@ -265,14 +342,23 @@ fn foot(out: &mut Vec<Block>, provenance: Option<&Value>) {
         .link("summary.csv", "summary.csv")
         .plain("; every single measurement is in ")
         .link("samples.jsonl", "samples.jsonl");
-    out.push(Block::Paragraph(text.plain(".")));
+    out.push(Block::Paragraph(text.plain(
+        ". These files and the pictures in figures/ lie beside this one, and must go with it; \
+         report.html has the figures in itself.",
+    )));
     out.push(Block::paragraph(
         "BIAS.md, at the root of the project, lists the ways in which this comparison is unfair.",
     ));
-    if let Some(Value::Object(fields)) = provenance {
+    if let Some(Value::Object(fields)) = origin.provenance {
         out.push(Block::heading(2, "Machine and provenance"));
+        out.extend(sections::conditions::load(origin.conditions).map(Block::paragraph));
         let line = |(name, value): (&String, &Value)| format!("{name}: {}", shown(value)).into();
         out.push(Block::List(fields.iter().map(line).collect()));
+    }
+    let programs = sections::conditions::programs(origin.ledger);
+    if !programs.is_empty() {
+        out.push(Block::heading(2, "Programs"));
+        out.push(Block::List(programs.into_iter().map(Text::from).collect()));
     }
 }
 

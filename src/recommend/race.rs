@@ -1,11 +1,13 @@
 //! The race: who is slower by far drops out early, the others run blocks until the time is over.
 //!
-//! 1. A probe of each contender, one process at a time: the scene is loaded, one sample is taken,
-//!    its answer is judged. It may take `PATIENCE` times as long as the fastest so far. Who takes
-//!    over `FAR` times the time of the fastest is out, but for the second.
-//! 2. The memory of those left.
-//! 3. Blocks: a sample of each in random order. After `FEWEST` blocks those whose interval is above
-//!    `BEHIND` times the fastest are out; two remain, so that the margin between them is measured.
+//! 1. A probe of each contender, one process at a time, in half of the time: the scene is loaded,
+//!    one sample is taken, its answer is judged. It may take `PATIENCE` times as long as the
+//!    fastest so far. Who takes over `FAR` times the time of the fastest is out, but for the
+//!    second; of the others the memory is measured.
+//! 2. Blocks: a sample of each in random order, and of the fastest once more as its own twin, every
+//!    one in a fresh process and all of a block on the same processor. After `FEWEST` blocks those
+//!    whose interval is above `BEHIND` times the fastest are out; two remain, so that the margin
+//!    between them is measured.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -23,11 +25,12 @@ use crate::record::row::Outcome;
 use crate::run::client::{Client, Failure, Start};
 use crate::run::contender;
 use crate::run::judge::Judge;
-use crate::run::passes::{SHORTEST_SAMPLE_NS, astray, load_all};
+use crate::run::passes::{self, SHORTEST_SAMPLE_NS, load_all};
+use crate::run::processors;
 use crate::run::protocol::{Reply, Request};
 use crate::run::trajectory::Trajectory;
 use crate::scene::AnyScene;
-use crate::stats::interval::{Blocks, median, ratio};
+use crate::stats::interval::{Blocks, Interval, median, ratio};
 
 /// A probe may take so many times as long as the fastest one.
 const PATIENCE: u32 = 20;
@@ -36,11 +39,14 @@ pub const FAR: f64 = 3.0;
 /// Who is so many times slower after some blocks, with the whole interval, is out.
 pub const BEHIND: f64 = 1.5;
 /// Fewer blocks tell nothing with 95%.
-pub const FEWEST: u32 = 6;
+const FEWEST: u32 = 6;
 /// More blocks make intervals hardly narrower.
 const MOST: u32 = 51;
-/// Loading a scene may take so long.
-const LOADING: Duration = Duration::from_secs(600);
+/// Blocks go on until there are [`FEWEST`] of them, but not beyond so many times the time asked
+/// for.
+const BEYOND: f64 = 1.5;
+/// A probe is given at least so long: a process must start.
+const SHORTEST_PROBE: Duration = Duration::from_millis(100);
 /// Those that are mostly fast are probed first, so that the others need not be waited for.
 const FIRST: [&str; 8] =
     ["streamed-nbs", "cell-grid", "hash-grid", "nbs", "screening", "kd-tree", "bvh", "sorting"];
@@ -82,8 +88,10 @@ pub struct Standing {
     pub peak_bytes: Option<u64>,
     /// Against exact decisions on the scene as given.
     pub errors: Option<Errors>,
-    /// While it is in the race.
-    client: Option<Client>,
+    /// Is it in the race?
+    racing: bool,
+    /// How its processes are started.
+    start: Start,
 }
 
 /// The outcome of the race.
@@ -94,6 +102,9 @@ pub struct Race {
     pub contacts: u64,
     /// Blocks run.
     pub blocks: u32,
+    /// The time of one of them over its own, measured again in every block: what equal code differs
+    /// by. None with less than two blocks.
+    pub twin: Option<Interval>,
 }
 
 /// Runs the race. `note` hears what is being done.
@@ -101,8 +112,11 @@ pub fn run(question: &Question<'_>, note: &mut dyn FnMut(&str)) -> anyhow::Resul
     let folder = tempfile::tempdir()
         .context("cannot make a temporary folder for scenes; set TMPDIR to a writable place")?;
     note("finding the true pairs");
-    let mut judge = Judge::new(question.scene);
+    let mut judge = Judge::new(question.scene, question.memory_limit);
     let arithmetic = question.arithmetic;
+    if let Some(reason) = judge.hopeless(arithmetic)? {
+        bail!("{reason}");
+    }
     let Some(contacts) = judge.truth(arithmetic)?.map(|truth| truth.digest.contacts) else {
         bail!(
             "in {} arithmetic no answer could be checked: {}; choose another with --arithmetic",
@@ -119,14 +133,10 @@ pub fn run(question: &Question<'_>, note: &mut dyn FnMut(&str)) -> anyhow::Resul
     let mut course =
         Course { question, judge, contacts, loads, folder: folder.path(), started: Instant::now() };
     let mut standings = course.probe_all(note)?;
-    for standing in standings.iter_mut().filter(|standing| standing.client.is_some()) {
-        note(&format!("memory of {}", standing.entry.name));
-        course.memory(standing)?;
-    }
-    let blocks = course.blocks(&mut standings, note)?;
+    let (blocks, twin) = course.blocks(&mut standings, note)?;
     standings
         .sort_by_key(|standing| TABLE.iter().position(|entry| entry.name == standing.entry.name));
-    Ok(Race { standings, contacts, blocks })
+    Ok(Race { standings, contacts, blocks, twin })
 }
 
 struct Course<'a> {
@@ -140,6 +150,11 @@ struct Course<'a> {
 }
 
 impl Course<'_> {
+    /// What is left of this share of the time.
+    fn left(&self, share: f64) -> Duration {
+        self.question.time.mul_f64(share).saturating_sub(self.started.elapsed())
+    }
+
     fn probe_all(&mut self, note: &mut dyn FnMut(&str)) -> anyhow::Result<Vec<Standing>> {
         let mut order: Vec<&'static Entry> = TABLE
             .iter()
@@ -156,40 +171,31 @@ impl Course<'_> {
         let mut shortest: Option<Duration> = None;
         for entry in order {
             note(&format!("probing {}", entry.name));
-            let threads = if entry.threads { self.question.threads } else { 1 };
-            let blank = Standing {
-                entry,
-                threads,
-                outcome: Outcome::Ok,
-                reason: String::new(),
-                probe_ns: None,
-                times: Blocks::new(),
-                peak_bytes: None,
-                errors: None,
-                client: None,
-            };
-            standings.push(blank);
-            let Some(standing) = standings.last_mut() else { continue };
-            let patience = shortest
-                .map_or(self.question.time, |shortest| shortest * PATIENCE)
-                .max(Duration::from_millis(500));
-            match self.probe(standing, patience)? {
-                Some(took) => shortest = Some(shortest.map_or(took, |shortest| shortest.min(took))),
-                None => continue,
+            let mut standing = self.entered(entry);
+            // The first may take all of the time, the others what the probes have left.
+            let left = self.left(if shortest.is_none() { 1.0 } else { 0.5 });
+            let asked = self.question.time.as_secs_f64();
+            if left.is_zero() {
+                let reason = format!("not tried: the {asked} s were over (--seconds)");
+                out(&mut standing, Failure { outcome: Outcome::Timeout, reason });
+                standings.push(standing);
+                continue;
             }
-            // Who is far behind is ended now: with a large scene, so that its memory is free.
-            drop_if(&mut standings, |standing, best| {
-                standing.probe_ns.is_some_and(|probe| {
-                    probe as f64 > FAR * best.probe_ns.unwrap_or_default() as f64
-                })
-            });
+            let patience = shortest.map_or(left, |shortest| (shortest * PATIENCE).min(left));
+            let best = standings.iter().filter_map(|standing| standing.probe_ns).min();
+            if let Some(took) = self.probe(&mut standing, patience.max(SHORTEST_PROBE), best)? {
+                shortest = Some(shortest.map_or(took, |shortest| shortest.min(took)));
+            }
+            standings.push(standing);
         }
-        // Against the fastest of all, which may have come later.
+        drop_if(&mut standings, |standing, best| {
+            standing
+                .probe_ns
+                .is_some_and(|probe| probe as f64 > FAR * best.probe_ns.unwrap_or_default() as f64)
+        });
         let best = standings.iter().filter_map(|standing| standing.probe_ns).min();
-        for standing in standings
-            .iter_mut()
-            .filter(|standing| standing.client.is_none() && standing.outcome.is_good())
-        {
+        let slow = |standing: &&mut Standing| !standing.racing && standing.outcome.is_good();
+        for standing in standings.iter_mut().filter(slow) {
             let times = standing
                 .probe_ns
                 .zip(best)
@@ -200,69 +206,86 @@ impl Course<'_> {
         Ok(standings)
     }
 
-    /// Starts, loads, and takes a first sample; how long the request took. None: it is out.
+    fn entered(&self, entry: &'static Entry) -> Standing {
+        let Question { scene, arithmetic, memory_limit, program, .. } = self.question;
+        let threads = if entry.threads { self.question.threads } else { 1 };
+        let start = Start {
+            command: contender::own(program, entry.name, *arithmetic, threads, *memory_limit),
+            install: String::new(),
+            time_limit: self.question.time.max(SHORTEST_PROBE),
+            memory_limit: contender::address_space(*memory_limit, threads)
+                .saturating_add(contender::room(scene.len() as u64, self.contacts)),
+            processor: None,
+        };
+        Standing {
+            entry,
+            threads,
+            outcome: Outcome::Ok,
+            reason: String::new(),
+            probe_ns: None,
+            times: Blocks::new(),
+            peak_bytes: None,
+            errors: None,
+            racing: true,
+            start,
+        }
+    }
+
+    /// Starts, loads, takes a first sample, and measures the memory unless others are far faster;
+    /// how long that took. None: it is out.
     fn probe(
         &mut self,
         standing: &mut Standing,
         patience: Duration,
+        best: Option<u64>,
     ) -> anyhow::Result<Option<Duration>> {
-        let Question { scene, arithmetic, memory_limit, program, .. } = self.question;
-        let start = Start {
-            command: contender::own(
-                program,
-                standing.entry.name,
-                *arithmetic,
-                standing.threads,
-                *memory_limit,
-            ),
-            install: String::new(),
-            time_limit: LOADING,
-            memory_limit: contender::address_space(*memory_limit, standing.threads)
-                .saturating_add(contender::room(scene.len() as u64, self.contacts)),
-        };
-        let loaded = Client::start(&start)
-            .and_then(|mut client| load_all(&mut client, &self.loads).map(|()| client));
-        match loaded {
-            Ok(client) => standing.client = Some(client),
-            Err(failure) => {
-                out(standing, failure);
-                return Ok(None);
-            }
-        }
-        if let Some(client) = &mut standing.client {
-            client.allow(patience);
-        }
         let started = Instant::now();
-        let Some(time) = self.sample(standing)? else {
+        standing.start.time_limit = patience;
+        let Some((time, mut client)) = self.sample(standing, None)? else {
             if standing.outcome == Outcome::Timeout {
-                standing.reason = format!(
-                    "not ready after {:.1} s, and others are {PATIENCE} times faster or more",
-                    patience.as_secs_f64()
-                );
+                standing.reason = match best {
+                    None => format!(
+                        "not ready after {:.1} s: give more time with --seconds",
+                        patience.as_secs_f64()
+                    ),
+                    Some(_) => {
+                        format!("not ready after {:.1} s, and others are", patience.as_secs_f64())
+                    }
+                };
             }
             return Ok(None);
         };
         standing.probe_ns = Some(time);
-        if let Some(client) = &mut standing.client {
-            // From now on it has shown how long it takes: two detections for a sample, with much to
-            // spare.
-            client.allow(
-                patience.max(Duration::from_secs(5)) + Duration::from_nanos(time) * PATIENCE,
-            );
+        let took = started.elapsed();
+        // From now on it has shown how long it takes.
+        standing.start.time_limit = took * PATIENCE + Duration::from_secs(5);
+        client.allow(standing.start.time_limit);
+        if best.is_none_or(|best| time as f64 <= FAR * best as f64) {
+            match client.ask(&Request::Memory) {
+                Ok(Reply::Memory { peak_bytes, .. }) => standing.peak_bytes = Some(peak_bytes),
+                // It is measured without.
+                Ok(_) => {}
+                Err(failure) => out(standing, failure),
+            }
         }
-        Ok(Some(started.elapsed()))
+        Ok(Some(took).filter(|_| standing.racing))
     }
 
-    /// Nanoseconds of a detection, whose answer is judged. None: it is out.
-    fn sample(&mut self, standing: &mut Standing) -> anyhow::Result<Option<u64>> {
-        let Some(client) = &mut standing.client else { return Ok(None) };
-        let request = Request::Sample { min_ns: SHORTEST_SAMPLE_NS };
-        let (time, contacts, digest) = match client.ask(&request) {
-            Ok(Reply::Sample { time_ns, contacts, digest, .. }) => (time_ns, contacts, digest),
-            Ok(other) => {
-                out(standing, astray(&request, &other));
-                return Ok(None);
-            }
+    /// Nanoseconds of a detection in a fresh process, whose answer is judged; and the process.
+    /// None: it is out.
+    fn sample(
+        &mut self,
+        standing: &mut Standing,
+        processor: Option<usize>,
+    ) -> anyhow::Result<Option<(u64, Client)>> {
+        let start = Start { processor, ..standing.start.clone() };
+        let answer = Client::start(&start).and_then(|mut client| {
+            client.allow(start.time_limit);
+            load_all(&mut client, &self.loads)?;
+            Ok((passes::sample(&mut client, SHORTEST_SAMPLE_NS)?, client))
+        });
+        let (sample, mut client) = match answer {
+            Ok(answer) => answer,
             Err(failure) => {
                 out(standing, failure);
                 return Ok(None);
@@ -271,55 +294,53 @@ impl Course<'_> {
         let path = self.folder.join("pairs.npy");
         let fetch = || client.pairs(&path);
         let (name, arithmetic) = (standing.entry.name, self.question.arithmetic);
-        let judged = self.judge.judge(name, arithmetic, (contacts, &digest), fetch)?;
+        let said = (sample.contacts, &*sample.digest);
+        let judged = self.judge.judge(name, arithmetic, said, fetch)?;
         standing.errors = judged.errors;
         if judged.outcome.is_good() {
             standing.outcome = judged.outcome;
-            return Ok(Some(time));
+            return Ok(Some((sample.time_ns, client)));
         }
         out(standing, Failure { outcome: judged.outcome, reason: judged.reason });
         Ok(None)
     }
 
-    fn memory(&mut self, standing: &mut Standing) -> anyhow::Result<()> {
-        let Some(client) = &mut standing.client else { return Ok(()) };
-        match client.ask(&Request::Memory) {
-            Ok(Reply::Memory { peak_bytes, .. }) => standing.peak_bytes = Some(peak_bytes),
-            // It is measured without.
-            Ok(_) => {}
-            Err(failure) => out(standing, failure),
-        }
-        Ok(())
-    }
-
-    /// Samples of all that are left, until the time is over; the number of blocks.
+    /// Samples of all that are left and of a twin, until the time is over; the number of blocks,
+    /// and what the twin says.
     fn blocks(
         &mut self,
         standings: &mut [Standing],
         note: &mut dyn FnMut(&str),
-    ) -> anyhow::Result<u32> {
-        let time = self.question.time;
+    ) -> anyhow::Result<(u32, Option<Interval>)> {
+        let racing = standings.iter().filter(|standing| standing.racing);
+        let original = racing.min_by_key(|standing| standing.probe_ns).map(|it| it.entry);
+        let mut twin = original.map(|entry| self.entered(entry));
+        let mut done = 0;
         for block in 1..=MOST {
-            // At least so many that there is an interval; as many as tell something, if that takes
-            // not much longer.
-            let wanted = if self.started.elapsed() < 2 * time { FEWEST } else { 2 };
-            if block > wanted && self.started.elapsed() > time {
-                return Ok(block - 1);
+            let share = if block <= FEWEST { BEYOND } else { 1.0 };
+            if block > 1 && self.left(share).is_zero() {
+                break;
             }
-            let mut order: Vec<usize> =
-                (0..standings.len()).filter(|&k| standings[k].client.is_some()).collect();
-            note(&format!("block {block}: {} detectors", order.len()));
+            let mut order: Vec<&mut Standing> =
+                standings.iter_mut().chain(&mut twin).filter(|standing| standing.racing).collect();
+            note(&format!("block {block}: {} detectors", order.len().saturating_sub(1)));
             order.shuffle(&mut ChaCha8Rng::seed_from_u64(u64::from(block)));
-            for k in order {
-                if let Some(time) = self.sample(&mut standings[k])? {
-                    standings[k].times.insert(block, time);
+            for standing in order {
+                let processor = processors::in_block(block).filter(|_| standing.threads == 1);
+                if let Some((time, _)) = self.sample(standing, processor)? {
+                    standing.times.insert(block, time);
                 }
             }
+            done = block;
             if block >= FEWEST {
                 drop_those_behind(standings);
             }
         }
-        Ok(MOST)
+        let of = |twin: Standing| {
+            let original = standings.iter().find(|it| it.entry.name == twin.entry.name)?;
+            ratio(&twin.times, &original.times).filter(|ratio| ratio.count > 1)
+        };
+        Ok((done, twin.and_then(of)))
     }
 }
 
@@ -341,13 +362,12 @@ fn drop_those_behind(standings: &mut [Standing]) {
 /// Ends those of whom `is_behind` holds, compared with the fastest; but two stay, so that there is
 /// a margin to be told.
 fn drop_if(standings: &mut [Standing], is_behind: impl Fn(&Standing, &Standing) -> bool) {
-    let mut racing: Vec<usize> =
-        (0..standings.len()).filter(|&k| standings[k].client.is_some()).collect();
+    let mut racing: Vec<usize> = (0..standings.len()).filter(|&k| standings[k].racing).collect();
     racing.sort_by(|&a, &b| typical(&standings[a]).total_cmp(&typical(&standings[b])));
     let Some(&best) = racing.first() else { return };
     for &k in racing.iter().skip(2) {
         if is_behind(&standings[k], &standings[best]) {
-            standings[k].client = None;
+            standings[k].racing = false;
         }
     }
 }
@@ -361,6 +381,6 @@ fn typical(standing: &Standing) -> f64 {
 fn out(standing: &mut Standing, failure: Failure) {
     standing.outcome = failure.outcome;
     standing.reason = failure.reason;
-    standing.client = None;
+    standing.racing = false;
     standing.times = BTreeMap::new();
 }

@@ -1,7 +1,8 @@
 //! From a race to a recommendation: the fastest, or, of those that cannot be told apart from it,
 //! the leanest.
 
-use crate::recommend::race::{BEHIND, Race, Standing, fastest};
+use crate::findings::noise::Noise;
+use crate::recommend::race::{Race, Standing, fastest};
 use crate::stats::interval::{Interval, interval, ratio};
 
 /// The recommendation.
@@ -27,10 +28,8 @@ impl Verdict {
                 k != best && standings[k].outcome.is_good() && !standings[k].times.is_empty()
             })
             .collect();
-        // Few blocks tell only what is far apart, and a single one nothing.
-        let sure = |ratio: Interval| {
-            ratio.coverage >= 0.9 && ratio.low > 1.0 || ratio.count > 1 && ratio.low > BEHIND
-        };
+        let noise = Noise::of_twin(race.twin);
+        let sure = |ratio: Interval| ratio.median > 1.0 && noise.decides(&ratio, 0);
         let slower = |k: &usize| against(*k, best).is_some_and(sure);
         let (behind, mut near): (Vec<usize>, Vec<usize>) = others.into_iter().partition(slower);
         near.push(best);

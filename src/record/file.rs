@@ -6,17 +6,22 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
+use crate::record::faults::{self, Fault};
 use crate::record::id::THREADS;
 use crate::record::provenance;
 use crate::record::role::Role;
 use crate::record::row::Row;
+use crate::record::seal::{self, Flaw};
 
 /// The name of the record in a result folder.
 pub const FILE: &str = "samples.jsonl";
 
 /// The version of the record's schema, the field `schema` of every row: see docs/RECORD.md. 1 had
-/// neither this field nor `machine`; 1 and 2 had `threads` in place of `resources`, and no `role`.
-pub const SCHEMA: u32 = 3;
+/// neither this field nor `machine`; 1 and 2 had `threads` in place of `resources`, and no `role`;
+/// none before 4 had a check of the line.
+pub const SCHEMA: u32 = 4;
+/// From this schema on every line ends with a check of itself.
+const SEALED: u32 = 4;
 
 /// A line of the record.
 #[derive(Serialize)]
@@ -79,10 +84,10 @@ impl Writer {
             rows: writer.rows,
             cause,
         };
-        let mut line = serde_json::to_vec(&Line { schema: SCHEMA, row })
+        let object = serde_json::to_string(&Line { schema: SCHEMA, row })
             .map_err(|e| failed(self, e.into()))?;
-        line.push(b'\n');
-        if let Err(cause) = self.file.write_all(&line) {
+        let line = seal::sealed(&object) + "\n";
+        if let Err(cause) = self.file.write_all(line.as_bytes()) {
             // Should this fail, too, the torn line is cut off when the run is resumed.
             let _ = self
                 .file
@@ -151,13 +156,15 @@ fn parse(line: &[u8], schema: u32) -> serde_json::Result<Row> {
     serde_json::from_value(fields.into())
 }
 
-/// Reads a record of this schema or an earlier one. A torn last line is reported and left out; any
-/// other line that is not a row is an error, and so is a line of a later schema.
+/// Reads a record of this schema or an earlier one. A torn last line is reported and left out. A
+/// line of a later schema is an error; lines that are damaged, or that contradict themselves or
+/// others, are a `faults::Damaged` record, which names them all.
 pub fn read(path: &Path) -> anyhow::Result<Record> {
     let text = std::fs::read(path)
         .map_err(|e| anyhow::anyhow!("cannot read the record {}: {e}", path.display()))?;
     let mut beside = None;
-    let (mut rows, mut warnings) = (Vec::new(), Vec::new());
+    let (mut rows, mut lines, mut warnings) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut found, mut newest) = (Vec::new(), 0);
     for (number, line) in text.split_inclusive(|&b| b == b'\n').enumerate() {
         let at = || format!("{}: line {}", path.display(), number + 1);
         if !line.ends_with(b"\n") {
@@ -178,16 +185,39 @@ pub fn read(path: &Path) -> anyhow::Result<Record> {
                     at()
                 );
             }
-            let mut row =
-                parse(line, schema).map_err(|e| anyhow::anyhow!("{} is not a row: {e}", at()))?;
-            if row.id.machine.is_none() {
-                let machine = beside.get_or_insert_with(|| provenance::machine_of(path.parent()));
-                row.id.machine.clone_from(machine);
+            newest = schema.max(newest);
+            match whole(line, schema, newest) {
+                Ok(row) => {
+                    rows.push(row);
+                    lines.push(number + 1);
+                }
+                Err(what) => found.push((number + 1, what)),
             }
-            rows.push(row);
         }
     }
+    for row in rows.iter_mut().filter(|row: &&mut Row| row.id.machine.is_none()) {
+        let machine = beside.get_or_insert_with(|| provenance::machine_of(path.parent()));
+        row.id.machine.clone_from(machine);
+    }
+    found.extend(faults::faults(&rows).into_iter().map(|(k, what)| (lines[k], what)));
+    found.sort();
+    let fault = |(line, what)| Fault { place: format!("{}:{line}", path.display()), what };
+    faults::sound(found.into_iter().map(fault).collect())?;
     Ok(Record { rows, warnings })
+}
+
+/// The row of a line that is as it was written; or what is wrong with it.
+fn whole(line: &[u8], schema: u32, newest: u32) -> Result<Row, String> {
+    let row = parse(line, schema).map_err(|e| format!("it is not a row: {e}"))?;
+    if schema < newest && newest >= SEALED {
+        return Err(format!("its schema is {schema}, after lines of schema {newest}"));
+    }
+    match seal::verify(line) {
+        _ if schema < SEALED => Ok(row),
+        Ok(()) => Ok(row),
+        Err(Flaw::Absent) => Err("it has no check at its end: it was edited".into()),
+        Err(Flaw::Wrong) => Err("its check is of another line: it was edited".into()),
+    }
 }
 
 #[cfg(test)]
@@ -197,21 +227,33 @@ mod tests {
     use super::*;
     use crate::oracle::{Causes, Errors};
     use crate::record::id::CellId;
+    use crate::record::outcome::{Outcome, Pass};
 
     /// A row with something in every field.
     fn full() -> Row {
         let mut row = Row {
             id: CellId {
                 machine: Some("here".into()),
+                experiment: "e".into(),
+                dim: 2,
                 params: [("s".to_string(), 0.5.into())].into(),
                 seed: u64::MAX,
                 ..CellId::default()
             },
             role: Role::Twin("nbs".into()),
+            outcome: Outcome::Wrong,
             errors: Some(Errors { missed: 3, ..Errors::default() }),
             causes: Some(Causes::default()),
             time_ns: Some(7),
-            counts: [("list_push".to_string(), 2)].into(),
+            calls: Some(2),
+            elapsed_ns: Some(15),
+            pass: Pass::Time,
+            block: 3,
+            process: Some("01234567".into()),
+            span: Some("89abcdef".into()),
+            rounds_ns: vec![1, 2],
+            alone_ns: Some(1),
+            processor: Some(1),
             ..Row::default()
         };
         row.id = row.id.with_threads(2).with_contender("streamed-nbs:level=avx2");
@@ -266,9 +308,9 @@ mod tests {
             assert_eq!((&rows[0].role, rows[0].id.threads()), (&role, 4), "{name}");
             assert_eq!(rows[0].id.machine, None);
         }
-        let later = old("nbs").replacen('{', "{\"schema\": 4,", 1);
+        let later = old("nbs").replacen('{', "{\"schema\": 5,", 1);
         let error = read_text(&later).err().unwrap().to_string();
-        assert!(error.contains("record schema 4") && error.contains("schemas 1 to 3"), "{error}");
+        assert!(error.contains("record schema 5") && error.contains("schemas 1 to 4"), "{error}");
     }
 
     #[test]
@@ -301,7 +343,7 @@ mod tests {
             .filter_map(|line| line.strip_prefix("| `")?.split('`').next())
             .map(String::from)
             .collect();
-        let mut fields = BTreeSet::new();
+        let mut fields = BTreeSet::from([seal::NAME.to_string()]);
         for (name, value) in line(&full()).as_object().unwrap() {
             let nested = ["stats", "errors", "causes"].contains(&name.as_str());
             let inner = value.as_object().filter(|_| nested);

@@ -1,29 +1,55 @@
 //! The machines of a record: which are one, what each is called where there are several, and the
 //! provenance of the whole.
 
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use crate::record::file;
+use crate::record::hardware::Hardware;
 use crate::record::merge::Part;
+use crate::record::{file, provenance};
 
 /// A machine, as far as a provenance describes it: the name alone may be that of many.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Machine {
     /// Its name.
     pub name: String,
-    /// The processor's model.
-    pub cpu: Option<String>,
-    /// Its cores.
-    pub cores: Option<u64>,
+    /// What it is made of.
+    #[serde(flatten)]
+    pub hardware: Hardware,
 }
 
 impl Machine {
-    /// May the two be one? What is not known of one of them does not tell them apart.
+    /// May the two be one? See [`Hardware::may_be`].
     pub fn may_be(&self, other: &Machine) -> bool {
-        let alike = |a: Option<&str>, b: Option<&str>| a.is_none() || b.is_none() || a == b;
-        let cores = self.cores.is_none() || other.cores.is_none() || self.cores == other.cores;
-        self.name == other.name && alike(self.cpu.as_deref(), other.cpu.as_deref()) && cores
+        self.name == other.name && self.hardware.may_be(&other.hardware)
     }
+}
+
+/// The machines that a provenance describes, each with what the rows call it.
+pub fn described(provenance: &Value) -> Vec<(String, Machine)> {
+    let text = |fields: &Value, name: &str| Some(fields.get(name)?.as_str()?.to_string());
+    let machine = |fields: &Value, label: &str| {
+        // Of a merged record the list says `name`, of one run the provenance says `host`; records
+        // of older versions have no other name than that of the rows.
+        let name = text(fields, "host").or_else(|| text(fields, "name"));
+        let hardware = serde_json::from_value(fields.clone()).unwrap_or_default();
+        (label.to_string(), Machine { name: name.unwrap_or(label.into()), hardware })
+    };
+    let listed = provenance.get("machines").and_then(Value::as_object).into_iter().flatten();
+    let own = text(provenance, "machine").map(|label| machine(provenance, &label));
+    own.into_iter().chain(listed.map(|(label, fields)| machine(fields, label))).collect()
+}
+
+/// What the rows of this machine are to be called in a record that others may have begun.
+pub fn label_here(folder: &Path) -> String {
+    let mut labels = Labels::default();
+    for provenance in provenance::all(folder) {
+        labels.0.extend(described(&provenance).into_iter().map(|(label, it)| (it, label)));
+    }
+    let name = provenance::machine();
+    labels.label(Machine { name: name.clone(), hardware: Hardware::here() }, &name)
 }
 
 /// A name for every machine: its own; where another has it already, a number is added.
@@ -31,13 +57,11 @@ impl Machine {
 pub(super) struct Labels(Vec<(Machine, String)>);
 
 impl Labels {
-    /// The name of a part's machine in the whole.
-    pub fn label(&mut self, part: &Part, name: &str) -> String {
-        let machine = part.machine(name);
+    /// What the rows of a machine are called, which another record calls `name`.
+    pub fn label(&mut self, machine: Machine, name: &str) -> String {
         if let Some((known, label)) = self.0.iter_mut().find(|(known, _)| known.may_be(&machine)) {
             // What is learnt of it tells later ones from it.
-            known.cpu = known.cpu.take().or(machine.cpu);
-            known.cores = known.cores.or(machine.cores);
+            known.hardware = std::mem::take(&mut known.hardware).or(machine.hardware);
             return label.clone();
         }
         let taken = |label: &str| self.0.iter().any(|(_, known)| known == label);
@@ -59,12 +83,8 @@ impl Labels {
                 .filter(Value::is_object)
                 .unwrap_or_else(|| json!({})),
             several => {
-                let machines = several.iter().map(|(machine, label)| {
-                    (
-                        label.clone(),
-                        json!({"name": machine.name, "cpu": machine.cpu, "cores": machine.cores}),
-                    )
-                });
+                let machines =
+                    several.iter().map(|(machine, label)| (label.clone(), json!(machine)));
                 json!({"machines": machines.collect::<serde_json::Map<_, _>>()})
             }
         };

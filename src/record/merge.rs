@@ -9,10 +9,11 @@ use serde_json::Value;
 
 use crate::record::column::COLUMNS;
 use crate::record::id::Projection;
-use crate::record::machines::{Labels, Machine};
+use crate::record::ledger::Ledger;
+use crate::record::machines::{Labels, Machine, described};
 use crate::record::outcome::Pass;
 use crate::record::row::{Measurement, Row};
-use crate::record::{done, file, provenance};
+use crate::record::{done, file, folder, provenance};
 
 /// A result folder as read.
 pub struct Part {
@@ -26,51 +27,49 @@ pub struct Part {
     pub experiments: BTreeMap<String, String>,
     /// Its provenance, if it has one.
     pub provenance: Option<Value>,
+    /// That of its parts, and of runs that went on with it.
+    pub others: Vec<Value>,
+    /// What its rows point to.
+    pub ledger: Ledger,
 }
 
 impl Part {
     /// Reads a result folder.
     pub fn read(folder: &Path) -> anyhow::Result<Part> {
+        folder::sound(folder)?;
         let record = file::read(&folder.join(file::FILE))?;
-        let place = folder.join("experiments");
-        let files = std::fs::read_dir(&place).with_context(|| {
+        let place = folder.join(folder::EXPERIMENTS);
+        std::fs::read_dir(&place).with_context(|| {
             format!("{} is no result folder: cannot read {}", folder.display(), place.display())
         })?;
-        let mut experiments = BTreeMap::new();
-        for file in files {
-            let path = file.with_context(|| format!("cannot read {}", place.display()))?.path();
-            if path.extension().is_some_and(|ending| ending == "toml") {
-                let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-                experiments.insert(
-                    name,
-                    std::fs::read_to_string(&path)
-                        .with_context(|| format!("cannot read {}", path.display()))?,
-                );
-            }
-        }
-        let provenance = provenance::of_folder(folder);
+        let read = |(name, path): (String, PathBuf)| {
+            let text = std::fs::read_to_string(&path)
+                .with_context(|| format!("cannot read {}", path.display()))?;
+            Ok((name, text))
+        };
+        let copies = folder::experiments(folder);
+        let experiments = copies.into_iter().map(read).collect::<anyhow::Result<_>>()?;
+        let (provenance, others) = (provenance::of_folder(folder), provenance::others(folder));
         Ok(Part {
             folder: folder.to_path_buf(),
             rows: record.rows,
             warnings: record.warnings,
             experiments,
             provenance,
+            others,
+            ledger: Ledger::read(folder),
         })
     }
 
-    /// What the provenance says about the machine of this name.
+    /// The machine that the rows call by this name.
     pub fn machine(&self, name: &str) -> Machine {
-        let own = self
-            .provenance
-            .as_ref()
-            .filter(|fields| fields.get("machine").and_then(Value::as_str) == Some(name));
-        let listed = || self.provenance.as_ref()?.get("machines")?.get(name);
-        let fields = own.or_else(listed);
-        let field = |field: &str| fields.and_then(|fields| fields.get(field));
-        let cpu = field("cpu").and_then(Value::as_str).map(String::from);
-        // In a merged folder its own name may stand behind a label.
-        let name = field("name").and_then(Value::as_str).unwrap_or(name);
-        Machine { name: name.into(), cpu, cores: field("cores").and_then(Value::as_u64) }
+        let known = self.provenances().flat_map(described).find(|(label, _)| label == name);
+        known.map_or_else(|| Machine { name: name.into(), ..Machine::default() }, |(_, it)| it)
+    }
+
+    /// The provenance, and that of every part and every run that went on with the record.
+    pub fn provenances(&self) -> impl Iterator<Item = &Value> {
+        self.provenance.iter().chain(&self.others)
     }
 }
 
@@ -107,10 +106,13 @@ pub fn merge(parts: &[Part]) -> anyhow::Result<Merged> {
     // numbers.
     let mut samples: HashSet<String> = HashSet::new();
     for (k, part) in parts.iter().enumerate() {
-        let mut fresh = Vec::new();
+        let (mut fresh, mut here) = (Vec::new(), HashMap::new());
         for row in &part.rows {
             let mut row = row.clone();
-            row.id.machine = Some(labels.label(part, row.id.machine.as_deref().unwrap_or("")));
+            let name = row.id.machine.as_deref().unwrap_or("");
+            let label = here.entry(name.to_string());
+            let label = label.or_insert_with(|| labels.label(part.machine(name), name));
+            row.id.machine = Some(label.clone());
             let known = sample(&row)?.is_some_and(|sample| samples.contains(&sample));
             if seen.insert(serde_json::to_string(&row)?) && !known {
                 fresh.push(row);

@@ -1,12 +1,12 @@
 //! Where a result comes from: command, revision, compiler, machine, load.
 
 use std::path::Path;
-use std::process::Command;
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
+use crate::record::hardware::Hardware;
 use crate::record::row::SCHEMA;
 
 /// The memory bandwidth measured before a run, in bytes per second.
@@ -28,31 +28,22 @@ pub struct Bandwidth {
 pub const FILE: &str = "provenance.json";
 
 /// What there is to know about this run, as a JSON object; the bandwidths are those measured, if
-/// any were.
+/// any were; the rows call the machine by the label.
 pub fn gather(
     experiments: &[String],
     quick: bool,
     shard: Option<String>,
     bandwidth: &[Bandwidth],
+    label: &str,
 ) -> Value {
-    let cpu = read("/proc/cpuinfo");
-    let of_cpu = |name: &str| {
-        cpu.lines()
-            .find_map(|line| line.strip_prefix(name))
-            .map(|rest| rest.trim_start_matches([' ', '\t', ':']))
-    };
-    let model = of_cpu("model name").map(String::from);
-    let clock = of_cpu("cpu MHz").and_then(|clock| clock.parse::<f64>().ok());
+    let clock = read("/proc/cpuinfo").lines().find_map(|line| {
+        line.strip_prefix("cpu MHz")?.trim_start_matches([' ', '\t', ':']).parse::<f64>().ok()
+    });
     let highest = read("/sys/devices/system/cpu/cpu0/cpufreq/cpuinfo_max_freq")
         .trim()
         .parse::<f64>()
         .ok()
         .map(|khz| khz / 1000.0);
-    let memory = read("/proc/meminfo")
-        .lines()
-        .next()
-        .and_then(|line| line.split_whitespace().nth(1)?.parse::<u64>().ok())
-        .map(|kib| kib * 1024);
     let command: Vec<String> =
         std::iter::once("contactbench".into()).chain(std::env::args().skip(1)).collect();
     let command = command.join(" ");
@@ -64,21 +55,23 @@ pub fn gather(
         "date_utc": date(),
         "contactbench": env!("CARGO_PKG_VERSION"),
         "revision": revision(),
-        "dirty": git(&["status", "--porcelain"]).map(|changes| !changes.is_empty()),
+        "dirty": dirty(),
+        "features": env!("CONTACTBENCH_FEATURES").split_whitespace().collect::<Vec<_>>(),
         "rustc": env!("CONTACTBENCH_RUSTC"),
         "rustflags": env!("CONTACTBENCH_RUSTFLAGS"),
         "profile": env!("CONTACTBENCH_PROFILE"),
-        "machine": machine(),
+        "machine": label,
+        "host": machine(),
         "os": format!("{} {}", std::env::consts::OS, std::env::consts::ARCH),
         "kernel": read("/proc/sys/kernel/osrelease").trim(),
-        "cpu": model,
         "cpu_mhz": clock,
         "cpu_mhz_highest": highest,
-        "cores": std::thread::available_parallelism().map(|cores| cores.get()).ok(),
-        "caches": caches(),
-        "memory_bytes": memory,
         "load_average": read("/proc/loadavg").split(' ').take(3).collect::<Vec<_>>().join(" "),
     });
+    let hardware = json!(Hardware::here());
+    for (name, value) in hardware.as_object().into_iter().flatten() {
+        all[name] = value.clone();
+    }
     if let Some(shard) = shard {
         all["shard"] = json!(shard);
     }
@@ -88,83 +81,56 @@ pub fn gather(
     all
 }
 
-/// The bytes of the last cache of the first core; 0 where the system does not say.
-pub fn last_cache() -> u64 {
-    let caches = caches();
-    caches
-        .as_object()
-        .into_iter()
-        .flatten()
-        .filter_map(|(_, size)| size_of(size.as_str()?))
-        .max()
-        .unwrap_or(0)
-}
-
-/// The bytes of a size as the system writes it: `48K`, `2M`.
-pub fn size_of(text: &str) -> Option<u64> {
-    let text = text.trim();
-    let (digits, shift) = match text.chars().last()? {
-        'K' => (&text[..text.len() - 1], 10),
-        'M' => (&text[..text.len() - 1], 20),
-        'G' => (&text[..text.len() - 1], 30),
-        _ => (text, 0),
-    };
-    digits.parse::<u64>().ok()?.checked_mul(1 << shift)
-}
-
 /// Empty where there is no such file (not on Linux): the field is then empty, too.
 fn read(path: &str) -> String {
     std::fs::read_to_string(path).unwrap_or_default()
 }
 
-/// The commit of the folder that this program was built from, as it is now: that of the program, if
-/// it was built after the last commit.
-pub fn revision() -> Option<String> {
-    git(&["rev-parse", "HEAD"])
+/// The last commit that changed what this program was built from; none where that was no checkout.
+pub fn revision() -> Option<&'static str> {
+    Some(env!("CONTACTBENCH_REVISION")).filter(|revision| *revision != "unknown")
 }
 
-/// Answers of git, in the folder that this program was built from, if that is still a checkout.
-fn git(arguments: &[&str]) -> Option<String> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let output = Command::new("git").arg("-C").arg(folder).args(arguments).output().ok()?;
-    output.status.success().then(|| String::from_utf8_lossy(&output.stdout).trim().to_string())
-}
-
-/// Caches of the first core: level and kind to size.
-fn caches() -> Value {
-    let mut caches = serde_json::Map::new();
-    for index in 0..8 {
-        let folder = format!("/sys/devices/system/cpu/cpu0/cache/index{index}");
-        let (level, size) = (read(&format!("{folder}/level")), read(&format!("{folder}/size")));
-        let kind = match read(&format!("{folder}/type")).trim() {
-            "Data" => "d",
-            "Instruction" => "i",
-            _ => "",
-        };
-        if !size.is_empty() {
-            caches.insert(format!("L{}{kind}", level.trim()), json!(size.trim()));
-        }
-    }
-    Value::Object(caches)
+/// Did the sources differ from that commit when they were built? None where there was no checkout.
+pub fn dirty() -> Option<bool> {
+    env!("CONTACTBENCH_DIRTY").parse().ok()
 }
 
 /// The machine's name, fit for a folder name.
 pub fn machine() -> String {
-    let system = rustix::system::uname();
-    let name: String = system
-        .nodename()
-        .to_string_lossy()
-        .trim()
-        .chars()
-        .filter(|c| c.is_ascii_alphanumeric() || *c == '-')
-        .take(24)
-        .collect();
+    #[cfg(unix)]
+    let name = rustix::system::uname().nodename().to_string_lossy().into_owned();
+    #[cfg(not(unix))]
+    let name = std::env::var("COMPUTERNAME").unwrap_or_default();
+    let name: String =
+        name.trim().chars().filter(|c| c.is_ascii_alphanumeric() || *c == '-').take(24).collect();
     if name.is_empty() { "machine".into() } else { name }
 }
 
 /// The provenance in a result folder; none where there is none, or it cannot be read.
 pub fn of_folder(folder: &Path) -> Option<Value> {
     serde_json::from_slice(&std::fs::read(folder.join(FILE)).ok()?).ok()
+}
+
+/// That of the parts of a merged folder, and of runs that went on with a record, in the order of
+/// their numbers and dates.
+pub fn others(folder: &Path) -> Vec<Value> {
+    let names = std::fs::read_dir(folder).into_iter().flatten();
+    let mut names: Vec<String> = names
+        .filter_map(|entry| Some(entry.ok()?.file_name().to_string_lossy().into_owned()))
+        .filter(|name| name.starts_with("provenance-") && name.ends_with(".json"))
+        .collect();
+    // Part 10 comes after part 9.
+    names.sort_by_key(|name| (name.len(), name.clone()));
+    names
+        .iter()
+        .filter_map(|name| serde_json::from_slice(&std::fs::read(folder.join(name)).ok()?).ok())
+        .collect()
+}
+
+/// All of a folder.
+pub fn all(folder: &Path) -> Vec<Value> {
+    of_folder(folder).into_iter().chain(others(folder)).collect()
 }
 
 /// The name of the machine that the provenance in a folder gives, if it gives one.
@@ -208,15 +174,7 @@ fn civil(mut day: u64) -> (u64, u64, u64) {
 
 #[cfg(test)]
 mod tests {
-    use super::{civil, size_of};
-
-    #[test]
-    fn sizes_are_read() {
-        assert_eq!(
-            ["48K", "2M\n", "512", "", "µ", "K"].map(size_of),
-            [Some(48 << 10), Some(2 << 20), Some(512), None, None, None]
-        );
-    }
+    use super::civil;
 
     #[test]
     fn days_become_dates() {

@@ -20,6 +20,8 @@ pub enum Role {
     Nothing,
     /// Control: the same code as the detector of this name.
     Twin(String),
+    /// The detector of this name in the build that this one is compared with.
+    Base(String),
 }
 
 /// Names of the detectors and libraries of schemas 1 and 2, whose rows do not say their role.
@@ -52,13 +54,21 @@ impl Role {
 
     /// True for what takes part in no comparison.
     pub fn is_control(&self) -> bool {
-        matches!(self, Role::Nothing | Role::Twin(_))
+        matches!(self, Role::Nothing | Role::Twin(_) | Role::Base(_))
     }
 
     /// The detector that this is the twin of.
     pub fn twin_of(&self) -> Option<&str> {
         match self {
             Role::Twin(original) => Some(original),
+            _ => None,
+        }
+    }
+
+    /// The detector that this is of another build.
+    pub fn base_of(&self) -> Option<&str> {
+        match self {
+            Role::Base(original) => Some(original),
             _ => None,
         }
     }

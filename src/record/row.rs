@@ -35,6 +35,15 @@ pub struct Row {
     pub calls: Option<u64>,
     /// Nanoseconds of the whole sample.
     pub elapsed_ns: Option<u64>,
+    /// Where builds are timed side by side: nanoseconds per detection of each round.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub rounds_ns: Vec<u64>,
+    /// Of copies: the same as `time_ns` of each of them alone.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub alone_ns: Option<u64>,
+    /// The processor that the process was kept on, if it was.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub processor: Option<u32>,
     /// How it ended.
     pub outcome: Outcome,
     /// Why, when it is not `ok`.
@@ -62,6 +71,13 @@ pub struct Row {
     pub causes: Option<Causes>,
     /// The scene as realised.
     pub stats: Stats,
+    /// What answered: an entry of the ledger. None where nothing was started, and in records of
+    /// older versions.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub process: Option<String>,
+    /// When it was timed: an entry of the ledger. None where nothing is known of the load.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub span: Option<String>,
 }
 
 /// What makes a row the same measurement as another: they are repetitions of one another.

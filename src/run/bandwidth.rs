@@ -10,10 +10,13 @@
 //! `elements`. With several threads each has arrays of its own, all begin a loop together, and the
 //! slowest ends it.
 
+use std::collections::BTreeSet;
 use std::hint::black_box;
 use std::sync::Barrier;
 use std::time::Instant;
 
+use crate::experiment::Experiment;
+use crate::record::hardware::Hardware;
 use crate::record::provenance::Bandwidth;
 
 /// Rounds, of which the best counts.
@@ -28,6 +31,21 @@ const MOST_BYTES: u64 = 256 << 20;
 /// says so where they are less than twice as much.
 fn elements(last_cache: u64, threads: usize) -> usize {
     (last_cache.clamp(LEAST_BYTES, MOST_BYTES) / 8) as usize / threads.max(1)
+}
+
+/// With every number of threads for which an experiment asks for a bound.
+pub fn asked(experiments: &[Experiment]) -> Vec<Bandwidth> {
+    let asked = experiments
+        .iter()
+        .filter(|experiment| experiment.bound)
+        .flat_map(|experiment| experiment.threads.to_vec());
+    let asked: BTreeSet<usize> = asked.collect();
+    if asked.is_empty() {
+        return Vec::new();
+    }
+    eprintln!("measuring the memory bandwidth");
+    let last_cache = Hardware::here().last_cache();
+    asked.into_iter().filter_map(|threads| measure(threads, last_cache)).collect()
 }
 
 /// Measures with so many threads on a machine whose last cache has `last_cache` bytes (0: unknown).

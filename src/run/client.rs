@@ -1,11 +1,11 @@
 //! The harness's end of a conversation with a runner: a process, requests with a time limit, a
 //! memory limit, and a reason for every failure.
 
-use std::io::{BufRead, BufReader, Read, Write};
+use std::collections::BTreeMap;
+use std::io::Write;
 use std::path::Path;
 use std::process::{Child, ChildStdin, Command, ExitStatus, Stdio};
-use std::sync::atomic::{AtomicU32, Ordering};
-use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
+use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -13,8 +13,10 @@ use serde_json::Value;
 
 use crate::io::exchange;
 use crate::record::row::Outcome;
-use crate::run::interrupt;
+use crate::run::client::output::Line;
+use crate::run::possible::{self, Asked};
 use crate::run::protocol::{OLDEST, Reply, Request, VERSION};
+use crate::run::{family, interrupt, processors};
 
 /// How to start a runner, and what it may take.
 #[derive(Clone, Debug)]
@@ -27,6 +29,8 @@ pub struct Start {
     pub time_limit: Duration,
     /// Address space in bytes.
     pub memory_limit: u64,
+    /// The processor that it is kept on, if any.
+    pub processor: Option<usize>,
 }
 
 impl Start {
@@ -49,9 +53,14 @@ pub struct Failure {
 pub struct Client {
     child: Child,
     input: Option<ChildStdin>,
-    lines: Receiver<String>,
+    lines: Receiver<Line>,
     errors: Arc<Mutex<String>>,
     time_limit: Duration,
+    memory_limit: u64,
+    /// Samples since the last scene was loaded.
+    samples: u32,
+    /// How long the last answer took.
+    waited: Duration,
     /// What the runner said in its first line.
     pub hello: Hello,
 }
@@ -67,25 +76,19 @@ pub struct Hello {
     pub arithmetic: String,
     /// Its version, or that of the library behind it; may be empty.
     pub version: String,
+    /// What else it says of its program; may be empty.
+    pub build: BTreeMap<String, String>,
 }
-
-/// Processes started so far.
-static STARTED: AtomicU32 = AtomicU32::new(0);
 
 /// How the reason begins where a line is no reply.
 pub const NO_REPLY: &str = "the runner's answer is not a reply";
-
-/// At most this much of what a runner says on its standard error is kept: the end, where the reason
-/// for its death stands.
-const KEPT: usize = 1 << 16;
-/// A line from a runner is not longer than this.
-const LONGEST_LINE: u64 = 1 << 20;
 
 /// So often a wait looks whether it was interrupted.
 const LOOK: Duration = Duration::from_millis(100);
 /// So long a runner may take to leave when it is told to, and when it is sent SIGTERM: what has
 /// started processes elsewhere needs the time to end them.
 const TO_LEAVE: Duration = Duration::from_millis(100);
+#[cfg(unix)]
 const TO_CLEAN_UP: Duration = Duration::from_millis(500);
 
 impl Client {
@@ -112,48 +115,14 @@ impl Client {
             return Err(unavailable("the runner's command is empty".into()));
         };
         let mut command = Command::new(program);
-        // Where the stack begins depends on the size of the environment: another in each process,
-        // so that none is measured in the same unlucky place again and again.
-        let padding = STARTED.fetch_add(1, Ordering::Relaxed) * 271 % 4096;
-        command.env("CONTACTBENCH_PADDING", "x".repeat(padding as usize));
         command.args(arguments).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
-        // A group of its own: what the runner starts can be ended with it. When the harness ends,
-        // runners see the end of their input.
-        #[cfg(unix)]
-        std::os::unix::process::CommandExt::process_group(&mut command, 0);
-        let mut child = command
-            .spawn()
+        // When the harness ends, runners see the end of their input.
+        let mut child = family::start(&mut command)
             .map_err(|e| unavailable(format!("cannot start {program}: {e}{}", start.hint())))?;
-        interrupt::started(child.id());
         limit_memory(&child, start.memory_limit);
-        // A runner that says more than it is asked waits, and does not fill the memory.
-        let (sender, lines) = sync_channel(1);
-        // The three pipes were asked for above.
-        let output = child.stdout.take();
-        std::thread::spawn(move || {
-            let Some(output) = output else { return };
-            let mut output = BufReader::new(output);
-            loop {
-                let mut line = String::new();
-                // A line that is not UTF-8 ends the conversation like the end of the output.
-                let read = (&mut output).take(LONGEST_LINE).read_line(&mut line);
-                if matches!(read, Ok(0) | Err(_)) || sender.send(line).is_err() {
-                    return;
-                }
-            }
-        });
-        let errors = Arc::new(Mutex::new(String::new()));
-        let (kept, output) = (errors.clone(), child.stderr.take());
-        std::thread::spawn(move || {
-            let Some(mut output) = output else { return };
-            let mut buffer = [0; 1024];
-            while let Ok(read @ 1..) = output.read(&mut buffer) {
-                let mut kept = kept.lock().unwrap_or_else(PoisonError::into_inner);
-                kept.push_str(&String::from_utf8_lossy(&buffer[..read]));
-                let surplus = kept.floor_char_boundary(kept.len().saturating_sub(KEPT));
-                kept.drain(..surplus);
-            }
-        });
+        processors::keep(child.id(), start.processor);
+        let lines = output::lines(child.stdout.take());
+        let errors = output::errors(child.stderr.take());
         let input = child.stdin.take();
         Ok(Client {
             child,
@@ -161,6 +130,9 @@ impl Client {
             lines,
             errors,
             time_limit: start.time_limit,
+            memory_limit: start.memory_limit,
+            samples: 0,
+            waited: Duration::ZERO,
             hello: Hello::default(),
         })
     }
@@ -170,17 +142,22 @@ impl Client {
     pub fn greet(&mut self, limit: Duration) -> Result<(), Failure> {
         let broken = |reason: String| Failure { outcome: Outcome::Wrong, reason };
         match self.receive(limit)? {
-            Reply::Hello { protocol, detector, arithmetic, version } => {
+            Reply::Hello { protocol, detector, arithmetic, version, build } => {
                 if !(OLDEST..=VERSION).contains(&protocol) {
                     return Err(broken(format!(
                         "the runner speaks protocol {protocol}, this program {OLDEST} to {VERSION}"
                     )));
                 }
-                self.hello = Hello { protocol, detector, arithmetic, version };
+                self.hello = Hello { protocol, detector, arithmetic, version, build };
                 Ok(())
             }
             other => Err(broken(format!("the runner's first line is not hello but {other:?}"))),
         }
+    }
+
+    /// The number of its process.
+    pub fn process(&self) -> u32 {
+        self.child.id()
     }
 
     /// From now on, a request may take so long.
@@ -197,7 +174,12 @@ impl Client {
     /// of no more use.
     pub fn ask(&mut self, request: &Request) -> Result<Reply, Failure> {
         let message = self.message(request)?;
-        match self.exchange(&message)? {
+        let reply = self.exchange(&message)?;
+        if let Some(what) = self.impossible(request, &reply) {
+            let reason = format!("the runner breaks the protocol: {what}");
+            return Err(Failure { outcome: Outcome::Crashed, reason });
+        }
+        match reply {
             Reply::Refused { reason } => Err(Failure { outcome: Outcome::Refused, reason }),
             Reply::Error { reason } => Err(Failure { outcome: Outcome::Crashed, reason }),
             reply => Ok(reply),
@@ -211,8 +193,26 @@ impl Client {
             .map_err(|reason| Failure { outcome: Outcome::Unavailable, reason })
     }
 
+    /// What cannot be in the reply that has just come to this request.
+    pub fn impossible(&self, request: &Request, reply: &Reply) -> Option<String> {
+        let min_ns = match request {
+            // The number of detections is found at the first sample, and kept: others may be
+            // shorter.
+            Request::Sample { min_ns } if self.samples == 1 => *min_ns,
+            _ => 0,
+        };
+        let waited_ns = self.waited.as_nanos() as u64;
+        possible::check(reply, &Asked { min_ns, waited_ns, memory_limit: self.memory_limit }).err()
+    }
+
     /// Sends a message and waits for the answer, whatever it says.
     pub fn exchange(&mut self, message: &Value) -> Result<Reply, Failure> {
+        match message["request"].as_str() {
+            Some("load") => self.samples = 0,
+            Some("sample") => self.samples += 1,
+            _ => {}
+        }
+        let started = Instant::now();
         let line = format!("{message}\n");
         let sent = self
             .input
@@ -221,7 +221,9 @@ impl Client {
         if !matches!(sent, Some(Ok(()))) {
             return Err(self.post_mortem());
         }
-        self.receive(self.time_limit)
+        let reply = self.receive(self.time_limit);
+        self.waited = started.elapsed();
+        reply
     }
 
     /// The pairs of the last frame, by way of a file. `Err` says why they cannot be had.
@@ -235,20 +237,23 @@ impl Client {
 
     fn receive(&mut self, limit: Duration) -> Result<Reply, Failure> {
         match self.wait(limit) {
-            Ok(line) => match serde_json::from_str(&line) {
-                Ok(Reply::Unavailable { reason }) => {
-                    Err(Failure { outcome: Outcome::Unavailable, reason })
+            Ok(line) => {
+                let reply = line.and_then(|line| {
+                    let shown = || output::shown(line.as_bytes());
+                    serde_json::from_str(&line).map_err(|e| format!("{e}): {}", shown()))
+                });
+                match reply {
+                    Ok(Reply::Unavailable { reason }) => {
+                        Err(Failure { outcome: Outcome::Unavailable, reason })
+                    }
+                    Ok(reply) => Ok(reply),
+                    Err(what) => {
+                        self.kill();
+                        let reason = format!("{NO_REPLY} ({what}");
+                        Err(Failure { outcome: Outcome::Crashed, reason })
+                    }
                 }
-                Ok(reply) => Ok(reply),
-                Err(e) => {
-                    self.kill();
-                    let shown: String = line.trim_end().chars().take(80).collect();
-                    Err(Failure {
-                        outcome: Outcome::Crashed,
-                        reason: format!("{NO_REPLY} ({e}): {shown}"),
-                    })
-                }
-            },
+            }
             Err(RecvTimeoutError::Disconnected) => Err(self.post_mortem()),
             Err(RecvTimeoutError::Timeout) => {
                 self.kill();
@@ -262,7 +267,7 @@ impl Client {
 
     /// Waits for a line, with a look at the signals now and then. The failure of an interrupted
     /// wait is never written: see [`interrupt::check`].
-    fn wait(&mut self, limit: Duration) -> Result<String, RecvTimeoutError> {
+    fn wait(&mut self, limit: Duration) -> Result<Line, RecvTimeoutError> {
         let started = Instant::now();
         loop {
             let left = limit.saturating_sub(started.elapsed());
@@ -281,7 +286,7 @@ impl Client {
         let mut ended = None;
         for _ in 0..50 {
             std::thread::sleep(Duration::from_millis(20));
-            ended = interrupt::reap(&mut self.child);
+            ended = family::reap(&mut self.child);
             if ended.is_some() {
                 break;
             }
@@ -315,7 +320,7 @@ impl Client {
     fn ends_within(&mut self, limit: Duration) -> Option<ExitStatus> {
         let started = Instant::now();
         loop {
-            let ended = interrupt::reap(&mut self.child);
+            let ended = family::reap(&mut self.child);
             if ended.is_some() || started.elapsed() >= limit {
                 return ended;
             }
@@ -326,18 +331,11 @@ impl Client {
     /// Ends the process, and what it has started: SIGTERM, some time, SIGKILL.
     fn kill(&mut self) {
         #[cfg(unix)]
-        {
-            use rustix::process::Signal;
-            if interrupt::reap(&mut self.child).is_none() {
-                interrupt::signal_group(self.child.id(), Signal::TERM);
-                self.ends_within(TO_CLEAN_UP);
-            }
-            interrupt::signal_group(self.child.id(), Signal::KILL);
+        if family::reap(&mut self.child).is_none() {
+            family::signal(self.child.id(), rustix::process::Signal::TERM);
+            self.ends_within(TO_CLEAN_UP);
         }
-        interrupt::ended(self.child.id());
-        // Either may fail only because the process has ended already.
-        let _ = self.child.kill();
-        let _ = self.child.wait();
+        family::end(&mut self.child);
     }
 }
 
@@ -368,5 +366,6 @@ fn limit_memory(child: &Child, bytes: u64) {
     let _ = (child, bytes);
 }
 
+mod output;
 #[cfg(all(test, unix))]
 mod tests;

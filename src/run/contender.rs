@@ -7,13 +7,13 @@ use std::time::Duration;
 use crate::contact::Arithmetic;
 use crate::detect::table::{self, DetectorSpec};
 use crate::experiment::Experiment;
-use crate::record::id::CellId;
-use crate::record::provenance;
+use crate::experiment::plan::{Entrant, Program, THREADS};
+use crate::record::id::{CellId, split_contender};
 use crate::record::role::Role;
 use crate::record::row::Row;
 use crate::run::client::Start;
 use crate::scene::AnyScene;
-use crate::scene::spec::{Order, Spec};
+use crate::scene::spec::Spec;
 use crate::scene::stats::Stats;
 
 /// Address space for a runner beside a detector's arrays and the scene: the program, its stacks,
@@ -22,8 +22,6 @@ const PROGRAM_BYTES: u64 = 1 << 30;
 /// The same for each further thread: its stack, and the address space that the system's allocator
 /// sets apart for it.
 const THREAD_BYTES: u64 = 128 << 20;
-/// What stands for the number of threads in the command of a runner in another language.
-const THREADS: &str = "{threads}";
 
 /// A detector with an arithmetic, as a runner.
 #[derive(Clone)]
@@ -39,7 +37,14 @@ pub(crate) struct Contender {
     pub copy: Option<Start>,
     /// Why it cannot be started at all.
     pub missing: Option<String>,
+    /// Builds of one detector are timed side by side: the number of the detector.
+    pub duet: Option<usize>,
 }
+
+/// What stands behind the name of a detector of the build that is compared with this one.
+pub(crate) const BASE: &str = "@base";
+/// The same of a control that is the same code once more.
+const TWIN: &str = "-twin";
 
 /// The command that starts this program as a runner of one of its detectors; `limit` is in bytes.
 pub(crate) fn own(
@@ -78,64 +83,112 @@ pub(crate) fn room(n: u64, contacts: u64) -> u64 {
 }
 
 /// The contenders of an experiment, by arithmetic.
-pub(crate) fn contenders(experiment: &Experiment, program: &Path) -> Vec<Contender> {
+///
+/// With another build of this program each detector takes part three times: as it is, of that
+/// build, and as its own twin, which shows what equal code differs by. Without, there is at least
+/// one twin wherever times are taken.
+pub(crate) fn contenders(
+    experiment: &Experiment,
+    program: &Path,
+    against: Option<&Path>,
+) -> Vec<Contender> {
+    let asked = asked(experiment, program);
+    let timed = experiment.blocks > 0;
+    if let Some(base) = against {
+        let detectors = asked.into_iter().filter(|contender| {
+            matches!(contender.role, Role::Detector | Role::Peer) && contender.missing.is_none()
+        });
+        return detectors.enumerate().flat_map(|(k, one)| one.trio(k, base)).collect();
+    }
+    let named = asked.iter().any(|contender| contender.role.twin_of().is_some());
+    let first = asked.iter().find(|contender| {
+        !contender.role.is_control() && contender.missing.is_none() && contender.threads == 1
+    });
+    let twin = first.filter(|_| timed && !named).map(Contender::twin);
+    asked.into_iter().chain(twin).collect()
+}
+
+/// Those that the experiment names.
+fn asked(experiment: &Experiment, path: &Path) -> Vec<Contender> {
     let limit = experiment.memory_limit_mib << 20;
     let start = |command: Vec<String>, install: &str, threads: usize| Start {
         command,
         install: install.to_string(),
         time_limit: Duration::from_secs_f64(experiment.time_limit_s),
         memory_limit: address_space(limit, threads),
+        processor: None,
     };
-    let asked = experiment.threads.to_vec();
-    let mut contenders = Vec::new();
-    for &arithmetic in &experiment.arithmetics {
-        for name in &experiment.detectors {
+    let contender = |Entrant { name, program, threads }: Entrant<'_>| match program {
+        Program::Own(arithmetic) => {
             // The names were checked when the experiment was read: what is left is a peer that
             // was not compiled.
-            let (role, several, missing) = match table::parse(name) {
-                Ok(DetectorSpec { entry, .. }) => (Role::from(entry.role), entry.threads, None),
-                Err(reason) => (Role::Peer, false, Some(reason.to_string())),
+            let (role, missing) = match table::parse(name) {
+                Ok(DetectorSpec { entry, .. }) => (Role::from(entry.role), None),
+                Err(reason) => (Role::Peer, Some(reason.to_string())),
             };
-            let with =
-                |threads: usize| start(own(program, name, arithmetic, threads, limit), "", threads);
-            // A sequential detector has one thread, whatever the others are given.
-            for &threads in if several { &*asked } else { &[1] } {
-                contenders.push(Contender {
-                    name: name.clone(),
-                    arithmetic: Some(arithmetic),
-                    role: role.clone(),
-                    threads,
-                    start: with(threads),
-                    copy: (experiment.ceiling && threads > 1).then(|| with(1)),
-                    missing: missing.clone(),
-                });
+            let with = |threads| start(own(path, name, arithmetic, threads, limit), "", threads);
+            Contender {
+                name: name.into(),
+                arithmetic: Some(arithmetic),
+                role,
+                threads,
+                start: with(threads),
+                copy: (experiment.ceiling && threads > 1).then(|| with(1)),
+                missing,
+                duet: None,
             }
         }
-    }
-    for runner in &experiment.runners {
-        let with = |threads: usize| {
-            let command =
-                runner.command.iter().map(|word| word.replace(THREADS, &threads.to_string()));
-            start(command.collect(), &runner.install, threads)
-        };
-        // A command that does not say how many threads is the same for all numbers of them.
-        let says = runner.command.iter().any(|word| word.contains(THREADS));
-        for &threads in if says { &*asked } else { &asked[..1] } {
-            contenders.push(Contender {
-                name: runner.name.clone(),
+        Program::External(runner) => {
+            let with = |threads: usize| {
+                let command =
+                    runner.command.iter().map(|word| word.replace(THREADS, &threads.to_string()));
+                start(command.collect(), &runner.install, threads)
+            };
+            let copied = experiment.ceiling && runner.says_threads() && threads > 1;
+            Contender {
+                name: name.into(),
                 arithmetic: None,
                 role: Role::Runner,
                 threads,
                 start: with(threads),
-                copy: (experiment.ceiling && says && threads > 1).then(|| with(1)),
+                copy: copied.then(|| with(1)),
                 missing: None,
-            });
+                duet: None,
+            }
         }
-    }
-    contenders
+    };
+    experiment.entrants().into_iter().map(contender).collect()
+}
+
+/// A contender's name with something behind the detector's: `nbs-twin`.
+fn suffixed(spec: &str, suffix: &str) -> String {
+    let (name, params) = spec.split_once(':').map_or((spec, None), |(name, p)| (name, Some(p)));
+    params.map_or(format!("{name}{suffix}"), |params| format!("{name}{suffix}:{params}"))
 }
 
 impl Contender {
+    /// The same once more.
+    fn twin(&self) -> Contender {
+        let name = suffixed(&self.name, TWIN);
+        let role = Role::Twin(split_contender(&self.name).0);
+        Contender { name, role, copy: None, ..self.clone() }
+    }
+
+    /// Itself, the same of another build, and its twin.
+    fn trio(self, number: usize, base: &Path) -> [Contender; 3] {
+        let this = Contender { duet: Some(number), copy: None, ..self };
+        let mut other = Contender {
+            name: suffixed(&this.name, BASE),
+            role: Role::Base(split_contender(&this.name).0),
+            ..this.clone()
+        };
+        if let Some(program) = other.start.command.first_mut() {
+            *program = base.display().to_string();
+        }
+        let twin = this.twin();
+        [this, other, twin]
+    }
+
     /// With memory for a scene and its list of pairs beside the detector's own.
     pub fn allowing(mut self, scene: &AnyScene<'_>, contacts: u64) -> Contender {
         for start in std::iter::once(&mut self.start).chain(&mut self.copy) {
@@ -152,25 +205,13 @@ impl Contender {
         scene: Option<&AnyScene<'_>>,
         stats: &Stats,
     ) -> Row {
-        let id = CellId {
-            experiment: experiment.name.clone(),
-            scene: spec.name.clone(),
-            dim: scene.map_or(spec.dim, |scene| scene.dim() as u32),
-            machine: Some(provenance::machine()),
-            params: spec.params.iter().map(|(name, v)| (name.clone(), v.into())).collect(),
-            order: match spec.order {
-                Order::Shuffled => "shuffled",
-                Order::Generated => "generated",
-                Order::Morton => "morton",
-            }
-            .into(),
-            n: scene.map_or(spec.n, |scene| scene.len() as u64),
-            seed: spec.seed,
-            arithmetic: self.arithmetic.unwrap_or_default().name().into(),
-            ..CellId::default()
-        };
+        let id = experiment.cell(spec, &self.name, self.arithmetic, self.threads);
         Row {
-            id: id.with_contender(&self.name).with_threads(self.threads as u32),
+            id: CellId {
+                dim: scene.map_or(id.dim, |scene| scene.dim() as u32),
+                n: scene.map_or(id.n, |scene| scene.len() as u64),
+                ..id
+            },
             role: self.role.clone(),
             stats: stats.clone(),
             ..Row::default()

@@ -2,9 +2,11 @@
 //! one thread each, at work on the same scene at the same time.
 //!
 //! Copies share nothing but the machine: caches, memory, clock, and the cores that it really gives.
-//! Each sample is of processes of their own, as elsewhere. What they lose beside each other no
-//! parallel form of the same algorithm can win back. One row per block: the harmonic mean of their
-//! times, so that k copies at `time_ns` each have the throughput that was measured.
+//! Each has a process and a processor of its own. What they lose beside each other no parallel form
+//! of the same algorithm can win back. One row per block: the harmonic mean of their times at work
+//! together, so that k copies at `time_ns` each have the throughput that was measured; and, by the
+//! same path with samples of the same length, that of each of them alone on its processor. One copy
+//! timed elsewhere made ceilings of k copies that were beyond k.
 
 use std::sync::Barrier;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -13,6 +15,7 @@ use crate::record::row::{Outcome, Pass, Row};
 use crate::run::client::{Client, Failure, Start};
 use crate::run::judge::Judge;
 use crate::run::passes::{Running, Sample, fresh, sample};
+use crate::run::processors;
 use crate::run::stage::Stage;
 
 /// Longer than other samples: between two of its own a copy is idle for some tens of microseconds,
@@ -54,11 +57,21 @@ impl Stage<'_> {
         let Some(start) = running.copy.as_ref().filter(|_| !self.index.has(&row)) else {
             return Ok(());
         };
-        let answers = (0..running.contender.threads)
-            .map(|_| fresh(start, &running.hello, &running.loads))
+        let answers = processors::apart(running.contender.threads)
+            .into_iter()
+            .map(|place| fresh(start, &running.hello, &running.loads, place))
             .collect::<Result<Vec<Client>, Failure>>()
-            .and_then(|mut copies| Ok((together(&mut copies)?, copies)));
-        let (answers, mut copies) = match answers {
+            .and_then(|mut copies| {
+                // What comes first in one block comes last in the next.
+                let (alone, answers) = if block.is_multiple_of(2) {
+                    (each_alone(&mut copies)?, together(&mut copies)?)
+                } else {
+                    let answers = together(&mut copies)?;
+                    (each_alone(&mut copies)?, answers)
+                };
+                Ok((alone, answers, copies))
+            });
+        let (alone, answers, mut copies) = match answers {
             Ok(answers) => answers,
             Err(failure) => {
                 running.copy = None;
@@ -67,8 +80,11 @@ impl Stage<'_> {
                 return self.fail(&row, copies_failed(failure), Pass::Ceiling.rest());
             }
         };
-        let rate: f64 = answers.iter().map(|answer| 1.0 / answer.time_ns.max(1) as f64).sum();
-        row.time_ns = Some((answers.len() as f64 / rate).round() as u64);
+        if let Some(copy) = copies.first() {
+            row.process = self.origins.process(&running.contender, copy)?;
+        }
+        row.time_ns = Some(harmonic_mean(&answers));
+        row.alone_ns = Some(harmonic_mean(&alone));
         row.calls = Some(answers.iter().map(|answer| answer.calls).sum());
         row.elapsed_ns = answers.iter().map(|answer| answer.elapsed_ns).max();
         for (copy, answer) in copies.iter_mut().zip(answers) {
@@ -81,6 +97,21 @@ impl Stage<'_> {
         self.write(&row)?;
         Ok(())
     }
+}
+
+/// Of the times of a detection.
+fn harmonic_mean(samples: &[Sample]) -> u64 {
+    let rate: f64 = samples.iter().map(|sample| 1.0 / sample.time_ns.max(1) as f64).sum();
+    (samples.len() as f64 / rate).round() as u64
+}
+
+/// A sample of each copy while the others wait.
+fn each_alone(copies: &mut [Client]) -> Result<Vec<Sample>, Failure> {
+    let mut samples = Vec::new();
+    for copy in copies.chunks_mut(1) {
+        samples.extend(together(copy)?);
+    }
+    Ok(samples)
 }
 
 fn copies_failed(failure: Failure) -> Failure {

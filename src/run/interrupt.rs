@@ -1,16 +1,13 @@
 //! Ctrl-C, and the signal by which batch systems end jobs: the first ends a run after the rows that
 //! it has, the second ends it at once.
 
-use std::collections::BTreeSet;
-use std::process::{Child, ExitStatus};
 use std::sync::atomic::{AtomicBool, AtomicI32, Ordering};
-use std::sync::{Mutex, PoisonError};
+
+#[cfg(unix)]
+use crate::run::family;
 
 /// The signal that came first; 0 if none.
 static SIGNAL: AtomicI32 = AtomicI32::new(0);
-/// The runners at work, by the number of their process group: what a second signal must end.
-static RUNNERS: Mutex<BTreeSet<u32>> = Mutex::new(BTreeSet::new());
-
 /// The first signal ends everything.
 static AT_ONCE: AtomicBool = AtomicBool::new(false);
 
@@ -40,13 +37,11 @@ pub fn install() -> std::io::Result<()> {
         std::thread::Builder::new().name("signals".into()).spawn(move || {
             for signal in signals.forever() {
                 if SIGNAL.swap(signal, Ordering::Relaxed) != 0 || AT_ONCE.load(Ordering::Relaxed) {
-                    RUNNERS
-                        .lock()
-                        .unwrap_or_else(PoisonError::into_inner)
-                        .iter()
-                        .for_each(|&runner| signal_group(runner, rustix::process::Signal::KILL));
+                    family::end_all();
+                    clear_line();
                     signal_hook::low_level::exit(128 + signal);
                 }
+                clear_line();
                 eprintln!(
                     "ending after the step at hand; the record keeps what was measured (again: \
                      end at once)"
@@ -55,6 +50,14 @@ pub fn install() -> std::io::Result<()> {
         })?;
     }
     Ok(())
+}
+
+/// A bar, or the ^C of a terminal, is not to stand before the next words.
+#[cfg(unix)]
+fn clear_line() {
+    if std::io::IsTerminal::is_terminal(&std::io::stderr()) {
+        eprint!("\r\x1b[K");
+    }
 }
 
 /// Was this process started with the signal ignored?
@@ -80,30 +83,4 @@ pub fn check() -> Result<(), Interrupted> {
 /// What a shell makes of the signal: 130 after Ctrl-C.
 pub fn exit_code() -> u8 {
     u8::try_from(128 + SIGNAL.load(Ordering::Relaxed)).unwrap_or(u8::MAX)
-}
-
-/// A runner has been started.
-pub(crate) fn started(runner: u32) {
-    RUNNERS.lock().unwrap_or_else(PoisonError::into_inner).insert(runner);
-}
-
-/// A runner is about to be waited for: its number may then mean another process.
-pub(crate) fn ended(runner: u32) {
-    RUNNERS.lock().unwrap_or_else(PoisonError::into_inner).remove(&runner);
-}
-
-/// How a runner has ended, if it has. Its number may then mean another process.
-pub(crate) fn reap(runner: &mut Child) -> Option<ExitStatus> {
-    let mut runners = RUNNERS.lock().unwrap_or_else(PoisonError::into_inner);
-    let ended = runner.try_wait().ok().flatten()?;
-    runners.remove(&runner.id());
-    Some(ended)
-}
-
-/// Sends a signal to a runner and what it has started. Fails only if they have ended already.
-#[cfg(unix)]
-pub(crate) fn signal_group(runner: u32, signal: rustix::process::Signal) {
-    if let Some(group) = i32::try_from(runner).ok().and_then(rustix::process::Pid::from_raw) {
-        let _ = rustix::process::kill_process_group(group, signal);
-    }
 }

@@ -8,6 +8,7 @@ use tempfile::TempDir;
 use crate::experiment::Experiment;
 use crate::record::done::{Index, TooSlow};
 use crate::record::row::Writer;
+use crate::run::origins::Origins;
 use crate::run::plan::{self, Job, describe};
 use crate::run::stage::{Progress, Stage};
 use crate::scene::spec::Spec;
@@ -40,7 +41,12 @@ impl Ready<'_> {
     }
 
     /// Runs the experiments into a record.
-    pub fn run(&self, record: &mut Writer, progress: &mut dyn Progress) -> anyhow::Result<()> {
+    pub fn run(
+        &self,
+        record: &mut Writer,
+        origins: &mut Origins,
+        progress: &mut dyn Progress,
+    ) -> anyhow::Result<()> {
         let (job, folder, total) = (self.job, self.temporary.path(), self.scenes.len());
         let index = Index::new(job.done);
         let mut too_slow = TooSlow::new(job.done);
@@ -53,6 +59,8 @@ impl Ready<'_> {
                 index: &index,
                 folder,
                 record,
+                origins,
+                span: None,
                 too_slow: &mut too_slow,
                 progress,
             };

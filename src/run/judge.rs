@@ -9,11 +9,13 @@ use crate::oracle::{self, Causes, Errors, NoTruth, Truth};
 use crate::record::row::Outcome;
 use crate::run::protocol;
 use crate::scene::AnyScene;
-use crate::sink::Digest;
+use crate::sink::{Digest, normalise};
 
 /// Judges the answers about one scene. What is true is found when it is first needed.
 pub(crate) struct Judge<'a> {
     scene: &'a AnyScene<'a>,
+    /// For a list of pairs, in bytes.
+    memory_limit: u64,
     truths: HashMap<Arithmetic, Known>,
     /// Answers judged before, by who gave them: timed samples repeat the same answer.
     seen: HashMap<(Arithmetic, String, u64, u64), Judged>,
@@ -23,8 +25,12 @@ pub(crate) struct Judge<'a> {
 #[derive(Clone)]
 enum Known {
     Truths(Truths),
-    /// Nothing, for this reason.
-    Nothing(String),
+    /// Nothing, for this reason; whether nobody can answer, since the pairs of the scene are too
+    /// many.
+    Nothing {
+        reason: String,
+        hopeless: bool,
+    },
 }
 
 /// What is true in one arithmetic. Arithmetics that store the scene alike share.
@@ -57,7 +63,7 @@ impl Judged {
 }
 
 /// What pairs are worth against the truth in an arithmetic: `ok`; `lossy`, if contacts are missing
-/// and nothing else is wrong, where the arithmetic allows it; or `wrong`.
+/// and nothing else is wrong, where the arithmetic allows it; or `wrong`. The pairs are in order.
 pub(crate) fn verdict(
     pairs: &[[u32; 2]],
     truth: &Truth,
@@ -76,9 +82,9 @@ pub(crate) fn verdict(
 }
 
 impl<'a> Judge<'a> {
-    /// A judge who knows nothing yet.
-    pub fn new(scene: &'a AnyScene<'a>) -> Judge<'a> {
-        Judge { scene, truths: HashMap::new(), seen: HashMap::new() }
+    /// A judge who knows nothing yet. A list of pairs may take so many bytes.
+    pub fn new(scene: &'a AnyScene<'a>, memory_limit: u64) -> Judge<'a> {
+        Judge { scene, memory_limit, truths: HashMap::new(), seen: HashMap::new() }
     }
 
     /// Judges the answer of a contender in its arithmetic: the number and the digest of its pairs.
@@ -93,7 +99,7 @@ impl<'a> Judge<'a> {
     ) -> anyhow::Result<Judged> {
         let truths = match self.known(arithmetic)? {
             Known::Truths(truths) => truths.clone(),
-            Known::Nothing(reason) => {
+            Known::Nothing { reason, .. } => {
                 let reason = format!("the answer cannot be checked: {reason}");
                 return Ok(Judged::without_pairs(Outcome::Refused, reason));
             }
@@ -115,7 +121,10 @@ impl<'a> Judge<'a> {
                 if same { Ok(pairs) } else { Err("asked for them, it gave others".into()) }
             });
             fetched = match answer {
-                Ok(pairs) => pairs,
+                Ok(mut pairs) => {
+                    normalise(&mut pairs);
+                    pairs
+                }
                 Err(why) => {
                     let reason =
                         format!("the pairs differ from the truth, and could not be read: {why}");
@@ -149,14 +158,22 @@ impl<'a> Judge<'a> {
     pub fn truth(&mut self, arithmetic: Arithmetic) -> anyhow::Result<Option<&Truth>> {
         Ok(match self.known(arithmetic)? {
             Known::Truths(truths) => Some(&truths.rounded),
-            Known::Nothing(_) => None,
+            Known::Nothing { .. } => None,
+        })
+    }
+
+    /// Why nobody can answer, if the scene has too many pairs.
+    pub fn hopeless(&mut self, arithmetic: Arithmetic) -> anyhow::Result<Option<&str>> {
+        Ok(match self.known(arithmetic)? {
+            Known::Nothing { reason, hopeless: true } => Some(reason),
+            _ => None,
         })
     }
 
     /// Why no truth is known in `arithmetic`; empty where one is, or nobody has asked for it.
     pub fn why_none(&self, arithmetic: Arithmetic) -> &str {
         match self.truths.get(&arithmetic) {
-            Some(Known::Nothing(reason)) => reason,
+            Some(Known::Nothing { reason, .. }) => reason,
             _ => "",
         }
     }
@@ -166,10 +183,10 @@ impl<'a> Judge<'a> {
             let known = match arithmetic {
                 Arithmetic::Textbook => self.known(Arithmetic::F64)?.clone(),
                 Arithmetic::F64 => match self.known(Arithmetic::Exact)?.clone() {
-                    Known::Truths(exact) => Known::new(
-                        oracle::truth_as_stored(&exact.stored, Test::Rounded)
-                            .map(|rounded| Truths { rounded: Rc::new(rounded), ..exact }),
-                    )?,
+                    Known::Truths(exact) => {
+                        let found = self.truth_of(&exact.stored, Test::Rounded);
+                        Known::new(found.map(|rounded| Truths { rounded, ..exact }))?
+                    }
                     nothing => nothing,
                 },
                 _ => Known::new(self.find(arithmetic))?,
@@ -181,12 +198,26 @@ impl<'a> Judge<'a> {
 
     fn find(&self, arithmetic: Arithmetic) -> Result<Truths, NoTruth> {
         let stored = Rc::new(self.scene.stored(arithmetic)?);
-        let exact = Rc::new(oracle::truth_as_stored(&stored, Test::Exact)?);
+        let exact = self.truth_of(&stored, Test::Exact)?;
         let rounded = match arithmetic.test() {
             Test::Exact => exact.clone(),
-            test => Rc::new(oracle::truth_as_stored(&stored, test)?),
+            test => match self.truth_of(&stored, test)? {
+                same if same.digest == exact.digest => exact.clone(),
+                rounded => rounded,
+            },
         };
         Ok(Truths { stored, rounded, exact })
+    }
+
+    /// What is true in a test. Lists that are the same are kept once.
+    fn truth_of(&self, stored: &AnyScene<'_>, test: Test) -> Result<Rc<Truth>, NoTruth> {
+        let found = oracle::truth_as_stored(stored, test, self.memory_limit)?;
+        let known = self.truths.values().filter_map(|known| match known {
+            Known::Truths(truths) => Some([&truths.exact, &truths.rounded]),
+            Known::Nothing { .. } => None,
+        });
+        let same = known.flatten().find(|known| known.digest == found.digest).cloned();
+        Ok(same.unwrap_or_else(|| Rc::new(found)))
     }
 }
 
@@ -196,7 +227,9 @@ impl Known {
         match found {
             Ok(truths) => Ok(Known::Truths(truths)),
             Err(reason @ (NoTruth::Refused(_) | NoTruth::Stored(_) | NoTruth::TooLarge { .. })) => {
-                Ok(Known::Nothing(reason.to_string()))
+                let hopeless =
+                    matches!(&reason, NoTruth::Refused(refusal) if refusal.is_of_scene());
+                Ok(Known::Nothing { reason: reason.to_string(), hopeless })
             }
             Err(defect) => Err(defect.into()),
         }
@@ -230,7 +263,7 @@ mod tests {
         let digest = Digest::from_pairs(said);
         let fetch = || shown.map(<[_]>::to_vec).ok_or_else(|| "it has gone".into());
         let answer = (digest.contacts, &*digest.hex());
-        Judge::new(&scene).judge("one", arithmetic, answer, fetch).unwrap()
+        Judge::new(&scene, 1 << 20).judge("one", arithmetic, answer, fetch).unwrap()
     }
 
     #[test]
@@ -270,7 +303,7 @@ mod tests {
     fn a_digest_that_is_none_is_wrong() {
         let scene = row();
         let upper = Digest::from_pairs(&RIGHT).hex().to_uppercase();
-        let judged = Judge::new(&scene)
+        let judged = Judge::new(&scene, 1 << 20)
             .judge("one", Arithmetic::Exact, (3, &upper), || Ok(RIGHT.to_vec()))
             .unwrap();
         assert_eq!(judged.outcome, Outcome::Wrong);

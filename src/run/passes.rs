@@ -15,6 +15,7 @@ use crate::run::contender::Contender;
 use crate::run::interrupt;
 use crate::run::judge::Judge;
 use crate::run::plan::describe;
+use crate::run::processors;
 use crate::run::protocol::{Reply, Request};
 use crate::run::stage::Stage;
 use crate::run::trajectory::Trajectory;
@@ -35,6 +36,30 @@ pub(crate) struct Running {
     pub copy: Option<Start>,
 }
 
+impl Running {
+    /// Where its process of this block works: with several threads wherever the system likes.
+    pub fn processor(&self, block: u32) -> Option<usize> {
+        processors::in_block(block).filter(|_| self.contender.threads == 1)
+    }
+
+    /// A process of its own, with the scene.
+    pub fn fresh(&self, processor: Option<usize>) -> Result<Client, Failure> {
+        fresh(&self.contender.start, &self.hello, &self.loads, processor)
+    }
+
+    /// What a sample says, on this processor.
+    pub fn fill(&self, row: &mut Row, sample: Sample, processor: Option<usize>) {
+        row.time_ns = Some(sample.time_ns);
+        // With a history the process has detected before.
+        row.first_ns = sample.first_ns.filter(|_| self.loads.len() == 1);
+        row.calls = Some(sample.calls);
+        row.elapsed_ns = Some(sample.elapsed_ns);
+        row.contacts = Some(sample.contacts);
+        row.digest = Some(sample.digest);
+        row.processor = processor.map(|processor| processor as u32);
+    }
+}
+
 /// Gives a runner several scenes to load, one after the other, as hard cases with a history want
 /// it. They are other particles each time, and so trajectories of their own. What a detector makes
 /// of those before the last is not judged; only, they are to leave their traces.
@@ -50,8 +75,14 @@ pub(crate) fn load_all(client: &mut Client, loads: &[Trajectory]) -> Result<(), 
     load(client, last)
 }
 
-/// A runner in a process of its own, with the scene.
-pub(crate) fn fresh(start: &Start, hello: &Hello, loads: &[Trajectory]) -> Result<Client, Failure> {
+/// A runner in a process of its own, with the scene; on this processor, if one is given.
+pub(crate) fn fresh(
+    start: &Start,
+    hello: &Hello,
+    loads: &[Trajectory],
+    processor: Option<usize>,
+) -> Result<Client, Failure> {
+    let start = &Start { processor, ..start.clone() };
     // What started before and does not now gets a second chance: the system may be short of
     // something for a moment.
     let mut client = Client::start(start).or_else(|_| Client::start(start))?;
@@ -126,6 +157,7 @@ impl Stage<'_> {
         };
         // An external runner has just said which arithmetic its rows bear.
         blank.id.arithmetic = arithmetic.name().into();
+        blank.process = self.origins.process(&contender, &client)?;
         if self.give_up(&blank)? || self.too_slow(&blank)? {
             return Ok(None);
         }
@@ -158,7 +190,9 @@ impl Stage<'_> {
         mut row: Row,
         judge: &mut Judge<'_>,
     ) -> anyhow::Result<bool> {
-        let answer = fresh(&running.contender.start, &running.hello, &running.loads)
+        let processor = running.processor(row.block);
+        let answer = running
+            .fresh(processor)
             .and_then(|mut client| Ok((sample(&mut client, SHORTEST_SAMPLE_NS)?, client)));
         let (sample, mut client) = match answer {
             Ok(answer) => answer,
@@ -167,13 +201,8 @@ impl Stage<'_> {
                 return Ok(false);
             }
         };
-        row.time_ns = Some(sample.time_ns);
-        // With a history the process has detected before.
-        row.first_ns = sample.first_ns.filter(|_| running.loads.len() == 1);
-        row.calls = Some(sample.calls);
-        row.elapsed_ns = Some(sample.elapsed_ns);
-        row.contacts = Some(sample.contacts);
-        row.digest = Some(sample.digest);
+        row.process = self.origins.process(&running.contender, &client)?;
+        running.fill(&mut row, sample, processor);
         self.judge(&mut row, running, &mut client, judge)?;
         self.write(&row)?;
         Ok(true)

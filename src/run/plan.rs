@@ -6,10 +6,10 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, ensure};
 
 use crate::experiment::Experiment;
+use crate::experiment::shard::Shard;
 use crate::record::row::Row;
 use crate::run::contender::contenders;
 use crate::run::disk;
-use crate::run::shard::Shard;
 use crate::scene::generate;
 use crate::scene::spec::Spec;
 
@@ -20,12 +20,6 @@ const ROW_BYTES: u64 = 2000;
 /// For report and figures.
 const REPORT_BYTES: u64 = 8 << 20;
 
-/// Blocks done before the budget can end a scene: the range of six values covers the median in
-/// 96.9% of samples.
-pub(crate) const FEWEST_BLOCKS: u32 = 6;
-/// Blocks of a quick run.
-pub(crate) const QUICK_BLOCKS: u32 = 3;
-
 /// What is to be run, and where to.
 pub struct Job<'a> {
     /// The experiments, in order.
@@ -34,8 +28,12 @@ pub struct Job<'a> {
     pub quick: bool,
     /// The program to start as runner: this one.
     pub program: PathBuf,
+    /// Another build of this program, whose detectors are timed side by side with this one's.
+    pub against: Option<PathBuf>,
     /// Only a part of the scenes.
     pub shard: Option<Shard>,
+    /// What the rows call this machine.
+    pub machine: String,
     /// Rows already in the record.
     pub done: &'a [Row],
 }
@@ -94,10 +92,9 @@ pub(crate) fn room(
     temporary: &Path,
 ) -> anyhow::Result<()> {
     let rows = |(experiment, _): &(&Experiment, Spec)| -> u64 {
-        let blocks =
-            u64::from(blocks(experiment, job.quick, experiment.block_budget_s.is_finite()));
+        let blocks = u64::from(experiment.enough_blocks(job.quick));
         let passes = |copies: bool| 2 + blocks * if copies { 2 } else { 1 };
-        contenders(experiment, &job.program)
+        contenders(experiment, &job.program, job.against.as_deref())
             .iter()
             .map(|contender| passes(contender.copy.is_some()))
             .sum()
@@ -125,12 +122,6 @@ pub(crate) fn room(
         "the largest scene",
         "make room, or set TMPDIR to a place with more",
     )
-}
-
-/// The blocks of a scene; the fewest, where a budget may end it early.
-pub(crate) fn blocks(experiment: &Experiment, quick: bool, fewest: bool) -> u32 {
-    let blocks = if quick { experiment.blocks.min(QUICK_BLOCKS) } else { experiment.blocks };
-    if fewest { blocks.min(FEWEST_BLOCKS) } else { blocks }
 }
 
 /// The record is of these scenes: the files may have changed since, or what makes them.

@@ -80,6 +80,9 @@ pub enum Reply {
         /// Version of the runner or the library behind it.
         #[serde(default)]
         version: String,
+        /// What else tells its program from others: compiler, libraries, instructions.
+        #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+        build: BTreeMap<String, String>,
     },
     /// The trajectory is there; a scene at rest is in memory.
     Loaded,

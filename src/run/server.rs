@@ -6,6 +6,7 @@
 //! has nothing to drop: the detectors of the table keep buffers, and nothing that was computed from
 //! coordinates.
 
+use std::collections::BTreeMap;
 use std::hint::black_box;
 use std::io::{BufRead, Write};
 use std::time::Instant;
@@ -15,8 +16,11 @@ use crate::detect::Options;
 use crate::detect::any::AnyDetector;
 use crate::detect::table::DetectorSpec;
 use crate::io::write;
+use crate::pair_list::{Allowance, PairList};
 use crate::probe::Tally;
+use crate::record::provenance;
 use crate::run::alloc;
+use crate::run::possible::MOST_CALLS;
 use crate::run::protocol::{Reply, Request, VERSION};
 use crate::run::trajectory::Trajectory;
 use crate::scene::AnyScene;
@@ -32,9 +36,6 @@ pub struct Server {
     pairs: Vec<[u32; 2]>,
     calls: Option<u64>,
 }
-
-/// A sample has at most so many detections, also of a detector that takes no time.
-const MOST_CALLS: u64 = 1 << 20;
 
 /// Either an answer or the reason why there is none.
 type Answer = Result<Reply, Reply>;
@@ -65,6 +66,7 @@ impl Server {
             detector: self.spec.to_string(),
             arithmetic: self.arithmetic.name().into(),
             version: env!("CARGO_PKG_VERSION").into(),
+            build: self.build(),
         })?;
         for line in input.lines() {
             match serde_json::from_str(&line?) {
@@ -76,17 +78,37 @@ impl Server {
         Ok(())
     }
 
+    /// What is compiled into this program, and which of its instructions the detector uses.
+    fn build(&self) -> BTreeMap<String, String> {
+        let sources = match provenance::dirty() {
+            Some(true) => "changed",
+            Some(false) => "as committed",
+            None => "unknown",
+        };
+        let said = [
+            ("features", env!("CONTACTBENCH_FEATURES")),
+            ("level", self.spec.level().unwrap_or_default()),
+            ("profile", env!("CONTACTBENCH_PROFILE")),
+            ("revision", provenance::revision().unwrap_or("unknown")),
+            ("rustflags", env!("CONTACTBENCH_RUSTFLAGS")),
+            ("sources", sources),
+        ];
+        let said = said.into_iter().filter(|(_, value)| !value.is_empty());
+        said.map(|(name, value)| (name.to_string(), value.to_string())).collect()
+    }
+
     fn answer(&mut self, request: Request) -> Answer {
         match request {
             Request::Load(trajectory) => self.load(&trajectory),
             Request::Sample { min_ns } => self.sample(min_ns),
             Request::Count => {
-                let mut tally = Tally::default();
+                let (mut tally, test) = (Tally::default(), self.arithmetic.test());
+                let scene = loaded(&self.scene)?;
                 self.pairs.clear();
-                let test = self.arithmetic.test();
-                self.detector
-                    .count(loaded(&self.scene)?, test, &mut tally, &mut self.pairs)
-                    .map_err(refused)?;
+                let allowance = Allowance::new(self.options.memory_limit);
+                let mut list = PairList::behind(std::mem::take(&mut self.pairs), &allowance);
+                let counted = self.detector.count(scene, test, &mut tally, &mut list);
+                list.end(scene.len(), &mut self.pairs).and(counted).map_err(refused)?;
                 let digest = Digest::from_pairs(&self.pairs);
                 let counts = tally.iter().map(|(op, count)| (op.name().into(), count)).collect();
                 Ok(Reply::Count { counts, contacts: digest.contacts, digest: digest.hex() })
@@ -132,12 +154,18 @@ impl Server {
         let start = Instant::now();
         self.detect()?;
         let first_ns = Some(start.elapsed().as_nanos() as u64);
-        let calls = match self.calls {
-            Some(calls) => calls,
-            None => self.calibrate(min_ns)?,
+        let (calls, elapsed_ns) = loop {
+            let calls = match self.calls {
+                Some(calls) => calls,
+                None => self.calibrate(min_ns)?,
+            };
+            let elapsed_ns = self.repeat(calls)?;
+            // Found out beside a busy neighbour, it may be too few.
+            self.calls = Some(calls).filter(|_| elapsed_ns >= min_ns / 2 || calls >= MOST_CALLS);
+            if self.calls.is_some() {
+                break (calls, elapsed_ns);
+            }
         };
-        self.calls = Some(calls);
-        let elapsed_ns = self.repeat(calls)?;
         let digest = Digest::from_pairs(&self.pairs);
         let time_ns = (elapsed_ns + calls / 2) / calls;
         Ok(Reply::Sample {
@@ -159,10 +187,7 @@ impl Server {
             if elapsed >= min_ns || calls >= MOST_CALLS {
                 return Ok(calls);
             }
-            // Ten times as many at once: the first guesses are mostly the cost of the clock.
-            let wanted = (u128::from(min_ns) * u128::from(calls) * 9 / 8)
-                .div_ceil(u128::from(elapsed.max(1)));
-            calls = (wanted as u64).clamp(calls + 1, (calls * 10).min(MOST_CALLS));
+            calls = more(min_ns, calls, elapsed);
         }
     }
 
@@ -214,6 +239,14 @@ impl Server {
             digest: digest.hex(),
         })
     }
+}
+
+/// Detections that may last `min_ns`, where fewer than [`MOST_CALLS`] took `elapsed` ns.
+fn more(min_ns: u64, calls: u64, elapsed: u64) -> u64 {
+    // Ten times as many at once: the first guesses are mostly the cost of the clock.
+    let wanted =
+        (u128::from(min_ns) * u128::from(calls) * 9 / 8).div_ceil(u128::from(elapsed.max(1)));
+    (wanted as u64).clamp(calls + 1, (calls * 10).min(MOST_CALLS))
 }
 
 fn loaded<'a>(scene: &'a Option<AnyScene<'static>>) -> Result<&'a AnyScene<'static>, Reply> {

@@ -15,14 +15,19 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::contact::Arithmetic;
 use crate::experiment::Experiment;
+use crate::experiment::plan::FEWEST_BLOCKS;
 use crate::record::done::{Index, TooSlow};
+use crate::record::id::CellId;
 use crate::record::row::{Outcome, Pass, Row, Writer};
 use crate::run::client::Failure;
 use crate::run::contender::{Contender, contenders};
+use crate::run::duet;
 use crate::run::interrupt;
 use crate::run::judge::Judge;
+use crate::run::load::Watch;
+use crate::run::origins::Origins;
 use crate::run::passes::Running;
-use crate::run::plan::{self, FEWEST_BLOCKS, Job, describe};
+use crate::run::plan::{self, Job, describe};
 use crate::run::trajectory::Trajectory;
 use crate::scene::generate::hard;
 use crate::scene::spec::Spec;
@@ -47,23 +52,27 @@ pub(crate) struct Stage<'a> {
     /// For scenes and pairs.
     pub folder: &'a Path,
     pub record: &'a mut Writer,
+    pub origins: &'a mut Origins,
+    /// What timed rows say of their time.
+    pub span: Option<String>,
     pub too_slow: &'a mut TooSlow,
     pub progress: &'a mut dyn Progress,
 }
 
 impl Stage<'_> {
     pub fn run(&mut self) -> anyhow::Result<()> {
-        let blocks = plan::blocks(self.experiment, self.job.quick, false);
-        let contenders = contenders(self.experiment, &self.job.program);
+        let blocks = self.experiment.all_blocks(self.job.quick);
+        let contenders =
+            contenders(self.experiment, &self.job.program, self.job.against.as_deref());
         let scene = match self.spec.make() {
             Ok(scene) => scene,
             Err(error) => return self.invalid(&contenders, error),
         };
         interrupt::check()?;
-        if self.is_complete(&contenders, &scene, blocks)? {
+        if self.is_complete(&contenders, &scene)? {
             return Ok(());
         }
-        let mut judge = Judge::new(&scene);
+        let mut judge = Judge::new(&scene, self.experiment.memory_limit_mib << 20);
         let running = self.enter_all(contenders, &scene, &mut judge)?;
         self.blocks(running, blocks, &mut judge)
     }
@@ -88,20 +97,47 @@ impl Stage<'_> {
         for contender in contenders {
             let contender = contender.allowing(scene, contacts);
             let blank = contender.blank(self.experiment, self.spec, Some(scene), &stats);
-            if !self.give_up(&blank)? {
+            if self.give_up(&blank)? {
+                continue;
+            }
+            if let Some(reason) = judge.hopeless(Arithmetic::Exact)? {
+                let failure = Failure { outcome: Outcome::Refused, reason: reason.into() };
+                self.fail(&blank, failure, &Pass::ALL)?;
+            } else {
                 running.extend(self.enter(contender, blank, &loads, judge)?);
             }
         }
         Ok(running)
     }
 
-    /// Timed samples, until all blocks are done or their time is over.
+    /// Timed samples, until all blocks are done or their time is over; and what else the machine
+    /// did meanwhile.
     fn blocks(
         &mut self,
-        mut running: Vec<Running>,
+        running: Vec<Running>,
         blocks: u32,
         judge: &mut Judge<'_>,
     ) -> anyhow::Result<()> {
+        let (watch, rows) = (Watch::start(), self.record.rows());
+        self.span = watch.as_ref().map(|watch| watch.id().to_string());
+        let result = self.samples(running, blocks, judge);
+        self.span = None;
+        let span = watch.and_then(|watch| watch.end(describe(self.experiment, self.spec)));
+        if let Some(span) = span.filter(|_| self.record.rows() > rows) {
+            // What ended the blocks is told first.
+            let noted = self.origins.span(span);
+            return result.and(noted);
+        }
+        result
+    }
+
+    fn samples(
+        &mut self,
+        running: Vec<Running>,
+        blocks: u32,
+        judge: &mut Judge<'_>,
+    ) -> anyhow::Result<()> {
+        let mut entries = duet::entries(running);
         let started = Instant::now();
         for block in 1..=blocks {
             if block > FEWEST_BLOCKS
@@ -114,28 +150,30 @@ impl Stage<'_> {
                 .bytes()
                 .fold(self.spec.seed, |seed, byte| splitmix64(seed ^ u64::from(byte)));
             let mut random = ChaCha8Rng::seed_from_u64(of_scene.wrapping_add(u64::from(block)));
-            running.shuffle(&mut random);
+            entries.shuffle(&mut random);
             let mut still = Vec::new();
-            for mut one in running {
-                let blank = Row { pass: Pass::Time, block, ..one.blank.clone() };
-                if self.index.has(&blank) || self.sample(&one, blank, judge)? {
-                    self.ceiling(&mut one, block, judge)?;
-                    still.push(one);
+            for mut entry in entries {
+                if let [one] = &mut *entry
+                    && one.contender.duet.is_none()
+                {
+                    let blank = Row { pass: Pass::Time, block, ..one.blank.clone() };
+                    if !self.index.has(&blank) && !self.sample(one, blank, judge)? {
+                        continue;
+                    }
+                    self.ceiling(one, block, judge)?;
+                } else {
+                    entry = self.side_by_side(entry, block, judge)?;
                 }
+                still.push(entry);
             }
-            running = still;
+            entries = still;
         }
         Ok(())
     }
 
     /// Everything of the contenders on this scene is in the record; an error if the record is of
     /// another scene.
-    fn is_complete(
-        &self,
-        contenders: &[Contender],
-        scene: &AnyScene<'_>,
-        blocks: u32,
-    ) -> anyhow::Result<bool> {
+    fn is_complete(&self, contenders: &[Contender], scene: &AnyScene<'_>) -> anyhow::Result<bool> {
         let blank = |contender: &Contender| {
             contender.blank(self.experiment, self.spec, Some(scene), &Stats::default())
         };
@@ -146,19 +184,15 @@ impl Stage<'_> {
                 plan::same_scene(&stats::scene_hash(scene), before)?;
             }
         }
-        Ok(contenders.iter().all(|contender| self.complete(contender, &blank(contender), blocks)))
+        Ok(contenders.iter().all(|contender| self.complete(contender, &blank(contender))))
     }
 
     /// Everything of this contender on this scene is in the record.
-    fn complete(&self, contender: &Contender, blank: &Row, blocks: u32) -> bool {
+    fn complete(&self, contender: &Contender, blank: &Row) -> bool {
         let has = |pass, block| self.index.has(&Row { pass, block, ..blank.clone() });
         // A budget may have ended the blocks early; an external runner says its arithmetic only
         // when it is started.
-        let enough = if self.experiment.block_budget_s.is_finite() {
-            blocks.min(FEWEST_BLOCKS)
-        } else {
-            blocks
-        };
+        let enough = self.experiment.enough_blocks(self.job.quick);
         let ceiling =
             |block| contender.copy.is_none() || self.no_ceiling(blank) || has(Pass::Ceiling, block);
         let over = self
@@ -198,8 +232,10 @@ impl Stage<'_> {
     pub fn give_up(&mut self, blank: &Row) -> anyhow::Result<bool> {
         let Some(last) = self.index.ended(blank) else { return Ok(false) };
         for &pass in last.pass.owed() {
-            let row =
-                Row { pass, outcome: last.outcome, reason: last.reason.clone(), ..blank.clone() };
+            // It was this process that failed.
+            let Row { outcome, ref reason, ref process, .. } = *last;
+            let (reason, process) = (reason.clone(), process.clone());
+            let row = Row { pass, outcome, reason, process, ..blank.clone() };
             if !self.index.has(&row) {
                 self.write(&row)?;
             }
@@ -215,11 +251,12 @@ impl Stage<'_> {
         Ok(true)
     }
 
-    /// Writes a row; after a signal none, because a runner may have been stopped in the midst of
-    /// it.
+    /// Writes a row, with the name of this machine; after a signal none, because a runner may have
+    /// been stopped in the midst of it.
     pub fn write(&mut self, row: &Row) -> anyhow::Result<()> {
         interrupt::check()?;
-        Ok(self.record.write(row)?)
+        let id = CellId { machine: Some(self.job.machine.clone()), ..row.id.clone() };
+        Ok(self.record.write(&Row { id, span: self.span.clone(), ..row.clone() })?)
     }
 
     pub fn fail(&mut self, blank: &Row, failure: Failure, passes: &[Pass]) -> anyhow::Result<()> {

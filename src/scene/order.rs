@@ -29,6 +29,17 @@ pub enum Order {
     Morton,
 }
 
+impl Order {
+    /// Its name in files and records.
+    pub fn name(self) -> &'static str {
+        match self {
+            Order::Shuffled => "shuffled",
+            Order::Generated => "generated",
+            Order::Morton => "morton",
+        }
+    }
+}
+
 /// A permutation of `n` that depends on the seed alone.
 pub fn shuffled(n: usize, seed: u64) -> Vec<u32> {
     let mut order: Vec<u32> = (0..n as u32).collect();

@@ -6,6 +6,7 @@ use std::collections::BTreeMap;
 use anyhow::{Context, bail, ensure};
 use serde_json::Value;
 
+use crate::nearest::hint;
 use crate::scene::AnyScene;
 pub use crate::scene::generate::table::{GENERATORS, Generator, Kind, Parameter, Preset};
 use crate::scene::generate::{Inputs, file, table};
@@ -81,7 +82,7 @@ impl Spec {
                 "'{text}': {key} is given twice; leave one out"
             );
             let whole = || {
-                value.parse::<u64>().with_context(|| {
+                crate::number::whole(value).with_context(|| {
                     format!("'{text}': {key} is '{value}'; it must be a whole number")
                 })
             };
@@ -91,9 +92,10 @@ impl Spec {
                 "seed" => seed = whole()?,
                 "order" => {
                     order = <Order as clap::ValueEnum>::from_str(value, true).map_err(|_| {
+                        let hint = hint(value, ["shuffled", "generated", "morton"]);
                         anyhow::anyhow!(
                             "'{text}': order is '{value}'; it must be shuffled, generated or \
-                             morton"
+                             morton{hint}"
                         )
                     })?;
                 }
@@ -155,7 +157,7 @@ fn json(value: &toml::Value) -> Value {
 /// A value of the command line: whole number, number or text; paths and names of cases are text
 /// whatever they look like.
 fn scalar(key: &str, value: &str) -> toml::Value {
-    if ["path", "case", "frame", "format"].contains(&key) {
+    if ["path", "case", "frame", "format", "columns"].contains(&key) {
         value.into()
     } else if let Ok(whole) = value.parse::<i64>() {
         whole.into()
@@ -198,6 +200,8 @@ mod tests {
             (0, &"a,b.csv".into(), &2.into())
         );
         assert_eq!(Spec::parse("loose").unwrap().n, 1000);
+        let exponents = Spec::parse("clustered:n=1e3,seed=2e0,per-cluster=1e1").unwrap();
+        assert_eq!(exponents, Spec::parse("clustered:n=1000,seed=2,per-cluster=10").unwrap());
     }
 
     #[test]
@@ -205,7 +209,8 @@ mod tests {
         for (text, message) in [
             (
                 "packd",
-                "there is no scene 'packd'; the scenes are: packed, loose, clustered, couples, \
+                "there is no scene 'packd'; did you mean packed?; the scenes are: packed, loose, \
+                 clustered, couples, \
                  pack-a, pack-b, pack-c, pack-d, file, hard",
             ),
             ("packed:dim=4", "packed: dim = 4; it is made in 2 dimensions and 3 dimensions only"),
@@ -271,11 +276,7 @@ mod tests {
                 "cannot make the scene 'hard': the case has 17 particles, but n = 5 was asked for; \
                  leave n out",
             ),
-            (
-                "packed:n=-1",
-                "'packed:n=-1': n is '-1'; it must be a whole number: invalid digit found in \
-                 string",
-            ),
+            ("packed:n=-1", "'packed:n=-1': n is '-1'; it must be a whole number"),
             (
                 "packed:order=up",
                 "'packed:order=up': order is 'up'; it must be shuffled, generated or morton",

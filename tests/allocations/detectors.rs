@@ -2,9 +2,9 @@
 //! declare.
 
 use contactbench::contact::{Arithmetic, Test};
-use contactbench::detect::Options;
 use contactbench::detect::any::AnyDetector;
 use contactbench::detect::table::{Entry, TABLE, find};
+use contactbench::detect::{Options, Refusal};
 use contactbench::run::alloc::{Usage, measure};
 use contactbench::scene::AnyScene;
 use contactbench::scene::spec::Spec;
@@ -65,22 +65,32 @@ fn one_thread(entry: &Entry, text: &str, arithmetic: Arithmetic) {
     assert_eq!(warm.allocations, 0, "{what}: warm");
 }
 
-/// With several threads the contacts are collected as well (the detectors' documentation says so),
-/// in lists that grow by doubling; and the shares of the threads are listed.
+/// With several threads the contacts are collected as well, and the formula has them; only what the
+/// shares of the threads are listed in is not in it.
 fn two_threads(entry: &Entry, text: &str) {
     const SHARES: u64 = 16 << 10;
     // The pool of threads is not the detector's.
     rayon::join(|| (), || ());
     let scene = scene(text);
     let mut detector = entry.make(Options { threads: 2, ..Options::default() });
-    let (cold, _, contacts) = cold_and_warm(&mut *detector, &scene, Test::Exact);
+    let (cold, warm, contacts) = cold_and_warm(&mut *detector, &scene, Test::Exact);
     let formula = detector.formula_bytes();
     let what = format!("{} on {text} with two threads", entry.name);
     assert!(contacts > 0, "{what}");
     assert!(
-        (formula + 8 * contacts..=formula + 16 * contacts + SHARES).contains(&cold.peak_bytes),
+        formula >= 8 * contacts && (formula..=formula + SHARES).contains(&cold.peak_bytes),
         "{what}: {cold:?}, formula {formula}, {contacts} contacts"
     );
+    // Lists of contacts are kept, or made anew; nothing grows beyond the first call's.
+    assert!(warm.peak_bytes <= formula + SHARES, "{what}, warm: {warm:?}, formula {formula}");
+    // As much as it takes is enough, and a little less is not: contacts are under the limit, too.
+    let limited = |memory_limit| {
+        let mut detector = entry.make(Options { threads: 2, memory_limit });
+        detector.list(&scene, Test::Exact, &mut Vec::new())
+    };
+    assert_eq!(limited(formula), Ok(()), "{what}");
+    let refusal = limited(formula - 16 * contacts / 3).unwrap_err();
+    assert!(matches!(refusal, Refusal::Pairs { .. }), "{what}: {refusal}");
 }
 
 /// A first and a second detection into a list that has room; and how many contacts there are.

@@ -621,6 +621,63 @@ fn promises_and_bombs_are_bounded() {
     assert!(usage.unwrap().peak_bytes < 4 << 20);
 }
 
+/// A hundred and sixty megabytes in some kilobytes: each layer is in proportion to the one around
+/// it, and the whole is not.
+#[test]
+fn layers_of_compression_are_bounded_together() {
+    let _guard = quiet();
+    // What cannot be made smaller, and zeros: a hundredth and a half of it.
+    let mut state = 1u64;
+    let mut noise = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+        (state >> 12) as f64
+    };
+    let piece: Vec<f64> = (0..8192).map(|k| if k < 96 { noise() } else { 0.0 }).collect();
+    let (piece, pieces) = (le(&piece), 2562);
+    let refused = |bytes: &[u8]| {
+        assert!(bytes.len() < 200_000, "{} bytes", bytes.len());
+        let (message, usage) = alloc::measure(|| refusal(bytes, "", HALF));
+        assert!(message.contains("unpacks to more than 200 times its size"), "{message}");
+        let peak = usage.expect("the counting allocator is installed").peak_bytes;
+        assert!(peak < 100 << 20, "{peak} bytes");
+    };
+
+    // One piece in deflate, ended so that it can be repeated.
+    let mut deflate = flate2::Compress::new(Compression::best(), false);
+    let mut packed = Vec::with_capacity(1 << 16);
+    let header = npy(&format!("({}, 4)", pieces * piece.len() / 32), &[]);
+    deflate.compress_vec(&header, &mut packed, flate2::FlushCompress::Full).unwrap();
+    let start = packed.len();
+    deflate.compress_vec(&piece, &mut packed, flate2::FlushCompress::Full).unwrap();
+    let repeated = packed[start..].repeat(pieces);
+    let member = [&packed[..start], &repeated, b"\x03\x00"].concat();
+    assert!(member.len() * 100 > pieces * piece.len(), "the inner layer alone is in proportion");
+    let mut archive = b"PK\x03\x04\x2d\0\0\0\x08\0\0\0\0\0\0\0\0\0".to_vec();
+    archive.extend((member.len() as u32).to_le_bytes());
+    archive.extend([0; 4]);
+    archive.extend(b"\x09\0\0\0arr_0.npy");
+    archive.extend(&member);
+    archive.extend(b"PK\x01\x02 and so on");
+    refused(&gz(&archive));
+
+    let block = zlib(&piece);
+    let mut data: Vec<u8> = [pieces as u32, piece.len() as u32, 0]
+        .into_iter()
+        .chain(std::iter::repeat_n(block.len() as u32, pieces))
+        .flat_map(u32::to_le_bytes)
+        .collect();
+    data.extend(block.repeat(pieces));
+    let vtu = format!(
+        "<VTKFile type=\"UnstructuredGrid\" byte_order=\"LittleEndian\" \
+         compressor=\"vtkZLibDataCompressor\"><UnstructuredGrid><Piece \
+         NumberOfPoints=\"{}\"><Points><DataArray type=\"Float64\" NumberOfComponents=\"3\" \
+         format=\"appended\" offset=\"0\"/></Points></Piece></UnstructuredGrid><AppendedData \
+         encoding=\"raw\">_",
+        pieces * piece.len() / 24
+    );
+    refused(&gz(&[vtu.as_bytes(), &data, b"</AppendedData></VTKFile>"].concat()));
+}
+
 /// Reading takes at most 2.5 times the bytes of the coordinates, radii and buffers included.
 #[test]
 fn reading_takes_little_more_than_the_coordinates() {

@@ -6,6 +6,7 @@ mod agreement;
 mod counts;
 mod exactness;
 mod fuzz;
+mod limits;
 mod metamorphic;
 mod mutants;
 mod near_tangent;

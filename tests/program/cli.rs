@@ -191,8 +191,8 @@ fn bad_options_are_refused_with_the_remedy() {
     refused(folder, &["a.csv", "--radius", "1", "--threads", "0"], &["--threads 0"]);
     refused(
         folder,
-        &["a.csv", "--radius", "1", "--threads", "2"],
-        &["nbs is sequential", "leave out --threads, or use direct"],
+        &["a.csv", "--radius", "1", "--detector", "nbs", "--threads", "2"],
+        &["nbs is sequential", "leave out --threads, or use streamed-nbs"],
     );
     // Too large for f32.
     refused(
@@ -236,7 +236,7 @@ fn scenes_that_no_grid_can_hold_are_refused_with_numbers() {
     let words = [
         "screening needs 3999992000012 bytes",
         "999999 x 999999 cells",
-        "the limit is 4294967296",
+        "the limit is 268435456",
         "raise the memory limit",
     ];
     refused(folder, &["loose.csv", "--detector", "screening"], &words);
@@ -453,14 +453,25 @@ fn check_takes_scenes() {
         "{}",
         right.stdout
     );
-    let wrong = run(folder, &["check", "--scene", "two.csv", "--detector", "nothing"]);
+    let wrong = run(
+        folder,
+        &["check", "--scene", "two.csv", "--detector", "nothing", "--out", "new/folder"],
+    );
     assert_eq!(wrong.code, Some(1), "{}", wrong.stderr);
     assert!(
         wrong.stdout.contains("on two.csv: 1 missed, 0 spurious, 0 duplicate pairs; missed 0,1\n"),
         "{}",
         wrong.stdout
     );
-    assert!(folder.join("failing-nothing-exact-two.csv").exists());
+    assert!(folder.join("new/folder/failing-nothing-exact-two.csv").exists());
+    // The folder that nobody named stays as it is.
+    let before = std::fs::read_dir(folder).unwrap().count();
+    let wrong = run(folder, &["check", "--scene", "two.csv", "--detector", "nothing"]);
+    let place = wrong.stdout.lines().find_map(|line| line.split_once("smallest failing scene: "));
+    let place = place.and_then(|(_, rest)| rest.rsplit_once(": ")).map(|(_, place)| place).unwrap();
+    assert!(Path::new(place).exists() && place.contains("contactbench-check-"), "{place}");
+    // The temporary folder of tests is this folder: one more folder is all there is.
+    assert_eq!(std::fs::read_dir(folder).unwrap().count(), before + 1);
     assert_eq!(run(folder, &["check", "--scene", "none.csv"]).code, Some(2));
 }
 

@@ -5,6 +5,8 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::sync::{Mutex, Once, PoisonError};
 
+use contactbench::record::row::{Measurement, Row};
+
 /// The program under test.
 pub const PROGRAM: &str = env!("CARGO_BIN_EXE_contactbench");
 
@@ -117,4 +119,24 @@ extern "C" fn summary() {
     let all: Vec<String> =
         untested.iter().map(|(what, missing)| format!("{what} (no {missing})")).collect();
     eprintln!("NOT TESTED HERE, {} in all: {}\n", all.len(), all.join("; "));
+}
+
+/// What must be the same whether a run was disturbed, resumed or repeated: everything but the times.
+/// Fails if a measurement stands twice.
+pub fn steady(rows: &[Row]) -> BTreeMap<Measurement, String> {
+    let of = |row: &Row| {
+        let row = Row {
+            time_ns: None,
+            first_ns: None,
+            calls: None,
+            elapsed_ns: None,
+            span: None,
+            processor: None,
+            ..row.clone()
+        };
+        (row.measurement(), format!("{row:?}"))
+    };
+    let steady: BTreeMap<Measurement, String> = rows.iter().map(of).collect();
+    assert_eq!(steady.len(), rows.len(), "a measurement stands there twice");
+    steady
 }

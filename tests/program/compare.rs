@@ -5,10 +5,11 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use contactbench::record::row;
-use contactbench::record::row::{Measurement, Row};
+use contactbench::record::row::Row;
+use contactbench::record::seal;
 use serde_json::Value;
 
-use crate::common::{Ended, file, run};
+use crate::common::{Ended, PROGRAM, file, run, steady};
 
 const EXPERIMENT: &str = "name = \"t\"\ntitle = \"t\"\nquestion = \"?\"\nreading = \"-\"\nblocks \
                           = 5\ndetectors = [\"nbs\", \"sweep\", \"nothing\"]\n[[scene]]\nname = \
@@ -16,6 +17,9 @@ const EXPERIMENT: &str = "name = \"t\"\ntitle = \"t\"\nquestion = \"?\"\nreading
                           \"pack-c\"\nn = 100\ns = [2, 5, 9]\n[[claim]]\nname = \"nbs \
                           pushes\"\nkind = \"at-most\"\nvalue = \"n\"\nto = \"list_push\"\nwhere \
                           = { detector = \"nbs\" }\n";
+
+/// A fingerprint that nothing has.
+const OTHER: &str = "0x0000000000000001";
 
 fn good(folder: &Path, arguments: &[&str]) -> Ended {
     let ended = run(folder, arguments);
@@ -44,22 +48,6 @@ fn rows(folder: &Path, name: &str) -> Vec<Row> {
     record.rows
 }
 
-/// Everything but the times, by measurement.
-fn steady(rows: &[Row]) -> BTreeMap<Measurement, String> {
-    let of = |row: &Row| {
-        (
-            row.measurement(),
-            format!(
-                "{:?}",
-                Row { time_ns: None, first_ns: None, calls: None, elapsed_ns: None, ..row.clone() }
-            ),
-        )
-    };
-    let steady: BTreeMap<Measurement, String> = rows.iter().map(of).collect();
-    assert_eq!(steady.len(), rows.len(), "a measurement stands there twice");
-    steady
-}
-
 /// A copy of a result folder, with its rows and its provenance changed.
 fn changed(
     folder: &Path,
@@ -76,8 +64,16 @@ fn changed(
         change(&mut value);
         value.to_string()
     };
+    // As a run would have written it: one detection in each sample, and a check of the line.
+    let change = |row: &mut Value| {
+        change(row);
+        if row["time_ns"].is_u64() {
+            (row["calls"], row["elapsed_ns"]) = (1.into(), row["time_ns"].clone());
+        }
+    };
     let record = std::fs::read_to_string(from.join(row::FILE)).unwrap();
-    let lines: Vec<String> = record.lines().map(|line| edit(line, &change) + "\n").collect();
+    let sealed = |line: &str| seal::sealed(&edit(&seal::unsealed(line), &change)) + "\n";
+    let lines: Vec<String> = record.lines().map(sealed).collect();
     std::fs::write(to.join(row::FILE), lines.concat()).unwrap();
     let fields = std::fs::read_to_string(from.join("provenance.json")).unwrap();
     std::fs::write(to.join("provenance.json"), edit(&fields, &provenance)).unwrap();
@@ -121,7 +117,7 @@ fn shards_merge_to_the_record_of_the_whole() {
     let ended = good(folder, &["compare", "a", "whole", "--strict"]);
     assert!(
         ended.stdout.contains(
-            "pairs, counts, bytes, outcomes: the same everywhere (21 cells compared, 0 in one \
+            "pairs, counts, bytes, outcomes: the same everywhere (28 cells compared, 0 in one \
              only)"
         ),
         "{}",
@@ -179,7 +175,7 @@ fn a_merge_keeps_machines_apart_and_rows_once() {
         "a",
         "other",
         |row| (slower(row), row["machine"] = "other".into()).1,
-        |fields| fields["machine"] = "other".into(),
+        |fields| (fields["machine"], fields["host"]) = ("other".into(), "other".into()),
     );
     changed(folder, "a", "namesake", slower, |fields| fields["cpu"] = "another model".into());
     good(folder, &["merge", "a", "other", "namesake", "--out", "three"]);
@@ -193,15 +189,42 @@ fn a_merge_keeps_machines_apart_and_rows_once() {
     let head: Vec<&str> = summary.lines().next().unwrap().split(',').collect();
     let column = |name: &str| head.iter().position(|known| *known == name).unwrap();
     let (machine, time, blocks) = (column("machine"), column("time_ns_median"), column("blocks"));
-    assert_eq!(summary.lines().count(), 1 + 3 * 21);
+    assert_eq!(summary.lines().count(), 1 + 3 * 28);
     for line in summary.lines().skip(1).map(|line| line.split(',').collect::<Vec<_>>()) {
         let median: f64 = line[time].parse().unwrap();
         assert_eq!(line[blocks], "5", "no median is over two machines");
         assert_eq!(median < 1e5, line[machine] == name, "{line:?}");
     }
+    // A processor of the same model, with another cache: alone, and after a merge.
+    changed(folder, "a", "cousin", slower, |fields| fields["caches"]["L3"] = "300M".into());
+    // What an older version says of a merged record: nothing about caches.
+    changed(folder, "a", "older", slower, |fields| {
+        let kept = ["machine", "cpu", "cores", "revision"];
+        fields.as_object_mut().unwrap().retain(|name, _| kept.contains(&name.as_str()));
+    });
+    for (name, parts) in [
+        ("two", &["a", "cousin"][..]),
+        ("four", &["three", "cousin"]),
+        ("again", &["four", "cousin", "a"]),
+        ("apart", &["a", "older"]),
+    ] {
+        good(folder, &[&["merge"], parts, &["--out", name]].concat());
+        let rows = rows(folder, name);
+        let mut medians: BTreeMap<_, BTreeSet<bool>> = BTreeMap::new();
+        for row in rows.iter().filter(|row| row.time_ns.is_some()) {
+            let slow = row.time_ns > Some(100_000);
+            medians.entry(row.id.machine.clone()).or_default().insert(slow);
+        }
+        assert!(medians.values().all(|kinds| kinds.len() == 1), "{name}: {medians:?}");
+        assert_eq!(
+            medians.len(),
+            if parts.len() == 2 && parts[0] == "a" { 2 } else { 4 },
+            "{name}"
+        );
+    }
     // Each machine of a merged record against itself elsewhere.
     let ended = good(folder, &["compare", "three", "a"]);
-    assert!(ended.stdout.contains("(21 cells compared"), "{}", ended.stdout);
+    assert!(ended.stdout.contains("(28 cells compared"), "{}", ended.stdout);
 }
 
 #[test]
@@ -232,7 +255,7 @@ fn what_does_not_belong_together_is_not_merged() {
             "Compare them",
         ],
     );
-    changed(folder, "a", "scene", |row| row["stats"]["scene_hash"] = "0x1".into(), |_| ());
+    changed(folder, "a", "scene", |row| row["stats"]["scene_hash"] = OTHER.into(), |_| ());
     refused(
         folder,
         &["merge", "a", "scene", "--out", "b"],
@@ -262,12 +285,13 @@ fn counts_bytes_and_digests_are_gated_and_times_are_not() {
     good(folder, &["run", "t.toml", "--out", "b", "--junit", "run.xml"]);
     let ended = good(folder, &["compare", "a", "b", "--junit", "compare.xml"]);
     assert!(
-        ended.stdout.contains("compare: passed") && ended.stdout.contains("times: not paired"),
+        ended.stdout.contains("compare: passed")
+            && ended.stdout.contains("times: each a multiple of that of nbs"),
         "{}",
         ended.stdout
     );
-    assert_eq!(junit(&folder.join("compare.xml")), (21, 0));
-    assert_eq!(junit(&folder.join("run.xml")), (3, 0), "the claim, right answers, no crash");
+    assert_eq!(junit(&folder.join("compare.xml")), (28, 0));
+    assert_eq!(junit(&folder.join("run.xml")), (2, 0), "the claim, right answers");
     for (what, change) in [
         (
             "list_push",
@@ -287,12 +311,13 @@ fn counts_bytes_and_digests_are_gated_and_times_are_not() {
                 && row["dim"] == 2
                 && row["pass"] == "memory"
             {
-                row["peak_bytes"] = 1.into();
+                (row["peak_bytes"], row["live_bytes"]) = (1.into(), 1.into());
             }
         }),
-        ("digest", |row| {
-            if row["detector"] == "nbs" && row["n"] == 50 && row["dim"] == 2 {
-                row["digest"] = "0x1".into()
+        // A record in which only one of them has it would contradict itself.
+        ("answer", |row| {
+            if row["detector"] != "nothing" && row["n"] == 50 && row["dim"] == 2 {
+                row["digest"] = OTHER.into()
             }
         }),
         ("outcome (time)", |row| {
@@ -305,11 +330,17 @@ fn counts_bytes_and_digests_are_gated_and_times_are_not() {
             }
         }),
         ("scene", |row| {
-            if row["detector"] == "nbs" && row["n"] == 50 && row["dim"] == 2 {
-                row["stats"]["scene_hash"] = "0x1".into()
+            if row["n"] == 50 && row["dim"] == 2 {
+                row["stats"]["scene_hash"] = OTHER.into()
             }
         }),
     ] {
+        let cells = match what {
+            "answer" => 3,
+            "scene" => 4,
+            _ => 1,
+        };
+        let count = if cells == 1 { "1 cell".into() } else { format!("{cells} cells") };
         changed(folder, "a", "changed", change, |_| ());
         let ended =
             run(folder, &["compare", "a", "changed", "--junit", "compare.xml", "--annotations"]);
@@ -320,12 +351,13 @@ fn counts_bytes_and_digests_are_gated_and_times_are_not() {
             ended.stdout
         );
         assert!(ended.stdout.contains(&format!("         {what} ")), "{what}: {}", ended.stdout);
-        assert!(ended.stdout.contains("CHANGED in 1 cell (21 cells compared"), "{}", ended.stdout);
+        let words = format!("CHANGED in {count} (28 cells compared");
+        assert!(ended.stdout.contains(&words), "{}", ended.stdout);
         assert!(ended.stdout.contains(
             "::error title=contactbench compare%3A t.packed%3A nbs%2C exact%2C packed%2C 2D%2C n \
              = 50::changed"
         ));
-        assert_eq!(junit(&folder.join("compare.xml")), (21, 1));
+        assert_eq!(junit(&folder.join("compare.xml")), (28, cells));
     }
     // Ten times as slow: said, and gated only where that is asked for.
     let slower: fn(&mut Value) = |row| {
@@ -361,13 +393,23 @@ fn counts_bytes_and_digests_are_gated_and_times_are_not() {
     let ratio = sweep(&all)["time"]["ratio"].as_f64().unwrap();
     assert!((9.9..10.1).contains(&ratio), "{ratio}");
     assert_eq!(json(&["--gate-time", "--band", "1000"]).0, Some(0));
-    // Another machine: shown, not judged, unless against a detector of both.
+    // Another machine, and no control in both: shown, not judged, unless against a detector of
+    // both.
+    let no_control = |row: &mut Value| {
+        if row["role"]["twin"].is_string() {
+            row["role"] = "runner".into();
+        }
+    };
     changed(
         folder,
         "a",
         "slower",
-        |row| (slower(row), row["machine"] = "other".into()).1,
-        |fields| fields["machine"] = "other".into(),
+        |row| {
+            slower(row);
+            no_control(row);
+            row["machine"] = "other".into();
+        },
+        |fields| (fields["machine"], fields["host"]) = ("other".into(), "other".into()),
     );
     let (code, all) = json(&[]);
     assert_eq!((code, &sweep(&all)["time"]["verdict"]), (Some(0), &"not-judged".into()));
@@ -378,7 +420,6 @@ fn counts_bytes_and_digests_are_gated_and_times_are_not() {
         &["no time could be judged", "two machines"],
     );
     assert!(all["times"].as_str().unwrap().contains("two machines: "), "{}", all["times"]);
-    assert_eq!(json(&["--gate-time", "--same-machine"]).0, Some(1));
     let (code, all) = json(&["--gate-time", "--against", "nbs"]);
     assert_eq!((code, &sweep(&all)["time"]["verdict"]), (Some(1), &"slower".into()));
     changed(folder, "a", "slower", slower, |fields| fields["profile"] = "another".into());
@@ -407,13 +448,75 @@ fn what_one_has_not_measured_is_lacking() {
     assert!(kept.len() < text.len());
     std::fs::write(&record, kept).unwrap();
     let ended = good(folder, &["compare", "a", "cut"]);
-    assert!(ended.stdout.contains("21 measured in part in one"), "{}", ended.stdout);
+    assert!(ended.stdout.contains("28 measured in part in one"), "{}", ended.stdout);
     let ended = run(folder, &["compare", "a", "cut", "--strict"]);
     assert!(
         ended.code == Some(1) && ended.stdout.contains("the time pass only in A"),
         "{}",
         ended.stdout
     );
+}
+
+/// Two builds take turns: the same program twice, and one that does more for the same answer.
+#[cfg(unix)]
+#[test]
+fn builds_take_turns_in_one_record() {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let text = EXPERIMENT.replace("blocks = 5", "blocks = 6").replace("[50, 200]", "[50]");
+    file(folder, "t.toml", text);
+    good(folder, &["run", "t.toml", "--out", "same", "--against", PROGRAM]);
+    let rows = rows(folder, "same");
+    let named = |name: &str| {
+        let timed = rows.iter().filter(|row| row.pass == row::Pass::Time);
+        timed.filter(|row| row.id.detector == name).collect::<Vec<_>>()
+    };
+    for name in ["nbs", "nbs@base", "nbs-twin", "sweep", "sweep@base", "sweep-twin"] {
+        let timed = named(name);
+        // Five scenes, six blocks.
+        assert_eq!(timed.len(), 5 * 6, "{name}");
+        for row in timed {
+            let mean = row.elapsed_ns.unwrap() / row.calls.unwrap();
+            assert!(
+                row.rounds_ns.len() >= 4 && row.time_ns.unwrap().abs_diff(mean) <= 1,
+                "{row:?}"
+            );
+        }
+    }
+    // What takes turns is on one processor.
+    for row in named("nbs") {
+        let other = named("nbs@base")
+            .into_iter()
+            .find(|other| (other.block, other.id.scene_id()) == (row.block, row.id.scene_id()));
+        assert_eq!(other.unwrap().processor, row.processor);
+    }
+    assert!(named("nothing").is_empty(), "controls have nothing to say of builds");
+    let ended = good(folder, &["compare", "same", "--all"]);
+    for words in [
+        "A: the base, B: this build",
+        "times: side by side",
+        "floor: this build against itself, the same way: ",
+        "the same everywhere (10 cells compared, 0 in one only)",
+        " would show (median of cells; at most ",
+    ] {
+        assert!(ended.stdout.contains(words), "{words}: {}", ended.stdout);
+    }
+    let slow = format!("#!/bin/sh\nshift 3\nexec {PROGRAM} runner --detector direct \"$@\"\n");
+    let other = file(folder, "other.sh", slow);
+    std::fs::set_permissions(&other, std::fs::Permissions::from_mode(0o755)).unwrap();
+    good(folder, &["run", "t.toml", "--out", "other", "--against", "other.sh"]);
+    let ended = run(folder, &["compare", "other"]);
+    assert_eq!(ended.code, Some(1), "{}", ended.stdout);
+    assert!(
+        ended.stdout.contains("list_push") && !ended.stdout.contains("answer "),
+        "counts alone"
+    );
+    let ended = run(folder, &["compare", "same", "--against", "nbs"]);
+    assert!(ended.code == Some(2) && ended.stderr.contains("<B>"), "{}", ended.stderr);
+    refused(folder, &["run", "t.toml", "--against", "none"], &["--against none: there is no such"]);
+    good(folder, &["run", "t.toml", "--quick", "--out", "one"]);
+    refused(folder, &["compare", "one"], &["one is of one build", "run --against PROGRAM"]);
 }
 
 /// Test cases and failures of a file that is well-formed.
@@ -438,7 +541,7 @@ fn what_cannot_be_compared_is_refused() {
     refused(
         folder,
         &["compare", "a", "a", "--against", "bvh"],
-        &["--against bvh: a has no rows of this detector", "nbs, nothing, sweep"],
+        &["--against bvh: a has no rows of this detector", "nbs, nbs-twin, nothing, sweep"],
     );
     refused(
         folder,

@@ -67,7 +67,16 @@ fn scenes_are_written_and_read_back_to_the_bit() {
     );
     refused(&["scene", "packed:n=10", "--dim", "3"], "write dim=3 and the like into the scene");
     refused(&["scene", "nowhere.csv"], "cannot read nowhere.csv");
-    refused(&["detect", "two.dump"], "say which one is to be read");
+    // All verbs take the last frame, and say so; an experiment must choose.
+    for verb in ["detect", "inspect", "scene"] {
+        let ended = ok(folder, &[verb, "two.dump"]);
+        let said = "two.dump: frame 1, the last of 0 to 1, is read (--frame)";
+        assert!(ended.stderr.contains(said), "{verb}: {}", ended.stderr);
+        let chosen = ok(folder, &[verb, "two.dump", "--frame", "last"]);
+        assert_eq!(ended.stdout, chosen.stdout, "{verb}");
+        assert!(!chosen.stderr.contains("is read"), "{}", chosen.stderr);
+    }
+    refused(&["scene", "file:path=two.dump"], "say which one is to be read");
     refused(&["detect", "two.dump", "--frame", "second"], "it must be a number from 0, or last");
 }
 
@@ -223,11 +232,11 @@ fn verify_compares_lists_of_every_kind() {
         &["zero.csv", "--base", "0"],
         &["one.txt", "--base", "1"],
         &["named.csv"],
-        &["named.csv", "--columns", "j,i"],
+        &["named.csv", "--pairs-columns", "j,i"],
         &["ids.csv", "--ids"],
         &["both.fstat"],
         &["local.dump"],
-        &["local.dump", "--columns", "c_1[2],c_1[1]"],
+        &["local.dump", "--pairs-columns", "c_1[2],c_1[1]"],
         &["own.npy"],
     ] {
         let found =
@@ -255,6 +264,48 @@ fn verify_compares_lists_of_every_kind() {
     );
 }
 
+/// Lists with the usual mistakes: the hint names the options with which they agree.
+#[test]
+fn verify_recognises_the_usual_mistakes() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    ok(folder, &["scene", "packed:dim=3,n=64,lattice=cubic,order=generated", "-o", "p.csv"]);
+    let pairs = ok(folder, &["detect", "p.csv"]).stdout;
+    let pairs: Vec<[i64; 2]> = pairs
+        .lines()
+        .skip(1)
+        .map(|line| line.split_once(',').unwrap())
+        .map(|(i, j)| [i.parse().unwrap(), j.parse().unwrap()])
+        .collect();
+    let listed = |name: &str, base: i64, both: bool| {
+        let line = |[i, j]: [i64; 2]| format!("{},{}\n", i + base, j + base);
+        let turned = |[i, j]: [i64; 2]| if both { line([j, i]) } else { String::new() };
+        let text: String = pairs.iter().map(|&pair| line(pair) + &turned(pair)).collect();
+        file(folder, name, text);
+    };
+    listed("one.csv", 1, false);
+    listed("both.csv", 1, true);
+    // Every pair less than 1.3 apart; the pack has diameters of 1.
+    let wider = std::fs::read_to_string(folder.join("p.csv")).unwrap().replace(",0.5\n", ",0.65\n");
+    file(folder, "wider.csv", wider);
+    ok(folder, &["detect", "wider.csv", "-o", "skin.csv"]);
+    let all = pairs.len();
+    for (list, words) in [
+        ("one.csv", format!("hint: with numbers from 1, all {all} pairs agree: add --base 1\n")),
+        ("both.csv", format!("all {all} pairs agree: add --base 1 --both-sides\n")),
+        ("skin.csv", "pairs agree: add --skin 0.".into()),
+    ] {
+        let verify = ["verify", "p.csv", "--pairs", list];
+        let ended = run(folder, &verify);
+        assert!(ended.stdout.contains(&words), "'{words}' in:\n{}", ended.stdout);
+        // What would be said of the wrong reading helps nobody.
+        assert!(!ended.stdout.contains("the worst first"), "{}", ended.stdout);
+        let found = json(folder, &[&verify[..], &["--json"]].concat(), 1);
+        let flags: Vec<&str> = found["hint"].as_str().unwrap().split(' ').collect();
+        assert_eq!(json(folder, &[&verify[..], &["--json"], &flags].concat(), 0)["same"], true);
+    }
+}
+
 #[test]
 fn verify_shows_what_differs() {
     let folder = tempfile::tempdir().unwrap();
@@ -267,13 +318,13 @@ fn verify_shows_what_differs() {
     for part in [
         "p.csv: 5 particles, 2 touching pairs (exact arithmetic)",
         "theirs.csv: 6 pairs (CSV; places in the file, from 0)",
-        "missed       1  deepest overlap 1.000e0 mean radii",
-        "spurious     2  widest gap 1.800e1 mean radii",
+        "missed       1  deepest overlap 1 mean radii",
+        "spurious     2  widest gap 18 mean radii",
         "duplicate    1",
         "with itself  1",
         "unknown      1  such as 1,9: the file has no such particle",
-        "  0,1  overlap 1.000e0\n    0: 0.0 0.0  r 1.0\n    1: 1.0 0.0  r 1.0\n",
-        "  0,4  gap 1.800e1\n",
+        "  0,1  overlap 1\n    0: 0.0 0.0 r 1.0\n    1: 1.0 0.0 r 1.0\n",
+        "  0,4  gap 18\n",
     ] {
         assert!(ended.stdout.contains(part), "'{part}' in:\n{}", ended.stdout);
     }
@@ -317,11 +368,11 @@ fn verify_refuses_in_one_sentence() {
         (&["short.dump"], "short.dump ends after 1 of the 3 entries"),
         (
             &["which.dump"],
-            "which columns hold the ids of a pair? Name them with --columns I,J; there are c_1 c_2",
+            "which columns hold the ids of a pair? Name them with --pairs-columns I,J; there are c_1 c_2",
         ),
         (&["binary.csv"], "binary.csv is binary, and no npy file"),
         (&["bad.csv", "--base", "2"], "--base 2: it must be 0 or 1"),
-        (&["bad.csv", "--columns", "a,b"], "there is no column 'a'"),
+        (&["bad.csv", "--pairs-columns", "a,b"], "there is no column 'a'"),
         (&["nowhere.csv"], "cannot read nowhere.csv"),
     ] {
         let ended = run(folder, &[&["verify", "p.csv", "--pairs"], arguments].concat());

@@ -26,6 +26,101 @@ fn of<'a>(rows: &'a [Row], detector: &str, n: u64) -> Vec<&'a Row> {
     rows.iter().filter(|row| row.id.detector == detector && row.id.n == n).collect()
 }
 
+/// Shell code that answers with a sample of a time that can be.
+fn takes_its_time(fields: &str) -> String {
+    let times = r#""time_ns":300000,"calls":1,"elapsed_ns":300000"#;
+    format!("sleep 0.002; {}", say(&format!(r#"{{"reply":"sample",{times},{fields}}}"#)))
+}
+
+/// What no runner can have measured costs it its rows, with the reason; `check` says the same.
+#[test]
+fn impossible_numbers_are_refused() {
+    let loaded = say(r#"{"reply":"loaded"}"#);
+    let unsupported = say(r#"{"reply":"unsupported"}"#);
+    let none = r#""contacts":0,"digest":"0x0000000000000000""#;
+    let sample = |times: &str| {
+        let sample =
+            format!("sleep 0.002; {}", say(&format!(r#"{{"reply":"sample",{times},{none}}}"#)));
+        fake(&[
+            ("load", &loaded),
+            ("count", &unsupported),
+            ("memory", &unsupported),
+            ("sample", &sample),
+        ])
+    };
+    let memory = |bytes: &str| {
+        let memory = say(&format!(r#"{{"reply":"memory",{bytes},{none}}}"#));
+        fake(&[("load", &loaded), ("count", &unsupported), ("memory", &memory)])
+    };
+    let cases = [
+        ("zero", sample(r#""time_ns":0,"calls":1,"elapsed_ns":0"#), "every detection takes time"),
+        (
+            "tenth",
+            sample(r#""time_ns":30000,"calls":1,"elapsed_ns":300000"#),
+            "time_ns is elapsed_ns / calls, rounded",
+        ),
+        (
+            "ages",
+            sample(r#""time_ns":1000000000000000,"calls":1,"elapsed_ns":1000000000000000"#),
+            "are these nanoseconds?",
+        ),
+        ("never", sample(r#""time_ns":5,"calls":0,"elapsed_ns":300000"#), "calls 0"),
+        (
+            "short",
+            sample(r#""time_ns":5,"calls":1,"elapsed_ns":5"#),
+            "asked for 2000000 ns, it measured only 5 ns",
+        ),
+        (
+            "shrinks",
+            memory(r#""peak_bytes":5,"live_bytes":9,"allocations":1"#),
+            "peak_bytes 5 and live_bytes 9",
+        ),
+        (
+            "huge",
+            memory(r#""peak_bytes":18446744073709551615,"live_bytes":9,"allocations":1"#),
+            "bytes of address space",
+        ),
+    ];
+    let runners: String =
+        cases.iter().map(|(name, script, _)| runner(name, "sh", script)).collect();
+    let text = format!(
+        "{HEAD}detectors = [\"nbs\"]\n[[scene]]\nname = \"pack-c\"\nn = 25\ns = 5\n{runners}"
+    );
+    let folder = tempfile::tempdir().unwrap();
+    let (rows, code, stderr) = rows(folder.path(), &text);
+    assert_eq!(code, Some(0), "{stderr}");
+    for (name, script, words) in &cases {
+        let own = of(&rows, name, 25);
+        let last = own.last().unwrap();
+        assert_eq!((own.len(), last.outcome), (3, Outcome::Crashed), "{own:?}");
+        assert!(
+            last.reason.starts_with("the runner breaks the protocol: ")
+                && last.reason.contains(words),
+            "{name}: {}",
+            last.reason
+        );
+        assert!(own.iter().all(|row| row.time_ns.is_none() && row.peak_bytes.is_none()));
+        // Where every sample is wrong, `check` looks for the simplest scene first.
+        if !["ages", "shrinks"].contains(name) {
+            continue;
+        }
+        crate::common::file(folder.path(), "one.sh", script);
+        let ended = crate::common::run(
+            folder.path(),
+            &["check", "--runner", "sh one.sh", "--seconds", "0"],
+        );
+        let said = words.rsplit(" ns, it ").next().unwrap();
+        assert!(
+            ended.code == Some(1)
+                && ended.stdout.contains("breaks the protocol")
+                && ended.stdout.contains(said),
+            "{name}: {}",
+            ended.stdout
+        );
+    }
+    assert!(of(&rows, "nbs", 25).iter().all(|row| row.outcome == Outcome::Ok));
+}
+
 #[test]
 fn every_planned_cell_has_its_rows_and_the_answers_are_right() {
     let folder = tempfile::tempdir().unwrap();
@@ -38,9 +133,9 @@ fn every_planned_cell_has_its_rows_and_the_answers_are_right() {
     assert_eq!(code, Some(0));
     let keys: BTreeSet<Measurement> = rows.iter().map(Row::measurement).collect();
     assert_eq!(keys.len(), rows.len(), "no cell has two rows");
-    // Packed: 2 dimensions, 3 sizes, 2 seeds; pack C: 2 spacings. 4 detectors, 2 arithmetics;
-    // counts, memory and 2 blocks.
-    assert_eq!(rows.len(), (2 * 3 * 2 + 2) * 4 * 2 * (1 + 1 + 2));
+    // Packed: 2 dimensions, 3 sizes, 2 seeds; pack C: 2 spacings. 4 detectors, 2 arithmetics, and
+    // a twin in the first of them; counts, memory and 2 blocks.
+    assert_eq!(rows.len(), (2 * 3 * 2 + 2) * (4 * 2 + 1) * (1 + 1 + 2));
     for row in &rows {
         assert_eq!(
             row.outcome,
@@ -79,13 +174,18 @@ fn a_row_has_the_fields_of_the_format() {
                      block time_ns outcome reason contacts digest counts peak_bytes live_bytes \
                      allocations formula_bytes stats";
     // What the format has beyond the fields promised.
-    let more =
-        "first_ns calls elapsed_ns warm_allocations errors causes schema machine role resources";
+    let more = "first_ns calls elapsed_ns warm_allocations errors causes schema machine role resources \
+         process check";
     let expected: BTreeSet<String> =
         published.split_whitespace().chain(more.split_whitespace()).map(String::from).collect();
     for line in text.lines() {
         let row: Value = serde_json::from_str(line).unwrap();
-        assert_eq!(names(&row), expected);
+        let mut said = names(&row);
+        let timed = row["pass"] == "time" && cfg!(target_os = "linux");
+        for place in ["span", "processor"] {
+            assert_eq!(said.remove(place), timed, "{line}");
+        }
+        assert_eq!(said, expected);
         let stats =
             ["box_diameters", "coordination", "packing_fraction", "radius_ratio", "scene_hash"];
         assert_eq!(names(&row["stats"]), stats.map(String::from).into());
@@ -110,13 +210,8 @@ fn each_failure_has_its_outcome_and_costs_no_other_runner_anything() {
     let loaded = ("load", say(r#"{"reply":"loaded"}"#));
     let unsupported = say(r#"{"reply":"unsupported"}"#);
     let sample = |contacts: u32, digest: &str| {
-        let times = r#""time_ns":5,"calls":1,"elapsed_ns":5"#;
-        (
-            "sample",
-            say(&format!(
-                r#"{{"reply":"sample",{times},"contacts":{contacts},"digest":"{digest}"}}"#
-            )),
-        )
+        let reply = format!(r#""contacts":{contacts},"digest":"{digest}""#);
+        ("sample", takes_its_time(&reply))
     };
     let empty = sample(0, "0x0000000000000000");
     let other = sample(7, "0x0123456789abcdef");
@@ -254,7 +349,7 @@ fn each_failure_has_its_outcome_and_costs_no_other_runner_anything() {
     // is not.
     let alone = of(&sparse, "empty", 100);
     assert_eq!(
-        alone.iter().filter(|row| row.outcome == Ok && row.time_ns == Some(5)).count(),
+        alone.iter().filter(|row| row.outcome == Ok && row.time_ns == Some(300_000)).count(),
         2,
         "{alone:?}"
     );
@@ -286,9 +381,7 @@ fn each_failure_has_its_outcome_and_costs_no_other_runner_anything() {
 #[test]
 fn a_runner_of_version_1_is_given_the_path_of_its_scene() {
     let path = r#"case "$line" in *'"path":"'*scene-0.npy*) echo '{"reply":"loaded"}' ;; *) echo '{"reply":"error","reason":"no path"}' ;; esac"#;
-    let times = r#""time_ns":5,"calls":1,"elapsed_ns":5"#;
-    let none = r#""contacts":0,"digest":"0x0000000000000000""#;
-    let sample = say(&format!(r#"{{"reply":"sample",{times},{none}}}"#));
+    let sample = takes_its_time(r#""contacts":0,"digest":"0x0000000000000000""#);
     let unsupported = say(r#"{"reply":"unsupported"}"#);
     let new = fake(&[
         ("load", path),
@@ -326,16 +419,18 @@ fn memory_is_measured_with_the_threads_of_the_row() {
     };
     let contacts = rows[0].contacts.unwrap();
     let ((peak, formula), (peak_of_two, formula_of_two)) = (memory(1), memory(2));
-    assert_eq!((peak, peak), (formula, formula_of_two));
-    // The contacts that the threads have found are collected.
-    assert!(contacts > 400 && peak_of_two >= peak + 8 * contacts, "{peak_of_two} and {peak}");
+    assert_eq!(peak, formula);
+    // The contacts that the threads have found are collected, and in the formula; what their lists
+    // are listed in is not.
+    assert!(contacts > 400 && formula_of_two >= peak + 8 * contacts, "{formula_of_two}, {peak}");
+    let lists = formula_of_two..formula_of_two + (16 << 10);
+    assert!(lists.contains(&peak_of_two), "{peak_of_two}, formula {formula_of_two}");
 }
 
 #[test]
 fn pairs_that_are_wrong_are_counted_and_never_taken_from_another_runner() {
     let digest = r#""contacts":1,"digest":"0x910a2dec89025cc1""#;
-    let sample =
-        say(&format!(r#"{{"reply":"sample","time_ns":5,"calls":1,"elapsed_ns":5,{digest}}}"#));
+    let sample = takes_its_time(digest);
     // One pair, (0, 1), which is none of the scene's.
     let write = r#"f=${line#*path\":\"}; { printf '\223NUMPY\001\000\166\000'; printf "%-117s\n" "{'descr': '<u4', 'fortran_order': False, 'shape': (1, 2), }"; printf '\000\000\000\000\001\000\000\000'; } > "${f%%\"*}"; echo "{\"reply\":\"pairs\",\"contacts\":1}""#;
     let unsupported = say(r#"{"reply":"unsupported"}"#);
@@ -453,6 +548,7 @@ fn threads_are_an_axis_and_copies_run_beside_them() {
     .concat();
     for (detector, one, two) in [
         ("direct", alone(Outcome::Ok), beside.clone()),
+        ("direct-twin", alone(Outcome::Ok), vec![]),
         ("told", alone(Outcome::Ok), beside),
         ("nbs", alone(Outcome::Ok), vec![]),
         ("nothing", alone(Outcome::Control), vec![]),
@@ -479,13 +575,13 @@ fn threads_are_an_axis_and_copies_run_beside_them() {
     assert_eq!(read("threads.csv").lines().count(), 1 + 2 * 2, "{}", read("threads.csv"));
     assert_eq!(
         read("ratios.csv").lines().count(),
-        1 + 2 * (2 + 1 + 2 + 2 + 1),
+        1 + 2 * (2 + 1 + 1 + 2 + 2 + 1),
         "{}",
         read("ratios.csv")
     );
     assert_eq!(
         read("bound.csv").lines().count(),
-        1 + 2 * (2 + 1 + 2 + 1 + 1),
+        1 + 2 * (2 + 1 + 1 + 2 + 1 + 1),
         "{}",
         read("bound.csv")
     );
@@ -564,7 +660,7 @@ fn an_experiment_that_cannot_be_meant_is_refused() {
         ("detectors = [\"nbs\"]\ntable = \"verdict\"", "verdicts"),
         (
             "detectors = [\"nbs\"]\n[[figure]]\nname = \"f\"\ntitle = \"F\"",
-            "line 7, column 1: missing field `x`",
+            "line 7, column 1: the key 'x' is missing",
         ),
     ] {
         crate::common::file(folder.path(), "t.toml", format!("{HEAD}{line}\n{scene}"));

@@ -8,8 +8,13 @@ mod compare;
 mod errors;
 mod files_cli;
 mod harness;
+mod hidden;
+mod integrity;
+mod limits;
 mod new_detector;
+mod origins;
 mod page;
+mod partial;
 mod peers;
 mod protocol;
 mod readme;
@@ -17,6 +22,7 @@ mod real_data;
 mod resume;
 mod runners;
 mod seeing;
+mod users;
 
 // What the file that `new-detector` writes finds around it in the crate of detectors.
 use contactbench::{contact, detect, filter, probe, scene, sink};

@@ -30,6 +30,10 @@ fn steady(line: &str) -> Value {
             *value = Value::Null;
         }
     }
+    if let Some(build) = message.get_mut("build") {
+        assert!(build["profile"].is_string() && build["revision"].is_string(), "{line}");
+        *build = Value::Null;
+    }
     // Of one frame.
     if let Some(steps) = message.get_mut("step_ns") {
         assert!(steps[0].is_u64() && steps.as_array().unwrap().len() == 1, "step_ns in {line}");

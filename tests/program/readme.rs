@@ -1,16 +1,24 @@
 //! README and the pages in docs are true: the Rust code is the code of the example, which is
 //! compiled and right, and the commands work as written.
 
-use std::path::Path;
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use contactbench::cells::{self, Cell};
 use contactbench::detect::table::{Role, TABLE};
-use contactbench::record::row;
+use contactbench::findings::conditions::{Conditions, Load, SHORTEST_S};
+use contactbench::present::sections::conditions as words;
+use contactbench::record::ledger::Ledger;
+use contactbench::record::{provenance, row};
+
+use crate::common::untested;
 
 const README: &str = include_str!("../../README.md");
 const DETECTORS: &str = include_str!("../../docs/DETECTORS.md");
 const EXAMPLE: &str = include_str!("../../examples/add_a_detector.rs");
+/// A commit of this project, long ago.
+const EARLIER: &str = "18908e47d9c2c77451f8ae6c1b99e7ae300d5c07";
 
 /// The text of all fenced blocks of a language, in order.
 fn blocks(page: &str, language: &str) -> Vec<String> {
@@ -118,6 +126,90 @@ fn the_measured_table_is_that_of_the_record() {
         let bytes = cell.variable("peak_bytes", None).map(|bytes| format!("{:.1}", bytes / n));
         let expected = [time, bytes].map(|shown| shown.unwrap_or("over the limit".into()));
         assert_eq!(row[4..], expected, "{detector}");
+    }
+}
+
+/// Why numbers of a record may not be quoted. A record of an older version says less: what it does
+/// not say of its machine must be said by the load average before it.
+fn objections(conditions: &Conditions) -> Vec<String> {
+    let mut objections = words::doubts(conditions);
+    let mut say = |said: bool, words: String| objections.extend(said.then_some(words));
+    say(conditions.dirty.is_none(), "it is not known whether its sources were committed".into());
+    let built = conditions.profiles.iter().map(String::as_str).eq(["release"]);
+    say(!built, format!("its builds are {:?}", conditions.profiles));
+    say(conditions.load == Load::Unknown, "nothing is known of the load".into());
+    if let Load::Watched { seconds, .. } = conditions.load {
+        say(seconds < SHORTEST_S, format!("{seconds} s are too short to know the load"));
+    }
+    say(conditions.revisions.is_empty(), "its revision is not known".into());
+    for revision in &conditions.revisions {
+        say(!is_ancestor(revision), format!("its revision {revision} is no ancestor of this"));
+    }
+    objections
+}
+
+/// True where that cannot be known, too: without git, in a clone without history.
+fn is_ancestor(revision: &str) -> bool {
+    let git = |arguments: &[&str]| {
+        let folder = env!("CARGO_MANIFEST_DIR");
+        let output = Command::new("git").args(["-C", folder]).args(arguments).output().ok()?;
+        let said = String::from_utf8_lossy(&output.stdout).trim().to_string();
+        Some((output.status.success(), said))
+    };
+    let whole = git(&["rev-parse", "--is-shallow-repository"]);
+    if whole != Some((true, "false".into())) {
+        untested("that README quotes an earlier revision", "history of commits");
+        return true;
+    }
+    git(&["merge-base", "--is-ancestor", revision, "HEAD"]).is_some_and(|(is, _)| is)
+}
+
+/// The records that README, DESIGN and BIAS name.
+#[test]
+fn the_records_that_are_quoted_may_be() {
+    let results = Path::new(env!("CARGO_MANIFEST_DIR")).join("results");
+    let pages = [README, include_str!("../../DESIGN.md"), include_str!("../../BIAS.md")];
+    let names = pages.iter().flat_map(|page| page.split("results/").skip(1)).map(|rest| {
+        let end = rest.find(|c: char| !c.is_ascii_alphanumeric() && c != '-');
+        &rest[..end.unwrap_or(rest.len())]
+    });
+    let folders: BTreeSet<PathBuf> = names.map(|name| results.join(name)).collect();
+    let folders = folders.iter().filter(|folder| folder.join(row::FILE).exists());
+    let mut quoted = 0;
+    for folder in folders {
+        let rows = row::read(&folder.join(row::FILE)).unwrap().rows;
+        let all = provenance::all(folder);
+        let conditions = Conditions::new(&all, &Ledger::read(folder), &rows);
+        assert_eq!(objections(&conditions), [""; 0], "{}", folder.display());
+        quoted += 1;
+    }
+    assert!(quoted > 0, "README quotes a record");
+}
+
+#[test]
+fn doubtful_records_may_not_be_quoted() {
+    let good = serde_json::json!({"dirty": false, "profile": "release", "revision": EARLIER,
+        "load_average": "0.56 1.34 1.29"});
+    let objections = |change: &dyn Fn(&mut serde_json::Value)| {
+        let mut fields = good.clone();
+        change(&mut fields);
+        objections(&Conditions::new([&fields], &Ledger::default(), &[])).join("; ")
+    };
+    assert_eq!(objections(&|_| ()), "");
+    let is_whole = !is_ancestor("0000000000000000000000000000000000000000");
+    for (name, value, words) in [
+        ("dirty", true.into(), "sources that were not committed"),
+        ("dirty", serde_json::Value::Null, "not known whether its sources"),
+        ("profile", "debug".into(), "debug build"),
+        ("profile", serde_json::Value::Null, "its builds are"),
+        ("load_average", "1.79 2.28 3.29".into(), "busy before the run (load 1.79)"),
+        ("load_average", serde_json::Value::Null, "nothing is known of the load"),
+        ("revision", serde_json::Value::Null, "its revision is not known"),
+        ("revision", "0123456789012345678901234567890123456789".into(), "is no ancestor"),
+    ] {
+        let said = objections(&|fields| fields[name] = value.clone());
+        let skipped = words == "is no ancestor" && !is_whole;
+        assert!(said.contains(words) || skipped, "{name}, {value}: {said}");
     }
 }
 

@@ -7,12 +7,12 @@ use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 use contactbench::record::row;
-use contactbench::record::row::{Measurement, Pass, Row};
+use contactbench::record::row::{Measurement, Pass};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rustix::process::{Pid, Signal, kill_process};
 
-use crate::common::{Ended, fake, file, run, runner, say};
+use crate::common::{self, Ended, fake, file, run, runner, say};
 
 /// Cells that succeed, are refused, do nothing on purpose, crash in a timed pass (in an arithmetic
 /// that only the runner knows), crash at once, and are not there at all.
@@ -35,32 +35,19 @@ fn experiment() -> String {
     )
 }
 
-/// Scenes; rows of nbs, of nothing (count, memory, 2 blocks), of late (count, memory, block 1), of
+/// Scenes; rows of nbs, of its twin, of nothing (count, memory, 2 blocks), of late (count, memory, block 1), of
 /// early and of absent (one per pass); and screening once good (4 rows), once refused (3).
-const ROWS: usize = 2 * (4 + 4 + 3 + 3 + 3) + 4 + 3;
+const ROWS: usize = 2 * (4 + 4 + 4 + 3 + 3 + 3) + 4 + 3;
 
 fn start(folder: &Path, more: &[&str]) -> Ended {
     run(folder, &[&["run", "t.toml", "--out", "result"], more].concat())
 }
 
-/// What must be the same whether a run was disturbed or not: everything but the times. Fails if a
-/// cell stands twice.
+/// The rows of the result, without their times.
 fn steady(folder: &Path) -> BTreeMap<Measurement, String> {
     let record = row::read(&folder.join("result/samples.jsonl")).unwrap();
     assert!(record.warnings.is_empty(), "{:?}", record.warnings);
-    let rows = record.rows.len();
-    let of = |row: Row| {
-        (
-            row.measurement(),
-            format!(
-                "{:?}",
-                Row { time_ns: None, first_ns: None, calls: None, elapsed_ns: None, ..row }
-            ),
-        )
-    };
-    let steady: BTreeMap<Measurement, String> = record.rows.into_iter().map(of).collect();
-    assert_eq!(steady.len(), rows, "a cell was written twice");
-    steady
+    common::steady(&record.rows)
 }
 
 /// An undisturbed run in a folder of its own.
@@ -436,10 +423,10 @@ fn earlier_records_are_read_and_later_ones_are_refused() {
     let path = folder.path().join("result/samples.jsonl");
     let whole = std::fs::read_to_string(&path).unwrap();
     assert!(
-        whole.lines().all(|line| line.starts_with("{\"schema\":3,\"")),
+        whole.lines().all(|line| line.starts_with("{\"schema\":4,\"")),
         "every line says its schema"
     );
-    std::fs::write(&path, whole.replacen("{\"schema\":3,", "{\"schema\":4,", 2)).unwrap();
+    std::fs::write(&path, whole.replacen("{\"schema\":4,", "{\"schema\":5,", 2)).unwrap();
     for verb in [
         &["report", "result"][..],
         &["run", "t.toml", "--resume", "--out", "result"],
@@ -450,14 +437,14 @@ fn earlier_records_are_read_and_later_ones_are_refused() {
         assert!(
             ended
                 .stderr
-                .contains("samples.jsonl: line 1 has record schema 4, and this contactbench ("),
+                .contains("samples.jsonl: line 1 has record schema 5, and this contactbench ("),
             "{}",
             ended.stderr
         );
         assert!(
             ended
                 .stderr
-                .contains("reads schemas 1 to 3: take the version that wrote it, or a later one"),
+                .contains("reads schemas 1 to 4: take the version that wrote it, or a later one"),
             "{}",
             ended.stderr
         );
@@ -494,6 +481,40 @@ fn a_resumed_run_remembers_which_detector_was_too_slow() {
     assert_eq!(steady(folder.path()), expected, "the reason says that it was not tried");
 }
 
+/// Two virtual machines of one name on two kinds of processors.
+#[test]
+fn a_run_resumed_on_other_hardware_of_the_same_name_is_of_another_machine() {
+    let (folder, _) = undisturbed();
+    let result = folder.path().join("result");
+    let text = std::fs::read_to_string(result.join("samples.jsonl")).unwrap();
+    let half: String = text.split_inclusive('\n').take(text.lines().count() / 2).collect();
+    let provenance = std::fs::read_to_string(result.join("provenance.json")).unwrap();
+    let mut fields: serde_json::Value = serde_json::from_str(&provenance).unwrap();
+    let here = fields["machine"].as_str().unwrap().to_string();
+    assert!(fields["cpu_features"].is_array() || !cfg!(target_arch = "x86_64"), "{fields}");
+    fields["caches"]["L3"] = "300M".into();
+    std::fs::write(result.join("provenance.json"), fields.to_string()).unwrap();
+    for resumed in 1..=2 {
+        // The second time it is known already.
+        let rows: String =
+            text.split_inclusive('\n').take(half.lines().count() + resumed).collect();
+        std::fs::write(result.join("samples.jsonl"), if resumed == 1 { &half } else { &rows })
+            .unwrap();
+        let ended = start(folder.path(), &["--resume"]);
+        assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+        let note = format!("the record was begun on {here}, this is {here}-2");
+        assert!(ended.stderr.contains(&note), "{}", ended.stderr);
+        let record = row::read(&result.join("samples.jsonl")).unwrap();
+        let machines: Vec<_> =
+            record.rows.iter().map(|row| row.id.machine.clone().unwrap()).collect();
+        assert!(
+            machines.contains(&here) && machines.contains(&format!("{here}-2")),
+            "{machines:?}"
+        );
+        assert_eq!(machines.iter().collect::<std::collections::BTreeSet<_>>().len(), 2);
+    }
+}
+
 #[test]
 fn a_result_is_never_written_over() {
     let (folder, _) = undisturbed();
@@ -518,6 +539,6 @@ fn a_result_is_never_written_over() {
     let text = std::fs::read_to_string(&path).unwrap();
     std::fs::write(&path, format!("not a row\n{text}")).unwrap();
     let ended = start(folder.path(), &["--resume"]);
-    assert_eq!(ended.code, Some(2));
-    assert!(ended.stderr.contains("line 1 is not a row"), "{}", ended.stderr);
+    assert_eq!(ended.code, Some(1));
+    assert!(ended.stderr.contains("samples.jsonl:1: it is not a row"), "{}", ended.stderr);
 }

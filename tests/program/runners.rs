@@ -26,7 +26,7 @@ fn root() -> PathBuf {
 }
 
 fn check(folder: &Path, runner: &str, options: &[&str]) -> Ended {
-    run(folder, &[&["check", "--runner", runner], options].concat())
+    run(folder, &[&["check", "--out", ".", "--runner", runner], options].concat())
 }
 
 /// Checks the example in Python with one piece of its text changed.
@@ -223,6 +223,12 @@ fn wrong_pairs_are_named_shrunk_and_drawn() {
         svg.starts_with("<svg") && svg.contains("1 missed") && svg.contains("stroke-dasharray"),
         "{svg}"
     );
+    assert!(
+        ended.stdout.contains("  the worst there, of ")
+            && ended.stdout.contains(": missed, overlap "),
+        "{}",
+        ended.stdout
+    );
     // What it says finds it again.
     let again =
         ended.stdout.lines().find_map(|line| line.strip_prefix("  again:  contactbench ")).unwrap();
@@ -284,13 +290,13 @@ fn every_way_to_be_wrong_is_told() {
     // Speaks of other things, before and in between.
     told(
         "print(json.dumps({",
-        "print('hello')\nprint(json.dumps({",
+        "print('hello', file=channel)\nprint(json.dumps({",
         none,
         &["it breaks the protocol: the runner's answer is not a reply", "hello", "by nobody"],
     );
     told(
         "    return pairs\n",
-        "    print('found', len(pairs))\n    return pairs\n",
+        "    print('found', len(pairs), file=channel)\n    return pairs\n",
         none,
         &["asked for a sample: the runner's answer is not a reply", "found"],
     );
@@ -352,6 +358,44 @@ fn every_way_to_be_wrong_is_told() {
     );
 }
 
+/// What a library prints, from Python or by its descriptor, is not taken for a reply; the hook is
+/// called for each scene before it is detected in.
+#[test]
+fn a_library_that_prints_and_a_hook_per_load_are_kept_apart_from_replies() {
+    if !has("python3") {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let prints = "    print('library 1.0')\n    os.write(1, b'noise\\n')\n    pairs = []\n";
+    let noisy = PYTHON.replacen("    pairs = []\n", prints, 1);
+    assert!(noisy.contains("os.write"));
+    crate::common::file(folder.path(), "noisy.py", noisy);
+    let ended = check(folder.path(), "python3 noisy.py", &["--seconds", "0"]);
+    assert_eq!(ended.code, Some(0), "{}{}", ended.stdout, ended.stderr);
+    if !has("c++") {
+        return;
+    }
+    let cpp = "#include \"runner.hpp\"\ntemplate <int D> struct All {\n    std::size_t prepared = 0;\n    \
+               void prepare(const runner::Scene<D>& scene) { std::puts(\"noise\"); std::cout << \
+               \"noise\" << std::endl; prepared = scene.centres.size(); }\n    void operator()(const \
+               runner::Scene<D>& scene, runner::Pairs& pairs) {\n        if (prepared != \
+               scene.centres.size()) throw std::runtime_error(\"not prepared\");\n        for \
+               (std::uint32_t i = 0; i < prepared; i++)\n            for (std::uint32_t j = i + 1; j < \
+               prepared; j++)\n                if (scene.touch(i, j)) pairs.push_back({i, j});\n    \
+               }\n};\nint main() { runner::serve(\"all\", \"1\", All<2>{}, All<3>{}, \"f64\"); }\n";
+    crate::common::file(folder.path(), "all.cpp", cpp);
+    let built = Command::new("c++")
+        .args(["-std=c++17", "-ffp-contract=off", "-Wall", "-Wextra", "-Werror", "-I"])
+        .arg(root().join("runners"))
+        .args(["all.cpp", "-o", "all"])
+        .current_dir(&folder)
+        .output()
+        .unwrap();
+    assert!(built.status.success(), "{}", String::from_utf8_lossy(&built.stderr));
+    let ended = check(folder.path(), "./all", &["--seconds", "0", "--deadline", "60"]);
+    assert_eq!(ended.code, Some(0), "{}{}", ended.stdout, ended.stderr);
+}
+
 /// Near-tangent couples, subnormal numbers: what only the hard scenes of the battery show.
 #[test]
 fn what_is_nearly_right_is_found() {
@@ -367,6 +411,8 @@ fn what_is_nearly_right_is_found() {
         let ended = changed(folder.path(), old, new, &["--seconds", "60", "--deadline", "60"]);
         assert_eq!(ended.code, Some(1), "{new}: {}", ended.stdout);
         assert!(smallest(&ended).0 <= 3, "{new}: {}", ended.stdout);
+        let explained = ended.stdout.contains("it seems to decide contacts in rounded arithmetic");
+        assert_eq!(explained, new == "\"exact\"", "{new}: {}", ended.stdout);
     }
 }
 
@@ -412,7 +458,7 @@ fn the_battery_has_every_regression() {
 }
 
 fn recommended(folder: &Path, arguments: &[&str]) -> Value {
-    let ended = run(folder, &[&["recommend", "--json", "--seconds", "0.3"], arguments].concat());
+    let ended = run(folder, &[&["recommend", "--json", "--seconds", "3"], arguments].concat());
     assert_eq!((ended.code, &*ended.stderr), (Some(0), ""), "{arguments:?}: {}", ended.stdout);
     serde_json::from_str(&ended.stdout).unwrap()
 }

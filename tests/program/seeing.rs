@@ -308,7 +308,8 @@ fn traces_refuse_what_they_cannot_show() {
 fn a_drawing_shows_scene_contacts_and_mistakes() {
     let scene = discs(&[[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [3.0000001, 0.0], [9.0, 9.0]], 0.5);
     let of = |pairs: &Highlighted, look: &Look| draw::svg(&scene, pairs, look).unwrap();
-    let plain = of(&Highlighted::from_scene(&scene).unwrap(), &Look::titled("a < b & \"c\""));
+    let plain =
+        of(&Highlighted::from_scene(&scene, 1 << 30).unwrap(), &Look::titled("a < b & \"c\""));
     assert_eq!(
         plain.matches("<circle").count(),
         5 + 3 + 2,
@@ -325,7 +326,7 @@ fn a_drawing_shows_scene_contacts_and_mistakes() {
             && plain.contains(">4</text>")
     );
     let wrong = of(
-        &Highlighted::compare(&scene, &[[1, 2], [4, 0], [3, 3]]).unwrap(),
+        &Highlighted::compare(&scene, vec![[1, 2], [4, 0], [3, 3]], 1 << 30).unwrap(),
         &Look { labels: Some(false), grid: true, ..Look::default() },
     );
     assert!(
@@ -333,6 +334,42 @@ fn a_drawing_shows_scene_contacts_and_mistakes() {
             && wrong.contains("spurious: reported, but apart: 2")
     );
     assert!(!wrong.contains(">4</text>") && wrong.contains("cells of edge 1.0"));
+}
+
+/// In a crowd, and off the middle of a pack of spheres.
+#[test]
+fn the_worst_mistake_is_seen() {
+    for (spec, place) in [("packed:n=5000", ""), ("packed:dim=3,n=1000", ", slice ")] {
+        let scene = scene(spec);
+        let all = Highlighted::from_scene(&scene, 1 << 30).unwrap().contacts;
+        for k in [0, all.len() / 2, all.len() - 1] {
+            let mut reported = all.clone();
+            let [i, j] = reported.remove(k);
+            let pairs = Highlighted::compare(&scene, reported, 1 << 30).unwrap();
+            let svg = draw::svg(&scene, &pairs, &Look::titled("t")).unwrap();
+            assert!(svg.contains("missed: touching, but not reported: 1<"), "{spec} {k}");
+            let around = format!(", around {i} and {j}: the worst mistake");
+            // Spheres of a slice are large enough to be seen as it is.
+            assert!(svg.contains(place) && svg.contains(&around) == place.is_empty(), "{spec} {k}");
+            let numbers = svg.contains(&format!(">{i}</text>"));
+            assert!(numbers || !place.is_empty(), "{spec} {k}: few enough for numbers");
+            on_the_sheet(&svg);
+            let whole = Look { whole: true, ..Look::titled("t") };
+            let svg = draw::svg(&scene, &pairs, &whole).unwrap();
+            assert!(svg.contains("not reported: 1<") && !svg.contains("around"), "{spec} {k}");
+        }
+    }
+}
+
+#[test]
+fn captions_are_whole() {
+    let scene = discs(&[[0.0, 0.0], [0.0, 9.0]], 0.5);
+    let words: Vec<String> = (0..60).map(|k| format!("word-{k}")).collect();
+    let pairs = Highlighted::from_scene(&scene, 1 << 30).unwrap();
+    let svg = draw::svg(&scene, &pairs, &Look::titled(words.join(" "))).unwrap();
+    let texts = svg.split_once("</title>").unwrap().1;
+    assert!(words.iter().all(|word| texts.contains(word.as_str())), "{texts}");
+    on_the_sheet(&svg);
 }
 
 /// All lines end on the sheet.
@@ -387,7 +424,7 @@ fn every_scene_can_be_drawn() {
         for grid in [false, true] {
             let svg = draw::svg(
                 scene,
-                &Highlighted::from_scene(scene).unwrap(),
+                &Highlighted::from_scene(scene, 1 << 30).unwrap(),
                 &Look { grid, ..Look::titled("hard") },
             )
             .unwrap();
@@ -450,7 +487,7 @@ fn the_verbs_write_what_they_say() {
         ),
         (
             &["draw", "packed:n=2", "--radius", "1"],
-            "--radius, --dim, --frame and --format belong to files",
+            "--radius, --dim, --frame, --columns and --format belong to files",
         ),
         (&["trace", "nbs", "packed:n=100"], "100 particles; the steps of at most 60"),
         (&["trace", "nbs", "-o", "a<b>.csv/t"], "cannot write to a<b>.csv/t"),
@@ -557,6 +594,6 @@ fn drawn_contacts_are_the_contacts() {
         let scene = scene(text);
         let (_, mut pairs) = counted("direct", &scene);
         normalise(&mut pairs);
-        assert_eq!(draw::find(&scene).unwrap(), pairs, "{text}");
+        assert_eq!(draw::find(&scene, 1 << 30).unwrap(), pairs, "{text}");
     }
 }

@@ -3,6 +3,7 @@
 use super::table::Params;
 use super::{Declare, Detector, Options, Refusal};
 use crate::contact::{Bodies, Test, WithBodies, any_bodies, with_bodies, with_stored};
+use crate::pair_list::{Allowance, PairList};
 use crate::probe::{Probe, Silent, Tally};
 use crate::scene::{AnyScene, CellF32, Real, Scene, Stored};
 use crate::sink::Sink;
@@ -14,10 +15,11 @@ use crate::with_stored;
 /// [`Arithmetic`](crate::contact::Arithmetic) asks for. For the exact test a scene in another
 /// storage is widened to f64 first, which is exact.
 pub trait AnyDetector: Send {
-    /// The complete list of pairs, appended to `pairs`: what is timed.
+    /// The complete list of pairs, appended to `pairs`: what is timed. The list may grow to the
+    /// memory limit of the detector's options.
     ///
     /// # Errors
-    /// What the detector refuses; `pairs` is then as it was.
+    /// What the detector refuses, and [`Refusal::Pairs`]; `pairs` is then as it was.
     fn list(
         &mut self,
         scene: &AnyScene<'_>,
@@ -59,6 +61,8 @@ pub struct Both<A, B> {
     plane: A,
     space: B,
     last_was_space: bool,
+    /// For the list of pairs, in bytes.
+    memory_limit: u64,
 }
 
 impl<A, B> Both<A, B>
@@ -68,12 +72,13 @@ where
 {
     /// A detector with empty buffers that has no parameters.
     pub fn boxed(_: &Params, options: Options) -> Box<dyn AnyDetector> {
-        Both::join(A::with(options), B::with(options))
+        Both::join(A::with(options), B::with(options), options)
     }
 
-    /// The two as one.
-    pub fn join(plane: A, space: B) -> Box<dyn AnyDetector> {
-        Box::new(Both { plane, space, last_was_space: false })
+    /// The two as one, made with these options.
+    pub fn join(plane: A, space: B, options: Options) -> Box<dyn AnyDetector> {
+        let memory_limit = options.memory_limit;
+        Box::new(Both { plane, space, last_was_space: false, memory_limit })
     }
 }
 
@@ -89,10 +94,14 @@ where
         pairs: &mut Vec<[u32; 2]>,
     ) -> Result<(), Refusal> {
         self.last_was_space = scene.dim() == 3;
-        match scene {
-            AnyScene::Plane(scene) => list(&mut self.plane, scene, test, pairs),
-            AnyScene::Space(scene) => list(&mut self.space, scene, test, pairs),
-        }
+        let allowance = Allowance::new(self.memory_limit);
+        let mut found = PairList::behind(std::mem::take(pairs), &allowance);
+        let result = match scene {
+            AnyScene::Plane(scene) => list(&mut self.plane, scene, test, &mut found),
+            AnyScene::Space(scene) => list(&mut self.space, scene, test, &mut found),
+        };
+        let listed = found.end(scene.len(), pairs);
+        result.and(listed)
     }
 
     /// Counts all the same, so that a third form of every detector need not be compiled.
@@ -210,7 +219,7 @@ fn list<const D: usize, X: DetectorOfAll<D> + Declare>(
     detector: &mut X,
     scene: &Stored<'_, D>,
     test: Test,
-    pairs: &mut Vec<[u32; 2]>,
+    pairs: &mut PairList<'_>,
 ) -> Result<(), Refusal> {
     if X::DECIDES_FROM_COPIES {
         run_any(detector, scene, test, &mut Silent, pairs)

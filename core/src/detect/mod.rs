@@ -14,6 +14,7 @@ pub mod streamed;
 pub mod table;
 
 use crate::contact::Bodies;
+use crate::memory::default_limit;
 use crate::probe::Probe;
 pub use crate::refusal::Refusal;
 use crate::scene::Real;
@@ -57,16 +58,17 @@ pub trait Declare: Send {
 /// Limits that hold for any detector.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Options {
-    /// A detector refuses a scene for which it would need more bytes than this.
+    /// A detector refuses a scene for which its arrays, and the pairs of its threads, would need
+    /// more bytes than this; the list of pairs may take as many beside them.
     pub memory_limit: u64,
     /// Threads to use; a detector that cannot use several is sequential.
     pub threads: usize,
 }
 
 impl Default for Options {
-    /// 4 GiB and one thread.
+    /// What fits the machine ([`default_limit`]), and one thread.
     fn default() -> Options {
-        Options { memory_limit: 4 << 30, threads: 1 }
+        Options { memory_limit: default_limit(), threads: 1 }
     }
 }
 

@@ -6,6 +6,7 @@ use std::fmt;
 use super::any::AnyDetector;
 use super::table::{self, Entry, Parameter, Params};
 use super::{Options, peers};
+use crate::wide::Level;
 
 /// A detector of the table and values for its parameters.
 ///
@@ -27,6 +28,13 @@ impl DetectorSpec {
     /// scene, with [`Refusal::Instructions`](crate::detect::Refusal::Instructions).
     pub fn make(&self, options: Options) -> Box<dyn AnyDetector> {
         (self.entry.constructor)(&self.params, options)
+    }
+
+    /// The vector instructions that it uses: `avx512`, `avx2` or `portable`; none of a detector
+    /// that is compiled in one form, for every processor.
+    pub fn level(&self) -> Option<&str> {
+        self.entry.parameters.iter().find(|parameter| parameter.name == "level")?;
+        Some(self.params.get("level").map_or_else(|| Level::best().name(), String::as_str))
     }
 }
 

@@ -373,8 +373,8 @@ fn streamed(params: &Params, options: Options) -> Box<dyn AnyDetector> {
     };
     let (plane, space) = (Streamed::<2>::on(level, options), Streamed::<3>::on(level, options));
     match form {
-        None => Both::join(plane, space),
-        Some(form) => Both::join(plane.in_form(form), space.in_form(form)),
+        None => Both::join(plane, space, options),
+        Some(form) => Both::join(plane.in_form(form), space.in_form(form), options),
     }
 }
 

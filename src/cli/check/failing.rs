@@ -7,7 +7,10 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 
 use super::Check;
-use crate::check::{Differences, Failure, Report, Wrong, regression};
+use crate::check::{Differences, Failure, Report, Wrong, listed, regression};
+use crate::contact::Arithmetic;
+use crate::memory::default_limit;
+use crate::number::number;
 use crate::oracle;
 use crate::present::draw;
 use crate::present::draw::{Highlighted, Look};
@@ -16,16 +19,49 @@ use crate::present::draw::{Highlighted, Look};
 const KINDS: usize = 6;
 
 /// The file that a failing scene is written to.
-pub(super) fn regression_file(failure: &Failure, given: Option<&Path>, options: &Check) -> PathBuf {
+pub(super) fn regression_file(failure: &Failure, given: Option<&str>, options: &Check) -> PathBuf {
     let stem = given
-        .and_then(Path::file_stem)
+        .and_then(|scene| Path::new(scene).file_stem())
         .map(|stem| format!("-{}", stem.to_string_lossy()))
         .unwrap_or_default();
-    options.out.join(format!(
-        "failing-{}-{}{stem}.csv",
-        failure.detector.replace([':', '=', ','], "-"),
-        failure.arithmetic.name()
-    ))
+    let name = format!("failing-{}-{}{stem}", failure.detector, failure.arithmetic.name());
+    folder(options).join(name.replace([':', '=', ','], "-") + ".csv")
+}
+
+/// Where files go: nobody wants them in a folder that was not named.
+fn folder(options: &Check) -> PathBuf {
+    let own = || std::env::temp_dir().join(format!("contactbench-check-{}", std::process::id()));
+    options.out.clone().unwrap_or_else(own)
+}
+
+/// Couples within this of just touching, in mean radii, are decided by rounding.
+const TANGENT: f64 = 1e-9;
+
+/// The worst pair on the scene where the failure was noticed: smaller scenes of two different
+/// defects may be the same.
+pub(super) fn worst(failure: &Failure) -> Option<([u32; 2], f64)> {
+    let Wrong::Pairs(differences) = &failure.found else { return None };
+    let all = differences.missed.iter().chain(&differences.spurious);
+    let deep = |&pair: &[u32; 2]| (pair, listed::pair_depth(&failure.scene, pair));
+    all.map(deep).max_by(|(_, a), (_, b)| a.abs().total_cmp(&b.abs()))
+}
+
+/// Where the pairs that differ are all decided by rounding, what that means.
+pub(super) fn rounding(failure: &Failure) -> Option<String> {
+    let Wrong::Pairs(Differences { missed, spurious, selves, duplicate }) = &failure.found else {
+        return None;
+    };
+    let (_, depth) = worst(failure).filter(|(_, depth)| depth.abs() < TANGENT)?;
+    let others = selves.is_empty() && duplicate.is_empty();
+    let count = missed.len() + spurious.len();
+    (others && failure.arithmetic == Arithmetic::Exact).then(|| {
+        let all = if count == 1 { "the pair".into() } else { format!("all {count} pairs") };
+        format!(
+            "{all} that it gets wrong there: tangent to within {} mean radii; it seems to decide \
+             contacts in rounded arithmetic: let it say f64 (or f32), or decide exactly",
+            number(depth.abs())
+        )
+    })
 }
 
 /// What a runner said on its standard error before it died.
@@ -74,7 +110,7 @@ fn picture(failure: &Failure) -> Option<String> {
         _ => Differences::default(),
     };
     contacts.retain(|pair| missed.binary_search(pair).is_err());
-    let near = Highlighted::from_scene(smallest).ok()?.near;
+    let near = Highlighted::from_scene(smallest, default_limit()).ok()?.near;
     let pairs = Highlighted {
         contacts,
         near,
@@ -88,23 +124,38 @@ fn picture(failure: &Failure) -> Option<String> {
 
 pub(super) fn describe(
     failure: &Failure,
-    given: Option<&Path>,
+    given: Option<&str>,
     options: &Check,
     out: &mut dyn Write,
 ) -> anyhow::Result<()> {
-    let Failure { detector, arithmetic, found_on, found, smallest, wrong } = failure;
+    let Failure { detector, arithmetic, found_on, found, scene, smallest, wrong } = failure;
     let arithmetic = arithmetic.name();
     writeln!(out, "WRONG: {detector} with {arithmetic} arithmetic, on {found_on}: {found}")?;
     last_words(wrong.as_ref().unwrap_or(found), out)?;
+    if let Some((pair, depth)) = worst(failure) {
+        let size = number(depth.abs());
+        let what = if depth >= 0.0 { "missed, overlap" } else { "spurious, gap" };
+        writeln!(out, "  the worst there, of {} particles:", scene.len())?;
+        writeln!(out, "    {},{}: {what} {size} mean radii", pair[0], pair[1])?;
+        for k in pair {
+            let (centre, radius) = listed::particle(scene, k);
+            let centre: Vec<String> = centre.iter().map(|x| format!("{x:?}")).collect();
+            writeln!(out, "    {k}: {} r {radius:?}", centre.join(" "))?;
+        }
+    }
+    if let Some(words) = rounding(failure) {
+        writeln!(out, "  {words}")?;
+    }
     let path = regression_file(failure, given, options);
     let who = match &options.runner {
         None => format!("--detector {detector} --arithmetic {arithmetic}"),
         Some(command) => format!("--runner {}", shlex::try_quote(command).unwrap_or_default()),
     };
-    let scene = regression::file(failure, &path, &who);
-    std::fs::write(&path, &scene).with_context(|| {
-        format!("cannot write {}; choose another place with --out", path.display())
-    })?;
+    let text = regression::file(failure, &path, &who);
+    let folder = folder(options);
+    std::fs::create_dir_all(&folder).and_then(|()| std::fs::write(&path, &text)).with_context(
+        || format!("cannot write {}; choose another place with --out", path.display()),
+    )?;
     let (n, place) = (smallest.len(), path.display());
     match wrong {
         Some(Wrong::Hangs(_)) => {
@@ -128,7 +179,7 @@ pub(super) fn describe(
             path.display()
         )?;
     }
-    for line in scene.lines().filter(|line| !line.starts_with('#')).take(12) {
+    for line in text.lines().filter(|line| !line.starts_with('#')).take(12) {
         writeln!(out, "    {line}")?;
     }
     writeln!(out, "  again:  contactbench check --scene {place} {who}")?;

@@ -5,7 +5,7 @@ mod group;
 mod verdicts;
 
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
@@ -17,8 +17,10 @@ use verdicts::{as_json, verdicts};
 use crate::check::{self, Limits, Report, contender};
 use crate::cli::shared::arithmetic::arithmetic;
 use crate::cli::shared::ci::Outputs;
+use crate::cli::shared::input::Input;
+use crate::cli::shared::values;
 use crate::contact::Arithmetic;
-use crate::io;
+use crate::detect::Options;
 use crate::run::interrupt;
 
 /// Options of `check`.
@@ -26,7 +28,7 @@ use crate::run::interrupt;
 pub struct Check {
     /// Only this detector, with parameters as in streamed-nbs:level=avx2 (may be given several
     /// times; default: all)
-    #[arg(long)]
+    #[arg(long, value_parser = values::DETECTORS, hide_possible_values = true)]
     detector: Vec<String>,
     /// A detector in another language: the command that starts its runner (docs/PROTOCOL.md);
     /// {arithmetic} in it stands for each --arithmetic
@@ -36,12 +38,12 @@ pub struct Check {
     /// textbook filters lose contacts, as is to be expected
     #[arg(long, value_parser = arithmetic())]
     arithmetic: Vec<Arithmetic>,
-    /// Check this particle file with radii (may be given several times) instead of the scenes of
-    /// the check
-    #[arg(long)]
-    scene: Vec<PathBuf>,
+    /// Check this particle file with radii, or this scene such as packed:n=200 (may be given
+    /// several times) instead of the scenes of the check
+    #[arg(long, value_parser = values::SCENE, hide_possible_values = true)]
+    scene: Vec<String>,
     /// Seeds to try at most
-    #[arg(long, default_value_t = Limits::default().seeds)]
+    #[arg(long, default_value_t = Limits::default().seeds, value_parser = values::whole::<u64>)]
     seeds: u64,
     /// No new scene is begun after this many seconds (generated scenes of the first seed are always
     /// completed)
@@ -54,9 +56,17 @@ pub struct Check {
     /// A detection that takes more seconds than this hangs
     #[arg(long, default_value_t = DEADLINE_S, allow_negative_numbers = true)]
     deadline: f64,
-    /// Where failing scenes are written
-    #[arg(long, default_value = ".")]
-    out: PathBuf,
+    /// Most bytes for a detector's arrays, and for a list of pairs, as in 1GiB
+    #[arg(
+        long,
+        default_value_t = Limits::default().options.memory_limit,
+        value_parser = values::bytes
+    )]
+    memory_limit: u64,
+    /// The folder that failing scenes are written to, made if it is not there (default: one in the
+    /// temporary folder)
+    #[arg(long)]
+    out: Option<PathBuf>,
     /// Print JSON instead of text
     #[arg(long, conflicts_with = "annotations")]
     json: bool,
@@ -70,7 +80,7 @@ const DEADLINE_S: f64 = 5.0;
 struct Checked<'a> {
     group: &'a Group,
     report: Report,
-    path: Option<&'a Path>,
+    path: Option<&'a str>,
 }
 
 /// Runs the checks; exit code 1 if a detector disagrees with the truth.
@@ -87,6 +97,7 @@ pub fn check(options: &Check) -> anyhow::Result<ExitCode> {
         seeds: options.seeds,
         time: Duration::from_secs_f64(seconds),
         deadline: Duration::from_secs_f64(deadline),
+        options: Options { memory_limit: options.memory_limit, ..Limits::default().options },
         ..Limits::default()
     };
     quiet_panics();
@@ -104,14 +115,8 @@ pub fn check(options: &Check) -> anyhow::Result<ExitCode> {
     for group in &groups {
         let Group { contenders, arithmetics } = group;
         for path in &options.scene {
-            let scene = io::scene(path, io::Options::default())?;
-            let report = check::one_scene(
-                &scene,
-                &path.display().to_string(),
-                contenders,
-                arithmetics,
-                &limits,
-            )?;
+            let scene = Input::default().scene(path)?;
+            let report = check::one_scene(&scene, path, contenders, arithmetics, &limits)?;
             reports.push(Checked { group, report, path: Some(path) });
         }
         if options.scene.is_empty() {

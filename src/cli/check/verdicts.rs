@@ -1,10 +1,8 @@
 //! What a check found, for continuous integration and as JSON.
 
-use std::path::Path;
-
 use serde_json::{Value, json};
 
-use super::failing::regression_file;
+use super::failing::{regression_file, rounding, worst};
 use super::{Check, Checked};
 use crate::check::{Failure, Wrong};
 use crate::cli::shared::ci::{Case, Outcome};
@@ -24,7 +22,7 @@ pub(super) fn verdicts(
     };
     let mut cases: Vec<Case> = broken.iter().map(case).collect();
     for Checked { group, report, path } in reports {
-        let class = path.map_or("generated".into(), |path| path.display().to_string());
+        let class = path.unwrap_or("generated").to_string();
         for arithmetic in &group.arithmetics {
             for name in group.names() {
                 let wrong = report
@@ -67,7 +65,7 @@ pub(super) fn as_json(
     right: bool,
     options: &Check,
 ) -> Value {
-    let failure = |failure: &Failure, path: &Option<&Path>| {
+    let failure = |failure: &Failure, path: &Option<&str>| {
         json!({
             "detector": failure.detector,
             "arithmetic": failure.arithmetic.name(),
@@ -75,6 +73,8 @@ pub(super) fn as_json(
             "found": failure.found.to_string(),
             "smallest": failure.wrong.as_ref().map(|wrong| wrong.to_string()),
             "particles": failure.smallest.len(),
+            "worst": worst(failure).map(|(pair, depth)| json!({ "pair": pair, "depth": depth })),
+            "rounding": rounding(failure),
             "file": regression_file(failure, *path, options).display().to_string(),
         })
     };
@@ -83,7 +83,7 @@ pub(super) fn as_json(
         let failures: Vec<Value> =
             report.failures.iter().map(|found| failure(found, path)).collect();
         json!({
-            "scene": path.map_or("generated".into(), |path| path.display().to_string()),
+            "scene": path.unwrap_or("generated").to_string(),
             "detectors": group.names().collect::<Vec<_>>(),
             "arithmetics": arithmetics,
             "scenes": report.scenes,

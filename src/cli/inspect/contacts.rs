@@ -5,10 +5,13 @@ use serde_json::json;
 use crate::cli::inspect::Line;
 use crate::contact::depth::depth;
 use crate::contact::{Arithmetic, Test};
+use crate::crowd::Crowd;
 use crate::detect::{Options, table};
 use crate::io::RadiusSource;
+use crate::number::number;
+use crate::pair_list::{Allowance, PairList};
 use crate::scene::{AnyScene, Radii, Real, Scene, Stored, array};
-use crate::sink::{Visit, normalise};
+use crate::sink::{Sink, Visit, normalise};
 use crate::{oracle, with_scene};
 
 /// Couples whose distance differs from the sum of their radii by less than this share of it are
@@ -16,8 +19,6 @@ use crate::{oracle, with_scene};
 const NEAR: f64 = 1e-9;
 /// Where more contacts than this are to be expected, they are not looked for.
 const MOST: f64 = 5e7;
-/// So many particles are compared with all others to know what to expect.
-const SAMPLE: usize = 100;
 /// Copes with sizes and places of every kind.
 const DETECTOR: &str = "bvh";
 
@@ -65,19 +66,8 @@ where
             scene.radius(j),
         )
     };
-    // All of a small scene, some of a large one.
-    let step = (n / SAMPLE).max(1);
-    let (mut touching, mut asked) = (0u64, 0u64);
-    for i in (0..n).step_by(step) {
-        let reach = |j: usize| {
-            let square: f64 =
-                (0..D).map(|k| (scene.centres()[i][k] - scene.centres()[j][k]).powi(2)).sum();
-            square <= (scene.radius(i) + scene.radius(j)).powi(2)
-        };
-        touching += (0..n).filter(|&j| j != i && reach(j)).count() as u64;
-        asked += 1;
-    }
-    let each = touching as f64 / asked.max(1) as f64;
+    let given = AnyScene::from(scene.clone());
+    let each = Crowd::new(&given).mean;
     if 0.5 * each * n as f64 > MOST {
         return Contacts::TooMany(each);
     }
@@ -91,13 +81,14 @@ where
         Ok(scene) => AnyScene::from(scene),
         Err(error) => return Contacts::Refused(error.to_string()),
     };
-    let (mut pairs, mut near, mut sum) = (Vec::new(), 0, 0.0);
+    let allowance = Allowance::new(Options::default().memory_limit);
+    let (mut list, mut near, mut sum) = (PairList::new(&allowance), 0, 0.0);
     let mut sink = Visit(|i: u32, j: u32| {
         let depth = overlap(i as usize, j as usize);
         // In mean radii: twice the share of the sum.
         near += u64::from(depth.abs() < 2.0 * NEAR);
         if depth >= 0.0 {
-            pairs.push([i, j]);
+            list.contact(i, j);
             sum += depth;
         }
     });
@@ -105,6 +96,10 @@ where
         return Contacts::Refused(format!("there is no {DETECTOR}"));
     };
     if let Err(refusal) = entry.make(Options::default()).visit(&swollen, Test::Exact, &mut sink) {
+        return Contacts::Refused(refusal.to_string());
+    }
+    let mut pairs = Vec::new();
+    if let Err(refusal) = list.end(n, &mut pairs) {
         return Contacts::Refused(refusal.to_string());
     }
     normalise(&mut pairs);
@@ -132,7 +127,7 @@ pub(super) fn report(
     mean = if least == most { least } else { mean };
     lines.push(Line(
         "radii",
-        format!("smallest {least}, mean {mean}, largest {most}"),
+        format!("smallest {}, mean {}, largest {}", number(least), number(mean), number(most)),
         vec![
             ("radius_min", json!(least)),
             ("radius_mean", json!(mean)),
@@ -159,8 +154,10 @@ pub(super) fn report(
             let (count, each) = (pairs.len(), 2.0 * pairs.len() as f64 / n as f64);
             let mean = if count == 0 { 0.0 } else { overlap / count as f64 };
             let text = format!(
-                "{count} (exact; bodies that just touch are in contact), {each:.3} per particle, \
-                 mean overlap {mean:.3e} radii"
+                "{count} (exact; bodies that just touch are in contact), {} per particle, mean \
+                 overlap {} radii",
+                number(each),
+                number(mean)
             );
             lines.push(Line(
                 "contacts",
@@ -230,8 +227,9 @@ fn offset(
     // The spacing of f32 at that place, against the radius.
     let spacing = largest * 2f64.powi(-23) / mean;
     let mut text = format!(
-        "{diameters:.4e} mean diameters from the origin at most; numbers of f32 are up to \
-         {spacing:.1e} radii apart there"
+        "{} mean diameters from the origin at most; numbers of f32 are up to {spacing:.1e} radii \
+         apart there",
+        number(diameters)
     );
     let mut values =
         vec![("offset_diameters", json!(diameters)), ("f32_spacing_radii", json!(spacing))];
@@ -240,6 +238,7 @@ fn offset(
     {
         let mut rounded = Vec::new();
         if entry.make(Options::default()).list(&stored, Test::Rounded, &mut rounded).is_ok() {
+            normalise(&mut rounded);
             let errors = oracle::compare(&rounded, pairs, scene);
             text +=
                 &format!("; f32 would miss {} contacts and add {}", errors.missed, errors.spurious);

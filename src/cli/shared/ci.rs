@@ -7,6 +7,7 @@ use std::path::PathBuf;
 
 use anyhow::Context;
 
+use crate::io::write;
 use crate::present::escape;
 
 /// Options of verbs with a verdict.
@@ -48,7 +49,7 @@ impl Outputs {
     /// Writes what was asked for.
     pub fn write(&self, suite: &str, cases: &[Case], out: &mut dyn Write) -> anyhow::Result<()> {
         if let Some(path) = &self.junit {
-            std::fs::write(path, junit(suite, cases))
+            write::whole(path, |out| out.write_all(junit(suite, cases).as_bytes()))
                 .with_context(|| format!("cannot write {}", path.display()))?;
         }
         if self.annotations {

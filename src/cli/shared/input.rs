@@ -2,23 +2,31 @@
 
 use std::path::Path;
 
+use anyhow::{bail, ensure};
+
+use crate::cli::shared::values;
 use crate::io;
-use crate::io::{Format, Frame};
+use crate::io::{Chosen, Format, Frame};
+use crate::nearest::{hint, nearest};
 use crate::scene::AnyScene;
-use crate::scene::spec::Spec;
+use crate::scene::spec::{GENERATORS, Spec};
 
 /// What a file does not say.
-#[derive(clap::Args, Clone, Copy, Debug)]
+#[derive(clap::Args, Clone, Copy, Debug, Default, PartialEq)]
 pub struct Input {
     /// The radius of all particles, for files without radii
     #[arg(long, allow_negative_numbers = true)]
     pub radius: Option<f64>,
     /// 2 or 3, where the file leaves it open (an npy array of three columns, or z = 0)
-    #[arg(long)]
+    #[arg(long, value_parser = values::whole::<u32>)]
     pub dim: Option<u32>,
-    /// Which frame of a file that has several: a number from 0, or last
+    /// Which frame of a file that has several: a number from 0, or last (default: last)
     #[arg(long)]
     pub frame: Option<Frame>,
+    /// Which column of a text holds what, by number from 1 or by name: x=3,y=4,z=5,r=6 (keys: x, y,
+    /// z, r, d for a diameter, id)
+    #[arg(long, value_name = "KEY=COLUMN,...")]
+    pub columns: Option<Chosen>,
     /// The file's format (default: told by its content, then by its ending)
     #[arg(long, value_enum, hide_possible_values = true)]
     pub format: Option<Format>,
@@ -27,19 +35,20 @@ pub struct Input {
 impl Input {
     /// The same for the readers.
     pub fn options(&self) -> io::Options {
-        let frame = self.frame.unwrap_or_default();
+        let frame = self.frame.unwrap_or(Frame::Last);
         io::Options {
             radius: self.radius,
             dim: self.dim,
             frame,
             format: self.format,
+            columns: self.columns,
             ..io::Options::NONE
         }
     }
 
     /// Was anything said?
     pub fn given(&self) -> bool {
-        self.radius.is_some() || self.dim.is_some() || self.frame.is_some() || self.format.is_some()
+        *self != Input::default()
     }
 
     /// The scene of a file, or of a generator such as `packed:dim=3,n=1000`. What is there as a
@@ -48,17 +57,72 @@ impl Input {
         let generated =
             text.split_once(':').is_some_and(|(name, _)| is_generator(name)) || is_generator(text);
         if generated && !Path::new(text).exists() {
-            anyhow::ensure!(
+            ensure!(
                 !self.given(),
-                "--radius, --dim, --frame and --format belong to files; write dim=3 and the like \
-                 into the scene: {text}"
+                "--radius, --dim, --frame, --columns and --format belong to files; write dim=3 and \
+                 the like into the scene: {text}"
             );
             return Spec::parse(text)?.make();
         }
-        io::scene(Path::new(text), self.options())
+        let path = Path::new(text);
+        if !path.exists() {
+            let (name, rest) = text.split_once(':').unwrap_or((text, ""));
+            let named = nearest(name, GENERATORS.iter().map(|generator| generator.name));
+            if let Some(near) = named.filter(|_| !text.contains(['.', '/'])) {
+                let colon = if rest.is_empty() { "" } else { ":" };
+                bail!(
+                    "there is neither a file nor a scene '{text}'; did you mean \
+                     {near}{colon}{rest}? (contactbench list scenes)"
+                );
+            }
+        }
+        let (particles, _) = load(path, self, self.options())?;
+        particles.scene(text, self.radius)
     }
 }
 
+/// Particles and what is known of them. Which of several frames was taken is said where nobody
+/// chose one.
+pub fn load(
+    path: &Path,
+    input: &Input,
+    options: io::Options,
+) -> anyhow::Result<(io::Particles, io::About)> {
+    let text = path.display().to_string();
+    let scene = text.split(':').next().is_some_and(is_generator) && !path.exists();
+    ensure!(
+        !scene,
+        "'{text}' is a scene, and a file is wanted here; write it to one first: contactbench \
+         scene {text} -o scene.csv"
+    );
+    let (particles, about) = explained(path, io::load(path, options))?;
+    if about.frames > 1 && input.frame.is_none() {
+        let last = about.frames - 1;
+        eprintln!("{text}: frame {last}, the last of 0 to {last}, is read (--frame)");
+    }
+    Ok((particles, about))
+}
+
+/// With the file beside it that may be meant, where there is none of that name.
+fn explained<T>(path: &Path, result: anyhow::Result<T>) -> anyhow::Result<T> {
+    result.map_err(|error| {
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+        let entries = std::fs::read_dir(folder.unwrap_or(Path::new(".")));
+        let names: Vec<String> = entries
+            .into_iter()
+            .flatten()
+            .filter_map(|entry| entry.ok()?.file_name().into_string().ok())
+            .collect();
+        match path.file_name().and_then(|name| name.to_str()) {
+            Some(name) if !path.exists() => {
+                let near = hint(name, names.iter().map(String::as_str));
+                anyhow::anyhow!("{error:#}{near}")
+            }
+            _ => error,
+        }
+    })
+}
+
 fn is_generator(name: &str) -> bool {
-    crate::scene::spec::GENERATORS.iter().any(|generator| generator.name == name.trim())
+    GENERATORS.iter().any(|generator| generator.name == name.trim())
 }

@@ -3,6 +3,8 @@
 pub mod arithmetic;
 pub mod ci;
 pub mod input;
+pub mod limit;
 pub mod progress;
 pub mod scene;
 pub mod terminal;
+pub mod values;

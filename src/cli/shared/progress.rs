@@ -29,6 +29,15 @@ impl Default for Terminal {
     }
 }
 
+impl Drop for Terminal {
+    /// What is printed next begins on a line of its own.
+    fn drop(&mut self) {
+        if let Some(bar) = &self.bar {
+            bar.finish_and_clear();
+        }
+    }
+}
+
 impl Progress for Terminal {
     fn scene(&mut self, done: usize, total: usize, next: &str) {
         match &self.bar {

@@ -5,12 +5,14 @@ use std::path::Path;
 use anyhow::ensure;
 
 use crate::cli::shared::input::Input;
+use crate::cli::shared::values;
 use crate::scene::AnyScene;
 
 /// Where a scene comes from.
 #[derive(clap::Args)]
 pub struct Source {
     /// A particle file, or a scene such as packed:n=200,seed=2 (see: contactbench list scenes)
+    #[arg(value_parser = values::SCENE, hide_possible_values = true)]
     pub scene: Option<String>,
     /// What the file does not say
     #[command(flatten)]
@@ -24,8 +26,8 @@ impl Source {
         let Some(text) = &self.scene else {
             ensure!(
                 !self.input.given(),
-                "--radius, --dim, --frame and --format belong to a particle file, and none is \
-                 named"
+                "--radius, --dim, --frame, --columns and --format belong to a particle file, and \
+                 none is named"
             );
             return Ok(None);
         };

@@ -27,33 +27,54 @@ fn errors_are_one_line_with_a_place() {
         ("blocks = ", "line 6, column 10", ""),
         ("blocks = 3 4\n", "line 6, column 10", ""),
         ("[[scene]\nname = 1\n", "line 6,", ""),
-        ("block = 3\nscene = []\n", "line 6, column 1", "unknown field `block`"),
-        ("blocks = \"three\"\nscene = []\n", "line 6, column 10", "expected u32"),
+        (
+            "block = 3\nscene = []\n",
+            "line 6, column 1",
+            "there is no key 'block'; did you mean blocks?; there are: name",
+        ),
+        (
+            "blocks = \"three\"\nscene = []\n",
+            "line 6, column 10",
+            "the text \"three\" stands where a whole number of at least 0 is expected",
+        ),
         ("title = \"u\"\nscene = []\n", "line 6, column 1", "duplicate key"),
         ("", "", "scene is missing: give a [[scene]]"),
-        ("arithmetics = [\"exacd\"]\nscene = []\n", "line 6, column 16", "unknown variant"),
+        (
+            "arithmetics = [\"exacd\"]\nscene = []\n",
+            "line 6, column 16",
+            "no value 'exacd' here; did you mean exact?",
+        ),
+        ("[scene]\nname = \"packed\"\n", "line 6, column 2", "write [[scene]]"),
+        ("detector = [\"nbs\"]\n", "line 6, column 1", "did you mean detectors?"),
         ("threads = 0\nscene = []\n", "line 6, column 1", "threads = 0"),
-        ("scene = 3\n", "line 6, column 9", "expected a sequence"),
-        ("scene = [3]\n", "line 6, column 10", "expected struct SceneSweep"),
+        ("scene = 3\n", "line 6, column 9", "3 stands where a list in brackets"),
+        ("scene = [3]\n", "line 6, column 10", "3 stands where a table"),
     ] {
         refused(tail, place, words);
     }
     refused("scene = []\nratios-to = \"sorting\"\n", "line 7, column 1", "must be one of");
     let text = HEAD.replace("\"nbs\"", "\"nsb\"") + "scene = []\n";
-    assert!(error(&text).starts_with("line 5, column 1: there is no detector 'nsb'"));
+    let words = error(&text);
+    assert!(words.starts_with("line 5, column 1: there is no detector 'nsb'"), "{words}");
+    assert!(words.contains("; did you mean nbs?"), "{words}");
 }
 
 #[test]
 fn scenes_are_refused_with_their_line() {
     for (scene, place, words) in [
-        ("n = [1, \"a\"]", "line 8, column 9", "invalid type: string \"a\", expected u64"),
-        ("n = \"a\"", "line 8, column 5", "expected u64"),
-        ("n = -1", "line 8, column 5", "expected u64"),
-        ("n = 1979-05-27", "line 8, column 5", "expected a value or a list of values"),
-        ("n = 5\norder = \"up\"", "line 9, column 9", "unknown variant `up`"),
-        ("n = 5\nquick.n = \"x\"", "line 9, column 11", "expected u64"),
-        ("n = 5\nquick = 3", "line 9, column 9", "expected struct Quick"),
-        ("n = 5\nspcing = 1", "line 6: packed: there is no parameter 'spcing'", "size-ratio"),
+        ("n = [1, \"a\"]", "line 8, column 9", "the text \"a\" stands where a whole number"),
+        ("n = \"a\"", "line 8, column 5", "a whole number of at least 0 is expected"),
+        ("n = -1", "line 8, column 5", "-1 stands where a whole number of at least 0"),
+        ("n = 1979-05-27", "line 8, column 5", "a value or a list of values is expected"),
+        ("n = 5\norder = \"up\"", "line 9, column 9", "no value 'up' here; there are: shuffled"),
+        ("n = 5\nquick.n = \"x\"", "line 9, column 11", "a whole number"),
+        ("n = 5\nquick = 3", "line 9, column 9", "3 stands where a table"),
+        (
+            "n = 5\nspcing = 1",
+            "line 6: packed: there is no parameter 'spcing'; did you mean spacing?",
+            "size-ratio",
+        ),
+        ("n = 5\nsed = 1", "line 6: packed:", "did you mean seed?"),
         ("n = 5\nquick.jitter = -1", "line 6: packed: jitter is -1", "at least 0"),
         ("n = 5\nparams = 5", "line 6: packed: there is no parameter 'params'", ""),
         ("", "line 6: scene packed: n is missing", ""),
@@ -82,10 +103,10 @@ fn a_claim_takes_the_keys_of_its_kind() {
         (
             "kind = \"constnt\"",
             "line 9, column 8",
-            "no such kind of claim; the kinds are: constant, equal, at-most, model, faster",
+            "no such kind of claim; did you mean constant?; the kinds are: constant, equal",
         ),
         ("value = \"n\"", "line 7, column 1", "the claim has no kind; the kinds are: constant,"),
-        ("kind = \"equal\"\nvalue = \"n\"", "line 9, column 8", "missing field `to`"),
+        ("kind = \"equal\"\nvalue = \"n\"", "line 9, column 8", "the key 'to' is missing"),
         (
             "kind = \"equal\"\nvalue = \"n\"\nto = \"n / / 2\"",
             "line 11, column 6",
@@ -126,9 +147,13 @@ fn a_figure_takes_the_keys_of_its_kind() {
             "line 14, column 1",
             "a figure of kind lines has no key 'against'",
         ),
-        ("kind = \"speed-error\"\nagainst = \"all\"", "line 11, column 11", "unknown variant"),
-        ("kind = \"pie\"", "line 10, column 8", "the kinds are: lines, speed-error"),
-        ("x = \"n\"", "line 7, column 1", "missing field `x-label`"),
+        (
+            "kind = \"speed-error\"\nagainst = \"all\"",
+            "line 11, column 11",
+            "no value 'all' here; there are: given, stored",
+        ),
+        ("kind = \"pie\"", "line 10, column 8", "the kinds are: lines, bars, speed-error"),
+        ("x = \"n\"", "line 7, column 1", "the key 'x-label' is missing"),
         (&format!("{LINES}caches = true"), "line 7, column 1", "the figure f has caches = true"),
         (&format!("{LINES}slopes = true"), "line 7, column 1", "the figure f has slopes = true"),
         (&LINES.replace("\"n\"", "\"n +\""), "line 12, column 5", "at column 4"),
@@ -136,4 +161,27 @@ fn a_figure_takes_the_keys_of_its_kind() {
         let head = "scene = []\n[[figure]]\nname = \"f\"\ntitle = \"F\"\n";
         refused(&format!("{head}{figure}\n"), place, words);
     }
+}
+
+#[test]
+fn whole_numbers_may_have_an_exponent_and_lists_may_lack_brackets() {
+    let text = |blocks: &str, n: &str, detectors: &str, per_cluster: &str| {
+        format!(
+            "name = \"t\"\ntitle = \"t\"\nquestion = \"?\"\nreading = \"-\"\ndetectors = \
+             {detectors}\nblocks = {blocks}\nmemory-limit-mib = {n}\n[[scene]]\nname = \
+             \"clustered\"\nn = [{n}, 5]\nquick.n = {n}\nseed = {n}\nper-cluster = \
+             {per_cluster}\n[[claim]]\nname = \"c\"\nkind = \"at-most\"\nvalue = \"n\"\nto = {n}\n"
+        )
+    };
+    let read = |text: String| {
+        let experiment = Experiment::parse(&text, Path::new("."));
+        let mut experiment = experiment.unwrap_or_else(|error| panic!("{error:#}\n{text}"));
+        experiment.claims.clear();
+        experiment
+    };
+    let short = read(text("1e1", "1e3", "\"nbs\"", "1e1"));
+    let long = read(text("10", "1000", "[\"nbs\"]", "10"));
+    assert_eq!(format!("{short:?}"), format!("{long:?}"));
+    let error = error(&text("1.5", "1e3", "\"nbs\"", "1e1"));
+    assert!(error.contains("1.5 stands where a whole number of at least 0 is expected"), "{error}");
 }

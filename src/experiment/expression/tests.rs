@@ -52,7 +52,11 @@ fn errors_name_the_column() {
         (")", 1, "not ')'"),
         ("n / / 2", 5, "not '/'"),
         ("log2", 5, "the function log2 takes its arguments in parentheses"),
-        ("1 + log(n)", 5, "there is no function 'log'; the functions are: min, max, abs"),
+        (
+            "1 + log(n)",
+            5,
+            "there is no function 'log'; did you mean log2?; the functions are: min, max, abs",
+        ),
         ("min(n)", 6, "min takes two arguments or more"),
         ("sqrt(n, 2)", 7, "an operator or ')' is expected, not ','"),
         ("1 + 1e999", 5, "'1e999' is not a finite number"),

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use crate::findings::coverage::Uncovered;
 use crate::record::row::Outcome;
 use crate::stats::growth::{Doubt, Model, Slope, Tail};
 use crate::stats::interval::Interval;
@@ -15,6 +16,8 @@ pub struct Evidence {
     pub of_machine: bool,
     /// The cells that the claim is about and that could not enter.
     pub without: Option<Without>,
+    /// Planned cells of the claim that are not there.
+    pub uncovered: Option<Uncovered>,
 }
 
 /// Cells that could not enter.

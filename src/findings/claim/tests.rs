@@ -4,6 +4,7 @@ use super::*;
 use crate::cells;
 use crate::cells::testing;
 use crate::cells::testing::Lab;
+use crate::findings::coverage::Scope;
 use crate::present::sections::claims::evidence;
 
 fn lab() -> Lab {
@@ -22,7 +23,7 @@ fn lab() -> Lab {
 
 fn judge(lab: &Lab, claim: &str) -> Verdict {
     let experiment = testing::experiment(&format!("[[claim]]\nname = 'c'\n{claim}"));
-    verdicts(&experiment, &cells::cells(&lab.rows())).remove(0)
+    of_claims(&experiment, &cells::cells(&lab.rows())).remove(0)
 }
 
 #[test]
@@ -165,4 +166,9 @@ fn a_straddling_ratio_cannot_tell() {
     let verdict = judge(&lab, "kind = 'faster'\nthan = 'b'\nwhere = { detector = 'a' }");
     assert_eq!(verdict.status, Status::NotShown);
     assert!(!any_failed(&[verdict]));
+}
+
+fn of_claims(experiment: &Experiment, cells: &[Cell]) -> Vec<Verdict> {
+    let own: Vec<&Cell> = cells.iter().collect();
+    verdicts(experiment, cells, &Coverage::new(experiment, &own, &Scope::default()))
 }

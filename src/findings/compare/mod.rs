@@ -1,33 +1,49 @@
 //! Two records compared cell by cell: what must be the same (pairs, counts, bytes, outcomes), and
 //! how the times differ.
 
+mod builds;
 pub mod records;
 mod timing;
 
 use std::collections::{BTreeMap, BTreeSet};
 
+pub use builds::Builds;
 use timing::timing;
 pub use timing::{Judgement, Note, Timing};
 
 use crate::cells::label::place;
 use crate::cells::{AxisValue, Cell, cells, ids};
 use crate::contact::Arithmetic;
+use crate::findings::noise::{Noise, nine_in_ten};
 use crate::record::column::Column;
 use crate::record::id::{CellId, FIELDS, MACHINE};
 use crate::record::machines::Machine;
 use crate::record::row::{Outcome, Pass, Row};
+use crate::stats::interval::median;
 
 /// How times are compared.
 #[derive(Clone, Debug, Default)]
 pub struct Options {
     /// A difference within this share is none.
     pub band: f64,
+    /// Both took turns in the same blocks, and this is what equal code differed by there.
+    pub side_by_side: Option<Noise>,
     /// Times are taken as multiples of this detector's in the same block.
-    pub against: Option<String>,
+    pub against: Option<Against>,
     /// The machines of the two records where they differ: without a reference no time is judged.
     pub machines: Option<[Machine; 2]>,
     /// The kinds of builds where they differ: no time is judged.
     pub builds: Option<[String; 2]>,
+}
+
+/// A control: a detector whose code has not changed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Against {
+    /// Its name.
+    pub detector: String,
+    /// Its own times in the two records are within this factor of each other in nine of ten cells;
+    /// what is within it may have changed between the runs and not in the code.
+    pub drift: f64,
 }
 
 /// One of the two records.
@@ -115,6 +131,9 @@ pub struct Summary {
     pub lacking: usize,
     /// Those with times in both, by verdict.
     pub judged: BTreeMap<Judgement, usize>,
+    /// The slowdown that would have been found: its median over the cells that can be judged, and
+    /// the largest.
+    pub least: Option<(f64, f64)>,
 }
 
 impl Summary {
@@ -125,34 +144,63 @@ impl Summary {
         for timing in cells.iter().filter_map(|cell| cell.timing.as_ref()) {
             *judged.entry(timing.judgement).or_default() += 1;
         }
+        let timings = cells.iter().filter_map(|cell| cell.timing.as_ref());
+        let least: Vec<f64> =
+            timings.filter(|timing| timing.is_decidable()).map(|timing| timing.least).collect();
         Summary {
             cells: cells.len(),
             changed: count(|cell| !cell.changes.is_empty()),
             absent: count(|cell| cell.absent.is_some()),
             lacking: count(|cell| !cell.lacks.is_empty()),
             judged,
+            least: median(&least)
+                .map(|typical| (typical, least.iter().copied().fold(1.0, f64::max))),
         }
     }
+
+    /// Is any time found to be equal, slower or faster?
+    pub fn decides(&self) -> bool {
+        use Judgement::{NotJudged, Undecided};
+        self.judged.keys().any(|verdict| !matches!(verdict, NotJudged | Undecided))
+    }
+}
+
+/// A control that both records have, if there is one, and how far its own times are apart: the
+/// detector that is named, or else one that has a twin in both.
+pub fn control(a: &[Row], b: &[Row], named: Option<&str>) -> Option<Against> {
+    let originals = |rows: &[Row]| -> BTreeSet<String> {
+        rows.iter().filter_map(|row| row.role.twin_of().map(String::from)).collect()
+    };
+    let known = || originals(a).intersection(&originals(b)).next().cloned();
+    let detector = named.map(String::from).or_else(known)?;
+    let [a, b] = [a, b].map(Record::new);
+    let apart =
+        a.cells.values().filter(|cell| cell.id.contender() == detector).filter_map(|in_a| {
+            let in_b = b.cells.get(&in_a.id)?;
+            Some((in_b.time()?.median / in_a.time()?.median).ln().abs())
+        });
+    let drift = nine_in_ten(&apart.collect::<Vec<f64>>());
+    Some(Against { detector, drift })
 }
 
 /// The cells of a record.
 struct Record {
     cells: BTreeMap<CellId, Cell>,
-    /// The fingerprints of the pairs: one, unless answers differ.
-    digests: BTreeMap<CellId, BTreeSet<String>>,
+    /// Numbers of pairs and their fingerprints: one, unless answers differ.
+    answers: BTreeMap<CellId, BTreeSet<String>>,
 }
 
 impl Record {
     fn new(rows: &[Row]) -> Record {
-        let mut digests: BTreeMap<CellId, BTreeSet<String>> = BTreeMap::new();
+        let mut answers: BTreeMap<CellId, BTreeSet<String>> = BTreeMap::new();
         for (key, row) in ids(rows) {
-            if let Some(digest) = &row.digest {
-                digests.entry(key).or_default().insert(digest.clone());
+            if let (Some(contacts), Some(digest)) = (row.contacts, &row.digest) {
+                answers.entry(key).or_default().insert(format!("{contacts} pairs, {digest}"));
             }
         }
         Record {
             cells: cells(rows).into_iter().map(|cell| (cell.id.clone(), cell)).collect(),
-            digests,
+            answers,
         }
     }
 
@@ -223,14 +271,14 @@ fn fill(
         // All else follows from that.
         return;
     }
-    cell.changes = changes(in_a, in_b);
-    if let (Some(in_a), Some(in_b)) = (a.digests.get(&cell.id), b.digests.get(&cell.id))
+    cell.changes = changes(in_a, in_b, options.machines.is_some());
+    if let (Some(in_a), Some(in_b)) = (a.answers.get(&cell.id), b.answers.get(&cell.id))
         && in_a != in_b
     {
-        let text = |digests: &BTreeSet<String>| {
-            digests.iter().map(String::as_str).collect::<Vec<_>>().join(" and ")
+        let text = |answers: &BTreeSet<String>| {
+            answers.iter().map(String::as_str).collect::<Vec<_>>().join(" and ")
         };
-        cell.changes.push(Change { what: "digest".into(), a: text(in_a), b: text(in_b) });
+        cell.changes.push(Change { what: "answer".into(), a: text(in_a), b: text(in_b) });
     }
     cell.timing = timing((a, in_a), (b, in_b), options);
     // What an outcome explains is said by the outcome.
@@ -262,7 +310,7 @@ fn swept(keys: &BTreeSet<&CellId>) -> Vec<String> {
 
 /// Outcomes, contacts, counts and bytes that differ. What one side did not measure, because it
 /// ended otherwise, is said by the outcome.
-fn changes(a: &Cell, b: &Cell) -> Vec<Change> {
+fn changes(a: &Cell, b: &Cell, two_machines: bool) -> Vec<Change> {
     let mut found = Vec::new();
     let mut note = |what: &str, a: String, b: String| {
         if a != b {
@@ -271,7 +319,11 @@ fn changes(a: &Cell, b: &Cell) -> Vec<Change> {
     };
     for pass in Pass::ALL {
         if let (Some((in_a, _)), Some((in_b, _))) = (a.passes.get(&pass), b.passes.get(&pass)) {
-            note(&format!("outcome ({})", pass.name()), in_a.name().into(), in_b.name().into());
+            // Whether a detector is done in time is a matter of the machine.
+            let slow = [in_a, in_b].contains(&&Outcome::Timeout) && two_machines;
+            if !slow {
+                note(&format!("outcome ({})", pass.name()), in_a.name().into(), in_b.name().into());
+            }
         }
     }
     for name in exact() {
@@ -282,11 +334,11 @@ fn changes(a: &Cell, b: &Cell) -> Vec<Change> {
     found
 }
 
-/// What is compared as it is. (Errors follow from the pairs, and what the scene is from its
-/// fingerprint.)
+/// What is compared as it is. (Answers are compared as a whole; errors follow from the pairs, and
+/// what the scene is from its fingerprint.)
 fn exact() -> impl Iterator<Item = &'static str> {
     let measured = [Pass::Count, Pass::Memory].into_iter().flat_map(Column::measured_by);
-    ["contacts"].into_iter().chain(measured.map(|column| &*column.name))
+    measured.map(|column| &*column.name)
 }
 
 /// What one side has measured and the other has not.

@@ -21,10 +21,10 @@ pub fn detectors(part: &Part) -> BTreeSet<String> {
 
 /// The rows to compare: where a record is of several machines, those of the machines that both
 /// have. An error if there is none of these.
-pub fn common(parts: &[Part; 2]) -> anyhow::Result<[Vec<Row>; 2]> {
-    let names = parts.each_ref().map(machines);
+pub fn common(parts: [&Part; 2]) -> anyhow::Result<[Vec<Row>; 2]> {
+    let names = parts.map(machines);
     if names.iter().all(|names| names.len() == 1) {
-        return Ok(parts.each_ref().map(|part| part.rows.clone()));
+        return Ok(parts.map(|part| part.rows.clone()));
     }
     let both: BTreeSet<&String> = names[0].intersection(&names[1]).collect();
     let list = |names: &BTreeSet<String>| names.iter().cloned().collect::<Vec<_>>().join(", ");
@@ -38,13 +38,12 @@ pub fn common(parts: &[Part; 2]) -> anyhow::Result<[Vec<Row>; 2]> {
     );
     let in_both = |row: &&Row| row.id.machine.as_ref().is_some_and(|name| both.contains(name));
     let kept = |part: &Part| part.rows.iter().filter(in_both).cloned().collect();
-    Ok(parts.each_ref().map(kept))
+    Ok(parts.map(kept))
 }
 
-/// The machines of the two, if they differ. They are told apart by name, processor and number of
-/// cores.
-pub fn two_machines(parts: &[Part; 2]) -> Option<[Machine; 2]> {
-    let names = parts.each_ref().map(machines);
+/// The machines of the two, if they differ.
+pub fn two_machines(parts: [&Part; 2]) -> Option<[Machine; 2]> {
+    let names = parts.map(machines);
     let apart = |a: &str, b: &str| {
         let found = [parts[0].machine(a), parts[1].machine(b)];
         let differ = !found[0].may_be(&found[1]);
@@ -61,9 +60,9 @@ pub fn two_machines(parts: &[Part; 2]) -> Option<[Machine; 2]> {
 }
 
 /// The kinds of builds of the two, if they differ.
-pub fn two_builds(parts: &[Part; 2]) -> Option<[String; 2]> {
+pub fn two_builds(parts: [&Part; 2]) -> Option<[String; 2]> {
     let profile = |part: &Part| field(part, "profile").as_str().map(String::from);
-    let [a, b] = parts.each_ref().map(profile);
+    let [a, b] = parts.map(profile);
     Some([a?, b?]).filter(|[a, b]| a != b)
 }
 

@@ -7,6 +7,11 @@ fn options() -> Options {
     Options { band: 0.05, ..Options::default() }
 }
 
+/// Against a control whose own times are so far apart.
+fn against(detector: &str, drift: f64) -> Options {
+    Options { against: Some(Against { detector: detector.into(), drift }), ..options() }
+}
+
 fn two() -> [Machine; 2] {
     ["one", "two"].map(|name| Machine { name: name.into(), ..Machine::default() })
 }
@@ -37,29 +42,73 @@ fn times_are_judged_by_the_whole_interval() {
         assert_eq!([&*found[0].0, &*found[1].0], ["nbs", "sweep"]);
         [found[0].1, found[1].1]
     };
-    assert_eq!(judged(100_500, 300_000, &options()), [Equal, Slower]);
-    assert_eq!(judged(105_000, 100_000, &options()), [Undecided, Faster]);
-    assert_eq!(judged(105_000, 100_000, &Options { band: 0.5, ..options() }), [Equal, Faster]);
     // The machine has become half as fast: against nbs nothing has changed.
-    let against = Options { against: Some("nbs".into()), machines: Some(two()), ..options() };
-    assert_eq!(judged(200_000, 400_000, &against), [NotJudged, Equal]);
-    assert_eq!(judged(200_000, 200_000, &against), [NotJudged, Faster]);
-    assert_eq!(
-        judged(200_000, 400_000, &Options { machines: Some(two()), ..options() }),
-        [NotJudged; 2]
-    );
-    assert_eq!(
-        judged(
-            200_000,
-            200_000,
-            &Options { builds: Some(["debug", "release"].map(String::from)), ..against }
-        ),
-        [NotJudged; 2]
-    );
-    assert_eq!(
-        judged(200_000, 200_000, &Options { against: Some("bvh".into()), ..options() }),
-        [NotJudged; 2]
-    );
+    let nbs = against("nbs", 1.1);
+    assert_eq!(judged(200_000, 400_000, &nbs), [NotJudged, Equal]);
+    assert_eq!(judged(200_000, 200_000, &nbs), [NotJudged, Faster]);
+    assert_eq!(judged(200_000, 600_000, &nbs), [NotJudged, Slower]);
+    // Less than what the control itself drifted by tells nothing.
+    assert_eq!(judged(200_000, 432_000, &nbs), [NotJudged, Undecided]);
+    assert_eq!(judged(200_000, 600_000, &against("nbs", 1.6)), [NotJudged, Undecided]);
+    let machines = Options { machines: Some(two()), ..nbs.clone() };
+    assert_eq!(judged(200_000, 400_000, &machines), [NotJudged, Equal]);
+    // Without a control, on one machine or two, on two kinds of builds, or without its times.
+    let builds = Some(["debug", "release"].map(String::from));
+    for none in [
+        options(),
+        Options { machines: Some(two()), ..options() },
+        Options { builds, ..nbs },
+        against("bvh", 1.0),
+    ] {
+        assert_eq!(judged(200_000, 400_000, &none), [NotJudged; 2], "{none:?}");
+    }
+}
+
+#[test]
+fn the_control_is_a_detector_with_a_twin_and_its_drift_is_known() {
+    let with_twin = |nbs| {
+        let mut lab = lab(nbs, 200_000);
+        lab.detector("nbs-twin").time(&times(nbs));
+        lab.rows()
+    };
+    let (a, b) = (with_twin(100_000), with_twin(120_000));
+    let found = control(&a, &b, None).unwrap();
+    assert!(found.detector == "nbs" && (found.drift - 1.2).abs() < 1e-3, "{found:?}");
+    assert_eq!(control(&a, &b, Some("sweep")).unwrap().detector, "sweep");
+    assert_eq!(control(&a, &lab(1, 1).rows(), None), None);
+}
+
+#[test]
+fn builds_side_by_side_are_paired_by_round() {
+    use Judgement::{Equal, Slower, Undecided};
+    // The machine changes its speed by a factor of 16 over the rounds of every block.
+    let judged = |base: u64, twin: u64| {
+        let mut lab = Lab::new("e", "packed");
+        for (name, unit) in [("nbs", 1000), ("nbs-twin", twin), ("nbs@base", base)] {
+            lab.detector(name).time(&(1..=15).map(|block| unit * block).collect::<Vec<_>>());
+        }
+        let mut rows = lab.rows();
+        for row in &mut rows {
+            if row.id.detector == "nbs@base" {
+                row.role = crate::record::role::Role::Base("nbs".into());
+            }
+            row.rounds_ns = [1, 4, 16].map(|speed| row.time_ns.unwrap() * speed).into();
+        }
+        let Builds { base, this } = Builds::new(&rows).unwrap();
+        let all = cells(&rows);
+        let noise = Noise::new(&all.iter().collect::<Vec<_>>());
+        let how = Options { side_by_side: Some(noise), ..options() };
+        let found = compare(&base, &this, &how);
+        let [cell] = &*found else { panic!("{found:?}") };
+        cell.timing.clone().unwrap()
+    };
+    let five = judged(952, 1010);
+    assert_eq!(five.judgement, Slower, "{five:?}");
+    assert!((five.ratio.median - 1000.0 / 952.0).abs() < 1e-9, "{five:?}");
+    assert!((five.least - 1.01).abs() < 1e-9, "{five:?}");
+    assert_eq!(judged(995, 1010).judgement, Equal);
+    assert_eq!(judged(900, 1200).judgement, Undecided, "equal code differs by more");
+    assert!(Builds::new(&lab(1, 1).rows()).is_none());
 }
 
 #[test]
@@ -69,7 +118,8 @@ fn few_blocks_decide_nothing() {
         lab.time(&[time, time + 1, time + 2]);
         lab
     };
-    let cells = compare(&few(100).rows(), &few(900).rows(), &options());
+    let how = Options { side_by_side: Some(Noise::default()), ..options() };
+    let cells = compare(&few(100).rows(), &few(900).rows(), &how);
     let timing = cells[0].timing.as_ref().unwrap();
     assert_eq!(
         (timing.judgement, &timing.note),
@@ -112,7 +162,7 @@ fn whatever_must_be_the_same_is_named() {
         changed(|row| if row.id.detector == "sweep" && row.pass == Pass::Time {
             row.digest = Some("0x01".into())
         }),
-        ["sweep: digest 0x00 -> 0x00 and 0x01"]
+        ["sweep: answer 250 pairs, 0x00 -> 250 pairs, 0x00 and 250 pairs, 0x01"]
     );
     assert_eq!(
         changed(|row| if row.id.detector == "sweep" && row.pass == Pass::Count {

@@ -1,6 +1,6 @@
 //! The times of a cell in two records, and the verdict on them.
 
-use super::{Options, Record};
+use super::{Against, Options, Record};
 use crate::cells::Cell;
 use crate::stats::interval::{Blocks, COVERAGE, Interval};
 use crate::stats::unpaired;
@@ -9,11 +9,11 @@ use crate::stats::unpaired;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Judgement {
-    /// B takes more: the whole interval lies beyond the band.
+    /// B takes more: the interval excludes 1, and the ratio is beyond what equal code differs by.
     Slower,
     /// B takes less.
     Faster,
-    /// The interval is neither within the band nor beyond it; or there are too few blocks.
+    /// Neither is shown; or there are too few blocks.
     Undecided,
     /// The whole interval lies within the band.
     Equal,
@@ -48,6 +48,9 @@ pub struct Timing {
     pub judgement: Judgement,
     /// Why nothing else can be said, if so.
     pub note: Option<Note>,
+    /// A slowdown by this factor would have been found here: it is wider than the interval and
+    /// larger than what equal code differs by.
+    pub least: f64,
 }
 
 /// Why times are not judged, or undecided.
@@ -63,6 +66,8 @@ pub enum Note {
     NoReference(String),
     /// So many blocks in A and in B are too few for an interval.
     FewBlocks(usize, usize),
+    /// Two runs without a control that both have.
+    NoControl,
 }
 
 impl Timing {
@@ -79,26 +84,41 @@ pub(super) fn timing(
     options: &Options,
 ) -> Option<Timing> {
     let (a_ns, b_ns) = (in_a.time()?.median, in_b.time()?.median);
+    if let Some(noise) = &options.side_by_side {
+        let ratio = in_b.ratio(in_a)?;
+        let n = in_a.id.n;
+        let judgement = judge(&ratio, options.band, noise.decides(&ratio, n));
+        let few = Note::FewBlocks(in_a.times.len(), in_b.times.len());
+        let note = (ratio.coverage < COVERAGE).then_some(few);
+        let least = (ratio.median / ratio.low).max(noise.floor_at(n));
+        return Some(Timing { a_ns, b_ns, ratio, judgement, note, least });
+    }
     let plain = |cell: &Cell| cell.times.values().map(|&t| t as f64).collect::<Vec<_>>();
     let mut times = (plain(in_a), plain(in_b));
     let doubt = match &options.against {
-        Some(name) if *name == in_a.id.contender() => Some(Note::Reference),
-        Some(name) => match (a.reference(&in_a.id, name), b.reference(&in_b.id, name)) {
-            (Some(to_a), Some(to_b)) if to_a.id == to_b.id => {
-                times = (quotients(&in_a.times, &to_a.times), quotients(&in_b.times, &to_b.times));
-                None
+        Some(Against { detector, .. }) if *detector == in_a.id.contender() => Some(Note::Reference),
+        Some(Against { detector: name, .. }) => {
+            match (a.reference(&in_a.id, name), b.reference(&in_b.id, name)) {
+                (Some(to_a), Some(to_b)) if to_a.id == to_b.id => {
+                    times =
+                        (quotients(&in_a.times, &to_a.times), quotients(&in_b.times, &to_b.times));
+                    None
+                }
+                _ => Some(Note::NoReference(name.clone())),
             }
-            _ => Some(Note::NoReference(name.clone())),
-        },
-        None => options.machines.as_ref().map(|_| Note::Machines),
+        }
+        None => Some(options.machines.as_ref().map_or(Note::NoControl, |_| Note::Machines)),
     };
     let doubt = options.builds.as_ref().map(|_| Note::Builds).or(doubt);
     let ratio = unpaired::ratio(&times.0, &times.1)?;
+    let drift = options.against.as_ref().map_or(1.0, |control| control.drift);
+    let beyond = ratio.excludes(1.0) && ratio.median.ln().abs() > drift.ln();
     let judgement =
-        if doubt.is_some() { Judgement::NotJudged } else { judge(&ratio, options.band) };
+        if doubt.is_some() { Judgement::NotJudged } else { judge(&ratio, options.band, beyond) };
     let few = Note::FewBlocks(times.0.len(), times.1.len());
     let note = doubt.or((ratio.coverage < COVERAGE).then_some(few));
-    Some(Timing { a_ns, b_ns, ratio, judgement, note })
+    let least = (ratio.median / ratio.low).max(drift);
+    Some(Timing { a_ns, b_ns, ratio, judgement, note, least })
 }
 
 /// Within a block both met the same state of the machine.
@@ -111,17 +131,15 @@ fn quotients(times: &Blocks, to: &Blocks) -> Vec<f64> {
         .collect()
 }
 
-/// The whole interval decides, or nothing does.
-fn judge(ratio: &Interval, band: f64) -> Judgement {
-    let (low, high) = (1.0 / (1.0 + band), 1.0 + band);
+/// The whole interval decides, or nothing does. `beyond`: it excludes 1, and the ratio is larger
+/// than what equal code differs by.
+fn judge(ratio: &Interval, band: f64, beyond: bool) -> Judgement {
     if ratio.coverage < COVERAGE {
         Judgement::Undecided
-    } else if low <= ratio.low && ratio.high <= high {
+    } else if 1.0 / (1.0 + band) <= ratio.low && ratio.high <= 1.0 + band {
         Judgement::Equal
-    } else if ratio.low > high {
-        Judgement::Slower
-    } else if ratio.high < low {
-        Judgement::Faster
+    } else if beyond {
+        if ratio.median > 1.0 { Judgement::Slower } else { Judgement::Faster }
     } else {
         Judgement::Undecided
     }

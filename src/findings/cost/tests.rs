@@ -6,9 +6,13 @@ use crate::cells::testing::Lab;
 
 /// Three scenes with 2, 4 and 8 tests per particle, at four N; `time` of (N, tests).
 fn lab(time: impl Fn(u64, u64) -> f64) -> Vec<Cell> {
+    lab_of(&[1000, 10_000, 100_000, 1_000_000], time)
+}
+
+fn lab_of(sizes: &[u64], time: impl Fn(u64, u64) -> f64) -> Vec<Cell> {
     let mut lab = Lab::new("e", "packed");
     for (scene, per) in [("packed", 8), ("loose", 2), ("clustered", 4)] {
-        for n in [1000_u64, 10_000, 100_000, 1_000_000] {
+        for &n in sizes {
             let (tests, time) = (per * n, time(n, per * n).round() as u64);
             // Pushes, resets and probes go with N; pairs with tests, nearly.
             lab.scene(scene, 2).n(n).detector("nbs").time(&[time; 5]);
@@ -32,8 +36,12 @@ fn lab(time: impl Fn(u64, u64) -> f64) -> Vec<Cell> {
     cells::cells(&rows)
 }
 
+fn operations(term: &Term) -> &[&'static str] {
+    if let Kind::Operations(names) = &term.kind { names } else { &[] }
+}
+
 fn fitted(cells: &[Cell]) -> Vec<Fit> {
-    fits(&series(&cells.iter().collect::<Vec<_>>()))
+    fits(&series(&cells.iter().collect::<Vec<_>>()), &[])
 }
 
 #[test]
@@ -43,7 +51,7 @@ fn known_costs_are_found_again() {
     let found = fitted(&cells);
     assert_eq!(found.len(), 1);
     let terms: Vec<(&[&str], f64)> =
-        found[0].terms.iter().map(|term| (&*term.operations, term.ns)).collect();
+        found[0].terms.iter().map(|term| (operations(term), term.ns)).collect();
     let expected: [(&[&str], f64); 3] = [
         (&["list_push", "list_reset", "cell_probe"], 3.0),
         (&["contact_test", PAIRS], 4.0),
@@ -91,4 +99,26 @@ fn too_few_cells_are_not_fitted() {
     let cells = lab(|n, tests| (n + tests) as f64);
     let few: Vec<Cell> = cells.into_iter().filter(|cell| cell.id.n == 1000).collect();
     assert!(fitted(&few).is_empty());
+}
+
+#[test]
+fn what_outgrows_a_cache_costs_more_and_the_largest_n_is_foretold() {
+    // A footprint of 16 bytes and some pairs per particle, against caches of 2^16 and 2^20 bytes.
+    let caches = [("L2".to_string(), 1 << 16), ("L3".to_string(), 1 << 20)];
+    let slow = |n: u64, tests: u64| {
+        let footprint = (16 * n + 4 * tests) as f64;
+        let doublings = |bytes: f64| (footprint / bytes).log2().max(0.0);
+        let operations = (5 * n + tests) as f64;
+        operations * (3.0 + doublings(65_536.0) + 4.0 * doublings(1_048_576.0))
+    };
+    let cells = lab_of(&[300, 1000, 3000, 10_000, 30_000, 100_000], slow);
+    let cells: Vec<&Cell> = cells.iter().collect();
+    let [with, without] = [&caches[..], &[]].map(|caches| fits(&series(&cells), caches).remove(0));
+    let worst = |fit: &Fit| fit.held_out.iter().copied().fold(1.0, f64::max);
+    assert_eq!(with.held_out.len(), 3);
+    assert!(with.worst < 0.01 && worst(&with) < 1.3, "{with:?}");
+    assert!(without.worst > 0.3 && worst(&without) > 1.5, "{without:?}");
+    assert!(
+        with.terms.iter().any(|term| matches!(&term.kind, Kind::Beyond(name, _) if name == "L3"))
+    );
 }

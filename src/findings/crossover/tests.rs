@@ -21,7 +21,7 @@ fn cells(sizes: &[u64]) -> Vec<Cell> {
 
 fn model(sizes: &[u64]) -> CostModel {
     let cells = cells(sizes);
-    CostModel::new(&cells.iter().collect::<Vec<_>>()).unwrap()
+    CostModel::new(&cells.iter().collect::<Vec<_>>(), &[]).unwrap()
 }
 
 #[test]
@@ -44,7 +44,7 @@ fn known_crossovers_are_found() {
             assert!(!crossing.extrapolated);
         }
     }
-    assert_eq!(CostModel::new(&[]), None);
+    assert_eq!(CostModel::new(&[], &[]), None);
 }
 
 #[test]

@@ -12,12 +12,14 @@
 //!   others behind them.
 //! * Without a header, columns that are all numbers are taken as x,y (two), x,y,z,r (four), and
 //!   x,y,z (three, where the options give a radius or three dimensions) or x,y,r (three, where they
-//!   give two dimensions). Anything else is refused.
+//!   give two dimensions). Anything else is refused, also a first or last column that counts
+//!   the particles.
 
-use anyhow::bail;
+use anyhow::{bail, ensure};
 
+use crate::io::counted::Counted;
 use crate::io::lines::{Lines, Separator, Source, number, words};
-use crate::io::particles::{Columns, Particles, loaded};
+use crate::io::particles::{Columns, DECIMAL_COMMAS, Particles, is_decimal_comma, loaded};
 use crate::io::{About, Options};
 
 pub(crate) fn read(source: Source<'_>, options: Options) -> anyhow::Result<(Particles, About)> {
@@ -53,7 +55,10 @@ pub(crate) fn read(source: Source<'_>, options: Options) -> anyhow::Result<(Part
             }
             None => named(text.as_bytes()),
         };
-        if columns.particles("", options).is_ok() && !(yade && commented.is_some()) {
+        let chosen = columns.chosen("", options);
+        if let Some(columns) = chosen.ok().filter(|columns| columns.particles("", options).is_ok())
+            && !(yade && commented.is_some())
+        {
             commented = Some(columns);
         }
     }
@@ -63,11 +68,22 @@ pub(crate) fn read(source: Source<'_>, options: Options) -> anyhow::Result<(Part
     let of_comment = commented.filter(|columns| {
         columns.meaning.len() == count || columns.or_more && columns.meaning.len() < count
     });
-    let (columns, is_header) = match of_comment {
+    let (columns, is_header, assumed) = match of_comment {
         // Beside the numbers, YADE writes names of materials and the like.
-        Some(columns) if numeric || yade => (columns, false),
-        _ if numeric => (unnamed(count, options, &lines.place())?, false),
-        _ => (named(lines.line()), true),
+        Some(columns) if numeric || yade => (columns, false, false),
+        _ if numeric => {
+            let columns = unnamed(count, options, &lines.place())?;
+            (columns, false, options.columns.is_none())
+        }
+        _ => {
+            let mut cells = Separator::Blanks.cells(lines.line());
+            ensure!(
+                separator == Separator::Blanks || !cells.all(is_decimal_comma),
+                "{}: the numbers have decimal commas, which are not read: write points",
+                lines.place()
+            );
+            (named(lines.line()).chosen(&lines.place(), options)?, true, false)
+        }
     };
     let mut particles = columns.particles(&lines.place(), options)?;
     let mut more = !is_header || lines.advance()?;
@@ -78,6 +94,28 @@ pub(crate) fn read(source: Source<'_>, options: Options) -> anyhow::Result<(Part
             columns.push(&mut particles, separator.cells(line), || lines.place(), between)?;
         }
         more = lines.advance()?;
+    }
+    if let Some(which) = particles.counted().filter(|_| assumed) {
+        let (all, first) = (columns.names.len(), which == Counted::First);
+        let chosen = |names: &[&str]| -> String {
+            let at = names.iter().zip(1..).map(|(name, k)| format!("{name}={k}"));
+            at.collect::<Vec<_>>().join(",")
+        };
+        let taken: Vec<&str> = columns.names.iter().map(String::as_str).collect();
+        let meant = if first {
+            [&["id"], &taken[..all - 1]].concat()
+        } else {
+            [&taken[..all - 1], &["id"]].concat()
+        };
+        bail!(
+            "{}: the {} of {all} columns without names counts the particles, and is taken for \
+             '{}'; say which column is which: --columns {}, or --columns {} if it is that",
+            lines.source.name,
+            if first { "first" } else { "last" },
+            taken[if first { 0 } else { all - 1 }],
+            chosen(&meant),
+            chosen(&taken)
+        );
     }
     Ok(loaded(if yade { "YADE text" } else { "CSV" }, particles, columns.radius()))
 }
@@ -92,6 +130,10 @@ fn named(header: &[u8]) -> Columns {
 
 /// The columns of numbers that no header names.
 fn unnamed(count: usize, options: Options, place: &str) -> anyhow::Result<Columns> {
+    if options.columns.is_some() {
+        let names = (1..=count).map(|k| format!("column {k}"));
+        return Columns::named(names).chosen(place, options);
+    }
     let names = match (count, options) {
         (2, _) => "x y",
         (3, Options { dim: Some(2), .. }) => "x y r",
@@ -103,7 +145,8 @@ fn unnamed(count: usize, options: Options, place: &str) -> anyhow::Result<Column
         ),
         _ => bail!(
             "{place}: {count} columns without a header; put a header line such as x,y,z,r before \
-             them"
+             them, or say which is which with --columns x=1,y=2 and so on{}",
+            if count.is_multiple_of(2) { DECIMAL_COMMAS } else { "" }
         ),
     };
     Ok(Columns::named(

@@ -142,23 +142,30 @@ impl Atoms {
         place: &str,
         options: Options,
     ) -> anyhow::Result<Atoms> {
-        let mut columns = Columns::named(names.split_whitespace());
+        let mut columns = Columns::named(names.split_whitespace()).chosen(place, options)?;
         let has = |name: &str| columns.names.iter().any(|other| other == name);
         let mut notes = Vec::new();
+        // Whoever chooses xs has scaled coordinates, too.
+        let chosen = |name: &str| {
+            let k = columns.names.iter().position(|other| other == name);
+            k.is_some_and(|k| columns.meaning[k] == Column::Axis(0))
+        };
+        let given = options.columns.is_some();
         let kind = ["", "u", "s", "su"]
             .into_iter()
-            .find(|kind| has(&format!("x{kind}")))
-            .unwrap_or_default();
+            .map(|kind| (kind, format!("x{kind}")))
+            .find(|(_, name)| if given { chosen(name) } else { has(name) })
+            .map_or("", |(kind, _)| kind);
         let axes = ["x", "y", "z"].map(|axis| format!("{axis}{kind}"));
         let of_another_kind =
-            ["z", "zu", "zs", "zsu"].into_iter().find(|z| has(z) && !has(&axes[2]));
+            ["z", "zu", "zs", "zsu"].into_iter().find(|z| !given && has(z) && !has(&axes[2]));
         if let Some(z) = of_another_kind {
             bail!(
                 "{place}: the columns are '{}' and '{z}', which are not of one kind; write x y z",
                 axes[0]
             );
         }
-        for (meaning, name) in columns.meaning.iter_mut().zip(&columns.names) {
+        for (meaning, name) in columns.meaning.iter_mut().zip(&columns.names).filter(|_| !given) {
             match axes.iter().position(|axis| axis == name) {
                 Some(k) => *meaning = Column::Axis(k),
                 None if matches!(meaning, Column::Axis(_)) => *meaning = Column::Other,

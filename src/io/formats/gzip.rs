@@ -1,12 +1,14 @@
-//! gzip, as people compress dumps with it: unpacked while it is read.
+//! gzip, as people compress dumps with it: unpacked while it is read. And what holds for everything
+//! that is unpacked.
 //!
 //! **Bombs.** Deflate makes a thousand times less of what repeats itself. Coordinates do not: real
-//! files shrink to a half or a tenth. What grows to more than [`MOST`] times its size, beyond
-//! [`FREE`] bytes, is refused, so that time and memory stay in proportion to the file.
+//! files shrink to a half or a tenth. Where more than [`MOST`] times the bytes that the file had so
+//! far are made of it, beyond [`FREE`] bytes, it is refused, so that time and memory stay in
+//! proportion to the file. What is unpacked within something unpacked counts as well, and all parts
+//! of a file count together: neither layers nor many small parts make more of it.
 
 use std::cell::Cell;
 use std::io::{self, BufRead, Read};
-use std::rc::Rc;
 
 use flate2::bufread::MultiGzDecoder;
 
@@ -17,68 +19,78 @@ const MOST: u64 = 200;
 /// Bytes unpacked before anybody asks.
 const FREE: u64 = 64 << 20;
 
-/// Refuses what grows out of proportion.
-pub(crate) fn in_proportion(packed: u64, unpacked: u64) -> anyhow::Result<()> {
-    let most = packed.saturating_mul(MOST).max(FREE);
-    anyhow::ensure!(
-        unpacked <= most,
-        "it unpacks to more than {MOST} times its size, which coordinates do not; if it is a \
-         particle file, unpack it first"
-    );
-    Ok(())
+/// How much was read of a file, and how much was unpacked from it.
+#[derive(Debug, Default)]
+pub(crate) struct Unpacking {
+    taken: Cell<u64>,
+    given: Cell<u64>,
 }
 
-/// The bytes of a compressed stream.
-pub(crate) fn expand(reader: impl BufRead) -> impl Read {
-    inflate(reader, MultiGzDecoder::new)
+impl Unpacking {
+    /// The file itself, whose bytes are counted.
+    pub fn file<R>(&self, inner: R) -> Counted<'_, R> {
+        Counted { inner, unpacking: self }
+    }
+
+    /// What a decoder makes of it, held to the number of bytes that the file had.
+    pub fn unpacked<R>(&self, inner: R) -> Unpacked<'_, R> {
+        Unpacked { inner, unpacking: self }
+    }
+
+    /// The bytes of a stream compressed with gzip.
+    pub fn gzip<R: BufRead>(&self, reader: R) -> Unpacked<'_, MultiGzDecoder<R>> {
+        self.unpacked(MultiGzDecoder::new(reader))
+    }
 }
 
-/// The bytes of any other compressed stream.
-pub(crate) fn inflate<R: BufRead, D: Read>(
-    reader: R,
-    decoder: impl FnOnce(Counted<R>) -> D,
-) -> impl Read {
-    let taken = Rc::new(Cell::new(0));
-    Bounded { inner: decoder(Counted { inner: reader, taken: taken.clone() }), taken, given: 0 }
-}
-
-/// Something unpacked, held to the number of bytes it was made from.
-pub(crate) struct Bounded<R> {
+/// See [`Unpacking::unpacked`].
+pub(crate) struct Unpacked<'a, R> {
     inner: R,
-    taken: Rc<Cell<u64>>,
-    given: u64,
+    unpacking: &'a Unpacking,
 }
 
-impl<R: Read> Read for Bounded<R> {
+impl<R: Read> Read for Unpacked<'_, R> {
     fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
         let read = self.inner.read(bytes)?;
-        self.given += read as u64;
-        in_proportion(self.taken.get(), self.given).map_err(io::Error::other)?;
+        let Unpacking { taken, given } = self.unpacking;
+        given.set(given.get() + read as u64);
+        if given.get() > taken.get().saturating_mul(MOST).max(FREE) {
+            return Err(io::Error::other(format!(
+                "it unpacks to more than {MOST} times its size, which coordinates do not; if it \
+                 is a particle file, unpack it first"
+            )));
+        }
         Ok(read)
     }
 }
 
-/// Counts what is read.
-pub(crate) struct Counted<R> {
+/// See [`Unpacking::file`].
+pub(crate) struct Counted<'a, R> {
     inner: R,
-    taken: Rc<Cell<u64>>,
+    unpacking: &'a Unpacking,
 }
 
-impl<R: Read> Read for Counted<R> {
+impl<R> Counted<'_, R> {
+    fn count(&self, bytes: usize) {
+        self.unpacking.taken.set(self.unpacking.taken.get() + bytes as u64);
+    }
+}
+
+impl<R: Read> Read for Counted<'_, R> {
     fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
         let read = self.inner.read(bytes)?;
-        self.taken.set(self.taken.get() + read as u64);
+        self.count(read);
         Ok(read)
     }
 }
 
-impl<R: BufRead> BufRead for Counted<R> {
+impl<R: BufRead> BufRead for Counted<'_, R> {
     fn fill_buf(&mut self) -> io::Result<&[u8]> {
         self.inner.fill_buf()
     }
 
     fn consume(&mut self, amount: usize) {
-        self.taken.set(self.taken.get() + amount as u64);
+        self.count(amount);
         self.inner.consume(amount);
     }
 }

@@ -96,8 +96,14 @@ fn atoms(
     options: Options,
 ) -> anyhow::Result<(Particles, Columns)> {
     let place = lines.place();
+    let chosen = options.columns.is_some();
     let mut columns = match &style {
-        Some(style) => Some(styled(style).with_context(|| place.clone())?),
+        // Whoever says what the columns hold need not say the style.
+        Some(style) => match styled(style) {
+            Ok(columns) => Some(columns.chosen(&place, options)?),
+            Err(_) if chosen => None,
+            Err(error) => return Err(error.context(place.clone())),
+        },
         None => None,
     };
     let mut particles = match &columns {
@@ -112,7 +118,12 @@ fn atoms(
         );
         let line = lines.line().split(|&b| b == b'#').next().unwrap_or_default();
         if columns.is_none() {
-            let unstyled = unstyled(words(line).count()).with_context(|| lines.place())?;
+            let count = words(line).count();
+            let unstyled = match chosen {
+                true => Columns::named((1..=count).map(|k| format!("column {k}")))
+                    .chosen(&lines.place(), options)?,
+                false => unstyled(count).with_context(|| lines.place())?,
+            };
             particles = unstyled.particles(&place, options)?;
             columns = Some(unstyled);
         }

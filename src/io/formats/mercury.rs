@@ -66,6 +66,7 @@ pub(crate) fn read(source: Source<'_>, options: Options) -> anyhow::Result<(Part
                         lines.place()
                     ),
                 };
+                let columns = columns.chosen(&lines.place(), options)?;
                 let particles = columns.particles(&lines.place(), options)?;
                 rows = Some((columns, particles));
             }

@@ -162,6 +162,17 @@ pub(crate) fn find(
     ending: &str,
     options: Options,
 ) -> anyhow::Result<&'static Entry> {
+    let entry = told(head, name, ending, options)?;
+    let text = [Format::Csv, Format::Xyz, Format::Dump, Format::LammpsData, Format::Mercury];
+    ensure!(
+        options.columns.is_none() || text.contains(&entry.format),
+        "{name}: columns are chosen in files of text, and this is {}; leave out --columns",
+        entry.name
+    );
+    Ok(entry)
+}
+
+fn told(head: &[u8], name: &str, ending: &str, options: Options) -> anyhow::Result<&'static Entry> {
     if let Some(format) = options.format {
         return Ok(entry(format));
     }

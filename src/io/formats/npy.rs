@@ -9,6 +9,7 @@ use std::io::{self, Write};
 use anyhow::{Context, bail, ensure};
 use nalgebra::Point;
 
+use crate::io::counted::Counted;
 use crate::io::lines::{Source, short};
 use crate::io::particles::{Centres, Column, Particles, loaded, room};
 use crate::io::scalars::Kind;
@@ -24,6 +25,15 @@ pub(crate) fn read(mut source: Source<'_>, options: Options) -> anyhow::Result<(
     let header = header(&mut source)?;
     let (particles, radius) = particles(&mut source, &header, options)?;
     source.end(&header)?;
+    if options.dim.is_none() {
+        // Who gives the dimension knows the columns.
+        let which = match particles.counted() {
+            Some(Counted::First) => "first column counts the particles, and is taken for x",
+            Some(Counted::Last) => "last column counts the particles, and is taken for the radius",
+            None => return Ok(loaded("NumPy npy", particles, radius)),
+        };
+        bail!("{}: the {which}; leave it out, or give --dim 3 if it is that", source.name);
+    }
     Ok(loaded("NumPy npy", particles, radius))
 }
 

@@ -5,12 +5,12 @@
 //! `diameters` make the particles; or one array of shape (N, 2) to (N, 4), as in
 //! [`crate::io::formats::npy`], with or without an array of radii. Other arrays are skipped.
 
-use std::io::{BufRead, BufReader, Read};
+use std::io::{BufReader, Read};
 
 use anyhow::{Context, bail, ensure};
 use flate2::bufread::DeflateDecoder;
 
-use crate::io::formats::{gzip, npy};
+use crate::io::formats::npy;
 use crate::io::lines::{Source, short};
 use crate::io::particles::{Column, Particles, loaded};
 use crate::io::{About, Options, RadiusSource};
@@ -38,15 +38,20 @@ pub(crate) fn read(mut source: Source<'_>, options: Options) -> anyhow::Result<(
         match (local.method, local.size) {
             (0, Some(size)) => {
                 let mut stored = Read::take(&mut *source.input, size);
-                arrays.member(&mut BufReader::new(&mut stored), &name, &local.name, options)?;
+                let input = &mut BufReader::new(&mut stored);
+                let member = Source { input, name: &name, unpacking: source.unpacking };
+                arrays.member(member, &local.name, options)?;
                 std::io::copy(&mut stored, &mut std::io::sink())
                     .with_context(|| format!("cannot read {name}"))?;
             }
             (8, size) => {
                 {
-                    let unpacked = gzip::inflate(&mut *source.input, DeflateDecoder::new);
+                    let decoder = DeflateDecoder::new(&mut *source.input);
+                    let unpacked = source.unpacking.unpacked(decoder);
                     let mut unpacked = BufReader::with_capacity(1 << 16, unpacked);
-                    arrays.member(&mut unpacked, &name, &local.name, options)?;
+                    let input = &mut unpacked;
+                    let member = Source { input, name: &name, unpacking: source.unpacking };
+                    arrays.member(member, &local.name, options)?;
                     // To its end, so that the next file begins where it should.
                     std::io::copy(&mut unpacked, &mut std::io::sink())
                         .with_context(|| format!("cannot read {name}"))?;
@@ -129,13 +134,12 @@ fn descriptor(source: &mut Source<'_>, wide: bool) -> anyhow::Result<()> {
 impl Arrays {
     fn member(
         &mut self,
-        input: &mut dyn BufRead,
-        place: &str,
+        mut source: Source<'_>,
         name: &str,
         options: Options,
     ) -> anyhow::Result<()> {
         let Some(label) = name.strip_suffix(".npy") else { return Ok(()) };
-        let mut source = Source { input, name: place };
+        let place = source.name;
         let column = Column::named(label);
         let Ok(header) = npy::header(&mut source) else {
             // Texts, objects and the like need not be understood, unless they are to be used.

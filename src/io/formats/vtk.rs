@@ -273,14 +273,16 @@ impl Vtk<'_> {
         Ok(())
     }
 
-    /// Do the indices follow at once? Nobody but the next bytes can tell.
+    /// Do the indices follow at once? Nobody but the next bytes can tell. Blank lines may stand
+    /// before them in text; in a binary file the next byte is of a number, or the O of OFFSETS.
     fn old_cells(&mut self) -> anyhow::Result<bool> {
-        let next = self
-            .lines
-            .source
-            .input
-            .fill_buf()
-            .with_context(|| format!("cannot read {}", self.lines.source.name))?;
-        Ok(!next.starts_with(b"O"))
+        loop {
+            let Source { input, name, .. } = &mut self.lines.source;
+            let next = input.fill_buf().with_context(|| format!("cannot read {name}"))?;
+            match next.first() {
+                Some(b'\n' | b'\r' | b' ' | b'\t') if !self.binary => input.consume(1),
+                first => return Ok(first != Some(&b'O')),
+            }
+        }
     }
 }

@@ -9,7 +9,7 @@ use std::io::{BufRead, BufReader, Read};
 use anyhow::{Context, bail, ensure};
 use flate2::bufread::ZlibDecoder;
 
-use crate::io::formats::gzip;
+use crate::io::formats::gzip::Unpacking;
 use crate::io::formats::xml::{Base64, Tag, Xml};
 use crate::io::lines::{Source, number, short, shown};
 use crate::io::particles::{Particles, loaded};
@@ -34,7 +34,7 @@ struct Appended {
 }
 
 pub(crate) fn read(source: Source<'_>, _: Options) -> anyhow::Result<(Particles, About)> {
-    let name = source.name;
+    let (name, unpacking) = (source.name, source.unpacking);
     let mut xml = Xml { source, line: 1 };
     let mut layout = Layout { big: false, header: 4, zlib: false };
     let (mut arrays, mut appended) = (Arrays::default(), Vec::new());
@@ -119,7 +119,7 @@ pub(crate) fn read(source: Source<'_>, _: Options) -> anyhow::Result<(Particles,
                     "binary" if !tag.empty => {
                         let mut bytes = Base64::new(&mut xml);
                         arrays.keep(
-                            numbers(&mut bytes, layout, target, kind, count)
+                            numbers(&mut bytes, unpacking, layout, target, kind, count)
                                 .with_context(|| place)?,
                             name,
                         )?;
@@ -206,7 +206,7 @@ fn behind(
     list: Vec<Appended>,
     arrays: &mut Arrays,
 ) -> anyhow::Result<()> {
-    let name = xml.source.name;
+    let (name, unpacking) = (xml.source.name, xml.source.unpacking);
     while xml.take()?.with_context(|| format!("{name} ends before its appended numbers"))? != b'_' {
     }
     let mut at = 0;
@@ -222,13 +222,17 @@ fn behind(
         let what = || format!("{name}: the array at offset {offset}");
         if raw {
             let mut bytes = Counting { inner: &mut *xml.source.input, count: 0 };
-            arrays
-                .keep(numbers(&mut bytes, layout, target, kind, count).with_context(what)?, name)?;
+            arrays.keep(
+                numbers(&mut bytes, unpacking, layout, target, kind, count).with_context(what)?,
+                name,
+            )?;
             at += bytes.count;
         } else {
             let mut bytes = Base64::new(xml);
-            arrays
-                .keep(numbers(&mut bytes, layout, target, kind, count).with_context(what)?, name)?;
+            arrays.keep(
+                numbers(&mut bytes, unpacking, layout, target, kind, count).with_context(what)?,
+                name,
+            )?;
             at += bytes.letters();
         }
     }
@@ -252,6 +256,7 @@ impl Read for Counting<'_> {
 /// The numbers of one array, behind the lengths of its blocks.
 fn numbers(
     bytes: &mut dyn Read,
+    unpacking: &Unpacking,
     layout: Layout,
     mut target: Target,
     kind: Kind,
@@ -295,13 +300,17 @@ fn numbers(
         crate::io::particles::room(&mut packed)?;
         packed.push(length(bytes)?);
     }
-    let total: u64 = packed.iter().fold(0, |sum, &n| sum.saturating_add(n));
-    gzip::in_proportion(total, wanted)?;
     for (k, &packed) in packed.iter().enumerate() {
         let size = if k as u64 + 1 == blocks { rest } else { size };
         let mut block = BufReader::new(bytes.take(packed));
-        feed(&mut ZlibDecoder::new(&mut block), &mut target, kind, layout.big, size)
-            .with_context(|| format!("block {k}"))?;
+        feed(
+            &mut unpacking.unpacked(ZlibDecoder::new(&mut block)),
+            &mut target,
+            kind,
+            layout.big,
+            size,
+        )
+        .with_context(|| format!("block {k}"))?;
         std::io::copy(&mut block, &mut std::io::sink()).context("cannot read it")?;
     }
     Ok(target)

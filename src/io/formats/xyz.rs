@@ -42,6 +42,7 @@ pub(crate) fn read(source: Source<'_>, options: Options) -> anyhow::Result<(Part
         };
         if step == Step::Keep {
             let columns = columns(&comment).with_context(|| lines.place())?;
+            let columns = columns.chosen(&lines.place(), options)?;
             let mut particles = columns.particles(&lines.place(), options)?;
             let between = || format!(" ({})", crate::io::lines::listed(&columns.names));
             for k in 0..n {
@@ -49,7 +50,7 @@ pub(crate) fn read(source: Source<'_>, options: Options) -> anyhow::Result<(Part
                     return Err(short_of(k, lines.source.name));
                 }
                 let line = lines.line();
-                if columns.or_more && options.radius.is_none() {
+                if columns.or_more && options.radius.is_none() && options.columns.is_none() {
                     let count = words(line).count();
                     ensure!(
                         count <= columns.names.len(),

@@ -96,7 +96,8 @@ fn bad_files_are_refused_with_place_and_remedy() {
             b"1,2,3,4,5\n",
             "csv",
             NONE,
-            "p:1: 5 columns without a header; put a header line such as x,y,z,r before them",
+            "p:1: 5 columns without a header; put a header line such as x,y,z,r before them, or \
+             say which is which with --columns x=1,y=2 and so on",
         ),
         (
             b"x,y,r\n1,2,3\n",
@@ -323,4 +324,74 @@ fn damaged_bytes_never_panic() {
         }
     }
     assert!(good > 500 && bad > 500, "{good} read, {bad} refused: the damage is not of both kinds");
+}
+
+/// Read as one line, a list of pairs would be empty, and so would the particles.
+#[test]
+fn carriage_returns_alone_are_no_line_ends() {
+    let words = "p:1: a line ends in a carriage return alone";
+    for (text, ending) in [
+        ("x,y,r\r1,2,3\r4,5,6\r", "csv"),
+        ("1 2 3 4\r5 6 7 8\r", ""),
+        ("2\rcomment\rAr 1 2 3\rAr 4 5 6\r", "xyz"),
+        ("ply\rformat ascii 1.0\relement vertex 0\rend_header\r", "ply"),
+    ] {
+        let error = read(text.as_bytes(), ending, NONE).unwrap_err();
+        assert!(error.starts_with(words), "{text:?}: {error}");
+    }
+    let pairs = |text: &str| pairs::from(text.as_bytes(), "p", None, Frame::Only);
+    for text in ["i,j\r0,1\r1,2\r", "0 1\r1 2\r", "i,j\n0,1\r1,2\n"] {
+        let error = pairs(text).unwrap_err().to_string();
+        assert!(error.contains("a line ends in a carriage return alone"), "{text:?}: {error}");
+    }
+    assert_eq!(pairs("i,j\r\n0,1\r\n1,2").unwrap().pairs, [[0, 1], [1, 2]]);
+}
+
+/// As Finney's packing is published: number, x, y, z.
+#[test]
+fn columns_that_count_the_particles_are_no_coordinates_and_no_radii() {
+    let z = ["0.5", "0.25", "2.75", "1e-3"];
+    let numbered = |from: usize| -> String {
+        z.iter().enumerate().map(|(k, z)| format!("{} 1.5 -{k} {z}\n", k + from)).collect()
+    };
+    let refused = |text: &str, options, words: &str| {
+        let error = read(text.as_bytes(), "txt", options).unwrap_err();
+        assert!(error.contains(words), "{text}: {error}");
+    };
+    for from in [0, 1] {
+        let words = "the first of 4 columns without names counts the particles, and is taken for \
+                     'x'; say which column is which: --columns id=1,x=2,y=3,z=4, or --columns \
+                     x=1,y=2,z=3,r=4 if it is that";
+        refused(&numbered(from), NONE, words);
+        refused(&numbered(from).replace(' ', ","), NONE, words);
+        let last: String = (0..4).map(|k| format!("1.5 {k} {} {}\n", z[k], k + from)).collect();
+        refused(
+            &last,
+            NONE,
+            "the last of 4 columns without names counts the particles, and is taken for 'r'",
+        );
+        refused(&last, NONE, "--columns x=1,y=2,z=3,id=4, or");
+        let rows = (0..4).flat_map(|k| [(k + from) as f64, 1.5, 0.5, 1.0 / (k + 1) as f64]);
+        let array = npy_file("<f8", "False", "(4, 4)", &doubles(&rows.collect::<Vec<_>>()));
+        assert!(read(&array, "npy", NONE).unwrap_err().contains("counts the particles"));
+        assert!(read(&array, "npy", Options { dim: Some(3), ..NONE }).is_ok());
+    }
+    let plane = Options { dim: Some(2), ..NONE };
+    refused("1 0.5 2\n2 0.5 3.5\n3 0.5 4.5\n", plane, "--columns id=1,x=2,y=3, or");
+    let chosen = |text: &str| Some(text.parse().unwrap());
+    for columns in ["id=1,x=2,y=3,z=4", "x=1,y=2,z=3,r=4"] {
+        let radius = (!columns.contains("r=")).then_some(0.5);
+        let options = Options { radius, columns: chosen(columns), ..NONE };
+        assert_eq!(read(numbered(1).as_bytes(), "txt", options).unwrap().len(), 4);
+    }
+    // Counted from elsewhere, or named, or beads of one size on a row, or hardly any.
+    for text in [
+        numbered(2),
+        format!("x y z r\n{}", numbered(0)),
+        (0..4).map(|k| format!("{k} 0 0 0.5\n")).collect(),
+        "0 1 2 3\n1 2 3 4\n".into(),
+        "0 1 2 3\n1 2 3 4\n1 2 3 5\n".into(),
+    ] {
+        read(text.as_bytes(), "txt", NONE).unwrap_or_else(|error| panic!("{text}: {error}"));
+    }
 }

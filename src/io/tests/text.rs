@@ -82,3 +82,56 @@ fn xyz_plain_and_extended() {
     assert_eq!(read(b"0\n", "xyz", HALF).unwrap().len(), 0);
     assert_eq!(read(b"0\nProperties=pos:R:3:r:R:1\n", "xyz", NONE).unwrap().len(), 0);
 }
+
+#[test]
+fn headings_of_paraview_and_units_are_understood() {
+    let sphere = "1,2,3,0.5\n";
+    for header in [
+        "\"Points:0\",\"Points:1\",\"Points:2\",\"radius\"",
+        "Points_0,Points_1,Points_2,Radius",
+        "x [m],y [m],z [m],r [m]",
+        "X(mm),Y(mm),Z(mm),radius (mm)",
+    ] {
+        let scene = read(format!("{header}\n{sphere}").as_bytes(), "csv", NONE);
+        let plain = read(format!("x,y,z,r\n{sphere}").as_bytes(), "csv", NONE).unwrap();
+        assert_eq!(scene.unwrap_or_else(|error| panic!("{header}: {error}")), plain, "{header}");
+    }
+    // Where there is an x, the points are something else.
+    let both = read(b"x,y,r,Points:0\n1,2,3,9\n", "csv", NONE).unwrap();
+    assert_eq!(both, read(b"x,y,r\n1,2,3\n", "csv", NONE).unwrap());
+}
+
+#[test]
+fn decimal_commas_are_explained() {
+    for (text, words) in [
+        ("x;y;r\n1,5;2;1\n", "column 'x': '1,5' has a decimal comma, which is not read"),
+        ("x y r\n1 2 0,5\n", "column 'r': '0,5' has a decimal comma"),
+        ("1,5 2,5 0,5\n", "the numbers have decimal commas"),
+        ("x,y,r\n1,5,2,5,0,5\n", "if the commas are decimal commas, write points"),
+    ] {
+        let error = read(text.as_bytes(), "csv", NONE).unwrap_err();
+        assert!(error.contains(words), "{text}: {error}");
+    }
+}
+
+/// VTK 5.1 writes offsets and connectivity; some writers leave a blank line before them.
+#[test]
+fn blank_lines_may_stand_before_the_offsets_of_cells() {
+    for blank in ["", "\n", " \n\r\n"] {
+        let text = format!(
+            "# vtk DataFile Version 5.1\np\nASCII\nDATASET POLYDATA\nPOINTS 2 double\n1 2 3\n4 5 \
+             6\nVERTICES 3 2\n{blank}OFFSETS vtktypeint64\n0 1 2\n{blank}CONNECTIVITY \
+             vtktypeint64\n0 1\n\nPOINT_DATA 2\nSCALARS radius double\nLOOKUP_TABLE \
+             default\n0.5 0.25\n"
+        );
+        let scene = read(text.as_bytes(), "vtk", NONE);
+        assert_eq!(rows(&scene.unwrap()), [[1.0, 2.0, 3.0, 0.5], [4.0, 5.0, 6.0, 0.25]]);
+        // Before version 5 the indices themselves follow.
+        let old = format!(
+            "# vtk DataFile Version 3.0\np\nASCII\nDATASET POLYDATA\nPOINTS 2 double\n1 2 3\n4 5 \
+             6\nVERTICES 2 4\n{blank}1 0\n1 1\nPOINT_DATA 2\nSCALARS radius \
+             double\nLOOKUP_TABLE default\n0.5 0.25\n"
+        );
+        assert_eq!(read(old.as_bytes(), "vtk", NONE).unwrap().len(), 2);
+    }
+}

@@ -16,6 +16,25 @@ pub struct Slice {
     pub at: f64,
 }
 
+impl Slice {
+    /// Through both particles of a pair, where one plane meets both: across the axis along which
+    /// they are nearest, by their radii.
+    pub fn through(scene: &AnyScene<'_>, [i, j]: [u32; 2]) -> Slice {
+        with_scene!(scene, scene => {
+            let body = |k: u32| {
+                let centre = array(&scene.centres()[k as usize]).map(Real::wide).to_vec();
+                (centre, scene.radius(k as usize).wide())
+            };
+            let ((a, ra), (b, rb)) = (body(i), body(j));
+            let apart = |axis: usize| (a[axis] - b[axis]).abs();
+            let axes = (0..a.len()).rev();
+            let axis = axes.min_by(|&k, &l| apart(k).total_cmp(&apart(l))).unwrap_or(0);
+            let part = if ra + rb > 0.0 { ra / (ra + rb) } else { 0.5 };
+            Slice { axis, at: a[axis] * (1.0 - part) + b[axis] * part }
+        })
+    }
+}
+
 impl FromStr for Slice {
     type Err = anyhow::Error;
 
@@ -123,6 +142,23 @@ impl Flat {
     /// The circle of a particle, if it has one.
     pub fn circle(&self, particle: u32) -> Option<&Circle> {
         self.circles.get(*self.places.get(particle as usize)? as usize)
+    }
+
+    /// Leaves the neighbourhood of a pair; all circles where one of the two has none.
+    pub fn zoom(&mut self, [i, j]: [u32; 2]) {
+        let (Some(a), Some(b)) = (self.circle(i), self.circle(j)) else { return };
+        let apart = [0, 1].map(|k| (a.at[k] - b.at[k]).abs());
+        let reach = 3.0 * a.r.max(b.r) + apart[0].max(apart[1]);
+        let middle = [0, 1].map(|k| 0.5 * a.at[k] + 0.5 * b.at[k]);
+        self.circles.retain(|circle| {
+            circle.id == i
+                || circle.id == j
+                || (0..2).all(|k| (circle.at[k] - middle[k]).abs() <= reach)
+        });
+        self.places.fill(u32::MAX);
+        for (place, circle) in self.circles.iter().enumerate() {
+            self.places[circle.id as usize] = place as u32;
+        }
     }
 
     /// The box around all circles.

@@ -6,8 +6,8 @@
 //! use contactbench::scene::spec::Spec;
 //!
 //! let scene = Spec::parse("packed:n=50")?.make()?;
-//! let reported = [[0, 1]]; // by some detector, in any order
-//! let pairs = Highlighted::compare(&scene, &reported)?;
+//! let reported = vec![[0, 1]]; // by some detector, in any order
+//! let pairs = Highlighted::compare(&scene, reported, 1 << 30)?;
 //! let picture = draw::svg(&scene, &pairs, &Look::titled("what it missed"))?;
 //! assert!(picture.contains("missed"));
 //! # Ok::<(), anyhow::Error>(())
@@ -35,6 +35,8 @@ use crate::scene::AnyScene;
 /// The largest number of particles that is drawn: more are a grey surface, and a file that no
 /// viewer opens.
 pub const MOST_PARTICLES: usize = 200_000;
+/// The largest number of lines between particles.
+pub const MOST_LINES: usize = 2_000_000;
 /// Up to here particles are labelled with their numbers.
 pub const LABELLED: usize = 60;
 
@@ -47,8 +49,11 @@ pub struct Look {
     pub labels: Option<bool>,
     /// The cells of a detector.
     pub grid: bool,
-    /// Where spheres are cut; if not said, through the middle along z.
+    /// Where spheres are cut; if not said, through the worst pair that a list got wrong, else
+    /// through the middle along z.
     pub slice: Option<Slice>,
+    /// All of the scene, also where what a list got wrong is too small to be seen.
+    pub whole: bool,
 }
 
 impl Look {
@@ -58,8 +63,9 @@ impl Look {
     }
 }
 
-/// The picture as SVG. Refuses more than [`MOST_PARTICLES`] particles in the plane or the
-/// slice, pairs of particles that the scene does not have, and a slice through discs.
+/// The picture as SVG. Refuses more than [`MOST_PARTICLES`] particles in the plane or the slice,
+/// more than [`MOST_LINES`] pairs of them, pairs of particles that the scene does not have, and a
+/// slice through discs.
 pub fn svg(scene: &AnyScene<'_>, pairs: &Highlighted, look: &Look) -> anyhow::Result<String> {
     ensure!(
         scene.dim() == 3 || look.slice.is_none(),
@@ -67,7 +73,13 @@ pub fn svg(scene: &AnyScene<'_>, pairs: &Highlighted, look: &Look) -> anyhow::Re
     );
     pairs.check(scene.len())?;
     let scene = scene.stored(Arithmetic::F64)?;
-    let flat = flat::Flat::new(&scene, look.slice);
+    let worst = pairs.worst(&scene);
+    let through = worst.filter(|_| scene.dim() == 3).map(|pair| Slice::through(&scene, pair));
+    let mut flat = flat::Flat::new(&scene, look.slice.or(through));
+    let detail = worst.filter(|pair| !look.whole && sheet::too_small(&flat, *pair));
+    if let Some(pair) = detail {
+        flat.zoom(pair);
+    }
     ensure!(
         flat.circles.len() <= MOST_PARTICLES,
         "{} particles are too many to be seen; at most {MOST_PARTICLES} are drawn: draw a part of \
@@ -75,5 +87,13 @@ pub fn svg(scene: &AnyScene<'_>, pairs: &Highlighted, look: &Look) -> anyhow::Re
         flat.circles.len(),
         if scene.dim() == 3 { ", or another slice" } else { "" }
     );
-    Ok(sheet::Sheet::new(&scene, &flat, pairs, look).draw())
+    let Highlighted { contacts, near, missed, spurious, duplicates } = pairs;
+    let lines = [contacts, near, missed, spurious, duplicates].into_iter().flatten();
+    let lines = lines.filter(|pair| pair.iter().all(|&k| flat.circle(k).is_some())).count();
+    ensure!(
+        lines <= MOST_LINES,
+        "{lines} pairs are too many to be seen; at most {MOST_LINES} are drawn: draw a part of the \
+         scene, or are the radii in another unit than the coordinates?"
+    );
+    Ok(sheet::Sheet::new(&scene, &flat, pairs, look, detail).draw())
 }

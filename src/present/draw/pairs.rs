@@ -1,14 +1,14 @@
 //! The pairs of a picture: contacts, near misses, and what a list got wrong.
 
-use std::io::{BufRead, BufReader};
 use std::path::Path;
 
-use anyhow::{Context, bail, ensure};
+use anyhow::{Context, bail};
 
 use crate::contact::Arithmetic;
 use crate::contact::depth::depth;
+use crate::crowd;
 use crate::detect::{Options, table};
-use crate::io::LONGEST_LINE;
+use crate::io::{self, Frame};
 use crate::scene::{AnyScene, Radii, Real, Scene, array};
 use crate::sink::normalise;
 use crate::with_scene;
@@ -34,31 +34,44 @@ pub struct Highlighted {
 }
 
 impl Highlighted {
-    /// The contacts of a scene, decided exactly, and the pairs that just do not touch.
-    pub fn from_scene(scene: &AnyScene<'_>) -> anyhow::Result<Highlighted> {
-        let contacts = find(scene)?;
-        let near = almost(scene, &contacts);
+    /// The contacts of a scene, decided exactly, and the pairs that just do not touch. A list of
+    /// pairs may take `memory_limit` bytes.
+    pub fn from_scene(scene: &AnyScene<'_>, memory_limit: u64) -> anyhow::Result<Highlighted> {
+        let contacts = find(scene, memory_limit)?;
+        let near = almost(scene, &contacts, memory_limit);
         Ok(Highlighted { contacts, near, ..Highlighted::default() })
     }
 
     /// The same, and what a list of pairs has missed or added.
-    pub fn compare(scene: &AnyScene<'_>, reported: &[[u32; 2]]) -> anyhow::Result<Highlighted> {
-        let mut pairs = Highlighted::from_scene(scene)?;
-        let mut reported = reported.to_vec();
+    pub fn compare(
+        scene: &AnyScene<'_>,
+        mut reported: Vec<[u32; 2]>,
+        memory_limit: u64,
+    ) -> anyhow::Result<Highlighted> {
+        let mut pairs = Highlighted::from_scene(scene, memory_limit)?;
         normalise(&mut reported);
         pairs.duplicates =
             reported.array_windows().filter(|[a, b]| a == b).map(|[a, _]| *a).collect();
         reported.dedup();
-        let (found, missed) =
-            pairs.contacts.iter().partition(|pair| reported.binary_search(pair).is_ok());
-        pairs.spurious = reported
-            .into_iter()
-            .filter(|pair| pairs.contacts.binary_search(pair).is_err())
-            .collect();
-        pairs.contacts = found;
-        pairs.missed = missed;
+        let absent = |pair: &&[u32; 2], others: &[[u32; 2]]| others.binary_search(pair).is_err();
+        let missed = pairs.contacts.iter().filter(|pair| absent(pair, &reported));
+        pairs.missed = missed.copied().collect();
+        let mut spurious = std::mem::take(&mut reported);
+        spurious.retain(|pair| absent(&pair, &pairs.contacts));
+        pairs.spurious = spurious;
+        pairs.contacts.retain(|pair| absent(&pair, &pairs.missed));
         pairs.check(scene.len())?;
         Ok(pairs)
+    }
+
+    /// The pair that a list got wrong by most: the deepest that it missed, else the widest apart
+    /// that it has, or one that it has twice.
+    pub fn worst(&self, scene: &AnyScene<'_>) -> Option<[u32; 2]> {
+        let depth = |pair: &&[u32; 2]| depth_of(scene, **pair).abs();
+        let by_depth = |a: &&[u32; 2], b: &&[u32; 2]| depth(a).total_cmp(&depth(b));
+        let missed = self.missed.iter().max_by(by_depth);
+        let worst = missed.or_else(|| self.spurious.iter().max_by(by_depth));
+        worst.or(self.duplicates.first()).copied()
     }
 
     /// Refuses particles that a scene of `n` does not have.
@@ -74,8 +87,11 @@ impl Highlighted {
     }
 }
 
-/// The touching pairs of a scene, decided exactly, in ascending order.
-pub fn find(scene: &AnyScene<'_>) -> anyhow::Result<Vec<[u32; 2]>> {
+/// The touching pairs of a scene, decided exactly, in ascending order; they may take
+/// `memory_limit` bytes.
+pub fn find(scene: &AnyScene<'_>, memory_limit: u64) -> anyhow::Result<Vec<[u32; 2]>> {
+    crowd::within(scene, memory_limit)?;
+    let options = Options { memory_limit, ..Options::default() };
     let mut refused = None;
     // Cells first; a tree where the scene is too wide for them.
     for name in ["nbs", "kd-tree", "direct"] {
@@ -84,11 +100,12 @@ pub fn find(scene: &AnyScene<'_>) -> anyhow::Result<Vec<[u32; 2]>> {
             continue;
         };
         let mut pairs = Vec::new();
-        match entry.make(Options::default()).list(scene, Arithmetic::Exact.test(), &mut pairs) {
+        match entry.make(options).list(scene, Arithmetic::Exact.test(), &mut pairs) {
             Ok(()) => {
                 normalise(&mut pairs);
                 return Ok(pairs);
             }
+            Err(refusal) if refusal.is_of_scene() => return Err(refusal.into()),
             Err(refusal) => refused = refused.or(Some(refusal)),
         }
     }
@@ -100,14 +117,16 @@ pub fn find(scene: &AnyScene<'_>) -> anyhow::Result<Vec<[u32; 2]>> {
 
 /// Pairs that do not touch, with a gap under [`NEAR`]. None where larger radii leave the range of
 /// doubles.
-fn almost(scene: &AnyScene<'_>, contacts: &[[u32; 2]]) -> Vec<[u32; 2]> {
+fn almost(scene: &AnyScene<'_>, contacts: &[[u32; 2]], memory_limit: u64) -> Vec<[u32; 2]> {
     let larger = with_scene!(scene, scene => {
         let wide = |centre| array(centre).map(Real::wide).to_vec();
         let points: Vec<Vec<f64>> = scene.centres().iter().map(wide).collect();
         let larger = |k| scene.radius(k).wide() * (1.0 + NEAR);
         grown(&points, (0..scene.len()).map(larger).collect())
     });
-    let Some(Ok(mut pairs)) = larger.map(|larger| find(&larger)) else { return Vec::new() };
+    let Some(Ok(mut pairs)) = larger.map(|larger| find(&larger, memory_limit)) else {
+        return Vec::new();
+    };
     pairs.retain(|pair| {
         contacts.binary_search(pair).is_err() && depth_of(scene, *pair).abs() < NEAR
     });
@@ -141,48 +160,25 @@ pub fn depth_of(scene: &AnyScene<'_>, [i, j]: [u32; 2]) -> f64 {
     })
 }
 
-/// Reads a list of pairs: CSV of two columns of particle numbers, from 0, with or without a header
-/// such as `i,j`; further columns are skipped.
+/// Reads a list of pairs of any format of [`io::pairs`], whose numbers are places in the file from
+/// 0.
 pub fn read(path: &Path) -> anyhow::Result<Vec<[u32; 2]>> {
-    let name = path.display();
-    let file = std::fs::File::open(path).with_context(|| format!("cannot read {name}"))?;
-    let (mut reader, mut pairs, mut line) = (BufReader::new(file), Vec::new(), String::new());
-    for number in 1.. {
-        line.clear();
-        let mut most = std::io::Read::take(&mut reader, LONGEST_LINE as u64);
-        if most.read_line(&mut line).with_context(|| {
-            format!("cannot read {name}, line {number}; pairs are CSV with a header i,j")
-        })? == 0
-        {
-            break;
-        }
-        ensure!(
-            line.len() < LONGEST_LINE,
-            "{name}:{number}: the line is longer than 1 MiB; pairs are CSV with a header i,j"
-        );
-        let text = line.trim();
-        let mut cells = text
-            .split(|c: char| c == ',' || c == ';' || c.is_whitespace())
-            .filter(|cell| !cell.is_empty());
-        let pair =
-            [cells.next(), cells.next()].map(|cell| cell.and_then(|cell| cell.parse::<u32>().ok()));
-        match pair {
-            _ if text.is_empty() || text.starts_with('#') => {}
-            [Some(i), Some(j)] => pairs.push([i, j]),
-            _ if pairs.is_empty()
-                && !text.starts_with(|c: char| c.is_ascii_digit() || c == '-') => {}
-            _ => bail!(
-                "{name}:{number}: '{}' is no pair of particle numbers; write two whole numbers, as \
-                 in 0,1",
-                excerpt(text)
-            ),
-        }
+    let list = io::pairs::read(path, None, Frame::Only)?;
+    let mut pairs = Vec::new();
+    let room = pairs.try_reserve_exact(list.pairs.len());
+    room.with_context(|| format!("no memory for {} pairs", list.pairs.len()))?;
+    for pair in list.pairs {
+        let [Ok(i), Ok(j)] = pair.map(u32::try_from) else {
+            bail!(
+                "the pair {},{}: particles are numbered from 0; contactbench verify reads other \
+                 numbers",
+                pair[0],
+                pair[1]
+            )
+        };
+        pairs.push([i, j]);
     }
     Ok(pairs)
-}
-
-fn excerpt(text: &str) -> String {
-    text.chars().take(40).collect()
 }
 
 #[cfg(test)]
@@ -201,13 +197,14 @@ mod tests {
     #[test]
     fn a_list_is_taken_apart() {
         let scene = discs(&[[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [3.0000001, 0.0]], 0.5);
-        let pairs = Highlighted::compare(&scene, &[[2, 1], [1, 2], [3, 0], [0, 0]]).unwrap();
+        let pairs =
+            Highlighted::compare(&scene, vec![[2, 1], [1, 2], [3, 0], [0, 0]], 1 << 20).unwrap();
         assert_eq!(pairs.contacts, [[1, 2]]);
         assert_eq!(pairs.missed, [[0, 1]]);
         assert_eq!(pairs.near, [[2, 3]]);
         assert_eq!(pairs.spurious, [[0, 0], [0, 3]]);
         assert_eq!(pairs.duplicates, [[1, 2]]);
-        let error = Highlighted::compare(&scene, &[[0, 4]]).unwrap_err().to_string();
+        let error = Highlighted::compare(&scene, vec![[0, 4]], 1 << 20).unwrap_err().to_string();
         assert!(error.contains("the pair 0,4: the scene has 4 particles"), "{error}");
     }
 
@@ -221,17 +218,16 @@ mod tests {
             std::fs::write(&path, text).unwrap();
             assert_eq!(read(&path).unwrap(), [[0, 1], [2, 3]], "{text:?}");
         }
-        for text in
-            ["i,j\n0,1\n2,x\n", "i,j\n\n-1,2\n", "0,1\n2,3\n4294967296,1\n", "0,1\n0,2\n5\n"]
-        {
+        for (text, words) in [
+            ("i,j\n0,1\n2,x\n", "pairs.csv:3: column 2: 'x' is not the number of a particle"),
+            ("i,j\n\n-1,2\n", "the pair -1,2: particles are numbered from 0"),
+            ("0,1\n2,3\n4294967296,1\n", "the pair 4294967296,1: particles"),
+            ("0,1\n0,2\n5\n", "pairs.csv:3: column 2: '' is not the number"),
+            ("i,j\r0,1\r2,3\r", "pairs.csv:1: a line ends in a carriage return alone"),
+        ] {
             std::fs::write(&path, text).unwrap();
-            let error = read(&path).unwrap_err().to_string();
-            assert!(
-                error.contains("pairs.csv:3: '") && error.contains("no pair of particle numbers"),
-                "{error}"
-            );
+            let error = format!("{:#}", read(&path).unwrap_err());
+            assert!(error.contains(words), "{text:?}: {error}");
         }
-        std::fs::write(&path, vec![b'7'; LONGEST_LINE + 5]).unwrap();
-        assert!(read(&path).unwrap_err().to_string().contains("pairs.csv:1: the line is longer"));
     }
 }

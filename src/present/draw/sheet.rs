@@ -2,6 +2,7 @@
 
 use crate::contact::{Test, any_bodies};
 use crate::filter::Cells;
+use crate::number::wrap;
 use crate::present::draw::flat::Flat;
 use crate::present::draw::page_coordinates::PageCoordinates;
 use crate::present::draw::pairs::{Highlighted, NEAR, depth_of};
@@ -15,6 +16,15 @@ use crate::with_scene;
 const MOST: [f64; 2] = [960.0, 720.0];
 const HEADER: f64 = 46.0;
 const ROW: f64 = 22.0;
+/// From one line of the title to the next, and from one of other text.
+const TITLE: f64 = 20.0;
+const LINE: f64 = 17.0;
+/// Pixels that a letter takes, in the title and elsewhere; and the left and right of the legend.
+const TITLE_LETTER: f64 = 11.0;
+const LETTER: f64 = 8.0;
+const LEGEND: f64 = 74.0;
+/// Circles with a smaller radius than this many pixels are not seen among others.
+const SEEN: f64 = 6.0;
 /// From here on, circles have no outline and lines are thin.
 const CROWD: usize = 3000;
 /// More grid lines than this along an axis are a surface.
@@ -34,6 +44,12 @@ pub struct Sheet<'a> {
     pairs: &'a Highlighted,
     look: &'a Look,
     page: PageCoordinates,
+    /// The lines of the title.
+    title: Vec<String>,
+    /// What lies under it.
+    subtitle: Vec<String>,
+    /// The pixels of both.
+    header: f64,
     /// Rows below the drawing: a mark, and what it means.
     rows: Vec<(String, String)>,
     body: String,
@@ -46,10 +62,25 @@ impl<'a> Sheet<'a> {
         flat: &'a Flat,
         pairs: &'a Highlighted,
         look: &'a Look,
+        detail: Option<[u32; 2]>,
     ) -> Sheet<'a> {
-        let page =
-            PageCoordinates::around(flat.bounds().unwrap_or([[0.0; 2], [1.0; 2]]), MOST, HEADER);
-        Sheet { scene, flat, pairs, look, page, rows: Vec::new(), body: String::new() }
+        let bounds = flat.bounds().unwrap_or([[0.0; 2], [1.0; 2]]);
+        let width = PageCoordinates::around(bounds, MOST, HEADER).size[0];
+        let bodies = if scene.dim() == 2 { "discs" } else { "spheres" };
+        let met = flat.circles.len();
+        let slice = flat.slice.map(|slice| {
+            let meet = if detail.is_none() { format!(": {met} meet it") } else { String::new() };
+            format!(", slice {} = {}{meet}", ["x", "y", "z"][slice.axis], slice.at)
+        });
+        let detail = detail.map(|[i, j]| format!(", around {i} and {j}: the worst mistake"));
+        let subtitle = [slice, detail].map(Option::unwrap_or_default).concat();
+        let subtitle = format!("{} {bodies}{subtitle}", scene.len());
+        let title = wrap(&look.title, (width / TITLE_LETTER) as usize);
+        let subtitle = wrap(&subtitle, (width / LETTER) as usize);
+        let header = HEADER + TITLE * (title.len() - 1) as f64 + LINE * (subtitle.len() - 1) as f64;
+        let page = PageCoordinates::around(bounds, MOST, header);
+        let (rows, body) = (Vec::new(), String::new());
+        Sheet { scene, flat, pairs, look, page, title, subtitle, header, rows, body }
     }
 
     /// Draws it.
@@ -63,57 +94,47 @@ impl<'a> Sheet<'a> {
         self.wrong(&pairs.duplicates, SPURIOUS, "2 4", "reported more than once");
         self.wrong(&pairs.spurious, SPURIOUS, "", "spurious: reported, but apart");
         self.wrong(&pairs.missed, MISSED, "9 5", "missed: touching, but not reported");
-        if self.look.labels.unwrap_or(self.scene.len() <= LABELLED) {
+        if self.look.labels.unwrap_or(self.flat.circles.len() <= LABELLED) {
             self.labels();
         }
         self.finish()
     }
 
     fn finish(self) -> String {
-        let Sheet { scene, flat, look, page, rows, body, .. } = self;
-        let (width, height) =
-            (page.size[0], HEADER + page.size[1] + ROW * rows.len() as f64 + 14.0);
-        let bodies = if scene.dim() == 2 { "discs" } else { "spheres" };
-        let slice = flat.slice.map(|s| {
-            format!(
-                ", slice {} = {}: {} meet it",
-                ["x", "y", "z"][s.axis],
-                s.at,
-                flat.circles.len()
-            )
-        });
-        let subtitle = format!("{} {bodies}{}", scene.len(), slice.unwrap_or_default());
-        let most = (width / 9.5) as usize;
-        let title = match look.title.chars().count() {
-            n if n > most => format!(
-                "{}...",
-                look.title.chars().take(most.saturating_sub(3)).collect::<String>()
-            ),
-            _ => look.title.clone(),
-        };
-        let (title, whole) = (escape::html(&title), escape::html(&look.title));
-        let legend: String = rows
-            .iter()
-            .enumerate()
-            .map(|(k, (mark, text))| {
-                let y = HEADER + page.size[1] + ROW * (k as f64 + 0.5);
-                format!(
-                    "<g transform=\"translate(16 {})\">{mark}<text x=\"44\" \
-                     y=\"5\">{}</text></g>\n",
-                    px(y),
-                    escape::html(text)
-                )
-            })
-            .collect();
+        let Sheet { look, page, title, subtitle, header, rows, body, .. } = self;
+        let width = page.size[0];
+        let most = ((width - LEGEND) / LETTER) as usize;
+        let mut legend = String::new();
+        let mut y = header + page.size[1];
+        for (mark, text) in rows {
+            legend += &format!("<g transform=\"translate(16 {})\">{mark}", px(y + 0.5 * ROW));
+            for (k, line) in wrap(&text, most).iter().enumerate() {
+                let at = px(5.0 + LINE * k as f64);
+                legend += &format!("<text x=\"44\" y=\"{at}\">{}</text>", escape::html(line));
+                y += if k == 0 { ROW } else { LINE };
+            }
+            legend += "</g>\n";
+        }
+        let height = y + 14.0;
+        let (mut texts, mut y) = (String::new(), 22.0);
+        for line in &title {
+            let bold = "font-size=\"16\" font-weight=\"bold\"";
+            let line = escape::html(line);
+            texts += &format!("<text x=\"14\" y=\"{}\" {bold}>{line}</text>\n", px(y));
+            y += TITLE;
+        }
+        for line in &subtitle {
+            let (at, line) = (px(y - 1.0), escape::html(line));
+            texts += &format!("<text x=\"14\" y=\"{at}\" fill=\"#555\">{line}</text>\n");
+            y += LINE;
+        }
+        let whole = escape::html(&look.title);
         let (w, h) = (px(width), px(height));
         format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{w}\" height=\"{h}\" viewBox=\"0 0 \
              {w} {h}\" font-family=\"DejaVu Sans, Verdana, sans-serif\" font-size=\"13\" \
              fill=\"#222\">\n<title>{whole}</title>\n<rect width=\"{w}\" height=\"{h}\" \
-             fill=\"#fff\"/>\n<text x=\"14\" y=\"22\" font-size=\"16\" \
-             font-weight=\"bold\">{title}</text>\n<text x=\"14\" y=\"41\" \
-             fill=\"#555\">{}</text>\n{body}{legend}</svg>\n",
-            escape::html(&subtitle)
+             fill=\"#fff\"/>\n{texts}{body}{legend}</svg>\n"
         )
     }
 
@@ -301,6 +322,14 @@ impl<'a> Sheet<'a> {
             format!("cells of edge {edge}, as detectors use them"),
         ));
     }
+}
+
+/// Is a pair too small to be seen in a picture of all circles?
+pub fn too_small(flat: &Flat, [i, j]: [u32; 2]) -> bool {
+    let Some(bounds) = flat.bounds() else { return false };
+    let page = PageCoordinates::around(bounds, MOST, HEADER);
+    let radii = [i, j].map(|k| flat.circle(k).map_or(f64::INFINITY, |circle| circle.r));
+    page.length(radii[0].min(radii[1])) < SEEN
 }
 
 /// The lowest corner of the cells that detectors use, and their edge; none where there are no

@@ -1,11 +1,12 @@
 //! Figures from the record: one image per figure of an experiment, as SVG (its text stays text) and
 //! as PNG, made from it.
 //!
-//! `lines` and `speed_error` are the two kinds: each turns cells into data, and lays them out.
+//! `lines`, `bars` and `speed_error` are the kinds: each turns cells into data, and lays them out.
 //! `axis` chooses ranges and ticks, `style` fixes colour and marker per detector, `outcome` marks
 //! what has no value, `canvas` is the thin layer over plotters.
 
 pub mod axis;
+pub mod bars;
 pub mod canvas;
 pub mod lines;
 pub mod outcome;
@@ -62,6 +63,13 @@ fn svg(
             };
             let title = &figure.title;
             let sheet = lines::Sheet::new(experiment, title, options, &plot, style, machine)?;
+            canvas::svg(sheet.size, |canvas| sheet.draw(canvas)).map(Some)
+        }
+        FigureKind::Bars(options) => {
+            let Some(plot) = bars::Plot::new(options, &figure.filter, &own)? else {
+                return Ok(None);
+            };
+            let sheet = bars::Sheet::new(experiment, &figure.title, &plot, style)?;
             canvas::svg(sheet.size, |canvas| sheet.draw(canvas)).map(Some)
         }
         FigureKind::SpeedError(options) => {

@@ -330,3 +330,38 @@ fn a_figure_of_speed_against_error_has_a_place_for_none() {
     let lines = testing::experiment(SPEED_ERROR);
     assert_eq!(speed_error_plot(&lines.figures[0], &cells::cells(&rows())), None);
 }
+
+#[test]
+fn bars_are_the_fastest_first_and_nothing_stands_at_an_edge() {
+    let mut lab = Lab::new("e", "packed");
+    for (name, time) in [("nbs", 1000), ("kd", 2500), ("grid", 400), ("far", 900_000)] {
+        lab.detector(name).time(&[time; 15]);
+    }
+    lab.detector("bad").time(&[50; 15]).edit(|row| row.outcome = Outcome::Wrong);
+    lab.detector("slow").fail(Pass::Time, Outcome::Timeout, "20 s");
+    lab.detector("gone").fail(Pass::Time, Outcome::Unavailable, "install it");
+    lab.detector("nbs-twin").time(&[1001; 15]);
+    let cells = cells::cells(&lab.rows());
+    let text = "[[figure]]\nname = 'b'\ntitle = 'Bars'\nkind = 'bars'\nto = 'nbs'\n";
+    let experiment = testing::experiment(text);
+    let picture = svg(
+        &experiment,
+        &experiment.figures[0],
+        &cells,
+        &style::Styles::new(cells.iter()),
+        &Machine::default(),
+    );
+    let picture = picture.unwrap().unwrap();
+    let document = roxmltree::Document::parse(&picture).unwrap();
+    let texts: Vec<&str> = document
+        .descendants()
+        .filter(|node| node.has_tag_name("text"))
+        .filter_map(|node| Some(node.text()?.trim()))
+        .collect();
+    let names = ["grid", "nbs", "kd", "far", "bad", "slow", "gone", "nbs-twin"];
+    let drawn: Vec<&str> = texts.iter().copied().filter(|text| names.contains(text)).collect();
+    assert_eq!(drawn, ["grid", "nbs", "kd", "far", "bad", "slow"]);
+    for said in ["0.40 = 4 ns", "1 = 10 ns", "2.50 = 25 ns", "0.05, wrong", "time limit"] {
+        assert!(texts.contains(&said), "{said} is not in {texts:?}");
+    }
+}

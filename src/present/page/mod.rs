@@ -28,7 +28,7 @@ use crate::findings::winners::Contest;
 use crate::number::plural;
 use crate::present::escape::html as escape;
 use crate::present::figure::style::{Styles, rank};
-use crate::present::report::Part;
+use crate::present::report::{Origin, Part, summaries};
 use crate::present::{document, sections};
 use crate::record::row::Outcome;
 
@@ -52,8 +52,8 @@ pub struct Page<'a> {
     pub cells: &'a [Cell],
     /// Colours and markers.
     pub styles: &'a Styles,
-    /// Command, revision and machine.
-    pub provenance: Option<&'a Value>,
+    /// Where the record is from.
+    pub origin: Origin<'a>,
     /// The same of runs that were resumed.
     pub resumed: Vec<Value>,
     /// What was left out.
@@ -81,10 +81,12 @@ impl Page<'_> {
             ("source", escape(&self.source())),
             (
                 "warnings",
-                self.warnings
-                    .iter()
-                    .map(|line| format!("<p class=\"warning\">{}</p>\n", escape(line)))
-                    .collect(),
+                document::html(&sections::coverage::blocks(&summaries(self.parts)))
+                    + &sections::conditions::sentence(self.origin.conditions)
+                        .iter()
+                        .chain(self.warnings)
+                        .map(|line| format!("<p class=\"warning\">{}</p>\n", escape(line)))
+                        .collect::<String>(),
             ),
             ("cards", self.cards()),
             ("answers", self.answers(&detectors)),
@@ -117,7 +119,8 @@ impl Page<'_> {
     /// The line below the title: when, on what, by which program.
     fn source(&self) -> String {
         let field = |name: &str| {
-            self.provenance
+            self.origin
+                .provenance
                 .and_then(|fields| fields.get(name))
                 .filter(|value| !value.is_null())
                 .map(shown)
@@ -139,9 +142,6 @@ impl Page<'_> {
 
     /// The three answers at a glance: speed, correctness, claims.
     fn cards(&self) -> String {
-        // Where arithmetics are compared, the detectors are not the question.
-        let asked = self.parts.iter().filter(|part| self.parts.len() == 1 || part.price.is_empty());
-        let contests: Vec<Contest> = asked.flat_map(|part| part.contests.iter().cloned()).collect();
         let own = || self.parts.iter().flat_map(|part| &part.cells);
         let count = |wanted: &dyn Fn(&Cell) -> bool| own().filter(|cell| wanted(cell)).count();
         let good = count(&|cell| cell.overall().0.is_good());
@@ -187,6 +187,7 @@ impl Page<'_> {
         let count =
             |status: Status| verdicts.iter().filter(|verdict| verdict.status == status).count();
         let (fails, open) = (count(Status::Fails), count(Status::NotShown));
+        let cut = count(Status::NotCovered);
         let mut claims = match verdicts.len() {
             0 => "No claims were checked.".to_string(),
             all => format!(
@@ -202,6 +203,9 @@ impl Page<'_> {
         if open > 0 {
             let _ = write!(claims, "; {open} could not be shown");
         }
+        if cut > 0 {
+            let _ = write!(claims, "; {cut} not covered");
+        }
         let class = match fails {
             _ if claim::any_failed(&verdicts) => "bad",
             0 => "good",
@@ -210,7 +214,18 @@ impl Page<'_> {
         let card = |class: &str, head: &str, body: &str| {
             format!("<div class=\"card {class}\"><h3>{head}</h3><p>{body}</p></div>\n")
         };
-        card("speed", "Fastest", &document::inline_html(&sections::winners::sentence(&contests)))
+        let answer = match self.parts {
+            [part] => part.sentence(),
+            parts => {
+                // Where arithmetics are compared, the detectors are not the question.
+                let asked = |part: &&Part| part.price.is_empty() && !part.contests.is_empty();
+                let timed = parts.iter().filter(asked);
+                let by: Vec<(&str, &[Contest])> =
+                    timed.map(|part| (&*part.experiment.name, &*part.contests)).collect();
+                sections::winners::by_experiment(&by)
+            }
+        };
+        card("speed", "Fastest", &document::inline_html(&answer))
             + &card(if defects > 0 { "bad" } else { "good" }, "Right", &right)
             + &card(class, "Claims", &claims)
     }
@@ -233,11 +248,11 @@ impl Page<'_> {
             let _ = write!(out, "<article>\n<h3>{}</h3>\n", escape(&part.experiment.question));
             // Of a single experiment the card has said it.
             if self.parts.len() > 1 && !part.contests.is_empty() {
-                let sentence = sections::winners::sentence(&part.contests);
-                let _ = writeln!(out, "<p class=\"lead\">{}</p>", document::inline_html(&sentence));
+                let sentence = document::inline_html(&part.sentence());
+                let _ = writeln!(out, "<p class=\"lead\">{sentence}</p>");
             }
-            if let Some(headline) = &part.headline {
-                let _ = writeln!(out, "<p>{}</p>", document::inline_html(headline));
+            if let Some(headline) = part.headline.as_ref().filter(|headline| !headline.answers) {
+                let _ = writeln!(out, "<p>{}</p>", document::inline_html(&headline.text));
             }
             if part.contests.iter().any(|contest| !contest.others.is_empty()) {
                 let marks = answer::Marks { detectors, styles: self.styles };
@@ -272,7 +287,7 @@ impl Page<'_> {
                 let (class, sign) = match verdict.status {
                     Status::Holds => ("good", "✓"),
                     Status::Fails => ("bad", "✗"),
-                    Status::NotShown => ("open", "–"),
+                    Status::NotCovered | Status::NotShown => ("open", "–"),
                 };
                 let source = if verdict.source.is_empty() {
                     String::new()

@@ -4,10 +4,11 @@ use serde_json::Value;
 
 use super::Page;
 use crate::present::escape::html as escape;
+use crate::present::sections::conditions;
 
 impl Page<'_> {
     pub(super) fn machine(&self) -> String {
-        let Some(Value::Object(fields)) = self.provenance else {
+        let Some(Value::Object(fields)) = self.origin.provenance else {
             return "<p>This folder has no provenance.json: nothing is known.</p>".into();
         };
         let line = |(name, value): (&String, &Value)| {
@@ -17,22 +18,31 @@ impl Page<'_> {
                 escape(&shown(value))
             )
         };
-        format!("<dl>\n{}</dl>", fields.iter().map(line).collect::<String>())
+        let fields = fields.iter().map(line).collect::<String>();
+        let load = conditions::load(self.origin.conditions);
+        let load = load.map(|said| format!("<p>{}</p>\n", escape(&said))).unwrap_or_default();
+        let programs = conditions::programs(self.origin.ledger);
+        let programs = programs.iter().map(|said| format!("<li>{}</li>\n", escape(said)));
+        let programs = match programs.collect::<String>() {
+            none if none.is_empty() => none,
+            items => format!("<h3>Programs</h3>\n<ul>\n{items}</ul>\n"),
+        };
+        format!("{load}<dl>\n{fields}</dl>\n{programs}")
     }
 
     /// The commands that made the record and this page.
     pub(super) fn commands(&self) -> String {
-        let made = self.provenance.into_iter().chain(&self.resumed);
+        let made = self.origin.provenance.into_iter().chain(&self.resumed);
         let mut lines: Vec<String> =
             made.filter_map(|fields| fields.get("command")).map(command).collect();
         lines.push("contactbench report FOLDER".into());
         let comments = ["# makes this page again, from the record alone"];
         let revision = self
+            .origin
             .provenance
             .and_then(|fields| fields.get("revision")?.as_str())
             .map(|revision| format!("git checkout {revision}"));
-        let dirty =
-            self.provenance.is_some_and(|fields| fields.get("dirty") == Some(&Value::Bool(true)));
+        let dirty = self.origin.conditions.dirty == Some(true);
         let last = lines.pop().map(|line| format!("{line}   {}", comments[0]));
         let text: Vec<String> = revision
             .into_iter()

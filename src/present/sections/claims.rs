@@ -3,18 +3,29 @@
 use crate::findings::claim::{Evidence, Found, Series, Status, Verdict, Without};
 use crate::number::{number, percent, plural};
 use crate::present::document::{Block, Text};
+use crate::present::sections::coverage::uncovered;
 use crate::present::table::{Cell, Column, Table};
 use crate::record::row::Outcome;
 use crate::stats::growth::{LIMIT, Tail};
 
-/// `26 claims: 25 hold, 0 fail, 1 could not be shown`.
+/// `26 claims: 25 hold, 1 fails, 0 could not be shown`.
 pub fn score(verdicts: &[Verdict]) -> String {
     let count = |status: Status| verdicts.iter().filter(|verdict| verdict.status == status).count();
     let (holds, fails, open) =
         (count(Status::Holds), count(Status::Fails), count(Status::NotShown));
+    let verb = |count: usize, verb: &str| match count {
+        1 => format!("1 {verb}s"),
+        _ => format!("{count} {verb}"),
+    };
+    let all = plural(verdicts.len(), "claim");
+    let cut = match count(Status::NotCovered) {
+        0 => String::new(),
+        cut => format!(", {cut} not covered"),
+    };
     format!(
-        "{}: {holds} hold, {fails} fail, {open} could not be shown",
-        plural(verdicts.len(), "claim")
+        "{all}: {}, {}, {open} could not be shown{cut}",
+        verb(holds, "hold"),
+        verb(fails, "fail")
     )
 }
 
@@ -25,7 +36,13 @@ const SERIES: usize = 3;
 pub fn evidence(evidence: &Evidence) -> String {
     let machine = if evidence.of_machine { "of this machine: " } else { "" };
     let without = evidence.without.as_ref().map_or_else(String::new, left_out);
-    format!("{machine}{}{without}", found(&evidence.found))
+    let Some(cut) = evidence.uncovered.as_ref().map(uncovered) else {
+        return format!("{machine}{}{without}", found(&evidence.found));
+    };
+    match &evidence.found {
+        Found::NoRows | Found::NoCell | Found::NoValue | Found::NoTimes { .. } => cut,
+        there => format!("{cut}; of the rest: {machine}{}{without}", found(there)),
+    }
 }
 
 /// `; without 4 of 7 cells: 3 refused, 1 timeout`.
@@ -155,7 +172,8 @@ pub fn blocks(verdicts: &[Verdict]) -> Vec<Block> {
         Block::Table(Table::new("", columns).with(verdicts.iter().map(row))),
         Block::paragraph(
             "Claims are checked from counts, bytes and digests, which are the same on every \
-             machine, except those marked \"of this machine\".",
+             machine, except those marked \"of this machine\". A claim holds over all that the \
+             experiment plans; where a part of that is not in the record, it is not covered.",
         ),
     ]
 }
@@ -191,6 +209,7 @@ mod tests {
                 found: Found::Unusable("a long reason, ".repeat(9)),
                 of_machine: false,
                 without: None,
+                uncovered: None,
             },
         };
         let text = plain(&terminal(&[verdict.clone(), verdict.clone()]), 80);

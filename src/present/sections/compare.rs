@@ -1,10 +1,12 @@
 //! Two records compared: tables for a terminal, and the words for what was found.
 
 use crate::findings::compare::{
-    Absent, Change, Compared, Judgement, Lack, Note, Options, Summary, Timing,
+    Absent, Against, Change, Compared, Judgement, Lack, Note, Options, Summary, Timing,
 };
-use crate::number::{number, plural};
+use crate::findings::noise::Noise;
+use crate::number::{number, percent, plural};
 use crate::present::table::{Cell, Column, Table};
+use crate::record::hardware::size_of;
 use crate::record::machines::Machine;
 
 /// `digest 0x01 -> 0x02`.
@@ -41,22 +43,32 @@ pub fn note(timing: &Timing, options: &Options) -> String {
         Some(Note::Machines) => options.machines.as_ref().map_or(String::new(), machines),
         Some(Note::Reference) => "it is the reference".into(),
         Some(Note::NoReference(name)) => format!("{name} has no times on this scene in both"),
+        Some(Note::NoControl) => "no control in both".into(),
         Some(Note::FewBlocks(a, b)) => format!("too few blocks: {a} and {b}"),
     }
 }
 
 fn machines(machines: &[Machine; 2]) -> String {
-    let [a, b] = machines.each_ref().map(|Machine { name, cpu, cores }| {
+    let [a, b] = machines.each_ref().map(|Machine { name, hardware }| {
         let name = if name.is_empty() { "an unnamed machine" } else { name };
-        match (cpu, cores) {
-            (Some(cpu), Some(cores)) => {
-                format!("{name} ({cpu}, {})", plural(*cores as usize, "core"))
-            }
-            (Some(cpu), None) => format!("{name} ({cpu})"),
-            _ => name.to_string(),
-        }
+        let cores = hardware.cores.map(|cores| plural(cores as usize, "core"));
+        let caches = hardware.caches.iter().filter(|(level, _)| level.as_str() > "L1z");
+        let caches = caches.map(|(level, size)| format!("{level} {}", cache(size)));
+        let known: Vec<String> =
+            hardware.cpu.clone().into_iter().chain(cores).chain(caches).collect();
+        if known.is_empty() { name.into() } else { format!("{name} ({})", known.join(", ")) }
     });
-    format!("two machines: {a} and {b}")
+    let same = if a == b { ", which differ in family, stepping, flags or memory" } else { "" };
+    format!("two machines: {a} and {b}{same}")
+}
+
+/// `480 MiB`; a size that cannot be read as it stands there.
+fn cache(size: &str) -> String {
+    match size_of(size) {
+        Some(bytes) if bytes >= 1 << 20 => format!("{} MiB", number(bytes as f64 / 1048576.0)),
+        Some(bytes) => format!("{} KiB", bytes >> 10),
+        None => size.into(),
+    }
 }
 
 fn builds([a, b]: &[String; 2]) -> String {
@@ -65,21 +77,42 @@ fn builds([a, b]: &[String; 2]) -> String {
 
 /// How times are compared, in a sentence.
 pub fn pairing(how: &Options) -> String {
+    if how.side_by_side.is_some() {
+        return "side by side: in each block both took turns on one processor, in fresh processes"
+            .into();
+    }
     match (&how.against, &how.builds, &how.machines) {
         (_, Some(found), _) => format!("{}: shown, not judged", builds(found)),
-        (Some(name), ..) => format!(
-            "each a multiple of {name}'s in the same block; the multiples of the two folders are \
-             not paired. What changed {name} itself is hidden"
+        (Some(Against { detector, drift }), ..) => format!(
+            "each a multiple of that of {detector} in the same block. What changed {detector} \
+             itself is hidden; its own times are up to {} apart between the two (nine in ten \
+             cells): nothing less is told",
+            percent(drift - 1.0)
         ),
         (None, _, Some(found)) => format!(
             "{}: shown, not judged; --against DETECTOR compares multiples of its time",
             machines(found)
         ),
-        (None, None, None) => "not paired, because the folders were measured at different times: \
-                               what else ran then is in the difference; --against DETECTOR takes \
-                               most of it out"
+        (None, None, None) => "shown, not judged: the folders were measured at different times, \
+                               and have no control in common; --against DETECTOR compares \
+                               multiples of its time; builds are compared side by side with \
+                               contactbench run --against PROGRAM"
             .into(),
     }
+}
+
+/// What equal code differed by where builds took turns, in a sentence.
+pub fn floor(noise: &Noise) -> String {
+    let (outside, cells) = noise
+        .twins
+        .iter()
+        .fold((0, 0), |(outside, cells), twin| (outside + twin.outside, cells + twin.cells));
+    format!(
+        "this build against itself, the same way: {outside} of {} exclude 1; nine in ten are \
+         within {}",
+        plural(cells, "interval"),
+        percent(noise.floor - 1.0)
+    )
 }
 
 /// `1.012 (1.003 to 1.021)`: the differences of interest are small.
@@ -137,7 +170,12 @@ pub fn summary(found: &Summary, band_percent: f64, gated: bool) -> [String; 2] {
     let compared = plural(found.cells - found.absent, "cell");
     let judged: Vec<String> =
         found.judged.iter().map(|(verdict, count)| format!("{count} {}", verdict.name())).collect();
-    let judged = if judged.is_empty() { "none".into() } else { judged.join(", ") };
+    let mut judged = if judged.is_empty() { "none".into() } else { judged.join(", ") };
+    if let Some((typical, most)) = found.least {
+        let [typical, most] = [typical, most].map(|least| percent(least - 1.0));
+        judged +=
+            &format!("; a slowdown by {typical} would show (median of cells; at most {most})");
+    }
     let gate = if gated { "gated" } else { "not gated" };
     [
         format!(

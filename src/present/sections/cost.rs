@@ -1,10 +1,11 @@
 //! What an operation costs, and where detectors would overtake each other by that.
 
-use crate::findings::cost::{Fit, Term};
+use crate::findings::cost::{Fit, Kind, Term};
 use crate::findings::crossover::{CostModel, Crossing, Prediction, RANGE};
 use crate::number::{number, percent, plural};
-use crate::present::document::Block;
+use crate::present::document::{Block, Text};
 use crate::present::table::{Cell, Column, Table};
+use crate::stats::interval::median;
 
 /// The section of a report; `None` where nothing could be fitted.
 pub fn blocks(found: Option<&CostModel>) -> Vec<Block> {
@@ -19,8 +20,8 @@ pub fn blocks(found: Option<&CostModel>) -> Vec<Block> {
                residuals, for every detector (and order of particles) on its own. Operations that \
                always go together share a cost, which is that of one of any of them; in brackets \
                is what is found when one scene after the other is left out: where that range is \
-               wide, the times do not determine the cost. The model knows no caches: their effect \
-               is in the residuals.";
+               wide, the times do not determine the cost. Beyond a cache every operation costs \
+               more, by the same for each doubling of what a detection touches.";
     let mut out = vec![Block::paragraph(how), Block::Table(costs(found))];
     if found.couples > 0 {
         out.push(Block::paragraph(format!(
@@ -29,6 +30,18 @@ pub fn blocks(found: Option<&CostModel>) -> Vec<Block> {
             plural(found.couples, "couple"),
             percent(found.right as f64 / found.couples as f64)
         )));
+    }
+    if let Some(typical) = median(&found.held_out) {
+        let worst = found.held_out.iter().copied().fold(1.0, f64::max);
+        out.push(Block::Paragraph(
+            Text::from("Fitted without the largest N of each detector, it misses the times there ")
+                .strong(format!("by a factor of {typical:.2}"))
+                .plain(format!(
+                    " (median of {}; at most {worst:.2}): what it foretells beyond the N measured \
+                     is no better than that.",
+                    plural(found.held_out.len(), "cell")
+                )),
+        ));
     }
     if !found.predictions.is_empty() {
         out.extend(predictions(&found.predictions));
@@ -66,9 +79,10 @@ fn head(fit: &Fit, orders: bool) -> [Cell; 3] {
 fn cost(term: &Term) -> [Cell; 2] {
     let range = format!(" ({} to {})", number(term.low), number(term.high));
     let cost = number(term.ns) + if term.low < term.high { &range } else { "" };
-    let words = match &*term.operations {
-        [] => "(per detection)".to_string(),
-        operations => operations.join(" + "),
+    let words = match &term.kind {
+        Kind::Detection => "(per detection)".to_string(),
+        Kind::Beyond(cache, _) => format!("(every operation, per doubling beyond {cache})"),
+        Kind::Operations(operations) => operations.join(" + "),
     };
     [words.into(), cost.into()]
 }

@@ -1,9 +1,19 @@
 //! Cells without a right answer, in a line per contender, scene and outcome.
 
-use crate::findings::failures::Failure;
+use crate::findings::failures::{Culprit, Failure};
 use crate::number::plural;
 use crate::present::document::Block;
 use crate::present::table::{Column, Table};
+use crate::record::row::Outcome;
+
+/// Who is wrong, in a sentence.
+pub fn culprit(culprit: &Culprit) -> String {
+    let Culprit { name, outcome, cells, first, reason } = culprit;
+    let what = if *outcome == Outcome::Wrong { "WRONG" } else { "CRASHED" };
+    let cells = plural(*cells, "cell");
+    let reason = if reason.is_empty() { String::new() } else { format!(": {reason}") };
+    format!("{what}: {name}, in {cells}, first in {first}{reason}")
+}
 
 /// A table; nothing if every cell ended well.
 pub fn blocks(found: &[Failure]) -> Vec<Block> {

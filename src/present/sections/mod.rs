@@ -8,7 +8,9 @@ pub mod bound;
 mod by_size;
 pub mod claims;
 pub mod compare;
+pub mod conditions;
 pub mod cost;
+pub mod coverage;
 pub mod errors;
 pub mod failures;
 pub mod noise;
@@ -53,8 +55,20 @@ impl Files {
 }
 
 /// The sentence at the head of a report, if the experiment asks for a comparison.
-pub fn headline(experiment: &Experiment, own: &[&Cell]) -> Option<Text> {
-    Some(ratios::headline(&Ratios::new(own, experiment.ratios_to.as_deref()?)?))
+pub struct Headline {
+    /// The sentence.
+    pub text: Text,
+    /// Is it what the experiment asks, so that who the fastest of all is need not be said?
+    pub answers: bool,
+}
+
+impl Headline {
+    /// Of these cells.
+    pub fn new(experiment: &Experiment, own: &[&Cell]) -> Option<Headline> {
+        let found = Ratios::new(own, experiment.ratios_to.as_deref()?)?;
+        let answers = !found.libraries.is_empty();
+        Some(Headline { text: ratios::headline(&found), answers })
+    }
 }
 
 /// The sections of an experiment.
@@ -95,9 +109,9 @@ pub fn sections(
     }
     if experiment.cost_model {
         out.push(Block::heading(3, "What an operation costs"));
-        for (machine, cells) in by_machine(own) {
-            out.extend(of_machine(&machine));
-            out.extend(cost::blocks(CostModel::new(&cells).as_ref()));
+        for (name, cells) in by_machine(own) {
+            out.extend(of_machine(&name));
+            out.extend(cost::blocks(CostModel::new(&cells, &machine.caches).as_ref()));
         }
     }
     if experiment.ratios_to.is_some() || experiment.bound || experiment.cost_model {

@@ -14,7 +14,7 @@ fn sentence(twin: &Twin, floor: f64) -> String {
         "{} is the code of {}, measured again. Over {} it takes {} times as long; in a cell the \
          two are typically {} apart, at worst by a ratio of {}. {} of {} intervals exclude 1, \
          where chance gives {}. Nine in ten cells are within a factor of {floor:.2}, the noise \
-         floor: a smaller difference between detectors is called undecided.",
+         floor: a smaller difference is called undecided, at each N by the floor there.",
         twin.name,
         twin.original,
         plural(twin.cells, "cell"),

@@ -2,14 +2,50 @@
 //! ratios.
 
 use super::by_size::{self, per_particle};
-use crate::findings::ratios::{Entry, Fastest, Missing, NEAR, Near, Ratios, SceneRatios};
+use crate::findings::ratios::{Entry, Fastest, Library, Missing, NEAR, Near, Ratios, SceneRatios};
 use crate::number::{number, plural, times, with_interval};
 use crate::present::document::{Block, Text};
 use crate::present::table::{Cell, Column, Table};
 use crate::record::row::Outcome;
 
-/// Where the reference is near the fastest, in a sentence.
+/// The answer in a sentence: how far the fastest library is behind; without libraries, where the
+/// reference is near the fastest.
 pub fn headline(found: &Ratios) -> Text {
+    if found.libraries.is_empty() { near_fastest(found) } else { over_libraries(found) }
+}
+
+/// By scene, against the fastest library there.
+fn over_libraries(found: &Ratios) -> Text {
+    let all = &found.libraries;
+    let decided = |ahead: bool| -> Vec<&Library> {
+        all.iter().filter(|it| it.decided && (it.ratio.median > 1.0) == ahead).collect()
+    };
+    let (ahead, behind) = (decided(true), decided(false));
+    let (scenes, reference) = (plural(all.len(), "scene"), &found.reference);
+    let claim =
+        format!("{reference} is faster than the fastest library in {} of {scenes}", ahead.len());
+    let mut rest = " (one thread, each N a scene)".to_string();
+    let by_median = |a: &&&Library, b: &&&Library| a.ratio.median.total_cmp(&b.ratio.median);
+    let least = ahead.iter().min_by(by_median);
+    if let (Some(least), Some(most)) = (least, ahead.iter().max_by(by_median)) {
+        let at = |it: &Library| format!("({}; {}, N = {})", it.name, it.title, it.n);
+        let [low, high] = [least, most].map(|it| times(it.ratio.median));
+        rest += &format!("; that library takes {low} times as long {}", at(least));
+        if ahead.len() > 1 {
+            rest += &format!(" to {high} times {}", at(most));
+        }
+    }
+    let open = all.len() - ahead.len() - behind.len();
+    for (count, words) in [(behind.len(), "slower in"), (open, "undecided in")] {
+        if count > 0 {
+            rest += &format!("; {words} {count}");
+        }
+    }
+    Text::new().strong(claim).plain(rest + ".")
+}
+
+/// Where the reference is near the fastest.
+fn near_fastest(found: &Ratios) -> Text {
     let all: Vec<Near> = found.fastest().map(|(_, fastest)| fastest.near).collect();
     let count = |wanted: fn(&Near) -> bool| all.iter().filter(|near| wanted(near)).count();
     let fastest = count(|near| matches!(near, Near::Fastest));
@@ -43,6 +79,8 @@ pub fn blocks(found: &Ratios) -> Vec<Block> {
          it has one, else exact): median of the ratios within a block, and its interval. Below 1 \
          is faster than the reference. ",
     );
+    let libraries = Block::Table(libraries(&found.libraries, &found.reference));
+    let libraries = (!found.libraries.is_empty()).then_some(libraries);
     let how = how
         .emphasis("wrong (0.45)")
         .plain(
@@ -51,11 +89,12 @@ pub fn blocks(found: &Ratios) -> Vec<Block> {
         )
         .link("ratios.csv", "ratios.csv")
         .plain(".");
-    let mut out = vec![
-        Block::Paragraph(headline(found)),
-        Block::Table(fastest(found)),
-        Block::Paragraph(how),
-    ];
+    let mut out = vec![Block::Paragraph(headline(found))];
+    out.extend(libraries);
+    if !found.libraries.is_empty() {
+        out.push(Block::Paragraph(near_fastest(found)));
+    }
+    out.extend([Block::Table(fastest(found)), Block::Paragraph(how)]);
     let scenes = found.scenes.iter().filter(|scene| !scene.entries.lines.is_empty());
     out.extend(scenes.map(|scene| Block::Table(by_size::table(&scene.entries, Vec::new(), cell))));
     if !found.missing.is_empty() {
@@ -67,6 +106,26 @@ pub fn blocks(found: &Ratios) -> Vec<Block> {
         out.push(Block::List(found.missing.iter().map(line).collect()));
     }
     out
+}
+
+fn libraries(found: &[Library], reference: &str) -> Table {
+    let columns = vec![
+        Column::left("scene"),
+        Column::right("N", ""),
+        Column::left("fastest library"),
+        Column::right(format!("its time / {reference}"), ""),
+        Column::left("decided"),
+    ];
+    let row = |it: &Library| {
+        vec![
+            it.title.as_str().into(),
+            Cell::count(it.n),
+            it.name.as_str().into(),
+            Cell::ratio(&it.ratio),
+            if it.decided { "yes".into() } else { "undecided".into() },
+        ]
+    };
+    Table::new("", columns).with(found.iter().map(row))
 }
 
 fn fastest(found: &Ratios) -> Table {

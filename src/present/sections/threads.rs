@@ -11,8 +11,9 @@ pub fn blocks(found: &Threads) -> Vec<Block> {
     let how = Text::from(
         "Speed-up: the time with one thread over that with several. Ceiling: the throughput of as \
          many copies with one thread each, at work at the same time, over that of one alone. \
-         Fraction: the first over the second; over 100% is possible, since copies share no cache \
-         lines and threads do. All are paired within blocks; the numbers are in ",
+         Fraction: the throughput with several threads over \
+         that of the copies; over 100% is possible, since copies share no cache lines and threads \
+         do. All are paired within blocks; the numbers are in ",
     );
     let how = how.link("threads.csv", "threads.csv").plain(".");
     let sentences = found.typical.iter().map(|typical| Block::Paragraph(sentence(typical)));

@@ -22,11 +22,14 @@ pub fn sentence(contests: &[Contest]) -> Text {
                 "No times were taken: only answers, counts and memory.".into()
             }
             Some(name) => Text::new().strong(name.as_str()).plain(" was timed alone."),
-            None => format!(
-                "Undecided in all of {}: nobody is faster than the next by more than the noise.",
-                plural(tally.scenes, "scene")
-            )
-            .into(),
+            None => {
+                let scenes = match tally.scenes {
+                    1 => String::new(),
+                    more => format!(" in all of {}", plural(more, "scene")),
+                };
+                let why = "nobody is faster than the next by more than the noise";
+                format!("Undecided{scenes}: {why}.").into()
+            }
         };
     };
     let wins = format!("{} of {}", first.margins.len(), plural(tally.scenes, "scene"));
@@ -53,6 +56,25 @@ pub fn sentence(contests: &[Contest]) -> Text {
     out.plain(end)
 }
 
+/// Of several experiments together: who is the fastest in each. Their scenes are not added up: some
+/// are one size of one pack, others six scenes at their largest.
+pub fn by_experiment(experiments: &[(&str, &[Contest])]) -> Text {
+    let mut out = Text::new();
+    for (k, (name, contests)) in experiments.iter().enumerate() {
+        let tally = Tally::new(contests);
+        out = out.plain(if k == 0 { "" } else { "; " }).plain(format!("{name}: "));
+        out = match tally.wins.first() {
+            Some(first) => out.strong(first.detector.as_str()).plain(format!(
+                " in {} of {}",
+                first.margins.len(),
+                plural(tally.scenes, "scene")
+            )),
+            None => out.plain("undecided"),
+        };
+    }
+    out.plain(".")
+}
+
 /// A line per scene.
 pub fn table(contests: &[Contest]) -> Table {
     let columns = vec![
@@ -65,9 +87,10 @@ pub fn table(contests: &[Contest]) -> Table {
     ];
     let row = |contest: &Contest| {
         let next = contest.others.first();
+        let first = Cell::from(contest.first.name.as_str());
         vec![
             contest.title.as_str().into(),
-            Cell::from(contest.first.name.as_str()).strong(),
+            if contest.decided { first.strong() } else { first },
             Cell::number(contest.first.per_particle),
             next.map_or("alone".into(), |next| next.name.as_str().into()),
             next.and_then(|next| next.ratio).into(),
@@ -113,7 +136,21 @@ mod tests {
             ),
             "{text}"
         );
-        assert!(text.contains("| 1.00 (1.00 to 1.00) | undecided |"), "{text}");
+        let undecided =
+            "| loose, 2D, N = 100 | nbs | 1 | sorting | 1.00 (1.00 to 1.00) | undecided |";
+        assert!(text.contains(undecided), "{text}");
+    }
+
+    #[test]
+    fn scenes_of_several_experiments_are_not_added_up() {
+        let mut lab = Lab::new("e", "packed");
+        lab.detector("nbs").time(&[1000; 15]).detector("sorting").time(&[2500; 15]);
+        lab.scene("loose", 2).detector("nbs").time(&[100; 15]).detector("sorting").time(&[100; 15]);
+        let cells = cells::cells(&lab.rows());
+        let all = contests(&cells.iter().collect::<Vec<_>>());
+        let both = [("one", &all[..]), ("two", &all[..1])];
+        let said = markdown(&[Block::Paragraph(by_experiment(&both))]);
+        assert_eq!(said, "one: **nbs** in 1 of 2 scenes; two: undecided.\n\n");
     }
 
     #[test]

@@ -11,6 +11,7 @@ fn shell(protocol: u32, script: &str) -> Client {
         install: String::new(),
         time_limit: Duration::from_secs(10),
         memory_limit: 1 << 30,
+        processor: None,
     };
     Client::start(&start).unwrap()
 }

@@ -57,6 +57,12 @@ pub const GENERATOR: Generator = Generator {
             default: [Preset::Absent; 2],
             meaning: "the format, where content and ending do not tell",
         },
+        Parameter {
+            name: "columns",
+            kind: Kind::Text,
+            default: [Preset::Absent; 2],
+            meaning: "which column of a text holds what, as in x=3,y=4,z=5,r=6",
+        },
     ],
     make: |inputs| {
         let path = Path::new(inputs.text("path")?);
@@ -72,12 +78,20 @@ pub const GENERATOR: Generator = Generator {
             ),
             Err(_) => None,
         };
+        let columns = match inputs.text("columns") {
+            Ok(text) => Some(
+                text.parse()
+                    .map_err(|must| anyhow::anyhow!("file: columns is '{text}'; {must}"))?,
+            ),
+            Err(_) => None,
+        };
         let dim = inputs.whole("file-dim").ok().map(|dim| dim as u32);
         let options = io::Options {
             radius: inputs.number("radius").ok(),
             dim,
             frame,
             format,
+            columns,
             ..io::Options::NONE
         };
         let scene = io::scene(path, options)?;

@@ -6,6 +6,7 @@ use std::collections::BTreeMap;
 use anyhow::{bail, ensure};
 use serde_json::Value;
 
+use crate::nearest::hint;
 use crate::scene::generate::{Inputs, book, clustered, couples, file, hard, loose, packed};
 use crate::scene::{self, AnyScene};
 
@@ -113,13 +114,16 @@ impl std::fmt::Display for Preset {
     }
 }
 
+/// What every scene takes beside its generator's parameters.
+const COMMON: [&str; 4] = ["dim", "n", "seed", "order"];
+
 /// The generator of that name.
 pub fn find(name: &str) -> anyhow::Result<&'static Generator> {
     let names = || GENERATORS.map(|generator| generator.name).join(", ");
-    GENERATORS
-        .iter()
-        .find(|generator| generator.name == name)
-        .ok_or_else(|| anyhow::anyhow!("there is no scene '{name}'; the scenes are: {}", names()))
+    GENERATORS.iter().find(|generator| generator.name == name).ok_or_else(|| {
+        let hint = hint(name, GENERATORS.iter().map(|generator| generator.name));
+        anyhow::anyhow!("there is no scene '{name}'{hint}; the scenes are: {}", names())
+    })
 }
 
 impl Generator {
@@ -151,7 +155,12 @@ impl Generator {
                     .map(|parameter| parameter.name)
                     .collect::<Vec<_>>()
                     .join(", ");
-                bail!("{}: there is no parameter '{name}'; the parameters are: {known}", self.name);
+                let own = self.params.iter().map(|parameter| parameter.name);
+                let hint = hint(name, own.chain(COMMON));
+                bail!(
+                    "{}: there is no parameter '{name}'{hint}; the parameters are: {known}",
+                    self.name
+                );
             }
         }
         let mut all = BTreeMap::new();
@@ -208,7 +217,11 @@ impl Kind {
         let number = |good: fn(f64) -> bool| {
             value.as_f64().filter(|&x| x.is_finite() && good(x)).map(Value::from)
         };
-        let whole = |good: fn(u64) -> bool| value.as_u64().filter(|&k| good(k)).map(Value::from);
+        // 1e3 is a whole number, too.
+        let whole = |good: fn(u64) -> bool| {
+            let real = || value.as_f64().and_then(|x| crate::number::whole(&x.to_string()));
+            value.as_u64().or_else(real).filter(|&k| good(k)).map(Value::from)
+        };
         let text =
             |good: &dyn Fn(&str) -> bool| value.as_str().filter(|text| good(text)).map(Value::from);
         let good = match self {

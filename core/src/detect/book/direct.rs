@@ -4,8 +4,9 @@
 //!
 //! * Cost: exactly N(N-1)/2 contact tests for N particles, whatever their places. Memory: none.
 //! * Deviation from the book: none. With several threads, rows of the triangle are shared out and
-//!   their contacts collected (memory: the contacts); counting passes run on one thread, since the
-//!   counts are the same.
+//!   their contacts collected (memory: 8 bytes for each, in lists of twice the length at most);
+//!   counting passes run on one thread, since the counts are the same.
+//! * Refuses, with several threads, contacts over the memory limit.
 
 use crate::contact::Bodies;
 use crate::detect::{Declare, Detector, Options, Refusal};
@@ -17,15 +18,17 @@ use crate::sink::Sink;
 /// Tests every pair.
 pub struct Direct {
     options: Options,
+    /// Of the contacts that threads have found.
+    collected: u64,
 }
 
 impl Declare for Direct {
     fn with(options: Options) -> Direct {
-        Direct { options }
+        Direct { options, collected: 0 }
     }
 
     fn formula_bytes(&self) -> u64 {
-        0
+        self.collected
     }
 }
 
@@ -37,18 +40,35 @@ impl<T: Real, const D: usize> Detector<T, D> for Direct {
         sink: &mut S,
     ) -> Result<(), Refusal> {
         let n = bodies.len() as u32;
+        self.collected = 0;
         if self.options.threads > 1 && P::SILENT {
-            let found = parallel::contacts(n as usize, self.options.threads, &|rows, pairs| {
-                for i in rows {
-                    row(&bodies, i as u32, n, &mut Silent, pairs);
-                }
-            });
-            sink.gather(&found.iter().map(Vec::as_slice).collect::<Vec<_>>());
-        } else {
-            for i in 0..n {
-                row(&bodies, i, n, probe, sink);
-            }
+            return self.by_threads(bodies, sink);
         }
+        for i in 0..n {
+            row(&bodies, i, n, probe, sink);
+        }
+        Ok(())
+    }
+}
+
+impl Direct {
+    /// Out of line, and with a copy of the bodies: taken by reference here, they would be read from
+    /// memory for every pair there.
+    #[inline(never)]
+    fn by_threads<T: Real, const D: usize, B: Bodies<T, D>, S: Sink>(
+        &mut self,
+        bodies: B,
+        sink: &mut S,
+    ) -> Result<(), Refusal> {
+        let Options { threads, memory_limit } = self.options;
+        let n = bodies.len();
+        let found = parallel::contacts((n, n), threads, memory_limit, &|rows, pairs| {
+            for i in rows {
+                row(&bodies, i as u32, n as u32, &mut Silent, pairs);
+            }
+        })?;
+        self.collected = parallel::bytes(&found);
+        sink.gather(&found.iter().map(Vec::as_slice).collect::<Vec<_>>());
         Ok(())
     }
 }

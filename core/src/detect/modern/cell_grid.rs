@@ -15,7 +15,7 @@
 //! * Refuses domains of 2^31 cells and more along an axis, and scenes over the memory limit: loose
 //!   packs, far-away particles.
 //! * With several threads, rows are shared out for the second step and their contacts collected
-//!   (memory: the contacts).
+//!   (memory: 8 bytes for each, in lists of twice the length at most; under the limit like all).
 //! * Deviations from the sources: cells are wider by 4 parts in a million
 //!   ([`crate::filter::cells`]); the number of a body's cell is computed again in the second pass
 //!   of the sort, and not kept.
@@ -37,17 +37,19 @@ pub struct CellGrid<const D: usize> {
     /// Where the records of each cell begin, and those of the last one end.
     starts: Vec<u32>,
     records: Vec<Record<D>>,
+    /// Bytes of the contacts that threads have found.
+    collected: u64,
 }
 
 impl<const D: usize> Declare for CellGrid<D> {
     const DECIDES_FROM_COPIES: bool = true;
 
     fn with(options: Options) -> CellGrid<D> {
-        CellGrid { options, starts: Vec::new(), records: Vec::new() }
+        CellGrid { options, starts: Vec::new(), records: Vec::new(), collected: 0 }
     }
 
     fn formula_bytes(&self) -> u64 {
-        4 * self.starts.len() as u64 + Record::<D>::BYTES * self.records.len() as u64
+        self.arrays() + self.collected
     }
 }
 
@@ -62,10 +64,10 @@ impl<T: Real, const D: usize> Detector<T, D> for CellGrid<D> {
         self.prepare(&cells, bodies.len())?;
         self.sort(&bodies, &cells, probe);
         let slack = bodies.slack();
-        match bodies.uniform() {
+        self.collected = match bodies.uniform() {
             Some(radius) => self.search(&bodies, One::new(radius, slack), &cells, probe, sink),
             None => self.search(&bodies, Each::new(slack), &cells, probe, sink),
-        }
+        }?;
         Ok(())
     }
 }
@@ -118,6 +120,12 @@ impl<const D: usize> CellGrid<D> {
         }
     }
 
+    /// Bytes.
+    fn arrays(&self) -> u64 {
+        4 * self.starts.len() as u64 + Record::<D>::BYTES * self.records.len() as u64
+    }
+
+    /// Finds the contacts; the bytes of those that threads have collected.
     fn search<T: Real, P: Probe>(
         &self,
         bodies: &impl Bodies<T, D>,
@@ -125,18 +133,22 @@ impl<const D: usize> CellGrid<D> {
         cells: &Cells<D>,
         probe: &mut P,
         sink: &mut impl Sink,
-    ) {
+    ) -> Result<u64, Refusal> {
         let rows = inner(cells, 1) * inner(cells, 2);
-        if self.options.threads > 1 && P::SILENT {
+        let Options { threads, memory_limit } = self.options;
+        if threads > 1 && P::SILENT {
             let touch = |i, j, probe: &mut Silent| bodies.touch(i, j, probe);
             let judge = Judge::new(&touch, nearness);
-            let found = parallel::contacts(rows, self.options.threads, &|rows, pairs| {
+            let (count, left) = ((rows, bodies.len()), memory_limit.saturating_sub(self.arrays()));
+            let found = parallel::contacts(count, threads, left, &|rows, pairs| {
                 self.rows(&judge, rows, cells, &mut Silent, pairs)
-            });
+            })?;
             sink.gather(&found.iter().map(Vec::as_slice).collect::<Vec<_>>());
+            Ok(parallel::bytes(&found))
         } else {
             let touch = |i, j, probe: &mut P| bodies.touch(i, j, probe);
             self.rows(&Judge::new(&touch, nearness), 0..rows, cells, probe, sink);
+            Ok(0)
         }
     }
 

@@ -11,6 +11,7 @@ use super::ranges::ByCells;
 use super::slab::Slab;
 use super::{NAME, Run, Worker};
 use crate::detect::{Refusal, within};
+use crate::pair_list::{self, Allowance, PAIR_BYTES, PairList};
 use crate::parallel::{self, share};
 use crate::probe::{Op, Probe, Silent};
 use crate::sink::Sink;
@@ -76,17 +77,29 @@ impl<P: Probe, const D: usize> Run<'_, P, D> {
         }
         shares.push(from..plan.slabs);
         let touch = self.touch_silent;
-        parallel::for_each(workers, |k, worker| {
-            worker.pairs.clear();
+        let allowance = Allowance::new(self.options.memory_limit - *self.formula);
+        let mut tasks: Vec<_> = workers
+            .iter_mut()
+            .map(|worker| {
+                // Out of the worker while it works, so that both can be changed.
+                let mut pairs = std::mem::take(&mut worker.pairs);
+                pairs.clear();
+                (worker, PairList::behind(pairs, &allowance))
+            })
+            .collect();
+        parallel::for_each(&mut tasks, |k, (worker, pairs)| {
             // There may be fewer shares than workers.
             let Some(share) = shares.get(k) else { return };
-            // Out of the worker while it works, so that both can be changed.
-            let mut pairs = std::mem::take(&mut worker.pairs);
             let mut probe = Silent;
-            let mut deliver = Deliver::new(touch, &mut probe, &mut pairs);
+            let mut deliver = Deliver::new(touch, &mut probe, pairs);
             bundles.sweep::<EACH>(worker, share.clone(), &mut deliver);
-            worker.pairs = pairs;
         });
+        let (workers, found): (Vec<_>, Vec<_>) = tasks.into_iter().unzip();
+        for (worker, pairs) in workers.into_iter().zip(pair_list::lists(found, n)?) {
+            worker.pairs = pairs;
+            *self.formula += worker.pairs.capacity() as u64 * PAIR_BYTES;
+        }
+        let workers = &self.workers[..threads];
         sink.gather(&workers.iter().map(|worker| &worker.pairs[..]).collect::<Vec<_>>());
         Ok(())
     }

@@ -23,8 +23,8 @@
 //!   instead of 16 in 2D, 4 more with a radius per particle; two bundles of n particles and c
 //!   cells: `2(4(D + 2)(n + 16) + 4(c + 2))`. A bundle has 2,000 to 4,000 particles, or one layer
 //!   if that is more. In the sparse form: 24N, 32N with radii, and two layers. Some 9 KiB of
-//!   working space per thread. With several threads: two bundles each, and the contacts, which the
-//!   memory limit does not know; then a warm call allocates the list of shares.
+//!   working space per thread. With several threads: two bundles each, and the contacts, 8 bytes
+//!   each in lists of twice the length at most; then a warm call allocates the list of shares.
 //! * Refuses scenes of 2^31 cells and more along an axis in the sparse form, extents
 //!   that overflow, and more than 2^31 - 1 particles.
 //! * Threads: in the dense form, from 20,000 particles on.

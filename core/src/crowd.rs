@@ -1,0 +1,124 @@
+//! How many pairs a scene has, before they are looked for.
+//!
+//! Radii in another unit than the coordinates make every particle touch hundreds or all of the
+//! others. A sample tells in a moment what a detection would say after minutes.
+
+use crate::pair_list::PAIR_BYTES;
+use crate::refusal::Refusal;
+use crate::scene::{AnyScene, Real, Scene, array};
+use crate::sink::splitmix64;
+use crate::with_scene;
+
+/// So many particles are compared with all others.
+const SAMPLE: usize = 100;
+/// An estimate is sure of what it says less so many standard errors.
+const SURE: f64 = 4.0;
+
+/// Contacts per particle, from a sample.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Crowd {
+    /// In the mean.
+    pub mean: f64,
+    /// At least, as far as a sample can tell; the mean itself where all particles were asked.
+    pub least: f64,
+}
+
+impl Crowd {
+    /// Compares 100 random particles, the same in each call, with all others; all particles of a
+    /// smaller scene. Distances are rounded.
+    pub fn new(scene: &AnyScene<'_>) -> Crowd {
+        let n = scene.len();
+        let asked: Vec<usize> = if n <= SAMPLE {
+            (0..n).collect()
+        } else {
+            (0..SAMPLE as u64).map(|k| (splitmix64(k) % n as u64) as usize).collect()
+        };
+        let count = asked.len().max(1) as f64;
+        let found: Vec<f64> = with_scene!(scene, scene => {
+            asked.iter().map(|&i| touching(scene, i) as f64).collect()
+        });
+        let mean = found.iter().sum::<f64>() / count;
+        let square = found.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>();
+        let error = if n <= SAMPLE { 0.0 } else { (square / (count - 1.0) / count).sqrt() };
+        Crowd { mean, least: (mean - SURE * error).max(0.0) }
+    }
+}
+
+/// How many particles touch particle `i`. Where a square leaves the range of doubles, fewer.
+fn touching<T: Real, const D: usize>(scene: &Scene<'_, T, D>, i: usize) -> usize {
+    let centre = |k: usize| array(&scene.centres()[k]).map(Real::wide);
+    let (at, radius) = (centre(i), scene.radius(i).wide());
+    let touches = |j: usize| {
+        let other = centre(j);
+        let square: f64 = (0..D).map(|k| (at[k] - other[k]) * (at[k] - other[k])).sum();
+        let reach = radius + scene.radius(j).wide();
+        square <= reach * reach && square < f64::INFINITY && (reach * reach > 0.0 || at == other)
+    };
+    (0..scene.len()).filter(|&j| j != i && touches(j)).count()
+}
+
+/// Refuses a scene whose list of pairs will surely take more than `limit` bytes.
+///
+/// # Errors
+/// [`Refusal::Crowd`].
+pub fn within(scene: &AnyScene<'_>, limit: u64) -> Result<(), Refusal> {
+    let n = scene.len() as f64;
+    let bytes = |each: f64| 0.5 * each * n * PAIR_BYTES as f64;
+    // Most scenes are so small that nothing need be asked.
+    if bytes(n - 1.0) <= limit as f64 {
+        return Ok(());
+    }
+    let crowd = Crowd::new(scene);
+    if bytes(crowd.least) <= limit as f64 {
+        return Ok(());
+    }
+    Err(Refusal::Crowd { particles: scene.len() as u64, each: crowd.mean, limit })
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Point;
+
+    use super::*;
+    use crate::scene::Radii;
+
+    fn scene(n: u32, centre: impl Fn(u32) -> [f64; 2], r: f64) -> AnyScene<'static> {
+        let centres: Vec<_> = (0..n).map(|k| Point::from(centre(k))).collect();
+        Scene::new(centres, Radii::Uniform(r)).unwrap().into()
+    }
+
+    #[test]
+    fn crowds_are_refused_and_packs_are_not() {
+        // 4,000 in one point have 7,998,000 pairs of 8 bytes.
+        let heap = scene(4000, |_| [1.0, 2.0], 0.0);
+        assert_eq!(Crowd::new(&heap), Crowd { mean: 3999.0, least: 3999.0 });
+        assert_eq!(within(&heap, 63_984_000), Ok(()));
+        let refusal = within(&heap, 63_983_999).unwrap_err();
+        assert_eq!(refusal, Refusal::Crowd { particles: 4000, each: 3999.0, limit: 63_983_999 });
+        // A square lattice, whose pairs a sample cannot tell so well: those inside have four.
+        let lattice = |k: u32| [f64::from(k % 64), f64::from(k / 64)];
+        let pack = scene(4096, lattice, 0.5);
+        let crowd = Crowd::new(&pack);
+        assert!(crowd.least < 4.0 && crowd.mean > 3.5, "{crowd:?}");
+        assert_eq!(within(&pack, 8 * 8064), Ok(()));
+        // Diameters of 10 in the unit of which the lattice has 1: some 300 neighbours.
+        let crowd = Crowd::new(&scene(4096, lattice, 5.0));
+        assert!((200.0..320.0).contains(&crowd.least) && crowd.mean < 320.0, "{crowd:?}");
+    }
+
+    #[test]
+    fn a_crowd_too_small_to_be_sampled_well_is_left_to_the_list() {
+        let few = scene(10_000, |k| [if k < 300 { 0.0 } else { f64::from(k) * 3.0 }, 0.0], 1.0);
+        assert_eq!(Crowd::new(&few).least, 0.0);
+    }
+
+    #[test]
+    fn distances_out_of_range_touch_nobody() {
+        let far = |k: u32| [if k == 0 { 0.0 } else { f64::from(k) * 1e300 }, 0.0];
+        assert_eq!(Crowd::new(&scene(50, far, 1e299)).mean, 0.0);
+        let near = |k: u32| [f64::from(k) * 1e-200, 0.0];
+        assert_eq!(Crowd::new(&scene(50, near, 0.0)).mean, 0.0);
+        let empty = Crowd::new(&scene(0, near, 0.0));
+        assert_eq!((empty.mean, empty.least), (0.0, 0.0));
+    }
+}

@@ -1,0 +1,65 @@
+//! How much memory there is.
+
+use std::sync::OnceLock;
+
+/// No default limit is higher than this.
+const MOST: u64 = 4 << 30;
+/// The part of the machine's memory that a default limit allows: a detector's arrays, the list of
+/// pairs, the truth to compare it with, and the scene have room side by side.
+const PART: u64 = 4;
+
+/// The default limit in bytes, for the arrays of a detector, and for a list of pairs: 4 GiB, or a
+/// quarter of the machine's memory if that is less. On Linux the machine is the control group, if
+/// that allows less; on other systems nobody asks, and it is 4 GiB.
+pub fn default_limit() -> u64 {
+    static LIMIT: OnceLock<u64> = OnceLock::new();
+    *LIMIT.get_or_init(|| total().map_or(MOST, |total| (total / PART).min(MOST)))
+}
+
+/// The most that one list may take while a file is read: half of the machine's memory. What is
+/// taken beyond the memory there is ends the process without a word on many systems.
+pub fn most_of_one() -> u64 {
+    static MOST_OF_ONE: OnceLock<u64> = OnceLock::new();
+    *MOST_OF_ONE.get_or_init(|| total().map_or(u64::MAX, |total| total / 2))
+}
+
+/// The default limit in bytes for a scene of so many particles: 16 KiB for each, at least 256 MiB,
+/// at most [`default_limit`]. Whoever needs more for two particles far apart is better refused.
+pub fn limit_for(particles: usize) -> u64 {
+    let wanted = (particles as u64).saturating_mul(16 << 10).max(256 << 20);
+    wanted.min(default_limit())
+}
+
+/// Bytes of memory, where the system says it.
+fn total() -> Option<u64> {
+    let read = |path: &str| std::fs::read_to_string(path).ok();
+    let machine = read("/proc/meminfo").and_then(|text| of_machine(&text));
+    let group = ["/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes"];
+    let group = group.into_iter().filter_map(read).filter_map(|text| text.trim().parse().ok());
+    machine.into_iter().chain(group).filter(|&bytes| bytes > 0).min()
+}
+
+/// The line `MemTotal:  16384000 kB`.
+fn of_machine(text: &str) -> Option<u64> {
+    let line = text.lines().find_map(|line| line.strip_prefix("MemTotal:"))?;
+    line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()?.checked_mul(1024)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_limit_is_a_part_of_the_machine() {
+        let text = "MemTotal:       16384000 kB\nMemFree:         100 kB\n";
+        assert_eq!(of_machine(text), Some(16_384_000 * 1024));
+        assert_eq!(of_machine("MemTotal: much"), None);
+        let limit = default_limit();
+        assert!((1 << 20..=MOST).contains(&limit), "{limit}");
+        assert_eq!([0, 2, usize::MAX].map(limit_for), [256 << 20, 256 << 20, limit]);
+        assert_eq!(limit_for(20_000), (20_000u64 << 14).min(limit));
+        if let Some(total) = total() {
+            assert!(limit <= total / PART);
+        }
+    }
+}

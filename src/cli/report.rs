@@ -1,0 +1,153 @@
+//! `contactbench report`, and what follows every run: everything right of the record.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use anyhow::{Context, bail, ensure};
+
+use crate::cells;
+use crate::cli::run::quoted;
+use crate::cli::shared::ci::{Case, Outputs};
+use crate::cli::shared::{ci, terminal};
+use crate::experiment::Experiment;
+use crate::findings::claim;
+use crate::findings::failures::Culprit;
+use crate::present::sections::claims::evidence;
+use crate::present::sections::failures;
+use crate::present::{document, latex, report};
+use crate::record::faults::{self, Fault};
+use crate::record::merge::Part;
+use crate::record::row::Record;
+use crate::record::{folder, row};
+
+/// Options of `report`.
+#[derive(clap::Args)]
+pub struct Report {
+    /// A result folder
+    folder: PathBuf,
+    #[command(flatten)]
+    ci: Outputs,
+    /// Print the main results as a table for a paper or a README instead, and write nothing
+    #[arg(long, value_enum, value_name = "FORMAT")]
+    table: Option<latex::Format>,
+}
+
+/// Makes the report of a result folder again.
+pub fn report(options: &Report) -> anyhow::Result<ExitCode> {
+    let Some(format) = options.table else { return finish(&options.folder, &options.ci) };
+    let (record, experiments) = read(&options.folder)?;
+    for warning in report::partial(&options.folder, &experiments, &record.rows) {
+        eprintln!("warning: {warning}");
+    }
+    let text = latex::tables(&experiments, &cells::cells(&record.rows), format);
+    std::io::stdout().lock().write_all(text.as_bytes())?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// The last result folder inside of this one, as a hint.
+fn within(folder: &Path) -> String {
+    let folders = std::fs::read_dir(folder).into_iter().flatten();
+    let paths = folders.filter_map(|entry| Some(entry.ok()?.path()));
+    let last = paths.filter(|path| path.join(row::FILE).exists()).max();
+    last.map_or_else(String::new, |path| format!(", such as {}", path.display()))
+}
+
+/// The record of a result folder, and its experiments.
+fn read(folder: &Path) -> anyhow::Result<(Record, Vec<Experiment>)> {
+    ensure!(
+        folder.join(row::FILE).exists(),
+        "{} has no {}, the record from which a report is made; name a result folder, as \
+         `contactbench run` writes them{}",
+        folder.display(),
+        row::FILE,
+        within(folder)
+    );
+    let part = Part::read(folder)?;
+    ensure!(
+        !part.rows.is_empty(),
+        "the record in {} holds no rows yet; run the experiment first",
+        folder.display()
+    );
+    // In the order in which they were run.
+    let listed = part.provenance.as_ref().and_then(|fields| fields.get("experiments")?.as_array());
+    let place = |name: &str| listed.and_then(|all| all.iter().position(|known| known == name));
+    let mut copies: Vec<(&String, &String)> = part.experiments.iter().collect();
+    copies.sort_by_key(|(name, _)| (place(name).unwrap_or(usize::MAX), *name));
+    let parse = |(name, text): (&String, &String)| {
+        let path = folder.join(folder::EXPERIMENTS).join(format!("{name}.toml"));
+        // Files are named as in the experiment, which is no longer beside them.
+        let experiment = Experiment::parse(text, Path::new(""))
+            .with_context(|| format!("in {}", path.display()))?;
+        let what = format!("it is of the experiment {}", experiment.name);
+        let fault = Fault { place: path.display().to_string(), what };
+        faults::sound(Vec::from_iter((experiment.name != *name).then_some(fault)))?;
+        Ok(experiment)
+    };
+    let experiments = copies.into_iter().map(parse).collect::<anyhow::Result<Vec<_>>>()?;
+    let unknown = part.rows.iter().find(|row| !part.experiments.contains_key(&row.id.experiment));
+    if let Some(row) = unknown {
+        bail!(
+            "{} has no copy of the experiment {}, of which the record has rows",
+            folder.join(folder::EXPERIMENTS).display(),
+            row.id.experiment
+        );
+    }
+    Ok((Record { rows: part.rows, warnings: part.warnings }, experiments))
+}
+
+/// Everything right of the record: verdicts, figures, report.
+pub(super) fn finish(folder: &Path, ci: &Outputs) -> anyhow::Result<ExitCode> {
+    let (record, experiments) = read(folder)?;
+    let again = || {
+        format!(
+            "the record is whole; when this is mended: contactbench report {}",
+            quoted(&folder.display().to_string())
+        )
+    };
+    let report =
+        report::write(folder, &experiments, &record.rows, &record.warnings).with_context(again)?;
+    let mut out = std::io::stdout().lock();
+    writeln!(out, "{}", document::plain(&report.terminal, terminal::width()))?;
+    for warning in &report.warnings {
+        writeln!(out, "note:    {warning}")?;
+    }
+    writeln!(out, "figures: {} in {}", report.figures.len(), folder.join("figures").display())?;
+    writeln!(out, "report:  {}", report.path.display())?;
+    writeln!(out, "page:    {}", report.page.display())?;
+    if record.rows.iter().any(|row| row.role.base_of().is_some()) {
+        let folder = quoted(&folder.display().to_string());
+        writeln!(out, "builds:  contactbench compare {folder}")?;
+    }
+    // Who is wrong comes first, once each; then the claims.
+    let mut cases: Vec<Case> = report.culprits.iter().map(culprit).collect();
+    if cases.is_empty() {
+        let (class, name) = ("record".into(), "every answer is right".into());
+        cases.push(Case { class, name, result: ci::Outcome::Passed });
+    }
+    cases.extend(report.verdicts.iter().map(case));
+    ci.write("run", &cases, &mut out)?;
+    Ok(if !report.culprits.is_empty() || claim::any_failed(&report.verdicts) {
+        ExitCode::from(1)
+    } else {
+        ExitCode::SUCCESS
+    })
+}
+
+/// A contender that is wrong, for continuous integration.
+fn culprit(found: &Culprit) -> Case {
+    let (class, name) = ("record".into(), format!("{} is right", found.name));
+    Case { class, name, result: ci::Outcome::Failed(failures::culprit(found)) }
+}
+
+/// A claim for continuous integration. Those about times gate nothing.
+fn case(verdict: &claim::Verdict) -> Case {
+    let why = || format!("{}: {}", verdict.status.name(), evidence(&verdict.evidence));
+    let result = match verdict.status {
+        claim::Status::Holds => ci::Outcome::Passed,
+        claim::Status::Fails if verdict.machine_independent => ci::Outcome::Failed(why()),
+        claim::Status::Fails => ci::Outcome::Noted(why()),
+        claim::Status::NotCovered | claim::Status::NotShown => ci::Outcome::Skipped(why()),
+    };
+    Case { class: verdict.experiment.clone(), name: verdict.claim.clone(), result }
+}

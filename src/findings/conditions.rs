@@ -1,0 +1,226 @@
+//! Under which conditions a record was made: of which sources, how they were built, and beside what
+//! else on the machine. What makes its times doubtful is said wherever they are shown, and such a
+//! record is not quoted.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use serde_json::Value;
+
+use crate::record::ledger::{Ledger, Span};
+use crate::record::role::Role;
+use crate::record::row::{Pass, Row};
+
+/// Other processes may use so much of a core, on average over a run, or this share of all cores
+/// where that is more: what a system does by itself.
+pub const OTHERS: f64 = 0.10;
+/// See [`OTHERS`].
+pub const OTHERS_OF_ALL: f64 = 0.01;
+/// The host may take away so much of a core.
+pub const STOLEN: f64 = 0.02;
+/// In a single scene both may be so many times as much,
+pub const IN_A_SCENE: f64 = 2.5;
+/// if it was timed for so many seconds: the system's clocks are coarse.
+pub const SHORTEST_S: f64 = 1.0;
+/// Of a record without processor times: the load average of the minute before the run may be below
+/// this.
+pub const LOAD: f64 = 1.0;
+
+/// What is known of how a record was made.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Conditions {
+    /// What makes its times doubtful.
+    pub doubts: Vec<Doubt>,
+    /// What else the machine did.
+    pub load: Load,
+    /// Were the sources those of a commit? None where a part of the record does not say.
+    pub dirty: Option<bool>,
+    /// The commits.
+    pub revisions: BTreeSet<String>,
+    /// The kinds of build.
+    pub profiles: BTreeSet<String>,
+}
+
+/// What else a machine did.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum Load {
+    /// Nobody looked.
+    #[default]
+    Unknown,
+    /// The highest load average of the minute before a run; the processes of the run are not in it.
+    Before(f64),
+    /// Of the machine on which others were busiest, while it was timed.
+    Watched {
+        /// So many seconds.
+        seconds: f64,
+        /// Cores that other processes used.
+        others: f64,
+        /// Cores that the host took away.
+        stolen: f64,
+    },
+}
+
+/// A reason to doubt times.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Doubt {
+    /// Other processes used so many cores, on average; and in one scene, named, where that says
+    /// more.
+    Others(f64, Option<(String, f64)>),
+    /// The host took so many cores away; likewise.
+    Stolen(f64, Option<(String, f64)>),
+    /// The load average of the minute before the run.
+    Before(f64),
+    /// Of so many timed rows, of so many in all, the load is not known.
+    Unwatched(usize, usize),
+    /// The sources were not those of a commit.
+    Dirty,
+    /// The program was not optimised.
+    Profile(String),
+    /// So many different programs of this name gave times on one machine.
+    Programs(String, usize),
+}
+
+impl Conditions {
+    /// Those of a record: its rows, what they point to, and all that its folder says of runs.
+    pub fn new<'a>(
+        provenances: impl IntoIterator<Item = &'a Value>,
+        ledger: &Ledger,
+        rows: &[Row],
+    ) -> Conditions {
+        let provenances: Vec<&Value> = provenances.into_iter().collect();
+        let texts = |name: &str| -> BTreeSet<String> {
+            let values = provenances.iter().filter_map(|fields| fields.get(name)?.as_str());
+            // A merged record has the values of its parts in one text.
+            let values = values.flat_map(|text| text.split(", ")).filter(|text| !text.is_empty());
+            values.map(String::from).collect()
+        };
+        // Of a merged record the parts say it.
+        let said = provenances.iter().filter(|fields| fields.get("merged_from").is_none());
+        let said: Vec<Option<bool>> =
+            said.map(|fields| fields.get("dirty").and_then(Value::as_bool)).collect();
+        let timed = |row: &&Row| row.pass == Pass::Time && row.time_ns.is_some();
+        let timed: Vec<&Row> = rows.iter().filter(timed).collect();
+        let sources = said_by(&timed, ledger, "sources");
+        let dirty = if said.contains(&Some(true)) || sources.contains("changed") {
+            Some(true)
+        } else {
+            let known = !said.is_empty() && !said.contains(&None) && !sources.contains("unknown");
+            known.then_some(false)
+        };
+        let profiles = said_by(&timed, ledger, "profile").into_iter().map(String::from).collect();
+        let mut conditions = Conditions {
+            dirty,
+            revisions: texts("revision"),
+            profiles: &texts("profile") | &profiles,
+            ..Conditions::default()
+        };
+        conditions.watched(&timed, ledger);
+        if conditions.load == Load::Unknown {
+            conditions.before(&provenances);
+        }
+        if dirty == Some(true) {
+            conditions.doubts.push(Doubt::Dirty);
+        }
+        let slow = conditions.profiles.iter().filter(|profile| *profile != "release");
+        let slow: Vec<Doubt> = slow.cloned().map(Doubt::Profile).collect();
+        conditions.doubts.extend(slow);
+        conditions.doubts.extend(programs(&timed, ledger));
+        conditions
+    }
+
+    /// What the spans of the rows say.
+    fn watched(&mut self, timed: &[&Row], ledger: &Ledger) {
+        let mut machines: BTreeMap<Option<&str>, BTreeMap<&str, &Span>> = BTreeMap::new();
+        let mut unwatched = 0;
+        for row in timed {
+            match row.span.as_ref().and_then(|id| ledger.spans.get(id)) {
+                Some(span) => {
+                    machines.entry(row.id.machine.as_deref()).or_default().insert(&span.id, span);
+                }
+                None => unwatched += 1,
+            }
+        }
+        let loads = machines.values().map(|spans| {
+            let spans: Vec<&Span> = spans.values().copied().collect();
+            let sum = |part: fn(&Span) -> f64| spans.iter().map(|span| part(span)).sum::<f64>();
+            let seconds = sum(|span| span.seconds);
+            let per = |used: f64| if seconds > 0.0 { used / seconds } else { 0.0 };
+            let (others, stolen) = (per(sum(|span| span.others_s)), per(sum(|span| span.stolen_s)));
+            let cores = spans.iter().map(|span| span.cores).max().unwrap_or(0) as f64;
+            let limits = (OTHERS.max(OTHERS_OF_ALL * cores), STOLEN);
+            let others = (others, worst(&spans, |span| span.others_s, limits.0));
+            let stolen = (stolen, worst(&spans, |span| span.stolen_s, limits.1));
+            (seconds, others, stolen, limits)
+        });
+        let loads: Vec<_> = loads.collect();
+        for (seconds, others, stolen, limits) in &loads {
+            let long = *seconds >= SHORTEST_S;
+            if others.1.is_some() || long && others.0 > limits.0 {
+                self.doubts.push(Doubt::Others(others.0, others.1.clone()));
+            }
+            if stolen.1.is_some() || long && stolen.0 > limits.1 {
+                self.doubts.push(Doubt::Stolen(stolen.0, stolen.1.clone()));
+            }
+        }
+        let busiest = loads.iter().max_by(|a, b| a.1.0.total_cmp(&b.1.0));
+        if let Some((seconds, others, stolen, _)) = busiest {
+            let (others, stolen) = (others.0, stolen.0);
+            self.load = Load::Watched { seconds: *seconds, others, stolen };
+        }
+        // Older records have no spans at all. Where one that rows point to is not there, a run was
+        // killed.
+        if unwatched > 0 && (!loads.is_empty() || timed.iter().any(|row| row.span.is_some())) {
+            self.doubts.push(Doubt::Unwatched(unwatched, timed.len()));
+        }
+    }
+
+    /// What the load average before the run says.
+    fn before(&mut self, provenances: &[&Value]) {
+        let load = |fields: &&Value| {
+            fields.get("load_average")?.as_str()?.split(' ').next()?.parse::<f64>().ok()
+        };
+        let Some(load) = provenances.iter().filter_map(load).max_by(f64::total_cmp) else { return };
+        self.load = Load::Before(load);
+        if load >= LOAD {
+            self.doubts.push(Doubt::Before(load));
+        }
+    }
+}
+
+/// The scene in which the share of a core was largest, if it was long enough and too much.
+fn worst(spans: &[&Span], part: fn(&Span) -> f64, limit: f64) -> Option<(String, f64)> {
+    let long = spans.iter().filter(|span| span.seconds >= SHORTEST_S);
+    let shares = long.map(|span| (span.scene.clone(), part(span) / span.seconds));
+    let much = shares.filter(|(_, share)| *share > IN_A_SCENE * limit);
+    much.max_by(|a, b| a.1.total_cmp(&b.1))
+}
+
+/// Programs of one name that differ, behind one contender on one machine. (Where builds take turns,
+/// each is a contender.)
+fn programs(timed: &[&Row], ledger: &Ledger) -> Vec<Doubt> {
+    let mut sums: BTreeMap<_, BTreeSet<&str>> = BTreeMap::new();
+    for row in timed {
+        let process = row.process.as_ref().and_then(|id| ledger.processes.get(id));
+        for file in process.into_iter().flat_map(|process| &process.files) {
+            let who = (&row.id.machine, &row.id.detector, &row.id.detector_params, &*file.name);
+            sums.entry(who).or_default().extend(file.sha256.as_deref());
+        }
+    }
+    let mut several: BTreeMap<&str, usize> = BTreeMap::new();
+    for ((.., name), sums) in sums.iter().filter(|(_, sums)| sums.len() > 1) {
+        let most = several.entry(name).or_default();
+        *most = sums.len().max(*most);
+    }
+    several.into_iter().map(|(name, count)| Doubt::Programs(name.into(), count)).collect()
+}
+
+/// What the programs with our detectors say of their builds, by this name: another build may have
+/// taken part.
+fn said_by<'a>(timed: &[&Row], ledger: &'a Ledger, name: &str) -> BTreeSet<&'a str> {
+    let ours = timed.iter().filter(|row| row.role != Role::Runner);
+    let ids: BTreeSet<&String> = ours.filter_map(|row| row.process.as_ref()).collect();
+    let processes = ids.into_iter().filter_map(|id| ledger.processes.get(id));
+    processes.filter_map(|process| Some(process.build.get(name)?.as_str())).collect()
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,135 @@
+use serde_json::json;
+
+use super::*;
+use crate::cells::testing::Lab;
+use crate::record::ledger::{Executed, Process};
+
+/// Rows of as many spans as there are numbers: seconds, and cores of others and of the host.
+fn timed(spans: &[(f64, f64, f64)]) -> (Vec<Row>, Ledger) {
+    let (mut rows, mut ledger) = (Vec::new(), Ledger::default());
+    for (k, &(seconds, others, stolen)) in spans.iter().enumerate() {
+        let id = format!("{k:08x}");
+        let mut lab = Lab::new("e", "packed");
+        lab.n(100 + k as u64).time(&[1, 2, 3]);
+        rows.extend(lab.rows().into_iter().map(|row| Row { span: Some(id.clone()), ..row }));
+        let span = Span {
+            id: id.clone(),
+            scene: format!("scene {k}"),
+            seconds,
+            cores: 2,
+            others_s: others * seconds,
+            stolen_s: stolen * seconds,
+            ..Span::default()
+        };
+        ledger.spans.insert(id, span);
+    }
+    (rows, ledger)
+}
+
+fn doubts(spans: &[(f64, f64, f64)]) -> Vec<Doubt> {
+    let (rows, ledger) = timed(spans);
+    let round = |share: f64| (share * 1e6).round() / 1e6;
+    let rounded = |doubt| match doubt {
+        Doubt::Others(mean, worst) => {
+            Doubt::Others(round(mean), worst.map(|(scene, share)| (scene, round(share))))
+        }
+        Doubt::Stolen(mean, worst) => {
+            Doubt::Stolen(round(mean), worst.map(|(scene, share)| (scene, round(share))))
+        }
+        other => other,
+    };
+    Conditions::new([], &ledger, &rows).doubts.into_iter().map(rounded).collect()
+}
+
+#[test]
+fn a_busy_machine_is_doubted_and_an_idle_one_is_not() {
+    assert_eq!(doubts(&[(5.0, 0.03, 0.01), (5.0, 0.05, 0.01)]), []);
+    assert_eq!(doubts(&[(5.0, 0.3, 0.0)]), [Doubt::Others(0.3, Some(("scene 0".into(), 0.3)))]);
+    assert_eq!(doubts(&[(5.0, 0.2, 0.0)]), [Doubt::Others(0.2, None)]);
+    // One scene in ten: the average is fine.
+    let mut spans = vec![(5.0, 0.0, 0.0); 20];
+    spans[3] = (5.0, 0.9, 0.1);
+    let worst = |share| Some(("scene 3".to_string(), share));
+    let expected = [Doubt::Others(0.045, worst(0.9)), Doubt::Stolen(0.005, worst(0.1))];
+    assert_eq!(doubts(&spans), expected);
+    // Clocks that tick a hundred times in a second say nothing of a tenth of one.
+    assert_eq!(doubts(&[(0.1, 0.5, 0.1)]), []);
+    let (rows, ledger) = timed(&[(2.0, 0.5, 0.1)]);
+    let load = Conditions::new([], &ledger, &rows).load;
+    assert_eq!(load, Load::Watched { seconds: 2.0, others: 0.5, stolen: 0.1 });
+}
+
+#[test]
+fn a_quiet_machine_does_not_excuse_a_busy_one() {
+    let (mut rows, ledger) = timed(&[(2.0, 0.24, 0.0), (100.0, 0.0, 0.0)]);
+    for row in &mut rows {
+        row.id.machine = Some(if row.id.n == 100 { "a" } else { "b" }.into());
+    }
+    let found = Conditions::new([], &ledger, &rows).doubts;
+    assert_eq!(found, [Doubt::Others(0.24, None)]);
+}
+
+#[test]
+fn rows_of_a_killed_run_have_no_known_load() {
+    let (rows, mut ledger) = timed(&[(5.0, 0.0, 0.0), (5.0, 0.0, 0.0)]);
+    ledger.spans.remove("00000001");
+    let new = |ledger: &Ledger| Conditions::new([], ledger, &rows);
+    assert_eq!(new(&ledger).doubts, [Doubt::Unwatched(3, 6)]);
+    assert_eq!(new(&Ledger::default()).doubts, [Doubt::Unwatched(6, 6)]);
+}
+
+#[test]
+fn sources_and_builds_are_doubted() {
+    let rows = Lab::new("e", "packed").time(&[1]).rows();
+    let clean = json!({"dirty": false, "profile": "release", "revision": "a",
+        "load_average": "0.56 1.34 1.29"});
+    let with = |name: &str, value: Value| {
+        let mut fields = clean.clone();
+        fields[name] = value;
+        Conditions::new([&clean, &fields], &Ledger::default(), &rows)
+    };
+    let good = with("revision", "b".into());
+    assert_eq!((good.doubts, good.dirty, good.load), (vec![], Some(false), Load::Before(0.56)));
+    assert_eq!(good.revisions, ["a", "b"].map(String::from).into());
+    assert_eq!(with("dirty", true.into()).doubts, [Doubt::Dirty]);
+    assert_eq!(with("dirty", Value::Null).dirty, None);
+    let debug = with("profile", "debug, release".into()).doubts;
+    assert_eq!(debug, [Doubt::Profile("debug".into())]);
+    assert_eq!(with("load_average", "1.8 0.2 0.1".into()).doubts, [Doubt::Before(1.8)]);
+    // A merged record says what its parts say.
+    let merged = json!({"merged_from": ["x"], "revision": "a"});
+    let found = Conditions::new([&merged, &clean], &Ledger::default(), &rows);
+    assert_eq!((found.dirty, found.doubts), (Some(false), vec![]));
+    assert_eq!(Conditions::new([], &Ledger::default(), &rows), Conditions::default());
+}
+
+#[test]
+fn programs_that_were_exchanged_are_doubted() {
+    let mut rows = Lab::new("e", "packed").time(&[1, 2, 3]).rows();
+    let mut ledger = Ledger::default();
+    for (row, id) in rows.iter_mut().zip(["a", "b", "b"]) {
+        let file = Executed { name: "contactbench".into(), sha256: Some(id.repeat(64)) };
+        let process = Process { id: id.into(), files: vec![file], ..Process::default() };
+        ledger.processes.insert(id.into(), process);
+        row.process = Some(id.into());
+    }
+    let found = Conditions::new([], &ledger, &rows).doubts;
+    assert_eq!(found, [Doubt::Programs("contactbench".into(), 2)]);
+    // Builds that take turns are two contenders.
+    let mut turns = rows.clone();
+    turns[0].id.detector = "nbs@base".into();
+    assert_eq!(Conditions::new([], &ledger, &turns).doubts, []);
+    rows[0].id.machine = Some("another".into());
+    assert_eq!(Conditions::new([], &ledger, &rows).doubts, []);
+    // One of them is not like the record says.
+    let mut base = ledger.processes["a"].clone();
+    base.build = [("profile", "debug"), ("sources", "changed")]
+        .map(|(name, value)| (name.to_string(), value.to_string()))
+        .into();
+    ledger.processes.insert("a".into(), base);
+    let fields = json!({"dirty": false, "profile": "release"});
+    let found = Conditions::new([&fields], &ledger, &rows).doubts;
+    assert_eq!(found, [Doubt::Dirty, Doubt::Profile("debug".into())]);
+    rows[0].role = Role::Runner;
+    assert_eq!(Conditions::new([&fields], &ledger, &rows).doubts, []);
+}

@@ -1,0 +1,383 @@
+//! How much of what an experiment plans is in a record, and why the rest is not.
+//!
+//! A planned cell is an entrant on a scene. It is *there* if every pass of it is, or it ended
+//! before; it is *short* if it has fewer blocks than are planned. What could not be started at all
+//! is not there.
+
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::path::Path;
+
+use serde_json::Value;
+
+use crate::cells::label::varying;
+use crate::cells::select::may_match;
+use crate::cells::{AxisValue, Cell, CellId};
+use crate::experiment::plan::Program;
+use crate::experiment::shard::Shard;
+use crate::experiment::{Claim, ClaimKind, Experiment};
+use crate::record::id::{Projection, split_contender};
+use crate::record::role::Role;
+use crate::record::row::{Outcome, Pass};
+use crate::scene::generate::{file, table};
+use crate::scene::spec::Spec;
+
+/// Why a planned cell is not there, or is short.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Why {
+    /// The run ended before.
+    Stopped,
+    /// A quick run has fewer scenes and blocks.
+    Quick,
+    /// It belongs to another shard.
+    Shard,
+    /// It is in none of the folders that were merged.
+    NotMerged,
+    /// The block budget was over.
+    Budget,
+    /// The program could not be started.
+    Unavailable,
+}
+
+/// What a record is of, as far as its provenance says.
+#[derive(Default)]
+pub struct Scope<'a> {
+    quick: bool,
+    shard: bool,
+    merged: bool,
+    /// The scenes of the shard, by experiment and place in its plan.
+    taken: BTreeSet<(&'a str, usize)>,
+}
+
+impl<'a> Scope<'a> {
+    /// Of a record with these experiments, in the order in which they were run.
+    pub fn new(provenance: Option<&Value>, experiments: &'a [Experiment]) -> Scope<'a> {
+        let field = |name: &str| provenance.and_then(|fields| fields.get(name));
+        let quick = field("quick").and_then(Value::as_bool).unwrap_or(false);
+        let shard = field("shard").and_then(Value::as_str).and_then(|text| text.parse().ok());
+        let scenes = || {
+            experiments.iter().flat_map(|experiment| {
+                let plan = experiment.plan(quick).unwrap_or_default();
+                plan.into_iter().enumerate().map(|(k, spec)| (&*experiment.name, k, spec.n))
+            })
+        };
+        let taken = shard.map(|shard: Shard| {
+            let takes = shard.takes(&scenes().map(|scene| scene.2).collect::<Vec<_>>());
+            let taken = scenes().zip(takes).filter(|(_, taken)| *taken);
+            taken.map(|((name, k, _), _)| (name, k)).collect()
+        });
+        Scope {
+            quick,
+            shard: shard.is_some(),
+            merged: field("merged_from").is_some(),
+            taken: taken.unwrap_or_default(),
+        }
+    }
+
+    /// Why a scene has no rows, or not all.
+    fn why(&self, experiment: &Experiment, quick: &[Spec], spec: &Spec, begun: bool) -> Why {
+        let place = quick.iter().position(|known| known == spec);
+        match place {
+            None if self.quick => Why::Quick,
+            Some(k) if self.shard && !self.taken.contains(&(&*experiment.name, k)) => Why::Shard,
+            _ if self.merged && !begun => Why::NotMerged,
+            _ => Why::Stopped,
+        }
+    }
+}
+
+/// A planned cell, and what there is of it.
+struct Planned<'a> {
+    /// Its axes, those of the measured cell where there is one.
+    id: CellId,
+    /// The number of its scene in the plan.
+    scene: usize,
+    cell: Option<&'a Cell>,
+    /// Why it would not be there.
+    why: Why,
+}
+
+/// What an experiment plans, held to a record.
+pub struct Coverage<'a> {
+    experiment: &'a Experiment,
+    planned: Vec<Planned<'a>>,
+    quick: bool,
+    /// Scenes with rows that the plan does not have.
+    outside: usize,
+}
+
+/// The plan of an experiment in numbers.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Summary {
+    /// Of which experiment.
+    pub experiment: String,
+    /// Planned scenes in which nothing is missing but what is unavailable; and all.
+    pub scenes: [usize; 2],
+    /// Planned cells that are there, and all.
+    pub cells: [usize; 2],
+    /// Cells that are not there.
+    pub missing: BTreeMap<Why, usize>,
+    /// Cells with fewer blocks than are planned.
+    pub short: BTreeMap<Why, Short>,
+    /// Blocks planned.
+    pub blocks: u32,
+    /// Scenes with rows that are not planned: those of a quick run.
+    pub outside: usize,
+}
+
+/// Cells with fewer blocks than are planned.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Short {
+    /// So many cells.
+    pub cells: usize,
+    /// The fewest and the most blocks.
+    pub blocks: [usize; 2],
+}
+
+/// What a claim is about and the record has not.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Uncovered {
+    /// Planned cells of the claim that are not there, or are short where times are claimed.
+    pub cells: usize,
+    /// Of so many.
+    pub of: usize,
+    /// The axes that tell them from the others.
+    pub gaps: Vec<Gap>,
+    /// Why.
+    pub why: BTreeMap<Why, usize>,
+}
+
+/// An axis on which planned values are not covered.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Gap {
+    /// The axis.
+    pub name: String,
+    /// Values that are not covered in all cells, ascending.
+    pub missing: Vec<AxisValue>,
+    /// All values planned, ascending.
+    pub planned: Vec<AxisValue>,
+}
+
+impl<'a> Coverage<'a> {
+    /// Of an experiment, with its cells.
+    pub fn new(experiment: &'a Experiment, own: &[&'a Cell], scope: &Scope<'_>) -> Coverage<'a> {
+        // The file was planned when it was read; a plan that cannot be made has no scenes.
+        let plan = experiment.plan(false).unwrap_or_default();
+        let run = experiment.plan(scope.quick).unwrap_or_default();
+        let mut known: HashMap<CellId, Vec<&Cell>> = HashMap::new();
+        for cell in own {
+            for open in [false, true] {
+                known.entry(key(&cell.id, open)).or_default().push(cell);
+            }
+        }
+        // Beside another build only detectors take part.
+        let beside = own.iter().any(|cell| matches!(cell.role, Role::Base(_)));
+        let left_out = |name: &str| beside && Role::by_name(name) != Role::Detector;
+        let scenes: BTreeSet<Projection> = own.iter().map(|cell| scene(&cell.id)).collect();
+        let (mut planned, mut met) = (Vec::new(), BTreeSet::new());
+        for (k, spec) in plan.iter().enumerate() {
+            for entrant in experiment.entrants() {
+                if left_out(&split_contender(entrant.name).0) {
+                    continue;
+                }
+                let (arithmetic, open) = match entrant.program {
+                    Program::Own(arithmetic) => (Some(arithmetic), false),
+                    Program::External(_) => (None, true),
+                };
+                let id = experiment.cell(spec, entrant.name, arithmetic, entrant.threads);
+                let same = |cell: &&&Cell| same_file(&id, &cell.id);
+                let cells = known.get(&key(&id, open)).into_iter().flatten();
+                // Of several machines it is enough that one has measured it.
+                let cell = cells.filter(same).max_by_key(|cell| cell.times.len()).copied();
+                let place = scene(cell.map_or(&id, |cell| &cell.id));
+                let begun = scenes.contains(&place);
+                met.insert(place);
+                let why = scope.why(experiment, &run, spec, begun);
+                let id = cell.map_or(id, |cell| cell.id.clone());
+                planned.push(Planned { id, scene: k, cell, why });
+            }
+        }
+        let outside = scenes.difference(&met).count();
+        Coverage { experiment, planned, quick: scope.quick, outside }
+    }
+
+    /// The plan in numbers.
+    pub fn summary(&self) -> Summary {
+        let (mut missing, mut short) = (BTreeMap::new(), BTreeMap::<Why, Short>::new());
+        let mut broken = BTreeSet::new();
+        for planned in &self.planned {
+            if let Some(why) = self.missing(planned, &[Pass::Count, Pass::Memory]) {
+                *missing.entry(why).or_default() += 1;
+                if why != Why::Unavailable {
+                    broken.insert(planned.scene);
+                }
+            } else if let Some((why, blocks)) = self.short(planned, self.experiment.blocks) {
+                let known = short.entry(why).or_insert(Short { cells: 0, blocks: [blocks; 2] });
+                let [low, high] = known.blocks;
+                known.blocks = [low.min(blocks), high.max(blocks)];
+                known.cells += 1;
+            }
+        }
+        let scenes: BTreeSet<usize> = self.planned.iter().map(|planned| planned.scene).collect();
+        let (all, gone) = (self.planned.len(), missing.values().sum::<usize>());
+        Summary {
+            experiment: self.experiment.name.clone(),
+            scenes: [scenes.len() - broken.len(), scenes.len()],
+            cells: [all - gone, all],
+            missing,
+            short,
+            blocks: self.experiment.blocks,
+            outside: self.outside,
+        }
+    }
+
+    /// What a claim is about and is not there; none if all is.
+    pub fn uncovered(&self, claim: &Claim) -> Option<Uncovered> {
+        let about = self.about(claim);
+        let passes = passes(claim);
+        let lacks = |planned: &&Planned<'_>| -> Option<Why> {
+            let timed = passes.contains(&Pass::Time);
+            let enough = self.experiment.enough_blocks(false);
+            let short = || Some(self.short(planned, enough)?.0).filter(|_| timed);
+            self.missing(planned, &passes).or_else(short)
+        };
+        let mut why = BTreeMap::new();
+        let mut gone = Vec::new();
+        for planned in &about {
+            if let Some(reason) = lacks(planned) {
+                *why.entry(reason).or_default() += 1;
+                gone.push(*planned);
+            }
+        }
+        if gone.is_empty() {
+            return None;
+        }
+        let cells = |all: &[&Planned<'_>]| -> Vec<Cell> {
+            let cell = |planned: &&Planned<'_>| Cell { id: planned.id.clone(), ..Cell::default() };
+            all.iter().map(cell).collect()
+        };
+        let (all, gone) = (cells(&about), cells(&gone));
+        let values = |cells: &[Cell], name: &str| -> Vec<AxisValue> {
+            let values: BTreeSet<AxisValue> = cells
+                .iter()
+                .filter_map(|cell| match name {
+                    "detector" => Some(cell.id.contender().as_str().into()),
+                    _ => cell.id.axis(name),
+                })
+                .collect();
+            values.into_iter().collect()
+        };
+        let gap = |name: String| {
+            let (missing, planned) = (values(&gone, &name), values(&all, &name));
+            (missing.len() < planned.len()).then_some(Gap { name, missing, planned })
+        };
+        let gaps = varying(&all.iter().collect::<Vec<_>>()).into_iter().filter_map(gap).collect();
+        Some(Uncovered { cells: gone.len(), of: all.len(), gaps, why })
+    }
+
+    /// The planned cells that a claim is about.
+    fn about(&self, claim: &Claim) -> Vec<&Planned<'a>> {
+        let named = claim.filter.contains_key("detector");
+        let control = |id: &CellId| Role::by_name(&id.detector).is_control();
+        let meant = |id: &CellId| may_match(id, &claim.filter) && (named || !control(id));
+        let place = |id: &CellId| id.clone().anywhere().without(&["detector"]);
+        let places: BTreeSet<Projection> = self
+            .planned
+            .iter()
+            .filter(|planned| meant(&planned.id))
+            .map(|planned| place(&planned.id))
+            .collect();
+        let other = |id: &CellId| match &claim.kind {
+            ClaimKind::Faster { than } => id.contender() == *than && places.contains(&place(id)),
+            _ => false,
+        };
+        self.planned.iter().filter(|planned| meant(&planned.id) || other(&planned.id)).collect()
+    }
+
+    /// Why a cell is not there, if it is not, as far as these passes go.
+    fn missing(&self, planned: &Planned<'_>, needed: &[Pass]) -> Option<Why> {
+        let Some(cell) = planned.cell else { return Some(planned.why) };
+        match cell.overall().0 {
+            Outcome::Unavailable => Some(Why::Unavailable),
+            outcome if outcome.is_final() => None,
+            _ => {
+                let mut others = needed.iter().filter(|pass| **pass != Pass::Time);
+                let absent = others.any(|pass| !cell.passes.contains_key(pass));
+                absent.then_some(planned.why)
+            }
+        }
+    }
+
+    /// The blocks of a cell that has fewer than so many, and why.
+    fn short(&self, planned: &Planned<'_>, blocks: u32) -> Option<(Why, usize)> {
+        let cell = planned.cell.filter(|cell| !cell.overall().0.is_final())?;
+        let found = cell.times.len();
+        if found >= blocks as usize {
+            return None;
+        }
+        let run = |blocks: u32| found >= blocks as usize;
+        Some(match planned.why {
+            _ if self.quick && run(self.experiment.all_blocks(true)) => (Why::Quick, found),
+            _ if run(self.experiment.enough_blocks(false)) => (Why::Budget, found),
+            Why::NotMerged | Why::Quick | Why::Shard => (Why::Stopped, found),
+            why => (why, found),
+        })
+    }
+}
+
+/// The passes that a claim needs.
+fn passes(claim: &Claim) -> Vec<Pass> {
+    match &claim.kind {
+        ClaimKind::Faster { .. } => vec![Pass::Time],
+        ClaimKind::Equal { value, to, .. } | ClaimKind::AtMost { value, to } => {
+            [value.passes(), to.passes()].concat()
+        }
+        ClaimKind::Constant { value, .. } | ClaimKind::Model { value, .. } => value.passes(),
+    }
+}
+
+/// What is the same in a planned cell and the measured one: a file and a hard case bring their own
+/// particles, and of an `open` entrant the arithmetic is not known.
+fn key(id: &CellId, open: bool) -> CellId {
+    let mut key = id.clone().anywhere();
+    if open {
+        key.arithmetic.clear();
+    }
+    if let Ok(generator) = table::find(&id.scene) {
+        if generator.own_n {
+            key.n = 0;
+        }
+        // What a generator has learnt since an older record was made is as it was before.
+        let given = key.params.iter().map(|(name, value)| (name.clone(), value.into())).collect();
+        if let Ok(all) = generator.check(id.dim, key.n, &given) {
+            key.params = all.iter().map(|(name, value)| (name.clone(), value.into())).collect();
+        }
+    }
+    if id.scene == file::NAME {
+        key.dim = 0;
+        let path = path(id);
+        let name = Path::new(&path).file_name().unwrap_or_default().to_string_lossy();
+        key.params.insert(PATH.into(), (&*name).into());
+    }
+    key
+}
+
+/// The parameter of a file's scene that names it.
+const PATH: &str = "path";
+
+fn path(id: &CellId) -> String {
+    id.params.get(PATH).map(ToString::to_string).unwrap_or_default()
+}
+
+/// A file is named from the folder of the experiment; the record has the path that was opened.
+fn same_file(planned: &CellId, measured: &CellId) -> bool {
+    let (planned, measured) = (path(planned), path(measured));
+    let planned = planned.trim_start_matches("./");
+    Path::new(&measured).ends_with(planned)
+}
+
+fn scene(id: &CellId) -> Projection {
+    key(id, false).scene_id()
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,223 @@
+//! Plans held to made-up rows, and to the records in `results/`.
+
+use super::*;
+use crate::cells;
+use crate::cells::testing::Lab;
+use crate::findings::claim::{Status, Verdict, verdicts};
+use crate::present::sections::claims::evidence;
+use crate::present::sections::coverage::partial;
+
+/// Nine spacings, of which a quick run takes four; two detectors, seven blocks.
+fn experiment(more: &str) -> Experiment {
+    let text = format!(
+        "name = 'e'\ntitle = 't'\nquestion = '?'\nreading = '-'\nblocks = 7\ndetectors = ['nbs', \
+         'sorting']\n{more}[[scene]]\nname = 'pack-c'\nn = 100\ns = [1, 2, 5, 10, 20, 50, 100, \
+         150, 200]\nquick.s = [1, 2, 50, 200]\n[[claim]]\nname = 'flat'\nkind = 'constant'\nvalue \
+         = 'list_push'\nwhere = {{ detector = 'nbs', s = '>= 2' }}\n[[claim]]\nname = \
+         'fast'\nkind = 'faster'\nthan = 'sorting'\nwhere = {{ detector = 'nbs' }}\n"
+    );
+    Experiment::parse(&text, Path::new("")).unwrap()
+}
+
+/// All passes of both detectors on one spacing.
+fn scene(lab: &mut Lab, s: u64, blocks: usize) {
+    lab.param("diameter", 1).param("s", s);
+    for (name, time) in [("nbs", 100), ("sorting", 300)] {
+        lab.detector(name).count(&[("list_push", 200)]).memory(9, 9).time(&vec![time; blocks]);
+    }
+}
+
+struct Held {
+    summary: Summary,
+    verdicts: Vec<Verdict>,
+}
+
+impl Held {
+    fn new(lab: &Lab, experiment: &Experiment, provenance: Value) -> Held {
+        let cells = cells::cells(&lab.rows());
+        let own: Vec<&Cell> = cells.iter().collect();
+        let all = std::slice::from_ref(experiment);
+        let scope = Scope::new(Some(&provenance), all);
+        let coverage = Coverage::new(experiment, &own, &scope);
+        Held { summary: coverage.summary(), verdicts: verdicts(experiment, &cells, &coverage) }
+    }
+
+    fn words(&self) -> String {
+        partial(&self.summary).unwrap_or_default()
+    }
+
+    fn statuses(&self) -> Vec<Status> {
+        self.verdicts.iter().map(|verdict| verdict.status).collect()
+    }
+}
+
+fn lab(spacings: &[u64], blocks: usize) -> Lab {
+    let mut lab = Lab::new("e", "pack-c");
+    spacings.iter().for_each(|&s| scene(&mut lab, s, blocks));
+    lab
+}
+
+const ALL: [u64; 9] = [1, 2, 5, 10, 20, 50, 100, 150, 200];
+
+#[test]
+fn a_claim_holds_over_all_that_is_planned() {
+    let whole = Held::new(&lab(&ALL, 7), &experiment(""), Value::Null);
+    assert_eq!(whole.statuses(), [Status::Holds; 2]);
+    assert_eq!((whole.summary.scenes, whole.summary.cells), ([9, 9], [18, 18]));
+    assert_eq!(partial(&whole.summary), None);
+}
+
+#[test]
+fn a_part_is_not_covered_and_says_which() {
+    let held = Held::new(&lab(&ALL[..5], 7), &experiment(""), Value::Null);
+    assert_eq!(held.statuses(), [Status::NotCovered; 2]);
+    let words = evidence(&held.verdicts[0].evidence);
+    assert!(
+        words.starts_with(
+            "not covered: s = 50 to 200 of 2 to 200; 4 of 8 cells (stopped); of the rest: 200 to \
+             200 over s = 2..20"
+        ),
+        "{words}"
+    );
+    assert_eq!(
+        held.words(),
+        "e: 5 of 9 scenes and 10 of 18 cells of the plan are there; missing: 8 cells (stopped). \
+         Claims hold over what was planned."
+    );
+    // Of a claim about what is there, nothing is missing.
+    let near = experiment("");
+    let text = "s = '<= 20'";
+    let mut claim = near.claims[0].clone();
+    let wanted: Claim = toml::from_str(&format!(
+        "name = 'n'\nkind = {{ constant = {{ value = 'list_push' }} }}\nwhere = {{ {text} }}"
+    ))
+    .unwrap();
+    claim.filter = wanted.filter;
+    let near = Experiment { claims: vec![claim], ..near };
+    assert_eq!(Held::new(&lab(&ALL[..5], 7), &near, Value::Null).statuses(), [Status::Holds]);
+}
+
+#[test]
+fn what_is_false_in_a_part_is_false() {
+    let mut lab = lab(&ALL[..5], 7);
+    lab.param("s", 50).detector("nbs").count(&[("list_push", 900)]);
+    let held = Held::new(&lab, &experiment(""), Value::Null);
+    assert_eq!(held.statuses()[0], Status::Fails);
+}
+
+#[test]
+fn a_scene_that_is_half_done_and_its_blocks_are_said() {
+    let mut lab = lab(&ALL[..8], 7);
+    lab.param("s", 200).detector("nbs").count(&[("list_push", 200)]).memory(9, 9).time(&[100; 3]);
+    let held = Held::new(&lab, &experiment(""), Value::Null);
+    // The counts are all there, the times are not.
+    assert_eq!(held.statuses(), [Status::Holds, Status::NotCovered]);
+    assert_eq!(
+        held.words(),
+        "e: 8 of 9 scenes and 17 of 18 cells of the plan are there; missing: 1 cell (stopped); 3 \
+         of 7 blocks in 1 cell (stopped). Claims hold over what was planned."
+    );
+    let words = evidence(&held.verdicts[1].evidence);
+    assert!(words.starts_with("not covered: s = 200 of 1 to 200; 2 of 18 cells"), "{words}");
+}
+
+#[test]
+fn quick_runs_shards_and_budgets_are_told_apart() {
+    let quick = serde_json::json!({"quick": true});
+    let held = Held::new(&lab(&[1, 2, 50, 200], 3), &experiment(""), quick);
+    assert_eq!(held.statuses(), [Status::NotCovered; 2]);
+    assert!(held.words().contains("missing: 10 cells (quick run); 3 of 7 blocks in 8 cells"));
+    let words = evidence(&held.verdicts[0].evidence);
+    assert!(words.contains("5, 10, 20") || words.contains("5 of 8 values of s"), "{words}");
+    let shard = serde_json::json!({"shard": "1/9"});
+    let held = Held::new(&lab(&[1], 7), &experiment(""), shard);
+    assert!(held.words().contains("missing: 16 cells (other shard)."), "{}", held.words());
+    let merged = serde_json::json!({"merged_from": ["a", "b"]});
+    let held = Held::new(&lab(&[1], 7), &experiment(""), merged);
+    assert!(held.words().contains("missing: 16 cells (not merged)."), "{}", held.words());
+    // A budget may end the blocks after six.
+    let budget = experiment("block-budget-s = 1\n");
+    let held = Held::new(&lab(&ALL, 6), &budget, Value::Null);
+    assert_eq!(held.statuses(), [Status::Holds; 2]);
+    assert_eq!(partial(&held.summary), None);
+    let short = Short { cells: 18, blocks: [6, 6] };
+    assert_eq!(held.summary.short, [(Why::Budget, short)].into());
+    assert_eq!(Held::new(&lab(&ALL, 5), &budget, Value::Null).statuses()[1], Status::NotCovered);
+}
+
+#[test]
+fn what_ended_badly_is_there_and_what_could_not_start_is_not() {
+    let mut lab = lab(&ALL[..8], 7);
+    lab.param("s", 200);
+    for (name, outcome) in [("nbs", Outcome::Refused), ("sorting", Outcome::Unavailable)] {
+        lab.detector(name).fail(Pass::Count, outcome, "why");
+    }
+    let held = Held::new(&lab, &experiment(""), Value::Null);
+    assert_eq!(held.statuses(), [Status::Holds, Status::NotCovered]);
+    assert_eq!(held.summary.scenes, [9, 9]);
+    assert!(held.words().contains("missing: 1 cell (unavailable)"), "{}", held.words());
+}
+
+#[test]
+fn scenes_outside_of_the_plan_cover_nothing() {
+    let held = Held::new(&lab(&[3, 4], 7), &experiment(""), serde_json::json!({"quick": true}));
+    assert_eq!((held.summary.scenes[0], held.summary.outside), (0, 2));
+    assert_eq!(held.statuses(), [Status::NotCovered; 2]);
+    let words = evidence(&held.verdicts[0].evidence);
+    assert!(words.starts_with("not covered: all 8 cells (stopped, quick run)"), "{words}");
+}
+
+/// Files bring their own particles, and are named from the folder of the experiment; runners say
+/// their arithmetic.
+#[test]
+fn files_and_runners_are_known_again() {
+    let text = "name = 'e'\ntitle = 't'\nquestion = '?'\nreading = '-'\nblocks = 0\ndetectors = \
+                ['nbs']\n[[scene]]\nname = 'file'\npath = './data/discs.csv'\n[[runner]]\nname = \
+                'theirs'\ncommand = ['x']\n";
+    let experiment = Experiment::parse(text, Path::new("")).unwrap();
+    let spec = &experiment.plan(false).unwrap()[0];
+    let mut lab = Lab::new("e", "file");
+    for (name, value) in &spec.params {
+        lab.param(name, value.clone());
+    }
+    lab.n(77).param("path", "/home/a/./data/discs.csv");
+    lab.detector("nbs").count(&[]).memory(1, 1);
+    lab.detector("theirs").arithmetic("f64").count(&[]).memory(1, 1);
+    let held = Held::new(&lab, &experiment, Value::Null);
+    assert_eq!((held.summary.cells, held.summary.outside), ([2, 2], 0));
+    let mut other = Lab::new("e", "file");
+    other.param("path", "/home/a/other/discs.csv").count(&[]).memory(1, 1);
+    assert_eq!(Held::new(&other, &experiment, Value::Null).summary.cells, [0, 2]);
+}
+
+/// The committed records have all that their experiments plan, but for what was not installed: two
+/// say that they have not.
+#[test]
+fn the_committed_records_are_whole_or_say_that_they_are_not() {
+    let mut partial = BTreeSet::new();
+    let results = Path::new(env!("CARGO_MANIFEST_DIR")).join("results");
+    let mut seen = 0;
+    for folder in std::fs::read_dir(results).unwrap().map(|entry| entry.unwrap().path()) {
+        let Ok(record) = crate::record::row::read(&folder.join("samples.jsonl")) else { continue };
+        let cells = cells::cells(&record.rows);
+        for copy in std::fs::read_dir(folder.join("experiments")).unwrap() {
+            let text = std::fs::read_to_string(copy.unwrap().path()).unwrap();
+            let experiment = Experiment::parse(&text, Path::new("")).unwrap();
+            let own: Vec<&Cell> =
+                cells.iter().filter(|cell| cell.id.experiment == experiment.name).collect();
+            let scope = Scope::default();
+            let summary = Coverage::new(&experiment, &own, &scope).summary();
+            let only = summary.missing.keys().all(|why| *why == Why::Unavailable);
+            let budget = summary.short.keys().all(|why| *why == Why::Budget);
+            assert!(budget, "{}: {summary:?}", folder.display());
+            if !only {
+                assert!(summary.scenes[0] < summary.scenes[1], "{summary:?}");
+                partial.insert(folder.file_name().unwrap().to_string_lossy().into_owned());
+            }
+            seen += 1;
+        }
+    }
+    let known = ["reference-peers", "reference-scale"];
+    assert!(partial.iter().all(|name| known.contains(&name.as_str())), "{partial:?}");
+    assert!(seen >= 6, "{seen} experiments");
+}

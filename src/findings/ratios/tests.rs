@@ -1,0 +1,125 @@
+//! Ratios of made-up times.
+
+use super::*;
+use crate::cells;
+use crate::cells::testing::Lab;
+
+fn ratios(lab: &Lab, reference: &str) -> Option<Ratios> {
+    let cells = cells::cells(&lab.rows());
+    Ratios::new(&cells.iter().collect::<Vec<_>>(), reference)
+}
+
+fn near(ratio: Option<Interval>, expected: f64) -> bool {
+    ratio.is_some_and(|ratio| {
+        [ratio.low, ratio.median, ratio.high].iter().all(|v| (v - expected).abs() < 1e-9)
+    })
+}
+
+#[test]
+fn ratios_are_paired_sorted_and_without_wrong_winners() {
+    let mut lab = Lab::new("e", "packed");
+    for (n, screening, sorting) in [(100, 125, 300), (1000, 110, 250)] {
+        lab.n(n).arithmetic("exact");
+        lab.detector("nbs").time(&[100 * n; 15]).detector("nbs-twin").time(&[101 * n; 15]);
+        lab.detector("screening").time(&[screening * n; 15]);
+        lab.detector("sorting").time(&[sorting * n; 15]);
+        lab.detector("nothing").time(&[1; 15]).edit(|row| row.outcome = Outcome::Control);
+        // The fastest of all, but wrong; and a peer that is not there, in an arithmetic of its
+        // own.
+        lab.detector("direct").time(&[50 * n; 15]).edit(|row| row.outcome = Outcome::Wrong);
+        let why = format!("get it, {n}");
+        lab.arithmetic("f64").detector("peer").fail(Pass::Time, Outcome::Unavailable, &why);
+        lab.detector("other").time(&[80 * n; 15]);
+    }
+    let found = ratios(&lab, "nbs").unwrap();
+    let [scene] = &*found.scenes else { panic!("{found:?}") };
+    assert_eq!(scene.entries.sizes, [100, 1000]);
+    let names: Vec<&str> = scene.entries.lines.iter().map(|line| &*line.name).collect();
+    assert_eq!(
+        names[..5],
+        ["other (f64)", "nbs (exact)", "nbs-twin (exact)", "screening (exact)", "sorting (exact)"]
+    );
+    assert_eq!(names.len(), 7, "nothing is no contender");
+    let entry = |name: &str, k: usize| {
+        let line = scene.entries.lines.iter().find(|line| line.name == name).unwrap();
+        line.values[k].clone().unwrap()
+    };
+    assert!(near(entry("other (f64)", 1).ratio, 0.8));
+    assert!(near(entry("screening (exact)", 0).ratio, 1.25));
+    assert!(near(entry("screening (exact)", 1).ratio, 1.1));
+    let nbs = entry("nbs (exact)", 0);
+    assert_eq!((nbs.time_ns, nbs.is_base, nbs.control), (Some(1e4), true, false));
+    assert!(entry("nbs-twin (exact)", 0).control);
+    let wrong = entry("direct (exact)", 0);
+    assert_eq!((wrong.outcome, wrong.time_ns), (Outcome::Wrong, None));
+    assert!(near(wrong.ratio, 0.5) && wrong.right_ratio().is_none());
+    let peer = entry("peer (f64)", 1);
+    assert_eq!(
+        (peer.outcome, peer.ratio, peer.base.as_deref()),
+        (Outcome::Unavailable, None, Some("exact"))
+    );
+    let Missing { name, outcome, cells, reason } = &found.missing[1];
+    assert_eq!((&**name, *outcome, *cells), ("peer (f64)", Outcome::Unavailable, 2));
+    assert_eq!(reason, "get it, 100");
+    let last = &scene.fastest[1];
+    assert_eq!((last.n, &*last.name, last.time_ns), (1000, "other (f64)", 8e4));
+    assert!(matches!(last.near, Near::Beyond(_)) && near(last.near.ratio(), 1.25));
+}
+
+#[test]
+fn near_is_decided_by_the_interval() {
+    let mut lab = Lab::new("e", "packed");
+    for (n, other) in [(10, 100), (20, 90), (30, 50), (40, 84)] {
+        lab.n(n).detector("nbs").time(&[100; 15]);
+        lab.detector("screening").time(&[other; 15]);
+    }
+    // Half the blocks here, half there: the median is beyond, or within, and proves nothing.
+    for (n, odd, even) in [(50, 95, 60), (55, 60, 95)] {
+        let spread: Vec<u64> = (0..15).map(|k| if k % 2 == 0 { even } else { odd }).collect();
+        lab.n(n).detector("nbs").time(&[100; 15]).detector("screening").time(&spread);
+    }
+    lab.n(60).detector("nbs").fail(Pass::Time, Outcome::Timeout, "30 s");
+    lab.detector("screening").time(&[5; 15]);
+    lab.n(5).detector("nbs").time(&[100; 15]).detector("screening").time(&[101; 15]);
+    lab.n(4).detector("screening").time(&[101; 15]);
+    let found = ratios(&lab, "nbs").unwrap();
+    let words: Vec<&str> = found
+        .fastest()
+        .map(|(_, fastest)| match fastest.near {
+            Near::Fastest => "fastest",
+            Near::Within(ratio) if ratio.high <= NEAR => "within",
+            Near::Beyond(ratio) if ratio.low > NEAR => "beyond",
+            Near::Undecided(Some(ratio)) if ratio.low <= NEAR && ratio.high > NEAR => "open",
+            Near::Absent(Some(Outcome::Timeout)) => "timeout",
+            Near::Absent(None) => "not measured",
+            other => panic!("{other:?}"),
+        })
+        .collect();
+    // Equal times at N = 10: nobody is the fastest.
+    let rest = ["within", "within", "beyond", "within", "open", "open", "timeout"];
+    assert_eq!(words, [&["not measured", "fastest"], &rest[..]].concat());
+    let (_, n, worst) = found.worst().unwrap();
+    assert!(n == 30 && near(Some(worst), 2.0), "{worst:?}");
+    assert!(ratios(&lab, "sorting").is_none());
+    let one = Interval { median: 1.0, low: 1.0, high: 1.0, coverage: 0.0, count: 1 };
+    assert_eq!(Near::of_ratio(Some(one)), Near::Undecided(Some(one)), "one block is no proof");
+}
+
+#[test]
+fn seeds_are_compared_with_their_own_and_threads_with_one() {
+    let mut lab = Lab::new("e", "packed");
+    for (seed, scale) in [(1, 1), (2, 10), (3, 100)] {
+        lab.seed(seed).threads(1).detector("nbs").time(&[100 * scale; 15]);
+        lab.detector("direct").time(&[200 * scale; 15]);
+        lab.threads(2).detector("nbs").time(&[60 * scale; 15]);
+    }
+    let found = ratios(&lab, "nbs").unwrap();
+    let entries = &found.scenes[0].entries.lines;
+    let names: Vec<&str> = entries.iter().map(|line| &*line.name).collect();
+    assert_eq!(names, ["nbs (2 threads)", "nbs", "direct"]);
+    for (line, ratio) in entries.iter().zip([0.6, 1.0, 2.0]) {
+        let entry = line.values[0].as_ref().unwrap();
+        assert!(near(entry.ratio, ratio) && entry.is_base == (line.name == "nbs"), "{entry:?}");
+    }
+    assert_eq!(entries[1].values[0].as_ref().unwrap().time_ns, Some(1000.0));
+}

@@ -1,0 +1,42 @@
+//! The nearest name to one that is not known, for messages.
+
+/// `; did you mean x?` for the name with the fewest letters to insert, remove, replace or swap;
+/// empty if that is half of them or more. Capitals, and _ for -, are no difference.
+pub fn hint<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> String {
+    match nearest(name, known) {
+        Some(near) => format!("; did you mean {near}?"),
+        None => String::new(),
+    }
+}
+
+/// The name that is meant, if there is one.
+pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let plain = |name: &str| name.trim().to_lowercase().replace('_', "-");
+    let (name, letters) = (plain(name), name.trim().chars().count());
+    let distance = |known: &str| strsim::osa_distance(&plain(known), &name);
+    let nearest = known.into_iter().map(|known| (distance(known), known)).min_by_key(|it| it.0);
+    nearest.filter(|(distance, _)| 2 * distance < letters).map(|(_, known)| known)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn slips_of_the_pen_are_forgiven_and_other_words_are_not() {
+        let known = ["nbs", "sorting", "cell-grid", "list_push"];
+        for (name, near) in [
+            ("nsb", Some("nbs")),
+            ("NBS", Some("nbs")),
+            ("cell_grid", Some("cell-grid")),
+            ("celgrid", Some("cell-grid")),
+            ("list_pushs", Some("list_push")),
+            ("quadtree", None),
+            ("", None),
+        ] {
+            assert_eq!(nearest(name, known), near, "{name}");
+        }
+        assert_eq!(hint("srting", known), "; did you mean sorting?");
+        assert_eq!(hint("x", known), "");
+    }
+}

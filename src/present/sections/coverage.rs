@@ -1,0 +1,132 @@
+//! How much of the plan is there.
+
+use std::collections::BTreeMap;
+
+use crate::findings::coverage::{Gap, Short, Summary, Uncovered, Why};
+use crate::number::plural;
+use crate::present::document::{Block, Text};
+use crate::record::value::AxisValue;
+
+/// For the head of a report: a warning for each experiment that is not whole, or one sentence that
+/// all are.
+pub fn blocks(found: &[Summary]) -> Vec<Block> {
+    // An experiment without a plan asks for nothing.
+    let found: Vec<&Summary> = found.iter().filter(|found| found.cells[1] > 0).collect();
+    let parts: Vec<Block> = found
+        .iter()
+        .filter_map(|found| partial(found))
+        .map(|words| Block::Warning(words.into()))
+        .collect();
+    if !parts.is_empty() || found.is_empty() {
+        return parts;
+    }
+    vec![Block::Paragraph(Text::from(whole(&found)))]
+}
+
+/// `All of the plan is there: 9 scenes, 54 cells.`
+fn whole(found: &[&Summary]) -> String {
+    let sum = |count: fn(&Summary) -> usize| found.iter().map(|found| count(found)).sum();
+    let (scenes, cells) = (sum(|found| found.scenes[1]), sum(|found| found.cells[1]));
+    let named = |found: &&Summary| {
+        let name = &found.experiment;
+        short(found).map(|it| if cells > found.cells[1] { format!("{name}: {it}") } else { it })
+    };
+    let short: Vec<String> = found.iter().filter_map(named).collect();
+    let short = if short.is_empty() { String::new() } else { format!("; {}", short.join("; ")) };
+    format!(
+        "All of the plan is there: {}, {}{short}.",
+        plural(scenes, "scene"),
+        plural(cells, "cell")
+    )
+}
+
+/// What is said of an experiment of which something is missing, or that has scenes of its own.
+pub fn partial(found: &Summary) -> Option<String> {
+    let cut = found.short.keys().any(|why| *why != Why::Budget);
+    if found.missing.is_empty() && found.outside == 0 && !cut {
+        return None;
+    }
+    let Summary { experiment, scenes, cells, .. } = found;
+    let mut words = format!(
+        "{experiment}: {} of {} and {} of {} of the plan are there",
+        scenes[0],
+        plural(scenes[1], "scene"),
+        cells[0],
+        plural(cells[1], "cell")
+    );
+    if !found.missing.is_empty() {
+        words += &format!("; missing: {}", reasons(&found.missing));
+    }
+    words.extend(short(found).map(|short| format!("; {short}")));
+    if found.outside > 0 {
+        words += &format!("; {} outside of the plan", plural(found.outside, "scene"));
+    }
+    Some(words + ". Claims hold over what was planned.")
+}
+
+/// `12 cells have 3 of 15 blocks (quick)`.
+fn short(found: &Summary) -> Option<String> {
+    let part = |(why, short): (&Why, &Short)| {
+        let [low, high] = short.blocks;
+        let range = if low < high { format!("{low} to {high}") } else { low.to_string() };
+        let (blocks, cells) = (found.blocks, plural(short.cells, "cell"));
+        format!("{range} of {blocks} blocks in {cells} ({})", why.name())
+    };
+    let parts: Vec<String> = found.short.iter().map(part).collect();
+    (!parts.is_empty()).then(|| parts.join(", "))
+}
+
+/// `20 cells (stopped), 4 (unavailable)`.
+fn reasons(why: &BTreeMap<Why, usize>) -> String {
+    let part = |(k, (why, count)): (usize, (&Why, &usize))| {
+        let count = if k == 0 { plural(*count, "cell") } else { count.to_string() };
+        format!("{count} ({})", why.name())
+    };
+    why.iter().enumerate().map(part).collect::<Vec<_>>().join(", ")
+}
+
+impl Why {
+    fn name(self) -> &'static str {
+        match self {
+            Why::Stopped => "stopped",
+            Why::Quick => "quick run",
+            Why::Shard => "other shard",
+            Why::NotMerged => "not merged",
+            Why::Budget => "budget",
+            Why::Unavailable => "unavailable",
+        }
+    }
+}
+
+/// `not covered: s = 2 to 20 of 2 to 200; 4 of 9 cells (stopped)`.
+pub fn uncovered(found: &Uncovered) -> String {
+    let gaps: Vec<String> = found.gaps.iter().map(gap).collect();
+    let why: Vec<&str> = found.why.keys().map(|why| why.name()).collect();
+    let count = match found.cells == found.of {
+        true => format!("all {}", plural(found.of, "cell")),
+        false => format!("{} of {}", found.cells, plural(found.of, "cell")),
+    };
+    let gaps = if gaps.is_empty() { String::new() } else { gaps.join(", ") + "; " };
+    format!("not covered: {gaps}{count} ({})", why.join(", "))
+}
+
+/// `s = 2 to 20 of 2 to 200`.
+fn gap(gap: &Gap) -> String {
+    let Gap { name, missing, planned } = gap;
+    let number = planned.iter().all(|value| value.number().is_some());
+    let first = planned.iter().position(|value| missing.first() == Some(value)).unwrap_or(0);
+    let row = planned[first..].starts_with(missing);
+    let range = |values: &[AxisValue]| match values {
+        [low, .., high] if values.len() > 2 => format!("{low} to {high}"),
+        _ => values.iter().map(AxisValue::to_string).collect::<Vec<_>>().join(", "),
+    };
+    match number {
+        true if row || missing.len() <= 3 => {
+            let values: Vec<String> = missing.iter().map(AxisValue::to_string).collect();
+            let missing = if row { range(missing) } else { values.join(", ") };
+            format!("{name} = {missing} of {}", range(planned))
+        }
+        false if missing.len() <= 3 => range(missing),
+        _ => format!("{} of {} values of {name}", missing.len(), planned.len()),
+    }
+}

@@ -1,0 +1,102 @@
+//! A result folder: nothing in it leads out of it, and what stands beside the record is whole.
+
+use std::path::{Path, PathBuf};
+
+use serde_json::Value;
+
+use crate::record::faults::{self, Damaged, Fault, is_word};
+use crate::record::{ledger, provenance};
+
+/// The folder of the copies of the experiments.
+pub const EXPERIMENTS: &str = "experiments";
+/// Folders in a result folder.
+const FOLDERS: [&str; 2] = [EXPERIMENTS, "figures"];
+
+/// An error that names all that is wrong in the folder beside its record: links that lead out of
+/// it, provenance that cannot be read, experiments whose names are none.
+pub fn sound(folder: &Path) -> Result<(), Damaged> {
+    let mut found = Vec::new();
+    let Ok(root) = folder.canonicalize() else { return Ok(()) };
+    for name in [""].into_iter().chain(FOLDERS) {
+        for path in entries(&folder.join(name)) {
+            let fault = |what: String| Fault { place: path.display().to_string(), what };
+            if path.is_symlink() && !path.canonicalize().is_ok_and(|to| to.starts_with(&root)) {
+                found.push(fault("it is a link that leads out of the folder".into()));
+            } else if is_provenance(&path) {
+                found.extend(damage(&path).map(fault));
+            } else if path.ends_with(ledger::FILE) {
+                found.extend(broken_lines(&path));
+            } else if name == EXPERIMENTS && is_experiment(&path) && !is_word(&stem(&path)) {
+                found.push(fault("its name is none of an experiment".into()));
+            }
+        }
+    }
+    faults::sound(found)
+}
+
+/// What is in a folder, in the order of names; nothing if it cannot be read.
+fn entries(folder: &Path) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(folder).into_iter().flatten();
+    let mut paths: Vec<PathBuf> = entries.filter_map(|entry| Some(entry.ok()?.path())).collect();
+    paths.sort();
+    paths
+}
+
+/// The copies of experiments in a result folder: names and files, in the order of names.
+pub fn experiments(folder: &Path) -> Vec<(String, PathBuf)> {
+    let copies = entries(&folder.join(EXPERIMENTS)).into_iter();
+    copies.filter(|path| is_experiment(path)).map(|path| (stem(&path), path)).collect()
+}
+
+fn is_experiment(path: &Path) -> bool {
+    path.extension().is_some_and(|ending| ending == "toml")
+}
+
+fn stem(path: &Path) -> String {
+    path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+fn is_provenance(path: &Path) -> bool {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    name == provenance::FILE || name.starts_with("provenance-") && name.ends_with(".json")
+}
+
+/// Lines of the ledger that are no entries. The last may be torn, and is then not there.
+fn broken_lines(path: &Path) -> Vec<Fault> {
+    let text = std::fs::read(path).unwrap_or_default();
+    let lines = text.split_inclusive(|&byte| byte == b'\n').enumerate();
+    let whole = lines.filter(|(_, line)| line.ends_with(b"\n"));
+    let fault = |(k, line): (usize, &[u8])| {
+        let error = serde_json::from_slice::<ledger::Entry>(line).err()?;
+        let what = format!("it is no entry of a process or a span: {error}");
+        Some(Fault { place: format!("{}:{}", path.display(), k + 1), what })
+    };
+    whole.filter_map(fault).collect()
+}
+
+/// What is wrong with a provenance.
+fn damage(path: &Path) -> Option<String> {
+    let bytes = match std::fs::read(path) {
+        Ok(bytes) => bytes,
+        Err(error) => return Some(format!("it cannot be read: {error}")),
+    };
+    let fields = match serde_json::from_slice(&bytes) {
+        Ok(Value::Object(fields)) => fields,
+        Ok(_) => return Some("it is not an object of fields".into()),
+        Err(error) => return Some(format!("it is not whole: {error}")),
+    };
+    type Is = fn(&Value) -> bool;
+    let kinds: [(&str, Is, &str); 7] = [
+        ("machine", Value::is_string, "text"),
+        ("revision", Value::is_string, "text"),
+        ("shard", Value::is_string, "text"),
+        ("quick", Value::is_boolean, "true or false"),
+        ("experiments", Value::is_array, "a list"),
+        ("record_schema", Value::is_u64, "a whole number"),
+        ("merged_from", Value::is_array, "a list"),
+    ];
+    kinds.into_iter().find_map(|(name, is, kind)| {
+        let value = fields.get(name).filter(|value| !value.is_null() && !is(value))?;
+        Some(format!("its {name} is {value}; it must be {kind}"))
+    })
+}

@@ -1,0 +1,187 @@
+//! What rows point to: the processes that gave the answers, and the spans of time in which they
+//! were timed. Each is one JSON line beside the record, appended and never edited.
+//!
+//! A process is written before the first row that points to it, a span after its last row: a killed
+//! run leaves rows whose span is not there, and nothing is known of the load then.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs::{File, OpenOptions};
+use std::io::{self, Read, Seek, SeekFrom, Write};
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+/// The name of the file in a result folder.
+pub const FILE: &str = "provenance.jsonl";
+
+/// A line of the file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "entry", rename_all = "lowercase")]
+pub enum Entry {
+    /// What answered.
+    Process(Process),
+    /// When it was timed.
+    Span(Span),
+}
+
+/// What ran: the same for all processes of one program with the same libraries and instructions.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Process {
+    /// What rows say: 8 hexadecimal digits.
+    pub id: String,
+    /// The program, and files that its command names: a script, say.
+    pub files: Vec<Executed>,
+    /// What it calls its version, or that of the library behind it; may be empty.
+    #[serde(default)]
+    pub version: String,
+    /// What else it says of itself: features, level of instructions, compiler, libraries.
+    #[serde(default)]
+    pub build: BTreeMap<String, String>,
+}
+
+/// A file that was executed.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Executed {
+    /// Without its folder.
+    pub name: String,
+    /// As `sha256sum` prints it; none where it cannot be read.
+    pub sha256: Option<String>,
+}
+
+/// The load of the machine while the blocks of one scene were timed.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Span {
+    /// What rows say: 8 hexadecimal digits.
+    pub id: String,
+    /// The scene, for people.
+    pub scene: String,
+    /// How long it took.
+    pub seconds: f64,
+    /// Cores of the machine.
+    pub cores: u64,
+    /// Processor time of the harness and its runners, in seconds.
+    pub own_s: f64,
+    /// Processor time of everything else.
+    pub others_s: f64,
+    /// Time in which a core was ready and the host gave it to another machine.
+    pub stolen_s: f64,
+    /// The load average of the last minute before; the run's own processes are in it.
+    pub load_before: Option<f64>,
+    /// The same after.
+    pub load_after: Option<f64>,
+}
+
+/// The entries of a result folder.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Ledger {
+    /// By what rows say.
+    pub processes: BTreeMap<String, Process>,
+    /// By what rows say.
+    pub spans: BTreeMap<String, Span>,
+}
+
+impl Ledger {
+    /// Reads the entries of a folder; records of older versions have none. A line that is torn is
+    /// as one that is not there.
+    pub fn read(folder: &Path) -> Ledger {
+        let text = std::fs::read_to_string(folder.join(FILE)).unwrap_or_default();
+        let mut ledger = Ledger::default();
+        text.lines().filter_map(|line| serde_json::from_str(line).ok()).for_each(|entry| {
+            ledger.add(entry);
+        });
+        ledger
+    }
+
+    /// The entries of both.
+    pub fn join(&mut self, other: Ledger) {
+        self.processes.extend(other.processes);
+        self.spans.extend(other.spans);
+    }
+
+    /// Its lines.
+    pub fn text(&self) -> String {
+        let processes = self.processes.values().cloned().map(Entry::Process);
+        let entries = processes.chain(self.spans.values().cloned().map(Entry::Span));
+        // Numbers and texts: there is nothing that JSON cannot say.
+        entries.filter_map(|entry| Some(serde_json::to_string(&entry).ok()? + "\n")).collect()
+    }
+
+    fn add(&mut self, entry: Entry) {
+        match entry {
+            Entry::Process(process) => {
+                self.processes.insert(process.id.clone(), process);
+            }
+            Entry::Span(span) => {
+                self.spans.insert(span.id.clone(), span);
+            }
+        }
+    }
+}
+
+/// Appends entries.
+pub struct Writer {
+    file: File,
+    known: BTreeSet<String>,
+}
+
+impl Writer {
+    /// Opens the file of a folder for appending. What a killed run left torn ends there.
+    pub fn append(folder: &Path) -> io::Result<Writer> {
+        let known = Ledger::read(folder).processes.into_keys().collect();
+        let path = folder.join(FILE);
+        let mut file = OpenOptions::new().create(true).read(true).append(true).open(path)?;
+        if file.seek(SeekFrom::End(0))? > 0 {
+            let mut last = [0];
+            file.seek(SeekFrom::End(-1))?;
+            file.read_exact(&mut last)?;
+            if last != *b"\n" {
+                file.write_all(b"\n")?;
+            }
+        }
+        Ok(Writer { file, known })
+    }
+
+    /// Writes an entry, unless it is that of a process that stands there.
+    pub fn write(&mut self, entry: &Entry) -> io::Result<()> {
+        if let Entry::Process(process) = entry
+            && !self.known.insert(process.id.clone())
+        {
+            return Ok(());
+        }
+        let mut line = serde_json::to_vec(entry)?;
+        line.push(b'\n');
+        self.file.write_all(&line)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn entries_are_read_as_they_were_written_and_torn_ones_are_left_out() {
+        let folder = tempfile::tempdir().unwrap();
+        assert_eq!(Ledger::read(folder.path()), Ledger::default());
+        let file = Executed { name: "nbs".into(), sha256: Some("00".into()) };
+        let build = [("level".to_string(), "avx2".to_string())].into();
+        let process = Process { id: "a".into(), files: vec![file], build, ..Process::default() };
+        let span = Span { id: "b".into(), seconds: 0.1, load_before: Some(1.5), ..Span::default() };
+        for _ in 0..2 {
+            let mut writer = Writer::append(folder.path()).unwrap();
+            writer.write(&Entry::Process(process.clone())).unwrap();
+            writer.write(&Entry::Span(span.clone())).unwrap();
+            // As if it were killed.
+            writer.file.write_all(b"{\"entry\":\"spa").unwrap();
+        }
+        let read = Ledger::read(folder.path());
+        assert_eq!(read.processes.values().collect::<Vec<_>>(), [&process]);
+        assert_eq!(read.spans.values().collect::<Vec<_>>(), [&span]);
+        let text = std::fs::read_to_string(folder.path().join(FILE)).unwrap();
+        assert_eq!(text.matches("\"process\"").count(), 1, "{text}");
+        let mut joined = read.clone();
+        joined.join(read.clone());
+        assert_eq!(joined, read);
+        std::fs::write(folder.path().join(FILE), read.text()).unwrap();
+        assert_eq!(Ledger::read(folder.path()), read);
+    }
+}

@@ -1,0 +1,77 @@
+//! The check of a line: its last field, a fingerprint of all bytes before. It tells a line that was
+//! edited, or damaged on its way, from one that was written by a run; it is no signature.
+
+/// The name of the field.
+pub const NAME: &str = "check";
+/// What stands before the digits.
+const KEY: &str = ",\"check\":\"0x";
+/// What stands after the digits.
+const END: &str = "\"}";
+const DIGITS: usize = 16;
+
+/// What is wrong with the check of a line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Flaw {
+    /// It has none at its end.
+    Absent,
+    /// It is of another line.
+    Wrong,
+}
+
+/// FNV-1a in 64 bits.
+fn fingerprint(bytes: &[u8]) -> u64 {
+    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, &byte| {
+        (hash ^ u64::from(byte)).wrapping_mul(0x100_0000_01b3)
+    })
+}
+
+/// A JSON object that is not empty, with its check as the last field.
+pub fn sealed(object: &str) -> String {
+    let open = object.trim_end().strip_suffix('}').unwrap_or(object);
+    format!("{open}{KEY}{:016x}{END}", fingerprint(open.as_bytes()))
+}
+
+/// The object without its check, to be changed and sealed again; as it is, if it has none.
+pub fn unsealed(line: &str) -> String {
+    split(line.as_bytes())
+        .and_then(|(open, _)| line.get(..open.len()))
+        .map_or_else(|| line.to_string(), |open| format!("{open}}}"))
+}
+
+/// Is the check of a line right?
+pub fn verify(line: &[u8]) -> Result<(), Flaw> {
+    let (open, said) = split(line).ok_or(Flaw::Absent)?;
+    let right = format!("{:016x}", fingerprint(open));
+    if said == right.as_bytes() { Ok(()) } else { Err(Flaw::Wrong) }
+}
+
+/// What the check is of, and its digits.
+fn split(line: &[u8]) -> Option<(&[u8], &[u8])> {
+    let line = line.trim_ascii_end().strip_suffix(END.as_bytes())?;
+    let (rest, digits) = line.split_at_checked(line.len().checked_sub(DIGITS)?)?;
+    Some((rest.strip_suffix(KEY.as_bytes())?, digits))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_bit_is_found_anywhere() {
+        let line = sealed("{\"schema\":4,\"n\":100}");
+        assert_eq!(line, "{\"schema\":4,\"n\":100,\"check\":\"0x6518063a6d63f90a\"}");
+        assert_eq!(verify(line.as_bytes()), Ok(()));
+        assert_eq!(verify(format!("{line}\r\n").as_bytes()), Ok(()));
+        for k in 0..line.len() {
+            let mut edited = line.clone().into_bytes();
+            edited[k] ^= 1;
+            assert!(verify(&edited).is_err(), "byte {k}");
+        }
+        assert_eq!(unsealed(&line), "{\"schema\":4,\"n\":100}");
+        assert_eq!(sealed(&unsealed(&line)), line);
+        for none in ["", "{}", "{\"check\":1}", "0x0123456789abcdef\"}"] {
+            assert_eq!(verify(none.as_bytes()), Err(Flaw::Absent), "{none}");
+            assert_eq!(unsealed(none), none);
+        }
+    }
+}

@@ -1,0 +1,72 @@
+//! What a runner says: lines on its standard output, of which no more than one is read ahead, and
+//! the end of its standard error. A flood of either fills no memory.
+
+use std::io::{BufRead, BufReader, Read};
+use std::process::{ChildStderr, ChildStdout};
+use std::sync::mpsc::{Receiver, sync_channel};
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// A line; or why it is none.
+pub(super) type Line = Result<String, String>;
+
+/// A line from a runner is not longer than this.
+const LONGEST_LINE: u64 = 1 << 20;
+/// At most this much of what a runner says on its standard error is kept: the end, where the reason
+/// for its death stands.
+const KEPT: usize = 1 << 16;
+
+/// The lines of a runner, one ahead: one that says more than it is asked waits.
+pub(super) fn lines(output: Option<ChildStdout>) -> Receiver<Line> {
+    let (sender, lines) = sync_channel(1);
+    std::thread::spawn(move || {
+        let Some(output) = output else { return };
+        let mut output = BufReader::new(output);
+        loop {
+            let mut bytes = Vec::new();
+            let read = (&mut output).take(LONGEST_LINE).read_until(b'\n', &mut bytes);
+            if matches!(read, Ok(0) | Err(_)) {
+                return;
+            }
+            let line = line(bytes);
+            // What follows a line that is none begins anywhere.
+            let last = line.is_err();
+            if sender.send(line).is_err() || last {
+                return;
+            }
+        }
+    });
+    lines
+}
+
+fn line(bytes: Vec<u8>) -> Line {
+    if bytes.len() as u64 == LONGEST_LINE && !bytes.ends_with(b"\n") {
+        return Err(format!("it is longer than 1 MiB): {}", shown(&bytes)));
+    }
+    String::from_utf8(bytes).map_err(|error| {
+        let at = error.utf8_error().valid_up_to() + 1;
+        format!("byte {at} is not UTF-8): {}", shown(error.as_bytes()))
+    })
+}
+
+/// The beginning of a line, for people.
+pub(super) fn shown(line: &[u8]) -> String {
+    let text = String::from_utf8_lossy(&line[..line.len().min(320)]);
+    text.trim_end().chars().take(80).collect()
+}
+
+/// The end of what a runner says on its standard error.
+pub(super) fn errors(output: Option<ChildStderr>) -> Arc<Mutex<String>> {
+    let errors = Arc::new(Mutex::new(String::new()));
+    let kept = errors.clone();
+    std::thread::spawn(move || {
+        let Some(mut output) = output else { return };
+        let mut buffer = [0; 1024];
+        while let Ok(read @ 1..) = output.read(&mut buffer) {
+            let mut kept = kept.lock().unwrap_or_else(PoisonError::into_inner);
+            kept.push_str(&String::from_utf8_lossy(&buffer[..read]));
+            let surplus = kept.floor_char_boundary(kept.len().saturating_sub(KEPT));
+            kept.drain(..surplus);
+        }
+    });
+    errors
+}

@@ -1,0 +1,163 @@
+//! What a reply can say. Numbers that nobody can have measured break the protocol, and what breaks
+//! it is decided here alone: for `run`, `recommend` and `check`.
+
+use crate::run::protocol::Reply;
+
+/// A sample is not longer than a runner is asked for where it has so many detections: one of them
+/// may take less than the clock can tell.
+pub const MOST_CALLS: u64 = 1 << 20;
+
+/// What a reply is held to.
+#[derive(Clone, Copy, Debug)]
+pub struct Asked {
+    /// Nanoseconds that the sample should last; 0 where the number of detections was found before.
+    pub min_ns: u64,
+    /// Nanoseconds from the request to the reply.
+    pub waited_ns: u64,
+    /// Bytes of address space that the runner has.
+    pub memory_limit: u64,
+}
+
+/// What is impossible in a reply, in one sentence without an end; `Ok` if nothing is.
+pub fn check(reply: &Reply, asked: &Asked) -> Result<(), String> {
+    match reply {
+        Reply::Sample { .. } => sample(reply, asked),
+        Reply::Memory { .. } => memory(reply, asked),
+        _ => Ok(()),
+    }
+}
+
+fn sample(reply: &Reply, asked: &Asked) -> Result<(), String> {
+    let &Reply::Sample { time_ns, calls, elapsed_ns, ref step_ns, first_ns, .. } = reply else {
+        return Ok(());
+    };
+    let Asked { min_ns, waited_ns, .. } = *asked;
+    let first = first_ns.unwrap_or(0);
+    Err(if step_ns.iter().any(|&ns| ns != time_ns) || step_ns.len() > 1 {
+        format!(
+            "it says of one frame time_ns {time_ns} and step_ns {step_ns:?}: step_ns has one \
+             number for each frame"
+        )
+    } else if calls == 0 {
+        "it says calls 0: a sample has at least one detection".into()
+    } else if u128::from(time_ns)
+        .saturating_mul(calls.into())
+        .abs_diff(elapsed_ns.into())
+        .gt(&calls.into())
+    {
+        format!(
+            "it says time_ns {time_ns}, calls {calls}, elapsed_ns {elapsed_ns}: time_ns is \
+             elapsed_ns / calls, rounded"
+        )
+    } else if time_ns == 0 || elapsed_ns == 0 {
+        format!(
+            "it says time_ns {time_ns}, elapsed_ns {elapsed_ns}: every detection takes time, and \
+             is repeated until the clock can tell how much"
+        )
+    } else if elapsed_ns.saturating_add(first) > waited_ns {
+        let first = first_ns.map_or(String::new(), |first| format!(" and first_ns {first}"));
+        format!(
+            "it says elapsed_ns {elapsed_ns}{first}, but its answer was there after {waited_ns} \
+             ns: are these nanoseconds?"
+        )
+    } else if elapsed_ns < min_ns / 10 && calls < MOST_CALLS {
+        format!(
+            "asked for {min_ns} ns, it measured only {elapsed_ns} ns: repeat the detection until \
+             min_ns are over"
+        )
+    } else {
+        return Ok(());
+    })
+}
+
+fn memory(reply: &Reply, asked: &Asked) -> Result<(), String> {
+    let &Reply::Memory {
+        peak_bytes, live_bytes, allocations, warm_allocations, formula_bytes, ..
+    } = reply
+    else {
+        return Ok(());
+    };
+    if peak_bytes < live_bytes {
+        return Err(format!(
+            "it says peak_bytes {peak_bytes} and live_bytes {live_bytes}: the most bytes held are \
+             not fewer than those held at the end"
+        ));
+    }
+    let limit = asked.memory_limit;
+    let bytes = [("peak_bytes", Some(peak_bytes)), ("formula_bytes", formula_bytes)];
+    if let Some((name, Some(bytes))) =
+        bytes.into_iter().find(|(_, bytes)| bytes.is_some_and(|bytes| bytes > limit))
+    {
+        return Err(format!("it says {name} {bytes}, and has {limit} bytes of address space"));
+    }
+    // No allocator hands out more than one piece in a nanosecond.
+    let pieces = allocations.max(warm_allocations.unwrap_or(0));
+    if pieces > asked.waited_ns {
+        return Err(format!("it says {pieces} allocations within {} ns", asked.waited_ns));
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ASKED: Asked =
+        Asked { min_ns: 2_000_000, waited_ns: 1_000_000_000, memory_limit: 1 << 30 };
+
+    fn sample(time_ns: u64, calls: u64, elapsed_ns: u64) -> Reply {
+        let (contacts, digest) = (0, String::new());
+        let (step_ns, first_ns) = (vec![time_ns], Some(1000));
+        Reply::Sample { time_ns, calls, elapsed_ns, step_ns, first_ns, contacts, digest }
+    }
+
+    fn memory(peak_bytes: u64, live_bytes: u64, allocations: u64) -> Reply {
+        Reply::Memory {
+            peak_bytes,
+            live_bytes,
+            allocations,
+            warm_allocations: None,
+            formula_bytes: None,
+            contacts: 0,
+            digest: String::new(),
+        }
+    }
+
+    #[test]
+    fn what_can_be_is_taken() {
+        for reply in [
+            sample(2_000_000, 1, 2_000_000),
+            sample(2, 1_000_000, 2_300_000),
+            // A detector that does nothing, repeated as often as may be asked.
+            sample(1, MOST_CALLS, MOST_CALLS),
+            // The number of detections is found once: some samples are shorter.
+            sample(400_000, 1, 400_000),
+            memory(0, 0, 0),
+            memory(1 << 30, 1 << 30, 1),
+            Reply::Loaded,
+        ] {
+            assert_eq!(check(&reply, &ASKED), Ok(()), "{reply:?}");
+        }
+        assert_eq!(check(&sample(5, 1, 5), &Asked { min_ns: 0, ..ASKED }), Ok(()));
+    }
+
+    #[test]
+    fn what_cannot_be_is_named() {
+        for (reply, words) in [
+            (sample(0, 1, 0), "every detection takes time"),
+            (sample(0, MOST_CALLS, 1000), "every detection takes time"),
+            (sample(5, 0, 5), "calls 0"),
+            (sample(500, 1000, 5_000_000), "elapsed_ns / calls, rounded"),
+            (sample(u64::MAX, u64::MAX, 5_000_000), "elapsed_ns / calls, rounded"),
+            (sample(1_000_000_000_000_000, 1, 1_000_000_000_000_000), "are these nanoseconds?"),
+            (sample(999_999_500, 1, 999_999_500), "and first_ns 1000, but its answer was there"),
+            (sample(10_000, 10, 100_000), "it measured only 100000 ns: repeat the detection"),
+            (memory(5, 9, 1), "the most bytes held are not fewer"),
+            (memory(u64::MAX, 9, 1), "peak_bytes 18446744073709551615, and has 1073741824 bytes"),
+            (memory(9, 9, u64::MAX), "18446744073709551615 allocations within"),
+        ] {
+            let error = check(&reply, &ASKED).unwrap_err();
+            assert!(error.contains(words), "{reply:?}: {error}");
+        }
+    }
+}

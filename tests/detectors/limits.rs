@@ -1,0 +1,55 @@
+//! A list of pairs ends at the memory limit, whoever finds them, with one thread and with several.
+
+use contactbench::contact::Test;
+use contactbench::detect::table::TABLE;
+use contactbench::detect::{Options, Refusal};
+use contactbench::oracle::{self, NoTruth};
+use contactbench::scene::{AnyScene, Radii, Scene};
+
+/// `n` discs on a lattice, apart, of which the first `heap` are in one place.
+fn clump(n: u32, heap: u32) -> AnyScene<'static> {
+    let place = |k: u32| if k < heap { [0.0; 2] } else { [k % 150, k / 150].map(f64::from) };
+    let centres: Vec<_> = (0..n).map(|k| nalgebra::Point::from(place(k))).collect();
+    Scene::new(centres, Radii::Uniform(0.25)).unwrap().into()
+}
+
+const LIMIT: u64 = 8 << 20;
+const PAIRS: u64 = 3000 * 2999 / 2;
+
+/// Enough particles for a second thread of any detector.
+#[test]
+fn nobody_lists_more_than_the_limit_allows() {
+    let scene = clump(21_000, 3000);
+    for entry in TABLE.iter().filter(|entry| entry.must_be_right()) {
+        for threads in if entry.threads { 1..3 } else { 1..2 } {
+            let mut pairs = vec![[7, 9]];
+            let mut detector = entry.make(Options { memory_limit: LIMIT, threads });
+            for _ in 0..2 {
+                let refusal = detector.list(&scene, Test::Exact, &mut pairs).unwrap_err();
+                let what = format!("{} with {threads} threads: {refusal}", entry.name);
+                let Refusal::Pairs { found, particles: 21_000, room } = refusal else {
+                    panic!("{what}")
+                };
+                assert_eq!((found, &pairs), (PAIRS, &vec![[7, 9]]), "{what}");
+                assert!(room <= LIMIT && pairs.capacity() as u64 * 8 <= LIMIT, "{what}");
+            }
+            // What it left behind does no harm.
+            pairs.clear();
+            detector.list(&clump(21_000, 2), Test::Exact, &mut pairs).unwrap();
+            assert_eq!(pairs.len(), 1, "{}", entry.name);
+        }
+    }
+}
+
+#[test]
+fn the_truth_has_the_same_limit() {
+    for n in [21_000, 6000] {
+        let truth = oracle::truth_as_stored(&clump(n, 3000), Test::Exact, LIMIT);
+        let Err(NoTruth::Refused(refusal)) = truth.map(|truth| truth.pairs.len()) else {
+            panic!("the truth has more than it may")
+        };
+        assert!(refusal.is_of_scene(), "{refusal}");
+        let truth = oracle::truth_as_stored(&clump(n, 3000), Test::Exact, 64 << 20).unwrap();
+        assert_eq!(truth.digest.contacts, PAIRS);
+    }
+}
