@@ -21,7 +21,6 @@ pub const FILES: &[(&str, &str)] = &[
     ("hard-cases", include_str!("../../experiments/hard-cases.toml")),
     ("price", include_str!("../../experiments/price.toml")),
     ("scale", include_str!("../../experiments/scale.toml")),
-    ("million", include_str!("../../experiments/million.toml")),
     ("peers", include_str!("../../experiments/peers.toml")),
 ];
 
