@@ -18,6 +18,7 @@ mod partial;
 mod peers;
 mod protocol;
 mod readme;
+mod records;
 mod real_data;
 mod resume;
 mod runners;
