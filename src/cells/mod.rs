@@ -32,16 +32,16 @@ pub struct Cell {
     /// How each pass ended, with the reason.
     pub passes: BTreeMap<Pass, (Outcome, String)>,
     /// Nanoseconds per detection, by block.
-    pub times: BTreeMap<u32, u64>,
+    pub times: Blocks,
     /// Nanoseconds of the first detection of each process, by block.
-    pub first: BTreeMap<u32, u64>,
+    pub first: Blocks,
     /// Nanoseconds per detection of each round, by block: where builds are timed side by side.
     pub rounds: Vec<Blocks>,
     /// The same as the times of as many copies with one thread each, at work beside each other;
     /// empty where that was not measured.
-    pub copies_ns: BTreeMap<u32, u64>,
+    pub copies_ns: Blocks,
     /// The same of each copy alone, one after the other.
-    pub alone_ns: BTreeMap<u32, u64>,
+    pub alone_ns: Blocks,
     /// Why there are no copies, or not in all blocks.
     pub copies_failure: Option<(Outcome, String)>,
     /// What was measured besides times, by column.
@@ -96,11 +96,12 @@ pub fn by_machine<'a>(cells: &[&'a Cell]) -> Vec<(Option<String>, Vec<&'a Cell>)
 
 impl Cell {
     fn add(&mut self, row: &Row) {
+        let block = row.timed_in();
         if row.pass == Pass::Ceiling && row.outcome != Outcome::Wrong {
             match row.time_ns {
                 Some(time) => {
-                    self.copies_ns.insert(row.block, time);
-                    self.alone_ns.extend(row.alone_ns.map(|alone| (row.block, alone)));
+                    self.copies_ns.insert(block, time);
+                    self.alone_ns.extend(row.alone_ns.map(|alone| (block, alone)));
                 }
                 None => self.copies_failure = Some((row.outcome, row.reason.clone())),
             }
@@ -111,13 +112,13 @@ impl Cell {
             *pass = (row.outcome, row.reason.clone());
         }
         if let (Pass::Time, Some(time)) = (row.pass, row.time_ns) {
-            self.times.insert(row.block, time);
-            self.first.extend(row.first_ns.map(|first| (row.block, first)));
+            self.times.insert(block, time);
+            self.first.extend(row.first_ns.map(|first| (block, first)));
             for (round, &time) in row.rounds_ns.iter().enumerate() {
                 if self.rounds.len() <= round {
                     self.rounds.push(Blocks::new());
                 }
-                self.rounds[round].insert(row.block, time);
+                self.rounds[round].insert(block, time);
             }
         }
         self.errors = row.errors.or(self.errors);

@@ -60,10 +60,10 @@ pub fn merge(options: &Merge) -> anyhow::Result<ExitCode> {
         .collect::<Vec<_>>()
         .join(" ")
         .into();
-    write(options.out.join(provenance::FILE), &serde_json::to_string_pretty(&provenance)?)?;
+    write(options.out.join(provenance::FILE), &provenance::text(&provenance)?)?;
     for (k, fields) in parts.iter().flat_map(Part::provenances).enumerate() {
         let path = options.out.join(format!("provenance-part-{}.json", k + 1));
-        write(path, &serde_json::to_string_pretty(fields)?)?;
+        write(path, &provenance::text(fields)?)?;
     }
     let mut entries = Ledger::default();
     parts.iter().for_each(|part| entries.join(part.ledger.clone()));

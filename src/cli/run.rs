@@ -162,7 +162,7 @@ fn run_named(options: &Run, name: &str) -> anyhow::Result<ExitCode> {
     };
     let shard = options.shard.map(|shard| shard.to_string());
     let provenance = provenance::gather(&names, options.quick, shard, &bandwidth, &label);
-    write(&folder.join(provenance_file), serde_json::to_string_pretty(&provenance)?.as_bytes())?;
+    write(&folder.join(provenance_file), provenance::text(&provenance)?.as_bytes())?;
     // Its bar is gone before anything else is printed.
     let outcome = ready.run(&mut record, &mut origins, &mut Terminal::default());
     match outcome {

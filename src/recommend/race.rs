@@ -328,7 +328,7 @@ impl Course<'_> {
             for standing in order {
                 let processor = processors::in_block(block).filter(|_| standing.threads == 1);
                 if let Some((time, _)) = self.sample(standing, processor)? {
-                    standing.times.insert(block, time);
+                    standing.times.insert(block.into(), time);
                 }
             }
             done = block;

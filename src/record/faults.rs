@@ -5,11 +5,12 @@ use std::collections::{BTreeMap, HashMap};
 use std::fmt;
 
 use crate::oracle::Errors;
-use crate::record::done;
 use crate::record::id::Projection;
+use crate::record::ledger::{self, Ledger};
 use crate::record::outcome::{Outcome, Pass};
 use crate::record::role::Role;
 use crate::record::row::Row;
+use crate::record::{done, file};
 
 /// More threads than any machine has cores are a slip of the pen.
 pub const MOST_THREADS: usize = 1024;
@@ -41,11 +42,12 @@ impl fmt::Display for Damaged {
         if faults.len() > SHOWN {
             write!(f, "\nand {} more", faults.len() - SHOWN)?;
         }
-        write!(
-            f,
-            "\ntake a copy that is whole; or take these lines out, and measure them again with \
-             contactbench run ... --resume"
-        )
+        write!(f, "\ntake a copy that is whole")?;
+        if faults.iter().all(|fault| fault.place.contains(file::FILE)) {
+            let again = "contactbench run ... --resume";
+            write!(f, "; or take these lines out, and measure them again with {again}")?;
+        }
+        Ok(())
     }
 }
 
@@ -55,10 +57,10 @@ pub fn sound(faults: Vec<Fault>) -> Result<(), Damaged> {
 }
 
 /// What cannot be in these rows: the numbers of the rows, and what is wrong with each.
-pub fn faults(rows: &[Row]) -> Vec<(usize, String)> {
+pub fn faults(rows: &[Row], ledger: &Ledger) -> Vec<(usize, String)> {
     let mut found: Vec<(usize, String)> = Vec::new();
     for (k, row) in rows.iter().enumerate() {
-        found.extend(alone(row).map(|what| (k, what)));
+        found.extend(alone(row).or_else(|| dangling(row, ledger)).map(|what| (k, what)));
     }
     found.extend(together(rows));
     found.sort();
@@ -68,6 +70,13 @@ pub fn faults(rows: &[Row]) -> Vec<(usize, String)> {
 /// What is wrong with a row whatever the others say.
 fn alone(row: &Row) -> Option<String> {
     ranges(row).or_else(|| numbers(row)).or_else(|| times(row)).or_else(|| answer(row))
+}
+
+/// A process is written before the rows that point to it.
+fn dangling(row: &Row, ledger: &Ledger) -> Option<String> {
+    let process = row.process.as_ref()?;
+    let absent = !ledger.processes.contains_key(process);
+    absent.then(|| format!("its process is {process}, which is not in {}", ledger::FILE))
 }
 
 fn ranges(row: &Row) -> Option<String> {
@@ -100,6 +109,7 @@ pub fn is_word(name: &str) -> bool {
 /// Numbers belong to a pass and an outcome.
 fn numbers(row: &Row) -> Option<String> {
     let timed = matches!(row.pass, Pass::Time | Pass::Ceiling);
+    let rounds = !row.rounds_ns.is_empty() || row.first_ns.is_some() || row.alone_ns.is_some();
     let bytes = row.peak_bytes.or(row.live_bytes).or(row.allocations);
     let measured = row.outcome.is_good() || row.outcome == Outcome::Wrong;
     let name = row.pass.name();
@@ -107,6 +117,10 @@ fn numbers(row: &Row) -> Option<String> {
         format!("it has a time in the pass {name} with the outcome {}", row.outcome.name())
     } else if timed && row.outcome.is_good() && row.time_ns.is_none() {
         format!("it is {} and has no time", row.outcome.name())
+    } else if rounds && row.time_ns.is_none() {
+        "it has rounds_ns, first_ns or alone_ns, and no time".into()
+    } else if row.rounds_ns.iter().chain(&row.first_ns).chain(&row.alone_ns).any(|&ns| ns == 0) {
+        "one of its rounds_ns, first_ns or alone_ns is 0: nothing was measured".into()
     } else if !row.counts.is_empty() && row.pass != Pass::Count {
         format!("it has counts in the pass {name}")
     } else if bytes.is_some() && row.pass != Pass::Memory {

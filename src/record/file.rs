@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::record::faults::{self, Fault};
 use crate::record::id::THREADS;
+use crate::record::ledger::Ledger;
 use crate::record::provenance;
 use crate::record::role::Role;
 use crate::record::row::Row;
@@ -21,7 +22,7 @@ pub const FILE: &str = "samples.jsonl";
 /// none before 4 had a check of the line.
 pub const SCHEMA: u32 = 4;
 /// From this schema on every line ends with a check of itself.
-const SEALED: u32 = 4;
+pub const SEALED: u32 = 4;
 
 /// A line of the record.
 #[derive(Serialize)]
@@ -199,7 +200,8 @@ pub fn read(path: &Path) -> anyhow::Result<Record> {
         let machine = beside.get_or_insert_with(|| provenance::machine_of(path.parent()));
         row.id.machine.clone_from(machine);
     }
-    found.extend(faults::faults(&rows).into_iter().map(|(k, what)| (lines[k], what)));
+    let ledger = Ledger::read(path.parent().unwrap_or(Path::new(".")));
+    found.extend(faults::faults(&rows, &ledger).into_iter().map(|(k, what)| (lines[k], what)));
     found.sort();
     let fault = |(line, what)| Fault { place: format!("{}:{line}", path.display()), what };
     faults::sound(found.into_iter().map(fault).collect())?;
@@ -209,14 +211,16 @@ pub fn read(path: &Path) -> anyhow::Result<Record> {
 /// The row of a line that is as it was written; or what is wrong with it.
 fn whole(line: &[u8], schema: u32, newest: u32) -> Result<Row, String> {
     let row = parse(line, schema).map_err(|e| format!("it is not a row: {e}"))?;
+    if schema == 0 {
+        return Err("its schema is 0; the first was 1".into());
+    }
     if schema < newest && newest >= SEALED {
         return Err(format!("its schema is {schema}, after lines of schema {newest}"));
     }
+    // A check is verified wherever there is one: an edit can make a line look older.
     match seal::verify(line) {
-        _ if schema < SEALED => Ok(row),
-        Ok(()) => Ok(row),
-        Err(Flaw::Absent) => Err("it has no check at its end: it was edited".into()),
-        Err(Flaw::Wrong) => Err("its check is of another line: it was edited".into()),
+        Err(Flaw::Absent) if schema < SEALED => Ok(row),
+        verified => verified.map(|()| row).map_err(|flaw| flaw.to_string()),
     }
 }
 
@@ -227,6 +231,7 @@ mod tests {
     use super::*;
     use crate::oracle::{Causes, Errors};
     use crate::record::id::CellId;
+    use crate::record::ledger::{self, Entry, Process};
     use crate::record::outcome::{Outcome, Pass};
 
     /// A row with something in every field.
@@ -264,15 +269,24 @@ mod tests {
         serde_json::to_value(Line { schema: SCHEMA, row }).unwrap()
     }
 
-    fn read_text(text: &str) -> anyhow::Result<Record> {
+    /// A folder with the process of the full row.
+    fn folder() -> tempfile::TempDir {
         let folder = tempfile::tempdir().unwrap();
+        let id = full().process.unwrap();
+        let process = Entry::Process(Process { id, ..Process::default() });
+        ledger::Writer::append(folder.path()).unwrap().write(&process).unwrap();
+        folder
+    }
+
+    fn read_text(text: &str) -> anyhow::Result<Record> {
+        let folder = folder();
         std::fs::write(folder.path().join(FILE), text).unwrap();
         read(&folder.path().join(FILE))
     }
 
     #[test]
     fn a_row_is_read_as_it_was_written() {
-        let folder = tempfile::tempdir().unwrap();
+        let folder = folder();
         let path = folder.path().join(FILE);
         let plain = Row { id: full().id.with_contender("nbs"), ..Row::default() };
         let mut writer = Writer::append(&path).unwrap();

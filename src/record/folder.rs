@@ -5,6 +5,8 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 
 use crate::record::faults::{self, Damaged, Fault, is_word};
+use crate::record::file::SEALED;
+use crate::record::seal::{self, Flaw};
 use crate::record::{ledger, provenance};
 
 /// The folder of the copies of the experiments.
@@ -25,7 +27,9 @@ pub fn sound(folder: &Path) -> Result<(), Damaged> {
             } else if is_provenance(&path) {
                 found.extend(damage(&path).map(fault));
             } else if path.ends_with(ledger::FILE) {
-                found.extend(broken_lines(&path));
+                let faults = ledger::faults(folder).into_iter();
+                let place = |line| format!("{}:{line}", path.display());
+                found.extend(faults.map(|(line, what)| Fault { place: place(line), what }));
             } else if name == EXPERIMENTS && is_experiment(&path) && !is_word(&stem(&path)) {
                 found.push(fault("its name is none of an experiment".into()));
             }
@@ -61,19 +65,6 @@ fn is_provenance(path: &Path) -> bool {
     name == provenance::FILE || name.starts_with("provenance-") && name.ends_with(".json")
 }
 
-/// Lines of the ledger that are no entries. The last may be torn, and is then not there.
-fn broken_lines(path: &Path) -> Vec<Fault> {
-    let text = std::fs::read(path).unwrap_or_default();
-    let lines = text.split_inclusive(|&byte| byte == b'\n').enumerate();
-    let whole = lines.filter(|(_, line)| line.ends_with(b"\n"));
-    let fault = |(k, line): (usize, &[u8])| {
-        let error = serde_json::from_slice::<ledger::Entry>(line).err()?;
-        let what = format!("it is no entry of a process or a span: {error}");
-        Some(Fault { place: format!("{}:{}", path.display(), k + 1), what })
-    };
-    whole.filter_map(fault).collect()
-}
-
 /// What is wrong with a provenance.
 fn damage(path: &Path) -> Option<String> {
     let bytes = match std::fs::read(path) {
@@ -95,8 +86,12 @@ fn damage(path: &Path) -> Option<String> {
         ("record_schema", Value::is_u64, "a whole number"),
         ("merged_from", Value::is_array, "a list"),
     ];
-    kinds.into_iter().find_map(|(name, is, kind)| {
+    let of_another_kind = kinds.into_iter().find_map(|(name, is, kind)| {
         let value = fields.get(name).filter(|value| !value.is_null() && !is(value))?;
         Some(format!("its {name} is {value}; it must be {kind}"))
-    })
+    });
+    // Records of older schemas have no check.
+    let old = fields.get("record_schema").and_then(Value::as_u64) < Some(SEALED.into());
+    let edited = seal::verify(&bytes).err().filter(|flaw| !(old && *flaw == Flaw::Absent));
+    of_another_kind.or_else(|| edited.map(|flaw| flaw.to_string()))
 }

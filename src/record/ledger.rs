@@ -6,10 +6,12 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs::{File, OpenOptions};
-use std::io::{self, Read, Seek, SeekFrom, Write};
+use std::io::{self, Read, Write};
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
+
+use crate::record::seal;
 
 /// The name of the file in a result folder.
 pub const FILE: &str = "provenance.jsonl";
@@ -81,14 +83,12 @@ pub struct Ledger {
 }
 
 impl Ledger {
-    /// Reads the entries of a folder; records of older versions have none. A line that is torn is
-    /// as one that is not there.
+    /// Reads the entries of a folder; records of older versions have none. Lines that are none are
+    /// left out: [`faults`] names them.
     pub fn read(folder: &Path) -> Ledger {
-        let text = std::fs::read_to_string(folder.join(FILE)).unwrap_or_default();
+        let text = std::fs::read(folder.join(FILE)).unwrap_or_default();
         let mut ledger = Ledger::default();
-        text.lines().filter_map(|line| serde_json::from_str(line).ok()).for_each(|entry| {
-            ledger.add(entry);
-        });
+        lines(&text).filter_map(|(_, entry)| entry.ok()).for_each(|entry| ledger.add(entry));
         ledger
     }
 
@@ -103,7 +103,7 @@ impl Ledger {
         let processes = self.processes.values().cloned().map(Entry::Process);
         let entries = processes.chain(self.spans.values().cloned().map(Entry::Span));
         // Numbers and texts: there is nothing that JSON cannot say.
-        entries.filter_map(|entry| Some(serde_json::to_string(&entry).ok()? + "\n")).collect()
+        entries.filter_map(|entry| line(&entry).ok()).collect()
     }
 
     fn add(&mut self, entry: Entry) {
@@ -118,6 +118,29 @@ impl Ledger {
     }
 }
 
+/// An entry as it is written, with its check.
+fn line(entry: &Entry) -> serde_json::Result<String> {
+    Ok(seal::sealed(&serde_json::to_string(entry)?) + "\n")
+}
+
+/// The lines of a ledger with their numbers. What stands after the last newline was torn by a kill,
+/// and is not there.
+fn lines(text: &[u8]) -> impl Iterator<Item = (usize, Result<Entry, String>)> {
+    let lines = text.split_inclusive(|&byte| byte == b'\n').enumerate();
+    lines.filter(|(_, line)| line.ends_with(b"\n")).map(|(k, line)| {
+        let entry = serde_json::from_slice(line)
+            .map_err(|e| format!("it is no entry of a process or a span: {e}"));
+        let sealed = seal::verify(line).map_err(|flaw| flaw.to_string());
+        (k + 1, entry.and_then(|entry| sealed.map(|()| entry)))
+    })
+}
+
+/// What is wrong with lines of the ledger in a folder: their numbers, and what.
+pub fn faults(folder: &Path) -> Vec<(usize, String)> {
+    let text = std::fs::read(folder.join(FILE)).unwrap_or_default();
+    lines(&text).filter_map(|(k, entry)| Some((k, entry.err()?))).collect()
+}
+
 /// Appends entries.
 pub struct Writer {
     file: File,
@@ -125,19 +148,15 @@ pub struct Writer {
 }
 
 impl Writer {
-    /// Opens the file of a folder for appending. What a killed run left torn ends there.
+    /// Opens the file of a folder for appending. What a killed run left torn is cut off.
     pub fn append(folder: &Path) -> io::Result<Writer> {
         let known = Ledger::read(folder).processes.into_keys().collect();
         let path = folder.join(FILE);
         let mut file = OpenOptions::new().create(true).read(true).append(true).open(path)?;
-        if file.seek(SeekFrom::End(0))? > 0 {
-            let mut last = [0];
-            file.seek(SeekFrom::End(-1))?;
-            file.read_exact(&mut last)?;
-            if last != *b"\n" {
-                file.write_all(b"\n")?;
-            }
-        }
+        let mut text = Vec::new();
+        file.read_to_end(&mut text)?;
+        let whole = text.iter().rposition(|&byte| byte == b'\n').map_or(0, |last| last + 1);
+        file.set_len(whole as u64)?;
         Ok(Writer { file, known })
     }
 
@@ -148,9 +167,7 @@ impl Writer {
         {
             return Ok(());
         }
-        let mut line = serde_json::to_vec(entry)?;
-        line.push(b'\n');
-        self.file.write_all(&line)
+        self.file.write_all(line(entry)?.as_bytes())
     }
 }
 
@@ -170,18 +187,26 @@ mod tests {
             let mut writer = Writer::append(folder.path()).unwrap();
             writer.write(&Entry::Process(process.clone())).unwrap();
             writer.write(&Entry::Span(span.clone())).unwrap();
-            // As if it were killed.
-            writer.file.write_all(b"{\"entry\":\"spa").unwrap();
+            // As if it were killed, within a character.
+            writer.file.write_all(b"{\"entry\":\"spa\xc3").unwrap();
+            assert_eq!(faults(folder.path()), []);
         }
         let read = Ledger::read(folder.path());
         assert_eq!(read.processes.values().collect::<Vec<_>>(), [&process]);
         assert_eq!(read.spans.values().collect::<Vec<_>>(), [&span]);
-        let text = std::fs::read_to_string(folder.path().join(FILE)).unwrap();
+        let text = std::fs::read(folder.path().join(FILE)).unwrap();
+        let text = String::from_utf8_lossy(&text);
         assert_eq!(text.matches("\"process\"").count(), 1, "{text}");
         let mut joined = read.clone();
         joined.join(read.clone());
         assert_eq!(joined, read);
-        std::fs::write(folder.path().join(FILE), read.text()).unwrap();
+        let path = folder.path().join(FILE);
+        std::fs::write(&path, read.text()).unwrap();
         assert_eq!(Ledger::read(folder.path()), read);
+        assert_eq!(faults(folder.path()), []);
+        let busy = read.text().replace("\"others_s\":0.0", "\"others_s\":1.0");
+        std::fs::write(&path, busy).unwrap();
+        let [(2, what)] = &faults(folder.path())[..] else { panic!("an edited span") };
+        assert!(what.contains("edited"), "{what}");
     }
 }

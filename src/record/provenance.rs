@@ -8,6 +8,7 @@ use serde_json::{Value, json};
 
 use crate::record::hardware::Hardware;
 use crate::record::row::SCHEMA;
+use crate::record::seal;
 
 /// The memory bandwidth measured before a run, in bytes per second.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -105,6 +106,15 @@ pub fn machine() -> String {
     let name: String =
         name.trim().chars().filter(|c| c.is_ascii_alphanumeric() || *c == '-').take(24).collect();
     if name.is_empty() { "machine".into() } else { name }
+}
+
+/// Provenance as it is written, with its check.
+pub fn text(fields: &Value) -> serde_json::Result<String> {
+    let mut fields = fields.clone();
+    if let Some(fields) = fields.as_object_mut() {
+        fields.remove(seal::NAME);
+    }
+    Ok(seal::sealed(&serde_json::to_string_pretty(&fields)?) + "\n")
 }
 
 /// The provenance in a result folder; none where there is none, or it cannot be read.

@@ -11,6 +11,7 @@ use crate::record::id::CellId;
 pub use crate::record::outcome::{Outcome, Pass};
 use crate::record::role::Role;
 use crate::scene::stats::Stats;
+use crate::stats::interval::Block;
 
 /// One measurement.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -95,5 +96,12 @@ impl Row {
     /// What this row measures.
     pub fn measurement(&self) -> Measurement {
         Measurement { id: self.id.clone(), pass: self.pass, block: self.block }
+    }
+
+    /// Where in its run it was timed: rows of one block are compared only if they were timed in one
+    /// span. What is resumed has spans of its own.
+    pub fn timed_in(&self) -> Block {
+        let span = self.span.as_deref().and_then(|id| u32::from_str_radix(id, 16).ok());
+        Block { number: self.block, span: span.unwrap_or(0) }
     }
 }

@@ -10,11 +10,13 @@ const END: &str = "\"}";
 const DIGITS: usize = 16;
 
 /// What is wrong with the check of a line.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Flaw {
     /// It has none at its end.
+    #[error("it has no check at its end: it was edited")]
     Absent,
     /// It is of another line.
+    #[error("its check is that of another text: it was edited")]
     Wrong,
 }
 

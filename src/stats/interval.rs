@@ -114,8 +114,24 @@ pub fn rank(n: usize) -> Option<(usize, f64)> {
     best
 }
 
+/// What was timed side by side: a block of a run. A block that a killed run left half done and a
+/// resumed one completed is two.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Block {
+    /// From 1.
+    pub number: u32,
+    /// The span of time that it was measured in; 0 where that is not known.
+    pub span: u32,
+}
+
+impl From<u32> for Block {
+    fn from(number: u32) -> Block {
+        Block { number, span: 0 }
+    }
+}
+
 /// Times by block.
-pub type Blocks = BTreeMap<u32, u64>;
+pub type Blocks = BTreeMap<Block, u64>;
 
 /// The ratio a / b of two detectors' times, block by block: the median of the ratios with its
 /// interval. Blocks that only one of them has are left out.
@@ -126,7 +142,7 @@ pub fn ratio(a: &Blocks, b: &Blocks) -> Option<Interval> {
 /// The same of several couples (a, b): of each block the median over the couples, and over the
 /// blocks the median of those.
 pub fn typical_ratio(couples: &[(&Blocks, &Blocks)]) -> Option<Interval> {
-    let mut blocks: BTreeMap<u32, Vec<f64>> = BTreeMap::new();
+    let mut blocks: BTreeMap<Block, Vec<f64>> = BTreeMap::new();
     for (a, b) in couples {
         for (block, &a) in a.iter() {
             if let Some(&b) = b.get(block).filter(|&&b| a > 0 && b > 0) {
@@ -188,18 +204,20 @@ mod tests {
     #[test]
     fn a_ratio_is_paired_within_blocks() {
         // the machine slows down tenfold; b stays at 1.25 times a in every block
-        let a: BTreeMap<u32, u64> = (0..15).map(|k| (k, 400 + 400 * u64::from(k))).collect();
-        let b = a.iter().map(|(&k, &t)| (k, t * 5 / 4)).chain([(99, 7)]).collect();
+        let a: Blocks = (0..15).map(|k| (k.into(), 400 + 400 * u64::from(k))).collect();
+        let b = a.iter().map(|(&k, &t)| (k, t * 5 / 4)).chain([(99.into(), 7)]).collect();
         let found = ratio(&b, &a).unwrap();
         assert_eq!(found.count, 15);
         assert!((found.low - 1.25).abs() < 1e-12 && (found.high - 1.25).abs() < 1e-12);
-        assert_eq!(ratio(&a, &BTreeMap::new()), None);
+        // Measured again after a kill: not side by side, though the numbers are the same.
+        let again = a.iter().map(|(block, &t)| (Block { span: 7, ..*block }, t)).collect();
+        assert_eq!((ratio(&a, &again), ratio(&a, &Blocks::new())), (None, None));
     }
 
     #[test]
     fn the_typical_ratio_is_the_median_couple_of_each_block() {
         let times = |factor: u64| -> Blocks {
-            (1..=15).map(|block| (block, factor * (100 + u64::from(block)))).collect()
+            (1..=15).map(|k: u32| (k.into(), factor * (100 + u64::from(k)))).collect()
         };
         let (one, double, six) = (times(1), times(2), times(6));
         let found = typical_ratio(&[(&double, &one), (&one, &one), (&six, &one)]).unwrap();

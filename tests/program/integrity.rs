@@ -72,7 +72,7 @@ fn an_edited_line_is_named() {
     let time = line(&text, &["\"pass\":\"time\""]);
     let whole = text.lines().nth(time - 1).unwrap();
     let ns = whole.split_once("\"time_ns\":").unwrap().1.split(',').next().unwrap();
-    let named = format!("a/samples.jsonl:{time}: its check is of another line: it was edited");
+    let named = format!("a/samples.jsonl:{time}: its check is that of another text: it was edited");
     for edited in [
         whole.replacen(&format!("\"time_ns\":{ns}"), &format!("\"time_ns\":1{ns}"), 1),
         whole.replacen("\"detector\":\"", "\"detector\":\"x", 1),
@@ -85,6 +85,16 @@ fn an_edited_line_is_named() {
     // Without its check, as a line of an older schema, and as no row at all.
     std::fs::write(&path, text.replacen(whole, &seal::unsealed(whole), 1)).unwrap();
     refused(folder, &[&format!("samples.jsonl:{time}: it has no check at its end")]);
+    // The first line has none before it that is newer.
+    let first = text.lines().next().unwrap();
+    for (older, words) in [
+        (first.replacen("\"schema\":4", "\"schema\":0", 1), "its schema is 0; the first was 1"),
+        (first.replacen("\"schema\":4", "\"schemb\":4", 1), "its check is that of another text"),
+        (first.replacen("\"schema\":4", "\"schema\":3", 1), "its check is that of another text"),
+    ] {
+        std::fs::write(&path, text.replacen(first, &older, 1)).unwrap();
+        refused(folder, &[&format!("samples.jsonl:1: {words}")]);
+    }
     let older = seal::unsealed(whole).replacen("\"schema\":4", "\"schema\":3", 1);
     std::fs::write(&path, text.replacen(whole, &older, 1)).unwrap();
     refused(folder, &[&format!("samples.jsonl:{time}: its schema is 3, after lines of schema 4")]);
@@ -163,6 +173,7 @@ fn no_path_leaves_the_folder_and_what_stands_beside_the_record_is_whole() {
         (fields[..fields.len() / 2].to_string(), "it is not whole"),
         ("[]".into(), "it is not an object"),
         (fields.replace("\"quick\": false", "\"quick\": \"no\""), "its quick is \"no\""),
+        (fields.replace("\"profile\": \"", "\"profile\": \"x"), "its check is that of another"),
     ] {
         assert_ne!(damaged, fields);
         std::fs::write(&provenance, damaged).unwrap();
@@ -173,6 +184,18 @@ fn no_path_leaves_the_folder_and_what_stands_beside_the_record_is_whole() {
     let entries = std::fs::read_to_string(&ledger).unwrap();
     std::fs::write(&ledger, entries.replacen("\"entry\"", "\"entries\"", 1)).unwrap();
     refused(folder, &["a/provenance.jsonl:1: it is no entry"]);
+    std::fs::write(&ledger, entries.replacen("\"sha256\":\"", "\"sha256\":\"0", 1)).unwrap();
+    refused(folder, &["a/provenance.jsonl:1: its check is that of another text"]);
+    // Rows point to processes that are there.
+    std::fs::write(&ledger, entries.split_inclusive('\n').skip(1).collect::<String>()).unwrap();
+    refused(folder, &["a/samples.jsonl:", "which is not in provenance.jsonl"]);
+    // What a kill left torn, within a character, is not there, and the run goes on.
+    let torn = [entries.as_bytes(), b"{\"entry\":\"span\",\"scene\":\"\xc3"].concat();
+    std::fs::write(&ledger, torn).unwrap();
+    for verb in [&["run", "t.toml", "--resume", "--out", "a"][..], &["report", "a"]] {
+        let ended = run(folder, verb);
+        assert_eq!(ended.code, Some(0), "{verb:?}: {}", ended.stderr);
+    }
     std::fs::write(&ledger, &entries).unwrap();
     // Links out, for reading and for writing.
     #[cfg(unix)]
