@@ -3,7 +3,8 @@
 //! A runner is the head of a process group, and the group is ended with it. What leaves the group
 //! (`setsid`, and a parent that ends at once) is found on Linux: this process adopts the orphans
 //! below it, and each runner and all that it starts bear a mark in their environment. An orphan
-//! that bears none is ended when no other runner is at work whose it could be.
+//! that bears none is ended when it can only be a runner's: this process had no children before
+//! the first runner, is not the one that all orphans go to, and no other runner is at work.
 
 use std::collections::BTreeMap;
 use std::process::{Child, Command, ExitStatus};
@@ -88,7 +89,7 @@ pub(crate) fn end_all() {
 #[cfg(target_os = "linux")]
 mod orphans {
     use std::collections::BTreeSet;
-    use std::sync::Once;
+    use std::sync::{Mutex, OnceLock, PoisonError};
     use std::time::Duration;
 
     use rustix::process::{Pid, Signal, WaitOptions};
@@ -99,12 +100,20 @@ mod orphans {
     const ROUNDS: u32 = 200;
     const PAUSE: Duration = Duration::from_millis(5);
 
+    /// Is everything below this process of its runners?
+    static ALONE: OnceLock<bool> = OnceLock::new();
+    /// Orphans that outlive a SIGKILL: nobody waits for them twice.
+    static STUCK: Mutex<BTreeSet<i32>> = Mutex::new(BTreeSet::new());
+
     /// From now on orphans below this process are its children.
     pub fn adopt() {
-        static ONCE: Once = Once::new();
-        // Where the system cannot, groups are ended as elsewhere.
-        ONCE.call_once(|| {
+        ALONE.get_or_init(|| {
+            // Where the system cannot, groups are ended as elsewhere.
             let _ = rustix::process::set_child_subreaper(Some(rustix::process::getpid()));
+            // What was started before this program became what it is (by a shell that ended with
+            // `exec`) is none of its business, nor what that starts. The first process of a
+            // container is given the orphans of everybody.
+            own() != 1 && children().iter().all(|child| child.ended)
         });
     }
 
@@ -116,14 +125,19 @@ mod orphans {
         ended: bool,
     }
 
+    fn own() -> i32 {
+        rustix::process::getpid().as_raw_nonzero().get()
+    }
+
     /// Ends the orphans of runners that are no longer at work.
     pub fn end() {
-        for _ in 0..ROUNDS {
+        let mut stuck = STUCK.lock().unwrap_or_else(PoisonError::into_inner);
+        for round in 1..=ROUNDS {
             // While it is held no runner is started, which would look like an orphan.
             let runners = runners();
-            let mut left = false;
-            for pid in found(&runners) {
-                left = true;
+            let found = found(&runners);
+            stuck.retain(|pid| found.contains(pid));
+            for &pid in &found {
                 if let Some(pid) = Pid::from_raw(pid) {
                     let _ = rustix::process::kill_process(pid, Signal::KILL);
                     // Those that are not children are their parents' to wait for.
@@ -131,7 +145,11 @@ mod orphans {
                 }
             }
             drop(runners);
-            if !left {
+            if found.len() == stuck.len() {
+                return;
+            }
+            if round == ROUNDS {
+                *stuck = found;
                 return;
             }
             std::thread::sleep(PAUSE);
@@ -140,20 +158,24 @@ mod orphans {
 
     /// Orphans that are no runner at work's, and all below them.
     fn found(runners: &Runners) -> BTreeSet<i32> {
-        let own = rustix::process::getpid().as_raw_nonzero().get();
         let group = rustix::process::getpgrp().as_raw_nonzero().get();
-        let all = processes();
         // What this program starts for itself is in its own group.
-        let orphan = |process: &&Process| {
+        let orphan = |process: &Process| {
             let at_work = runners.at_work.keys().any(|&runner| runner as i32 == process.pid);
-            process.parent == own && process.group != group && !at_work
+            process.group != group && !at_work
         };
-        let nobodys = |process: &&Process| match mark(process.pid) {
+        let alone = ALONE.get().is_some_and(|alone| *alone);
+        let nobodys = |process: &Process| match mark(process.pid) {
             Some(number) => runners.at_work.values().all(|&known| known != number),
-            None => runners.at_work.is_empty(),
+            None => alone && runners.at_work.is_empty(),
         };
-        let orphans = all.iter().filter(orphan).filter(|it| it.ended || nobodys(it));
-        let mut found: BTreeSet<i32> = orphans.map(|process| process.pid).collect();
+        let mut found: BTreeSet<i32> = children()
+            .into_iter()
+            .filter(|it| orphan(it) && (it.ended || nobodys(it)))
+            .map(|it| it.pid)
+            .collect();
+        // Mostly there is none, and the other processes of the machine need not be looked at.
+        let all = if found.is_empty() { Vec::new() } else { processes() };
         loop {
             let below = all.iter().filter(|it| found.contains(&it.parent)).map(|it| it.pid);
             let more: Vec<i32> = below.filter(|pid| !found.contains(pid)).collect();
@@ -162,6 +184,25 @@ mod orphans {
             }
             found.extend(more);
         }
+    }
+
+    /// The children of this process.
+    fn children() -> Vec<Process> {
+        listed().map_or_else(
+            || processes().into_iter().filter(|it| it.parent == own()).collect(),
+            |pids| pids.into_iter().filter_map(process).collect(),
+        )
+    }
+
+    /// The same, as the system lists them by thread; `None` if it does not.
+    fn listed() -> Option<Vec<i32>> {
+        let mut pids = Vec::new();
+        for thread in std::fs::read_dir("/proc/self/task").ok()?.flatten() {
+            // Also where a thread has ended meanwhile: its children are another's now.
+            let text = std::fs::read_to_string(thread.path().join("children")).ok()?;
+            pids.extend(text.split_whitespace().flat_map(str::parse::<i32>));
+        }
+        Some(pids)
     }
 
     /// The number of the runner that a process is of, if it says so.

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use contactbench::record::row;
 use contactbench::record::row::Outcome;
 
-use crate::common::{fake, file, run, runner, say};
+use crate::common::{PROGRAM, fake, file, run, runner, say};
 
 /// A runner in Python that does something before it answers as one should.
 fn python(before: &str) -> String {
@@ -119,6 +119,31 @@ fn children_that_hide_are_found_and_ended() {
     file(folder, "die", "");
     run(folder, &["run", "t.toml", "--out", "dies"]);
     assert!(all_ended(folder) >= 1);
+}
+
+/// A shell that leaves something at work, and becomes this program.
+#[cfg(target_os = "linux")]
+#[test]
+fn what_was_there_before_the_first_runner_is_spared() {
+    if !has("setsid") {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    file(folder, "t.toml", HEAD);
+    let script = "setsid sh -c 'sleep 300 & echo $! > below; wait' & echo $! > child; \
+                  until [ -s below ]; do sleep 0.02; done; exec \"$0\" run t.toml --out result";
+    let mut command = Command::new("sh");
+    command.args(["-c", script, PROGRAM]).current_dir(folder).env("TMPDIR", folder);
+    let ended = command.output().unwrap();
+    let spared = ["child", "below"].map(|name| {
+        let pid = std::fs::read_to_string(folder.join(name)).unwrap();
+        let state = std::fs::read_to_string(format!("/proc/{}/stat", pid.trim()));
+        let _ = Command::new("kill").args(["-9", pid.trim()]).status();
+        state.is_ok_and(|state| !state.contains(") Z"))
+    });
+    assert!(ended.status.success(), "{}", String::from_utf8_lossy(&ended.stderr));
+    assert_eq!(spared, [true; 2]);
 }
 
 #[test]
