@@ -7,7 +7,7 @@
 
 use std::time::{Duration, Instant};
 
-use crate::record::row::{Pass, Row};
+use crate::record::row::{Outcome, Pass, Row};
 use crate::run::client::{Client, Failure};
 use crate::run::judge::Judge;
 use crate::run::passes::{Running, Sample, sample};
@@ -84,6 +84,15 @@ impl Stage<'_> {
             row.process = self.origins.process(&running.contender, &client)?;
             row.rounds_ns = turns.iter().map(|turn| turn.time_ns).collect();
             self.judge(&mut row, &running, &mut client, judge)?;
+            let others = others(&turns);
+            if others > 0 && row.outcome != Outcome::Wrong {
+                row.outcome = Outcome::Wrong;
+                row.reason =
+                    format!("{others} of {} turns gave another answer than the last", turns.len());
+                // Those of the last say nothing of the others.
+                (row.errors, row.causes) = (None, None);
+                self.note_wrong(&row);
+            }
             self.write(&row)?;
             still.push(running);
         }
@@ -105,6 +114,13 @@ fn take_turns(players: &mut Vec<Player>) -> Vec<(Player, Failure)> {
         }
     }
     failed
+}
+
+/// How many turns gave another answer than the last.
+fn others(turns: &[Sample]) -> usize {
+    let answer = |turn: &Sample| (turn.contacts, turn.digest.clone());
+    let last = turns.last().map(answer);
+    turns.iter().filter(|turn| Some(answer(turn)) != last).count()
 }
 
 /// All turns as one sample, with the answer of the last.

@@ -198,7 +198,7 @@ mod orphans {
     fn listed() -> Option<Vec<i32>> {
         let mut pids = Vec::new();
         for thread in std::fs::read_dir("/proc/self/task").ok()?.flatten() {
-            // Also where a thread has ended meanwhile: its children are another's now.
+            // None, too, where a thread has just ended: another has its children now.
             let text = std::fs::read_to_string(thread.path().join("children")).ok()?;
             pids.extend(text.split_whitespace().flat_map(str::parse::<i32>));
         }

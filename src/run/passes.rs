@@ -238,15 +238,20 @@ impl Stage<'_> {
             (row.time_ns, row.first_ns) = (None, None);
         }
         if row.outcome == Outcome::Wrong {
-            let scene = describe(self.experiment, self.spec);
-            self.progress.note(&format!(
-                "WRONG: {} ({}) on {scene}: {}",
-                row.id.contender(),
-                row.id.arithmetic,
-                row.reason
-            ));
+            self.note_wrong(row);
         }
         Ok(())
+    }
+
+    /// Says at once that an answer is wrong.
+    pub fn note_wrong(&mut self, row: &Row) {
+        let scene = describe(self.experiment, self.spec);
+        self.progress.note(&format!(
+            "WRONG: {} ({}) on {scene}: {}",
+            row.id.contender(),
+            row.id.arithmetic,
+            row.reason
+        ));
     }
 }
 
