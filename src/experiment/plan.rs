@@ -4,7 +4,8 @@
 use crate::contact::Arithmetic;
 use crate::detect::table;
 use crate::experiment::{Experiment, ExternalRunner};
-use crate::record::id::CellId;
+use crate::record::id::{CellId, split_contender};
+use crate::record::role::Role;
 use crate::scene::spec::Spec;
 
 /// Blocks done before the budget can end a scene: the range of six values covers the median in
@@ -32,6 +33,15 @@ pub enum Program<'a> {
     Own(Arithmetic),
     /// A runner, which says its arithmetic itself.
     External(&'a ExternalRunner),
+}
+
+impl Entrant<'_> {
+    /// Does it take part where another build of this program does? What is not compiled into both
+    /// has nothing to say of them, nor have controls.
+    pub(crate) fn is_of_builds(&self) -> bool {
+        let (name, _) = split_contender(self.name);
+        matches!(self.program, Program::Own(_)) && !Role::by_name(&name).is_control()
+    }
 }
 
 impl Experiment {

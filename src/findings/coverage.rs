@@ -15,7 +15,7 @@ use crate::cells::{AxisValue, Cell, CellId};
 use crate::experiment::plan::Program;
 use crate::experiment::shard::Shard;
 use crate::experiment::{Claim, ClaimKind, Experiment};
-use crate::record::id::{Projection, split_contender};
+use crate::record::id::Projection;
 use crate::record::role::Role;
 use crate::record::row::{Outcome, Pass};
 use crate::scene::generate::{file, table};
@@ -169,16 +169,12 @@ impl<'a> Coverage<'a> {
                 known.entry(key(&cell.id, open)).or_default().push(cell);
             }
         }
-        // Beside another build only detectors take part.
         let beside = own.iter().any(|cell| matches!(cell.role, Role::Base(_)));
-        let left_out = |name: &str| beside && Role::by_name(name) != Role::Detector;
         let scenes: BTreeSet<Projection> = own.iter().map(|cell| scene(&cell.id)).collect();
         let (mut planned, mut met) = (Vec::new(), BTreeSet::new());
         for (k, spec) in plan.iter().enumerate() {
-            for entrant in experiment.entrants() {
-                if left_out(&split_contender(entrant.name).0) {
-                    continue;
-                }
+            let entrants = experiment.entrants().into_iter();
+            for entrant in entrants.filter(|entrant| !beside || entrant.is_of_builds()) {
                 let (arithmetic, open) = match entrant.program {
                     Program::Own(arithmetic) => (Some(arithmetic), false),
                     Program::External(_) => (None, true),

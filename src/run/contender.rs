@@ -92,24 +92,27 @@ pub(crate) fn contenders(
     program: &Path,
     against: Option<&Path>,
 ) -> Vec<Contender> {
-    let asked = asked(experiment, program);
+    let asked = asked(experiment, program, against.is_some());
     let timed = experiment.blocks > 0;
     if let Some(base) = against {
-        let detectors = asked.into_iter().filter(|contender| {
-            matches!(contender.role, Role::Detector | Role::Peer) && contender.missing.is_none()
+        let entries = asked.into_iter().enumerate().map(|(k, one)| match one.missing {
+            None => one.trio(k, base).to_vec(),
+            // Its rows say why.
+            Some(_) => vec![one],
         });
-        return detectors.enumerate().flat_map(|(k, one)| one.trio(k, base)).collect();
+        return entries.flatten().collect();
     }
     let named = asked.iter().any(|contender| contender.role.twin_of().is_some());
-    let first = asked.iter().find(|contender| {
-        !contender.role.is_control() && contender.missing.is_none() && contender.threads == 1
-    });
-    let twin = first.filter(|_| timed && !named).map(Contender::twin);
+    let originals = asked.iter().filter(|one| !one.role.is_control() && one.missing.is_none());
+    // The first of those with the fewest threads: it is kept on a processor if that is one.
+    let original = originals.min_by_key(|one| one.threads);
+    let twin = original.filter(|_| timed && !named).map(Contender::twin);
     asked.into_iter().chain(twin).collect()
 }
 
-/// Those that the experiment names.
-fn asked(experiment: &Experiment, path: &Path) -> Vec<Contender> {
+/// Those that the experiment names; only those of which another build may have something to say,
+/// if there is one.
+fn asked(experiment: &Experiment, path: &Path, beside: bool) -> Vec<Contender> {
     let limit = experiment.memory_limit_mib << 20;
     let start = |command: Vec<String>, install: &str, threads: usize| Start {
         command,
@@ -157,7 +160,8 @@ fn asked(experiment: &Experiment, path: &Path) -> Vec<Contender> {
             }
         }
     };
-    experiment.entrants().into_iter().map(contender).collect()
+    let entrants = experiment.entrants().into_iter();
+    entrants.filter(|entrant| !beside || entrant.is_of_builds()).map(contender).collect()
 }
 
 /// A contender's name with something behind the detector's: `nbs-twin`.
@@ -216,5 +220,46 @@ impl Contender {
             stats: stats.clone(),
             ..Row::default()
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn asked(lists: &str) -> Experiment {
+        let head = "name = \"t\"\ntitle = \"t\"\nquestion = \"?\"\nreading = \"-\"\n";
+        let scene = "\n[[scene]]\nname = \"packed\"\nn = 50\n";
+        Experiment::parse(&format!("{head}{lists}{scene}"), Path::new(".")).unwrap()
+    }
+
+    #[test]
+    fn wherever_times_are_taken_there_is_a_twin() {
+        let twins = |lists: &str| -> Vec<(String, usize)> {
+            let all = contenders(&asked(lists), Path::new("contactbench"), None);
+            let twins = all.into_iter().filter(|one| one.role.twin_of().is_some());
+            twins.map(|one| (one.name, one.threads)).collect()
+        };
+        let several = "detectors = [\"streamed-nbs\", \"nbs\"]\n";
+        for (lists, name, threads) in [
+            (format!("{several}threads = [1, 2]"), "streamed-nbs-twin", 1),
+            (format!("{several}threads = [2]"), "nbs-twin", 1),
+            ("detectors = [\"streamed-nbs\"]\nthreads = [2]".into(), "streamed-nbs-twin", 2),
+        ] {
+            assert_eq!(twins(&lists), [(name.to_string(), threads)], "{lists}");
+        }
+        assert!(twins(&format!("{several}blocks = 0")).is_empty());
+    }
+
+    #[test]
+    fn beside_another_build_are_detectors_and_libraries() {
+        let experiment = asked("detectors = [\"nothing\", \"nbs\", \"kiddo\"]");
+        let program = Path::new("contactbench");
+        let all = contenders(&experiment, program, Some(Path::new("base")));
+        let names: Vec<&str> = all.iter().map(|one| &*one.name).collect();
+        let library = cfg!(feature = "peers");
+        assert_eq!(names[..3], ["nbs", "nbs@base", "nbs-twin"]);
+        assert_eq!(names[3..].len(), if library { 3 } else { 1 });
+        assert_eq!(all[3].missing.is_none(), library);
     }
 }
