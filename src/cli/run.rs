@@ -12,10 +12,10 @@ use crate::cli::shared::progress::Terminal;
 use crate::cli::shared::values;
 use crate::experiment::shard::Shard;
 use crate::experiment::{Experiment, builtin, detectors};
-use crate::record::row::{Record, WriteError, Writer};
+use crate::record::row::{Record, Row, WriteError, Writer};
 use crate::record::{folder, ledger, machines, provenance, row};
 use crate::run::interrupt::Interrupted;
-use crate::run::origins::Origins;
+use crate::run::origins::{Origins, fingerprint};
 use crate::run::plan::Job;
 use crate::run::{bandwidth, interrupt, job};
 
@@ -96,7 +96,10 @@ fn run_named(options: &Run, name: &str) -> anyhow::Result<ExitCode> {
     let folder = folder(options, name)?;
     let path = folder.join(row::FILE);
     let label = machines::label_here(&folder);
+    let against = options.against.as_deref().map(other_build).transpose()?;
     let done = previous(&path, options.resume, &label)?;
+    let base = against.as_deref().map(fingerprint).transpose().context("cannot read --against")?;
+    same_base(&folder, &done.rows, base.as_deref())?;
     for (experiment, text) in &found {
         // Rows of two different experiments must not end in one record.
         let begun = done.rows.is_empty() || copy(&folder, experiment).exists();
@@ -123,7 +126,7 @@ fn run_named(options: &Run, name: &str) -> anyhow::Result<ExitCode> {
         experiments: &experiments,
         quick: options.quick,
         program,
-        against: options.against.as_deref().map(other_build).transpose()?,
+        against,
         shard: options.shard,
         done: &done.rows,
         machine: label.clone(),
@@ -161,7 +164,10 @@ fn run_named(options: &Run, name: &str) -> anyhow::Result<ExitCode> {
         format!("provenance-resumed-{}.json", provenance::date())
     };
     let shard = options.shard.map(|shard| shard.to_string());
-    let provenance = provenance::gather(&names, options.quick, shard, &bandwidth, &label);
+    let mut provenance = provenance::gather(&names, options.quick, shard, &bandwidth, &label);
+    if let Some(base) = base {
+        provenance[BASE] = base.into();
+    }
     write(&folder.join(provenance_file), provenance::text(&provenance)?.as_bytes())?;
     // Its bar is gone before anything else is printed.
     let outcome = ready.run(&mut record, &mut origins, &mut Terminal::default());
@@ -203,6 +209,33 @@ fn other_build(path: &Path) -> anyhow::Result<PathBuf> {
     std::fs::canonicalize(path).with_context(|| {
         format!("--against {}: there is no such program; give the path of one", path.display())
     })
+}
+
+/// The field of the provenance with the fingerprint of the other build.
+const BASE: &str = "against_sha256";
+
+/// Rows of one build, and of it beside another, must not end in one record; nor rows beside two.
+fn same_base(folder: &Path, rows: &[Row], now: Option<&str>) -> anyhow::Result<()> {
+    if rows.is_empty() {
+        return Ok(());
+    }
+    let beside = rows.iter().any(|row| row.role.base_of().is_some());
+    let begun = provenance::of_folder(folder).and_then(|all| all[BASE].as_str().map(String::from));
+    let folder = folder.display();
+    match (now, begun) {
+        (None, _) if beside => bail!(
+            "{folder} was begun beside another build; continue it with --against and that build"
+        ),
+        (Some(_), _) if !beside => bail!(
+            "{folder} was begun without another build; continue it without --against, or choose \
+             another folder with --out"
+        ),
+        (Some(now), Some(begun)) if now != begun => bail!(
+            "{folder} was begun beside another build than that of --against (SHA-256 {begun}, this \
+             {now}); choose another folder with --out"
+        ),
+        _ => Ok(()),
+    }
 }
 
 /// Where the experiment of a record is kept.

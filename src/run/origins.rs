@@ -106,7 +106,7 @@ fn name(path: &Path) -> String {
 }
 
 /// What `sha256sum` prints.
-fn fingerprint(path: &Path) -> io::Result<String> {
+pub fn fingerprint(path: &Path) -> io::Result<String> {
     let (mut file, mut sum) = (File::open(path)?, Sha256::new());
     let mut buffer = vec![0; 1 << 20];
     loop {

@@ -6,7 +6,7 @@ use std::process::Command;
 
 use contactbench::record::ledger::{self, Entry, Ledger, Span};
 use contactbench::record::row;
-use contactbench::record::row::{Pass, Row};
+use contactbench::record::row::{Outcome, Pass, Row};
 use contactbench::wide::Level;
 use serde_json::Value;
 use sha2::{Digest, Sha256};
@@ -244,4 +244,55 @@ fn a_doubtful_record_says_so_on_every_page() {
         assert!(pages[0].find(doubt) < pages[0].find("fast"), "{}", pages[0]);
         assert!(pages[1].find(doubt) < pages[1].find("**?**"), "{}", pages[1]);
     }
+}
+
+/// Another build, in shell: its second answer is another than the rest.
+#[cfg(unix)]
+#[test]
+fn beside_another_build_all_answers_count_and_all_rows_are_of_it() {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let text = TEXT.replace("\"packed\"\nn = [20, 30]", "\"pack-c\"\nn = 25\ns = 5");
+    file(folder, "t.toml", text.replace(", \"streamed-nbs\", \"streamed-nbs:level=portable\"", ""));
+    let answer = |contacts: u32, digest: &str| {
+        say(&format!(
+            r#"{{"reply":"sample","time_ns":300000,"calls":1,"elapsed_ns":300000,"contacts":{contacts},"digest":"{digest}"}}"#
+        ))
+    };
+    let (right, other) = (answer(0, "0x0000000000000000"), answer(1, "0x910a2dec89025cc1"));
+    let unsupported = say(r#"{"reply":"unsupported"}"#);
+    let sample =
+        format!("sleep 0.002; k=$((k+1)); if [ $k = 2 ]; then {other}; else {right}; fi");
+    let script = fake(&[
+        ("load", &say(r#"{"reply":"loaded"}"#)),
+        ("count", &unsupported),
+        ("memory", &unsupported),
+        ("sample", &sample),
+    ]);
+    let base = file(folder, "base.sh", format!("#!/bin/sh\n{script}"));
+    std::fs::set_permissions(&base, std::fs::Permissions::from_mode(0o755)).unwrap();
+    let run = |more: &[&str]| {
+        let ended = run(folder, &[&["run", "t.toml", "--out", "result"], more].concat());
+        (ended.code, ended.stderr)
+    };
+    let (code, said) = run(&["--against", "base.sh"]);
+    assert_eq!(code, Some(1), "{said}");
+    let rows = row::read(&folder.join("result/samples.jsonl")).unwrap().rows;
+    let timed: Vec<&Row> = rows.iter().filter(|row| row.pass == Pass::Time).collect();
+    assert_eq!(timed.len(), 3 * 3);
+    for row in timed {
+        let wrong = row.id.detector == "nbs@base";
+        assert_eq!(row.outcome == Outcome::Wrong, wrong, "{row:?}");
+        assert_eq!(row.reason.contains("1 of "), wrong, "{row:?}");
+    }
+    for (more, words) in [
+        (&["--resume"][..], "was begun beside another build; continue it with --against"),
+        (&["--resume", "--against", PROGRAM], "beside another build than that of --against"),
+    ] {
+        let (code, said) = run(more);
+        assert!(code == Some(2) && said.contains(words), "{said}");
+    }
+    let (_, said) = run(&["--resume", "--against", "base.sh"]);
+    assert!(said.contains("resuming") && !said.contains("was begun"), "{said}");
 }
