@@ -243,7 +243,7 @@ void serve(const std::string& name, const std::string& version, Plane plane, Spa
             } else if (!flat && !solid) {
                 say("{\"reply\":\"error\",\"reason\":\"no scene is loaded; send load first\"}");
             } else if (asked == "sample") {
-                const std::uint64_t first = detect(1);
+                const std::uint64_t first = std::max<std::uint64_t>(detect(1), 1);
                 const bool fresh = calls == 0;
                 const std::uint64_t least = std::stoull(field(line, "min_ns"));
                 if (fresh) {

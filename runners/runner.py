@@ -129,7 +129,7 @@ def serve(name, version, prepare, arithmetic="exact"):
             elif detect is None:
                 say("error", reason="no scene is loaded; send load first")
             elif asked == "sample":
-                first = timed(detect, 1)[0]
+                first = max(timed(detect, 1)[0], 1)
                 fresh = calls is None
                 if fresh:
                     calls, least = 1, request["min_ns"]

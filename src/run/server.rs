@@ -153,18 +153,18 @@ impl Server {
         // The first detection warms caches and buffers.
         let start = Instant::now();
         self.detect()?;
-        let first_ns = Some(start.elapsed().as_nanos() as u64);
-        let (calls, elapsed_ns) = loop {
-            let calls = match self.calls {
-                Some(calls) => calls,
-                None => self.calibrate(min_ns)?,
-            };
-            let elapsed_ns = self.repeat(calls)?;
-            // Found out beside a busy neighbour, it may be too few.
-            self.calls = Some(calls).filter(|_| elapsed_ns >= min_ns / 2 || calls >= MOST_CALLS);
-            if self.calls.is_some() {
-                break (calls, elapsed_ns);
-            }
+        let first_ns = Some(start.elapsed().as_nanos() as u64).filter(|&ns| ns > 0);
+        let (calls, elapsed_ns) = match self.calls {
+            Some(calls) => (calls, self.repeat(calls)?),
+            None => loop {
+                let calls = self.calibrate(min_ns)?;
+                let elapsed_ns = self.repeat(calls)?;
+                // Found out beside a busy neighbour, it may be too few.
+                if elapsed_ns >= min_ns / 2 || calls >= MOST_CALLS {
+                    self.calls = Some(calls);
+                    break (calls, elapsed_ns);
+                }
+            },
         };
         let digest = Digest::from_pairs(&self.pairs);
         let time_ns = (elapsed_ns + calls / 2) / calls;
