@@ -1,5 +1,6 @@
 //! How much memory there is.
 
+use std::path::Path;
 use std::sync::OnceLock;
 
 /// No default limit is higher than this.
@@ -34,9 +35,31 @@ pub fn limit_for(particles: usize) -> u64 {
 fn total() -> Option<u64> {
     let read = |path: &str| std::fs::read_to_string(path).ok();
     let machine = read("/proc/meminfo").and_then(|text| of_machine(&text));
-    let group = ["/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes"];
-    let group = group.into_iter().filter_map(read).filter_map(|text| text.trim().parse().ok());
+    let groups = read("/proc/self/cgroup").unwrap_or_default();
+    let group = of_groups(&groups).filter_map(|path| read(&path)?.trim().parse().ok());
     machine.into_iter().chain(group).filter(|&bytes| bytes > 0).min()
+}
+
+/// The files with the limits of the control groups of a process, and of those above them: batch
+/// systems and services set theirs below the root. A group of version 2 is the line `0::/path`, one
+/// of version 1 `3:memory:/path`.
+fn of_groups(text: &str) -> impl Iterator<Item = String> {
+    const ROOT: &str = "/sys/fs/cgroup";
+    // What a container sees as the root need not be in the list.
+    let roots = [("", "/"), ("memory", "/")];
+    let lines = text.lines().filter_map(|line| {
+        let (controllers, path) = line.split_once(':')?.1.split_once(':')?;
+        controllers.split(',').find(|name| matches!(*name, "" | "memory")).map(|name| (name, path))
+    });
+    roots.into_iter().chain(lines).flat_map(|(controller, path)| {
+        Path::new(path).ancestors().filter_map(Path::to_str).map(move |path| {
+            let path = path.trim_end_matches('/');
+            match controller {
+                "memory" => format!("{ROOT}/memory{path}/memory.limit_in_bytes"),
+                _ => format!("{ROOT}{path}/memory.max"),
+            }
+        })
+    })
 }
 
 /// The line `MemTotal:  16384000 kB`.
@@ -48,6 +71,26 @@ fn of_machine(text: &str) -> Option<u64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn limits_are_those_of_the_group_and_of_all_above() {
+        let files = |text: &str| of_groups(text).skip(2).collect::<Vec<_>>();
+        let root = "/sys/fs/cgroup";
+        assert_eq!(
+            files("0::/system.slice/job\n"),
+            ["/system.slice/job", "/system.slice", ""].map(|at| format!("{root}{at}/memory.max"))
+        );
+        assert_eq!(
+            files("5:cpu,cpuacct:/a\n4:memory:/slurm/job\n1:name=systemd:/b\n"),
+            ["/slurm/job", "/slurm", ""]
+                .map(|at| format!("{root}/memory{at}/memory.limit_in_bytes"))
+        );
+        let roots: Vec<String> = of_groups("").collect();
+        assert_eq!(
+            roots,
+            ["/memory.max", "/memory/memory.limit_in_bytes"].map(|at| format!("{root}{at}"))
+        );
+    }
 
     #[test]
     fn the_limit_is_a_part_of_the_machine() {

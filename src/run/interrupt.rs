@@ -29,7 +29,7 @@ pub fn install() -> std::io::Result<()> {
         use signal_hook::consts::{SIGHUP, SIGINT, SIGQUIT, SIGTERM};
         let mut wanted = vec![SIGINT, SIGTERM, SIGQUIT];
         // A terminal that is closed ends its programs, but not the runners, which are groups of
-        // their own. Under nohup it ends nothing.
+        // their own. Under nohup it ends nothing, nor is standard error a terminal there.
         if !ignored(SIGHUP) {
             wanted.push(SIGHUP);
         }
@@ -60,14 +60,18 @@ fn clear_line() {
     }
 }
 
-/// Was this process started with the signal ignored?
+/// Was this process started with the signal ignored? Where the system does not say: is there no
+/// terminal that could be closed?
 #[cfg(unix)]
 fn ignored(signal: i32) -> bool {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let mask = status
         .lines()
         .find_map(|line| u64::from_str_radix(line.strip_prefix("SigIgn:")?.trim(), 16).ok());
-    mask.is_some_and(|mask| mask >> (signal - 1) & 1 == 1)
+    mask.map_or_else(
+        || !std::io::IsTerminal::is_terminal(&std::io::stderr()),
+        |mask| mask >> (signal - 1) & 1 == 1,
+    )
 }
 
 /// Has a signal come?
