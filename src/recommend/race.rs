@@ -313,8 +313,12 @@ impl Course<'_> {
         note: &mut dyn FnMut(&str),
     ) -> anyhow::Result<(u32, Option<Interval>)> {
         let racing = standings.iter().filter(|standing| standing.racing);
-        let original = racing.min_by_key(|standing| standing.probe_ns).map(|it| it.entry);
-        let mut twin = original.map(|entry| self.entered(entry));
+        let original = racing.min_by_key(|standing| standing.probe_ns);
+        // With the limits that its original has since the probe.
+        let mut twin = original.map(|original| Standing {
+            start: original.start.clone(),
+            ..self.entered(original.entry)
+        });
         let mut done = 0;
         for block in 1..=MOST {
             let share = if block <= FEWEST { BEYOND } else { 1.0 };

@@ -262,8 +262,7 @@ fn beside_another_build_all_answers_count_and_all_rows_are_of_it() {
     };
     let (right, other) = (answer(0, "0x0000000000000000"), answer(1, "0x910a2dec89025cc1"));
     let unsupported = say(r#"{"reply":"unsupported"}"#);
-    let sample =
-        format!("sleep 0.002; k=$((k+1)); if [ $k = 2 ]; then {other}; else {right}; fi");
+    let sample = format!("sleep 0.002; k=$((k+1)); if [ $k = 2 ]; then {other}; else {right}; fi");
     let script = fake(&[
         ("load", &say(r#"{"reply":"loaded"}"#)),
         ("count", &unsupported),
