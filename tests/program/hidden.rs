@@ -131,8 +131,9 @@ fn what_was_there_before_the_first_runner_is_spared() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     file(folder, "t.toml", HEAD);
-    let script = "setsid sh -c 'sleep 300 & echo $! > below; wait' & echo $! > child; \
-                  until [ -s below ]; do sleep 0.02; done; exec \"$0\" run t.toml --out result";
+    let script = "setsid sh -c 'sleep 300 & echo $! > below; wait' > log 2>&1 & echo $! > \
+                  child; until [ -s below ]; do sleep 0.02; done; \
+                  exec \"$0\" run t.toml --out result";
     let mut command = Command::new("sh");
     command.args(["-c", script, PROGRAM]).current_dir(folder).env("TMPDIR", folder);
     let ended = command.output().unwrap();
