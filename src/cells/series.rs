@@ -114,12 +114,19 @@ impl<'a> Group<'a> {
 
     /// The same among these.
     pub fn fastest_of(&self, n: u64, wanted: impl Fn(&Line) -> bool) -> Option<(&Line, f64)> {
+        self.ranked(n, wanted).first().copied()
+    }
+
+    /// All of these, the fastest first.
+    pub fn ranked(&self, n: u64, wanted: impl Fn(&Line) -> bool) -> Vec<(&Line, f64)> {
         let able = self
             .lines
             .iter()
             .filter(|(line, _)| line.threads == 1 && !line.role.is_control() && wanted(line));
         let timed = able.filter_map(|(line, cells)| Some((line, time(cells.get(&n)?)?)));
-        timed.min_by(|a, b| a.1.total_cmp(&b.1))
+        let mut timed: Vec<(&Line, f64)> = timed.collect();
+        timed.sort_by(|a, b| a.1.total_cmp(&b.1));
+        timed
     }
 
     /// A value per line and N of this group, with the lines in the order of the last `rank` that

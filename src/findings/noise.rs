@@ -5,7 +5,8 @@
 //!
 //! One rule says everywhere that one time is larger than another: the interval of their ratio
 //! covers the true median with at least [`SURE`] and excludes 1, and the ratio is beyond what twins
-//! of as many particles differ by in the same experiment. All else is undecided.
+//! of as many particles differ by in the same experiment. All else is undecided. So it is with
+//! other limits than 1.
 
 use std::collections::BTreeMap;
 
@@ -95,8 +96,18 @@ impl Noise {
 
     /// Does this ratio of two times at so many particles say that one of them is larger?
     pub fn decides(&self, ratio: &Interval, n: u64) -> bool {
-        let beyond = distance(ratio) > self.floor_at(n).ln();
-        ratio.coverage >= SURE && ratio.excludes(1.0) && beyond
+        self.tells(ratio, 1.0, n)
+    }
+
+    /// Does it say on which side of a limit the true ratio is?
+    pub fn tells(&self, ratio: &Interval, limit: f64, n: u64) -> bool {
+        let beyond = distance(&ratio.scaled(1.0 / limit)) > self.floor_at(n).ln();
+        ratio.coverage >= SURE && ratio.excludes(limit) && beyond
+    }
+
+    /// Does it say that the first of them is larger? A missing ratio says nothing.
+    pub fn slower(&self, ratio: Option<&Interval>, n: u64) -> bool {
+        ratio.is_some_and(|ratio| ratio.median > 1.0 && self.decides(ratio, n))
     }
 }
 

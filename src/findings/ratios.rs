@@ -38,8 +38,9 @@ pub struct Library {
     pub name: String,
     /// Its time over that of the reference.
     pub ratio: Interval,
-    /// Is one of the two decidedly faster?
-    pub decided: bool,
+    /// The libraries that may be as fast as the reference; none where it is decided which of the
+    /// two is faster.
+    pub open: Vec<String>,
 }
 
 /// A scene at all its N.
@@ -64,30 +65,34 @@ pub struct Fastest {
     pub time_ns: f64,
     /// How the reference stands to it.
     pub near: Near,
+    /// Those for whom that is undecided.
+    pub open: Vec<String>,
 }
 
 /// Is the reference near the fastest? Ratios are its time over that of the fastest; where it has
-/// the least median itself, but not decidedly, over that of the next.
+/// the least median itself, but not decidedly, over that of the next. What is said holds for all
+/// others, since a noisy one may be faster than its median says. [`Noise::tells`] decides.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Near {
     /// It is the fastest, decidedly so if there is another.
     Fastest,
-    /// The whole interval is at most [`NEAR`].
+    /// The ratio to each is below [`NEAR`].
     Within(Interval),
-    /// The whole interval is above [`NEAR`].
+    /// The ratio is above [`NEAR`].
     Beyond(Interval),
-    /// The interval holds [`NEAR`], is of one block only, or there is none.
+    /// Neither is sure.
     Undecided(Option<Interval>),
     /// It has no time: how it ended, or none if it was not measured.
     Absent(Option<Outcome>),
 }
 
 impl Near {
-    fn of_ratio(ratio: Option<Interval>) -> Near {
+    fn of_ratio(ratio: Option<Interval>, noise: &Noise, n: u64) -> Near {
         match ratio {
-            Some(ratio) if ratio.count > 1 && ratio.high <= NEAR => Near::Within(ratio),
-            Some(ratio) if ratio.count > 1 && ratio.low > NEAR => Near::Beyond(ratio),
-            ratio => Near::Undecided(ratio),
+            Some(ratio) if !noise.tells(&ratio, NEAR, n) => Near::Undecided(Some(ratio)),
+            Some(ratio) if ratio.median < NEAR => Near::Within(ratio),
+            Some(ratio) => Near::Beyond(ratio),
+            None => Near::Undecided(None),
         }
     }
 
@@ -155,8 +160,9 @@ impl Ratios {
         let scene = |group: Group<'_>| {
             let fastest = group.sizes().into_iter().filter_map(|n| {
                 let (first, time_ns) = group.fastest(n)?;
-                let near = distance(&group, first, n, reference, &noise);
-                Some(Fastest { n, name: label(first), time_ns, near })
+                let (near, open) = distance(&group, first, n, reference, &noise);
+                let open = open.into_iter().map(label).collect();
+                Some(Fastest { n, name: label(first), time_ns, near, open })
             });
             let any = group.lines.values().flat_map(BTreeMap::values).flatten().next();
             SceneRatios {
@@ -199,13 +205,24 @@ fn library(
     noise: &Noise,
     label: impl Fn(&Line) -> String,
 ) -> Option<Library> {
-    let (first, _) = group.fastest_of(n, |line| matches!(line.role, Role::Peer | Role::Runner))?;
+    let libraries = group.ranked(n, |line| matches!(line.role, Role::Peer | Role::Runner));
     let (own, _) = group.fastest_of(n, |line| {
         line.detector == reference && line.arithmetic == Arithmetic::Exact.name()
     })?;
-    let ratio = series::ratio(group.at(first, n)?, group.at(own, n)?)?;
-    let decided = noise.decides(&ratio, n);
-    Some(Library { title: group.title.clone(), n, name: label(first), ratio, decided })
+    let ratio = |line: &Line| series::ratio(group.at(line, n)?, group.at(own, n)?);
+    let (first, _) = *libraries.first()?;
+    let to_first = ratio(first)?;
+    let behind = to_first.median < 1.0 && noise.decides(&to_first, n);
+    let open = libraries.iter().filter(|it| !noise.slower(ratio(it.0).as_ref(), n));
+    let open = open.filter(|_| !behind).map(|it| label(it.0)).collect();
+    Some(Library { title: group.title.clone(), n, name: label(first), ratio: to_first, open })
+}
+
+impl Library {
+    /// Is one of the two decidedly faster?
+    pub fn decided(&self) -> bool {
+        self.open.is_empty()
+    }
 }
 
 /// The line that `line` is compared with in its group: as few threads as there are, and the same
@@ -237,8 +254,14 @@ fn entry(group: &Group<'_>, line: &Line, n: u64, reference: &str) -> Option<Entr
     })
 }
 
-/// How far the reference is from the fastest.
-fn distance(group: &Group<'_>, first: &Line, n: u64, reference: &str, noise: &Noise) -> Near {
+/// How far the reference is from the fastest, and for whom that is undecided.
+fn distance<'a>(
+    group: &'a Group<'_>,
+    first: &Line,
+    n: u64,
+    reference: &str,
+    noise: &Noise,
+) -> (Near, Vec<&'a Line>) {
     let measured = |line: &&Line| line.detector == reference && group.lines[*line].contains_key(&n);
     let timed = |line: &&Line| group.at(line, n).is_some_and(|cells| series::time(cells).is_some());
     let line = group
@@ -247,27 +270,24 @@ fn distance(group: &Group<'_>, first: &Line, n: u64, reference: &str, noise: &No
         .filter(measured)
         .filter(timed)
         .min_by_key(|line| (line.threads, line.arithmetic != first.arithmetic));
-    match line {
-        None => {
-            let ended = group.lines.keys().find(measured).and_then(|line| group.at(line, n));
-            Near::Absent(ended.map(|cells| series::outcome(cells).0))
-        }
-        Some(line) if line == first => {
-            let next = group.fastest_of(n, |other| other.detector != reference);
-            let Some(both) = next.and_then(|(next, _)| group.at(line, n).zip(group.at(next, n)))
-            else {
-                return Near::Fastest;
-            };
-            match series::ratio(both.0, both.1) {
-                Some(ratio) if noise.decides(&ratio, n) => Near::Fastest,
-                ratio => Near::of_ratio(ratio),
-            }
-        }
-        Some(line) => {
-            let both = group.at(line, n).zip(group.at(first, n));
-            Near::of_ratio(both.and_then(|(line, first)| series::ratio(line, first)))
-        }
+    let Some(line) = line else {
+        let ended = group.lines.keys().find(measured).and_then(|line| group.at(line, n));
+        return (Near::Absent(ended.map(|cells| series::outcome(cells).0)), Vec::new());
+    };
+    let others = group.ranked(n, |other| other.detector != reference);
+    let ratio = |a: &Line, b: &Line| series::ratio(group.at(a, n)?, group.at(b, n)?);
+    if others.iter().all(|(other, _)| noise.slower(ratio(other, line).as_ref(), n)) {
+        return (Near::Fastest, Vec::new());
     }
+    let stand = |other: &Line| Near::of_ratio(ratio(line, other), noise, n);
+    // The first of the others is the fastest, or the next to the reference.
+    let to_first = others.first().map_or(Near::Fastest, |(other, _)| stand(other));
+    if matches!(to_first, Near::Beyond(_)) {
+        return (to_first, Vec::new());
+    }
+    let open = others.into_iter().map(|(other, _)| other);
+    let open: Vec<&Line> = open.filter(|it| !matches!(stand(it), Near::Within(_))).collect();
+    if open.is_empty() { (to_first, open) } else { (Near::Undecided(to_first.ratio()), open) }
 }
 
 /// What did not end well in these cells and why: one per contender and kind of reason, numbers

@@ -8,7 +8,8 @@
 //! run in a rounded arithmetic would win by being wrong. Settings have tables of their own: all
 //! contenders of a scene, threads, arithmetics.
 //!
-//! Whether the fastest is decided says [`Noise::decides`] of its ratio to the next.
+//! It is decided if everybody else is slower by [`Noise::slower`]. To look at the next alone would
+//! not do: medians give the order, ratios within blocks decide, and a noisy third may be as fast.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -28,8 +29,6 @@ pub struct Contest {
     pub first: Contender,
     /// The others, the next first.
     pub others: Vec<Contender>,
-    /// Is the fastest faster than the next by more than the noise?
-    pub decided: bool,
 }
 
 /// A detector in its plainest setting.
@@ -43,6 +42,8 @@ pub struct Contender {
     pub per_particle: f64,
     /// Its time over that of the fastest; none of the fastest, and without a common block.
     pub ratio: Option<Interval>,
+    /// Is it slower than the fastest by more than the noise?
+    pub slower: bool,
 }
 
 /// How often each is the fastest.
@@ -50,7 +51,7 @@ pub struct Contender {
 pub struct Tally {
     /// All scenes.
     pub scenes: usize,
-    /// Scenes in which nobody is faster than the next, or nobody else was timed.
+    /// Scenes in which nobody is faster than all others, or nobody else was timed.
     pub undecided: usize,
     /// Most wins first.
     pub wins: Vec<Wins>,
@@ -80,8 +81,9 @@ pub fn contests(cells: &[&Cell]) -> Vec<Contest> {
 pub fn winner<'a>(cells: &[&'a Cell], noise: &Noise) -> Option<&'a Cell> {
     let able: Vec<&Cell> = cells.iter().filter(|cell| is_able(cell)).copied().collect();
     let order = plainest(&able);
-    let [first, next, ..] = order[..] else { return None };
-    next.ratio(first).filter(|ratio| noise.decides(ratio, first.id.n)).map(|_| first)
+    let (&first, others) = order.split_first()?;
+    let slower = |cell: &&Cell| noise.slower(cell.ratio(first).as_ref(), first.id.n);
+    (!others.is_empty() && others.iter().all(slower)).then_some(first)
 }
 
 fn is_able(cell: &Cell) -> bool {
@@ -140,23 +142,28 @@ fn plainest<'a>(cells: &[&'a Cell]) -> Vec<&'a Cell> {
 fn contest(scene: &Scene<'_>, all: &[&Cell], noise: &Noise) -> Option<Contest> {
     let order = plainest(&scene.cells);
     let (first, others) = order.split_first()?;
-    let contender = |cell: &Cell, ratio| {
+    let contender = |cell: &Cell, ratio: Option<Interval>| {
         let line = Line::new(cell);
         let name = series::label(&line, all);
-        Contender { line, name, per_particle: time(cell) / scene.n.max(1) as f64, ratio }
+        let slower = noise.slower(ratio.as_ref(), scene.n);
+        Contender { line, name, per_particle: time(cell) / scene.n.max(1) as f64, ratio, slower }
     };
-    let others: Vec<Contender> =
-        others.iter().map(|cell| contender(cell, cell.ratio(first))).collect();
-    let next = others.first().and_then(|next| next.ratio);
-    let decided = next.is_some_and(|next| noise.decides(&next, scene.n));
-    Some(Contest { title: scene.title.clone(), first: contender(first, None), others, decided })
+    let others = others.iter().map(|cell| contender(cell, cell.ratio(first))).collect();
+    Some(Contest { title: scene.title.clone(), first: contender(first, None), others })
+}
+
+impl Contest {
+    /// Is the fastest faster than all others by more than the noise?
+    pub fn decided(&self) -> bool {
+        !self.others.is_empty() && self.others.iter().all(|other| other.slower)
+    }
 }
 
 impl Tally {
     /// Of these contests.
     pub fn new(contests: &[Contest]) -> Tally {
         let mut wins: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
-        for contest in contests.iter().filter(|contest| contest.decided) {
+        for contest in contests.iter().filter(|contest| contest.decided()) {
             let next = contest.others.first().and_then(|next| next.ratio);
             wins.entry(&contest.first.line.detector)
                 .or_default()
@@ -171,7 +178,7 @@ impl Tally {
         let alone = contests.iter().all(|contest| contest.others.is_empty()) && names.len() == 1;
         Tally {
             scenes: contests.len(),
-            undecided: contests.iter().filter(|contest| !contest.decided).count(),
+            undecided: contests.iter().filter(|contest| !contest.decided()).count(),
             wins,
             alone: names.first().filter(|_| alone).map(|name| name.to_string()),
         }
@@ -219,7 +226,7 @@ mod tests {
         let found = contests(&all);
         let words: Vec<_> = found
             .iter()
-            .map(|it| (it.title.as_str(), it.first.name.as_str(), it.others.len(), it.decided))
+            .map(|it| (it.title.as_str(), it.first.name.as_str(), it.others.len(), it.decided()))
             .collect();
         assert_eq!(
             words,
@@ -254,7 +261,23 @@ mod tests {
             lab.detector("nbs").time(&vec![100; times.len()]).detector("sorting").time(times);
             let cells = cells::cells(&lab.rows());
             let found = contests(&cells.iter().collect::<Vec<_>>());
-            assert_eq!(found[0].decided, decided, "{times:?}");
+            assert_eq!(found[0].decided(), decided, "{times:?}");
         }
+    }
+
+    #[test]
+    fn a_noisy_third_leaves_the_fastest_open() {
+        let mut lab = Lab::new("e", "packed");
+        lab.detector("nbs").time(&[100; 15]).detector("sorting").time(&[120; 15]);
+        // Half the blocks below the fastest, half far above: its median is the largest.
+        let noisy: Vec<u64> = (0..15).map(|k| if k % 2 == 0 { 300 } else { 90 }).collect();
+        lab.detector("sweep").time(&noisy);
+        let cells = cells::cells(&lab.rows());
+        let all: Vec<&Cell> = cells.iter().collect();
+        let [contest] = &*contests(&all) else { panic!() };
+        let slower: Vec<_> = contest.others.iter().map(|it| (&*it.name, it.slower)).collect();
+        assert_eq!(slower, [("sorting", true), ("sweep", false)]);
+        assert!(!contest.decided() && winner(&all, &Noise::new(&all)).is_none());
+        assert_eq!(Tally::new(&contests(&all)).undecided, 1);
     }
 }

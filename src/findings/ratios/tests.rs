@@ -102,7 +102,38 @@ fn near_is_decided_by_the_interval() {
     assert!(n == 30 && near(Some(worst), 2.0), "{worst:?}");
     assert!(ratios(&lab, "sorting").is_none());
     let one = Interval { median: 1.0, low: 1.0, high: 1.0, coverage: 0.0, count: 1 };
-    assert_eq!(Near::of_ratio(Some(one)), Near::Undecided(Some(one)), "one block is no proof");
+    let noise = |floor| Noise { floor, ..Noise::default() };
+    let near = |ratio, floor| Near::of_ratio(Some(ratio), &noise(floor), 10);
+    assert_eq!(near(one, 1.0), Near::Undecided(Some(one)), "one block is no proof");
+    let two = Interval { coverage: 0.5, count: 2, ..one };
+    assert_eq!(near(two, 1.0), Near::Undecided(Some(two)), "nor are two");
+    let many = Interval { coverage: 0.96, count: 15, ..one };
+    assert_eq!(near(many, 1.1), Near::Within(many));
+    assert_eq!(near(many, 1.3), Near::Undecided(Some(many)), "twins differ by more");
+    assert!(matches!(near(many.scaled(1.5), 1.3), Near::Undecided(_)));
+    assert!(matches!(near(many.scaled(1.6), 1.3), Near::Beyond(_)));
+}
+
+#[test]
+fn a_noisy_one_leaves_it_open() {
+    let noisy: Vec<u64> = (0..15).map(|k| if k % 2 == 0 { 900 } else { 50 }).collect();
+    let open = |next: u64| {
+        let mut lab = Lab::new("e", "packed");
+        lab.detector("nbs").time(&[100; 15]).detector("sorting").time(&[next; 15]);
+        lab.detector("noisy").time(&noisy);
+        lab.detector("other").time(&[700; 15]);
+        let found = ratios(&lab, "nbs").unwrap();
+        let fastest = found.scenes[0].fastest[0].clone();
+        let [library] = &*found.libraries else { panic!("{found:?}") };
+        assert_eq!((&*library.name, &library.open[..]), ("other", &["noisy".to_string()][..]));
+        (fastest.near, fastest.open)
+    };
+    for next in [95, 120, 300] {
+        let (near, open) = open(next);
+        assert!(matches!(near, Near::Undecided(Some(_))), "{next}: {near:?}");
+        assert_eq!(open, ["noisy"]);
+    }
+    assert!(matches!(open(50), (Near::Beyond(_), open) if open.is_empty()));
 }
 
 #[test]

@@ -130,7 +130,7 @@ fn differences(markdown: &str, html: &str, plain: &str, report: &Report) -> Vec<
         }
     }
     // Tables of winners, which other tables of six columns are not, stand on the terminal, too.
-    let winner = |it: &&Line| it.len() == 6 && (it[5] == "yes" || it[5] == "undecided");
+    let winner = |it: &&Line| it.len() == 6 && (it[5] == "yes" || it[5].starts_with("undecided: "));
     let ratio = |it: &&Line| it[4].contains(" to ") && it[2].parse::<f64>().is_ok();
     for line in lines.iter().filter(|it| winner(it) && ratio(it) && it[1].parse::<f64>().is_err()) {
         if !shown.contains(line) {

@@ -2,6 +2,7 @@
 //! ratios.
 
 use super::by_size::{self, per_particle};
+use super::winners::undecided;
 use crate::findings::ratios::{Entry, Fastest, Library, Missing, NEAR, Near, Ratios, SceneRatios};
 use crate::number::{number, plural, times, with_interval};
 use crate::present::document::{Block, Text};
@@ -18,7 +19,7 @@ pub fn headline(found: &Ratios) -> Text {
 fn over_libraries(found: &Ratios) -> Text {
     let all = &found.libraries;
     let decided = |ahead: bool| -> Vec<&Library> {
-        all.iter().filter(|it| it.decided && (it.ratio.median > 1.0) == ahead).collect()
+        all.iter().filter(|it| it.decided() && (it.ratio.median > 1.0) == ahead).collect()
     };
     let (ahead, behind) = (decided(true), decided(false));
     let (scenes, reference) = (plural(all.len(), "scene"), &found.reference);
@@ -122,7 +123,7 @@ fn libraries(found: &[Library], reference: &str) -> Table {
             Cell::count(it.n),
             it.name.as_str().into(),
             Cell::ratio(&it.ratio),
-            if it.decided { "yes".into() } else { "undecided".into() },
+            if it.decided() { "yes".into() } else { undecided(&it.open) },
         ]
     };
     Table::new("", columns).with(found.iter().map(row))
@@ -144,18 +145,18 @@ fn fastest(found: &Ratios) -> Table {
             fastest.name.as_str().into(),
             Cell::number(per_particle(fastest.time_ns, fastest.n)),
             fastest.near.ratio().into(),
-            verdict(&fastest.near),
+            verdict(fastest),
         ]
     };
     Table::new("", columns).with(found.fastest().map(row))
 }
 
-fn verdict(near: &Near) -> Cell {
-    match near {
+fn verdict(fastest: &Fastest) -> Cell {
+    match &fastest.near {
         Near::Fastest => "it is the fastest".into(),
         Near::Within(_) => "yes".into(),
         Near::Beyond(_) => Cell::from("no").strong(),
-        Near::Undecided(_) => "undecided".into(),
+        Near::Undecided(_) => undecided(&fastest.open),
         Near::Absent(outcome) => outcome.map_or("not measured", Outcome::name).into(),
     }
 }

@@ -27,7 +27,7 @@ pub fn sentence(contests: &[Contest]) -> Text {
                     1 => String::new(),
                     more => format!(" in all of {}", plural(more, "scene")),
                 };
-                let why = "nobody is faster than the next by more than the noise";
+                let why = "nobody is faster than all others by more than the noise";
                 format!("Undecided{scenes}: {why}.").into()
             }
         };
@@ -90,18 +90,30 @@ pub fn table(contests: &[Contest]) -> Table {
         let first = Cell::from(contest.first.name.as_str());
         vec![
             contest.title.as_str().into(),
-            if contest.decided { first.strong() } else { first },
+            if contest.decided() { first.strong() } else { first },
             Cell::number(contest.first.per_particle),
             next.map_or("alone".into(), |next| next.name.as_str().into()),
             next.and_then(|next| next.ratio).into(),
-            match next {
-                Some(_) if contest.decided => "yes".into(),
-                Some(_) => "undecided".into(),
-                None => Cell::absent(),
-            },
+            decided(contest),
         ]
     };
     Table::new("", columns).with(contests.iter().map(row))
+}
+
+/// `yes`, or who may be as fast.
+fn decided(contest: &Contest) -> Cell {
+    let open = contest.others.iter().filter(|other| !other.slower);
+    match contest.others.len() {
+        0 => Cell::absent(),
+        _ if contest.decided() => "yes".into(),
+        _ => undecided(open.map(|other| &other.name)),
+    }
+}
+
+/// `undecided: nbs, sweep`: those who leave it open.
+pub fn undecided<'a>(open: impl IntoIterator<Item = &'a String>) -> Cell {
+    let open: Vec<&str> = open.into_iter().map(String::as_str).collect();
+    format!("undecided: {}", open.join(", ")).into()
 }
 
 #[cfg(test)]
@@ -137,7 +149,7 @@ mod tests {
             "{text}"
         );
         let undecided =
-            "| loose, 2D, N = 100 | nbs | 1 | sorting | 1.00 (1.00 to 1.00) | undecided |";
+            "| loose, 2D, N = 100 | nbs | 1 | sorting | 1.00 (1.00 to 1.00) | undecided: sorting |";
         assert!(text.contains(undecided), "{text}");
     }
 
