@@ -18,6 +18,9 @@ use crate::stats::interval::{Blocks, Interval, median, typical_ratio};
 /// takes, is 0.94.
 pub const SURE: f64 = 0.9;
 
+/// Nine in ten of fewer cells than this are their largest or next to it, which says little.
+const FEW: usize = 5;
+
 /// Every twin against its original.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Noise {
@@ -25,7 +28,7 @@ pub struct Noise {
     pub twins: Vec<Twin>,
     /// Nine in ten cells of the twins are within this factor of the original; 1 without twins.
     pub floor: f64,
-    /// The same of the cells with so many particles.
+    /// The same of the cells with so many particles; of few cells, no less than of all.
     pub(super) floors: BTreeMap<u64, f64>,
 }
 
@@ -77,9 +80,13 @@ impl Noise {
                 couples.iter().map(|(a, b)| (&a.times, &b.times)).collect();
             twins.extend(Twin::new(name, original, &ratios, typical_ratio(&times)));
         }
-        let floors = apart.iter().map(|(&n, logs)| (n, nine_in_ten(logs))).collect();
-        let all: Vec<f64> = apart.into_values().flatten().collect();
-        Noise { twins, floor: nine_in_ten(&all), floors }
+        let floor = nine_in_ten(&apart.values().flatten().copied().collect::<Vec<_>>());
+        let floor_of = |logs: &Vec<f64>| {
+            let own = nine_in_ten(logs);
+            if logs.len() < FEW { own.max(floor) } else { own }
+        };
+        let floors = apart.iter().map(|(&n, logs)| (n, floor_of(logs))).collect();
+        Noise { twins, floor, floors }
     }
 
     /// From one twin's time over that of its original.
@@ -89,7 +96,8 @@ impl Noise {
     }
 
     /// The noise floor at so many particles: nine in ten cells of the twins there are within this
-    /// factor of the original. That of all sizes where no twin was timed.
+    /// factor of the original. That of all sizes where no twin was timed, and at least that where
+    /// few were.
     pub fn floor_at(&self, n: u64) -> f64 {
         self.floors.get(&n).copied().unwrap_or(self.floor)
     }
@@ -171,9 +179,17 @@ mod tests {
             all.iter().filter(|cell| cell.id.detector == "nbs").copied().collect();
         let silent = Noise::new(&none);
         assert!(silent.twins.is_empty() && silent.floor == 1.0 && silent.floor_at(20) == 1.0);
-        // The floor is that of the size, and of all sizes where there is none.
-        assert!((found.floor_at(20) - 2.0).abs() < 1e-9 && found.floor_at(3) == 1.0);
+        // The floor is that of the size, but of one cell it is luck; and of all sizes where there
+        // is none.
+        assert!((found.floor_at(20) - 2.0).abs() < 1e-9 && found.floor_at(3) == found.floor);
         assert_eq!(found.floor_at(1000), found.floor);
+        for seed in 2..=5 {
+            lab.n(3).seed(seed).detector("nbs").time(&[100; 15]);
+            lab.detector("nbs-twin").time(&[100; 15]);
+        }
+        let cells = cells::cells(&lab.rows());
+        let five = Noise::new(&cells.iter().collect::<Vec<_>>());
+        assert!(five.floor_at(3) == 1.0 && five.floor > 1.0, "{five:?}");
         let ratio = |median: f64| Interval {
             median,
             low: 0.99 * median,
