@@ -21,8 +21,8 @@ pub const STOLEN: f64 = 0.02;
 pub const IN_A_SCENE: f64 = 2.5;
 /// if it was timed for so many seconds: the system's clocks are coarse.
 pub const SHORTEST_S: f64 = 1.0;
-/// Of a record without processor times: the load average of the minute before the run may be below
-/// this.
+/// Of a record without processor times, or of short ones only: the load average of the minute
+/// before the run may be below this.
 pub const LOAD: f64 = 1.0;
 
 /// What is known of how a record was made.
@@ -161,7 +161,9 @@ impl Conditions {
                 self.doubts.push(Doubt::Stolen(stolen.0, stolen.1.clone()));
             }
         }
-        let busiest = loads.iter().max_by(|a, b| a.1.0.total_cmp(&b.1.0));
+        // Short ones say nothing: the load average is asked instead.
+        let long = loads.iter().filter(|load| load.0 >= SHORTEST_S);
+        let busiest = long.max_by(|a, b| a.1.0.total_cmp(&b.1.0));
         if let Some((seconds, others, stolen, _)) = busiest {
             let (others, stolen) = (others.0, stolen.0);
             self.load = Load::Watched { seconds: *seconds, others, stolen };

@@ -60,6 +60,18 @@ fn a_busy_machine_is_doubted_and_an_idle_one_is_not() {
 }
 
 #[test]
+fn a_short_run_is_judged_by_the_load_before_it() {
+    let (rows, ledger) = timed(&[(0.3, 0.9, 0.0), (0.3, 0.9, 0.0)]);
+    let new = |load: &str| {
+        let fields = json!({"dirty": false, "profile": "release", "load_average": load});
+        let found = Conditions::new([&fields], &ledger, &rows);
+        (found.doubts, found.load)
+    };
+    assert_eq!(new("7.5 3.1 1.0"), (vec![Doubt::Before(7.5)], Load::Before(7.5)));
+    assert_eq!(new("0.2 3.1 1.0"), (vec![], Load::Before(0.2)));
+}
+
+#[test]
 fn a_quiet_machine_does_not_excuse_a_busy_one() {
     let (mut rows, ledger) = timed(&[(2.0, 0.24, 0.0), (100.0, 0.0, 0.0)]);
     for row in &mut rows {
