@@ -241,7 +241,7 @@ impl Comparison<'_> {
             "b": parts.last().map(side),
             "band_percent": options.band,
             "against": how.against.as_ref().map(|control| &control.detector),
-            "drift": how.against.as_ref().map(|control| control.drift),
+            "drift": how.against.as_ref().and_then(|control| control.drift),
             "floor": how.side_by_side.as_ref().map(|noise| noise.floor),
             "times": words::pairing(how),
             "gate_time": options.gate_time,

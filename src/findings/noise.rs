@@ -18,7 +18,7 @@ use crate::stats::interval::{Blocks, Interval, median, typical_ratio};
 /// takes, is 0.94.
 pub const SURE: f64 = 0.9;
 
-/// Nine in ten of fewer cells than this are their largest or next to it, which says little.
+/// The largest of fewer cells than this is a matter of luck.
 const FEW: usize = 5;
 
 /// Every twin against its original.

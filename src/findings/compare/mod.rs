@@ -42,8 +42,9 @@ pub struct Against {
     /// Its name.
     pub detector: String,
     /// Its own times in the two records are within this factor of each other in nine of ten cells;
-    /// what is within it may have changed between the runs and not in the code.
-    pub drift: f64,
+    /// what is within it may have changed between the runs and not in the code. None if it has no
+    /// times in both.
+    pub drift: Option<f64>,
 }
 
 /// One of the two records.
@@ -168,18 +169,16 @@ impl Summary {
 /// A control that both records have, if there is one, and how far its own times are apart: the
 /// detector that is named, or else one that has a twin in both.
 pub fn control(a: &[Row], b: &[Row], named: Option<&str>) -> Option<Against> {
-    let originals = |rows: &[Row]| -> BTreeSet<String> {
-        rows.iter().filter_map(|row| row.role.twin_of().map(String::from)).collect()
-    };
-    let known = || originals(a).intersection(&originals(b)).next().cloned();
-    let detector = named.map(String::from).or_else(known)?;
     let [a, b] = [a, b].map(Record::new);
+    let known = || a.originals().intersection(&b.originals()).next().cloned();
+    let detector = named.map(String::from).or_else(known)?;
     let apart =
         a.cells.values().filter(|cell| cell.id.contender() == detector).filter_map(|in_a| {
             let in_b = b.cells.get(&in_a.id)?;
             Some((in_b.time()?.median / in_a.time()?.median).ln().abs())
         });
-    let drift = nine_in_ten(&apart.collect::<Vec<f64>>());
+    let apart: Vec<f64> = apart.collect();
+    let drift = (!apart.is_empty()).then(|| nine_in_ten(&apart));
     Some(Against { detector, drift })
 }
 
@@ -202,6 +201,13 @@ impl Record {
             cells: cells(rows).into_iter().map(|cell| (cell.id.clone(), cell)).collect(),
             answers,
         }
+    }
+
+    /// The detectors that have twins, with the parameters, which a twin has, too.
+    fn originals(&self) -> BTreeSet<String> {
+        let original = |cell: &Cell| Some(cell.role.twin_of()?.to_string());
+        let id = |cell: &Cell| Some(CellId { detector: original(cell)?, ..cell.id.clone() });
+        self.cells.values().filter_map(|cell| Some(id(cell)?.contender())).collect()
     }
 
     /// The detector that a cell's times are divided by: on the same scene, in the same arithmetic

@@ -9,6 +9,7 @@ fn options() -> Options {
 
 /// Against a control whose own times are so far apart.
 fn against(detector: &str, drift: f64) -> Options {
+    let drift = Some(drift);
     Options { against: Some(Against { detector: detector.into(), drift }), ..options() }
 }
 
@@ -73,9 +74,29 @@ fn the_control_is_a_detector_with_a_twin_and_its_drift_is_known() {
     };
     let (a, b) = (with_twin(100_000), with_twin(120_000));
     let found = control(&a, &b, None).unwrap();
-    assert!(found.detector == "nbs" && (found.drift - 1.2).abs() < 1e-3, "{found:?}");
+    assert!(found.detector == "nbs" && (found.drift.unwrap() - 1.2).abs() < 1e-3, "{found:?}");
     assert_eq!(control(&a, &b, Some("sweep")).unwrap().detector, "sweep");
     assert_eq!(control(&a, &lab(1, 1).rows(), None), None);
+}
+
+#[test]
+fn a_control_with_parameters_is_found() {
+    let rows = |unit: u64| {
+        let mut lab = lab(100, 200);
+        for name in ["streamed-nbs:level=portable", "streamed-nbs-twin:level=portable"] {
+            lab.detector(name).time(&times(10_000 * unit));
+        }
+        lab.rows()
+    };
+    let (a, b) = (rows(10), rows(11));
+    let found = control(&a, &b, None).unwrap();
+    assert_eq!(found.detector, "streamed-nbs:level=portable");
+    assert!((found.drift.unwrap() - 1.1).abs() < 1e-3, "{found:?}");
+    let how = Options { against: Some(found), ..options() };
+    let judged = compare(&a, &b, &how).into_iter().map(|cell| cell.timing.unwrap().judgement);
+    assert!(judged.filter(|it| *it != Judgement::NotJudged).count() >= 2);
+    // The bare name has no times: that is said, and no drift of 0%.
+    assert_eq!(control(&a, &b, Some("streamed-nbs")).unwrap().drift, None);
 }
 
 #[test]

@@ -111,7 +111,7 @@ pub(super) fn timing(
     };
     let doubt = options.builds.as_ref().map(|_| Note::Builds).or(doubt);
     let ratio = unpaired::ratio(&times.0, &times.1)?;
-    let drift = options.against.as_ref().map_or(1.0, |control| control.drift);
+    let drift = options.against.as_ref().and_then(|control| control.drift).unwrap_or(1.0);
     let beyond = ratio.excludes(1.0) && ratio.median.ln().abs() > drift.ln();
     let judgement =
         if doubt.is_some() { Judgement::NotJudged } else { judge(&ratio, options.band, beyond) };

@@ -83,7 +83,10 @@ pub fn pairing(how: &Options) -> String {
     }
     match (&how.against, &how.builds, &how.machines) {
         (_, Some(found), _) => format!("{}: shown, not judged", builds(found)),
-        (Some(Against { detector, drift }), ..) => format!(
+        (Some(Against { detector, drift: None }), ..) => {
+            format!("shown, not judged: {detector} has no times on a scene of both")
+        }
+        (Some(Against { detector, drift: Some(drift) }), ..) => format!(
             "each a multiple of that of {detector} in the same block. What changed {detector} \
              itself is hidden; its own times are up to {} apart between the two (nine in ten \
              cells): nothing less is told",
