@@ -13,10 +13,9 @@ use crate::cli::shared::ci::{Case, Outcome, Outputs};
 use crate::cli::shared::terminal;
 use crate::findings::compare::{
     Absent, Builds, Compared, Judgement, Options as How, Summary, Timing, compare as cell_by_cell,
-    control, records,
+    control, floors, records,
 };
 use crate::findings::conditions::Conditions;
-use crate::findings::noise::Noise;
 use crate::number::plural;
 use crate::present::sections::{compare as words, conditions as doubtful};
 use crate::record::merge::Part;
@@ -123,9 +122,8 @@ fn builds(part: &Part, options: &Compare) -> anyhow::Result<(How, Vec<Compared>)
             part.folder.display()
         )
     })?;
-    let all = cells(&part.rows);
-    let noise = Noise::new(&all.iter().collect::<Vec<_>>());
-    let how = How { band: options.band / 100.0, side_by_side: Some(noise), ..How::default() };
+    let floors = floors(&cells(&part.rows));
+    let how = How { band: options.band / 100.0, side_by_side: Some(floors), ..How::default() };
     let cells = cell_by_cell(&found.base, &found.this, &how);
     Ok((how, cells))
 }
@@ -198,8 +196,8 @@ impl Comparison<'_> {
             }
         }
         writeln!(out, "times: {}", words::pairing(how))?;
-        if let Some(noise) = &how.side_by_side {
-            writeln!(out, "floor: {}", words::floor(noise))?;
+        for (experiment, noise) in how.side_by_side.iter().flatten() {
+            writeln!(out, "floor: {}", words::floor(experiment, noise))?;
         }
         writeln!(out)?;
         for cell in cells.iter().filter(|cell| !cell.changes.is_empty()) {
@@ -242,7 +240,10 @@ impl Comparison<'_> {
             "band_percent": options.band,
             "against": how.against.as_ref().map(|control| &control.detector),
             "drift": how.against.as_ref().and_then(|control| control.drift),
-            "floor": how.side_by_side.as_ref().map(|noise| noise.floor),
+            "floor": how.side_by_side.as_ref().map(|floors| {
+                let floors = floors.iter().map(|(name, noise)| (name.clone(), noise.floor.into()));
+                floors.collect::<Map<String, Value>>()
+            }),
             "times": words::pairing(how),
             "gate_time": options.gate_time,
             "strict": options.strict,

@@ -26,8 +26,9 @@ use crate::stats::interval::median;
 pub struct Options {
     /// A difference within this share is none.
     pub band: f64,
-    /// Both took turns in the same blocks, and this is what equal code differed by there.
-    pub side_by_side: Option<Noise>,
+    /// Both took turns in the same blocks, and this is what equal code differed by there, by
+    /// experiment.
+    pub side_by_side: Option<BTreeMap<String, Noise>>,
     /// Times are taken as multiples of this detector's in the same block.
     pub against: Option<Against>,
     /// The machines of the two records where they differ: without a reference no time is judged.
@@ -180,6 +181,15 @@ pub fn control(a: &[Row], b: &[Row], named: Option<&str>) -> Option<Against> {
     let apart: Vec<f64> = apart.collect();
     let drift = (!apart.is_empty()).then(|| nine_in_ten(&apart));
     Some(Against { detector, drift })
+}
+
+/// What equal code differed by in each experiment of a record in which builds took turns.
+pub fn floors(cells: &[Cell]) -> BTreeMap<String, Noise> {
+    let mut experiments: BTreeMap<String, Vec<&Cell>> = BTreeMap::new();
+    for cell in cells {
+        experiments.entry(cell.id.experiment.clone()).or_default().push(cell);
+    }
+    experiments.into_iter().map(|(name, cells)| (name, Noise::new(&cells))).collect()
 }
 
 /// The cells of a record.

@@ -116,9 +116,7 @@ fn builds_side_by_side_are_paired_by_round() {
             row.rounds_ns = [1, 4, 16].map(|speed| row.time_ns.unwrap() * speed).into();
         }
         let Builds { base, this } = Builds::new(&rows).unwrap();
-        let all = cells(&rows);
-        let noise = Noise::new(&all.iter().collect::<Vec<_>>());
-        let how = Options { side_by_side: Some(noise), ..options() };
+        let how = Options { side_by_side: Some(floors(&cells(&rows))), ..options() };
         let found = compare(&base, &this, &how);
         let [cell] = &*found else { panic!("{found:?}") };
         cell.timing.clone().unwrap()
@@ -133,13 +131,35 @@ fn builds_side_by_side_are_paired_by_round() {
 }
 
 #[test]
+fn a_noisy_experiment_does_not_blur_another() {
+    let mut rows = Vec::new();
+    for (experiment, twin) in [("calm", 1010), ("noisy", 1500)] {
+        let mut lab = Lab::new(experiment, "packed");
+        for (name, unit) in [("nbs", 1000), ("nbs-twin", twin), ("nbs@base", 900)] {
+            lab.detector(name).time(&[unit; 15]);
+        }
+        rows.extend(lab.rows());
+    }
+    for row in &mut rows {
+        if row.id.detector == "nbs@base" {
+            row.role = crate::record::role::Role::Base("nbs".into());
+        }
+    }
+    let Builds { base, this } = Builds::new(&rows).unwrap();
+    let how = Options { side_by_side: Some(floors(&cells(&rows))), ..options() };
+    let found = compare(&base, &this, &how);
+    let judged: Vec<_> = found.iter().map(|it| it.timing.as_ref().unwrap().judgement).collect();
+    assert_eq!(judged, [Judgement::Slower, Judgement::Undecided]);
+}
+
+#[test]
 fn few_blocks_decide_nothing() {
     let few = |time| {
         let mut lab = Lab::new("e", "packed");
         lab.time(&[time, time + 1, time + 2]);
         lab
     };
-    let how = Options { side_by_side: Some(Noise::default()), ..options() };
+    let how = Options { side_by_side: Some(floors(&cells(&few(1).rows()))), ..options() };
     let cells = compare(&few(100).rows(), &few(900).rows(), &how);
     let timing = cells[0].timing.as_ref().unwrap();
     assert_eq!(

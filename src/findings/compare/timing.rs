@@ -84,8 +84,9 @@ pub(super) fn timing(
     options: &Options,
 ) -> Option<Timing> {
     let (a_ns, b_ns) = (in_a.time()?.median, in_b.time()?.median);
-    if let Some(noise) = &options.side_by_side {
+    if let Some(floors) = &options.side_by_side {
         let ratio = in_b.ratio(in_a)?;
+        let noise = floors.get(&in_a.id.experiment)?;
         let n = in_a.id.n;
         let judgement = judge(&ratio, options.band, noise.decides(&ratio, n));
         let few = Note::FewBlocks(in_a.times.len(), in_b.times.len());

@@ -105,14 +105,14 @@ pub fn pairing(how: &Options) -> String {
 }
 
 /// What equal code differed by where builds took turns, in a sentence.
-pub fn floor(noise: &Noise) -> String {
+pub fn floor(experiment: &str, noise: &Noise) -> String {
     let (outside, cells) = noise
         .twins
         .iter()
         .fold((0, 0), |(outside, cells), twin| (outside + twin.outside, cells + twin.cells));
     format!(
         "this build against itself, the same way: {outside} of {} exclude 1; nine in ten are \
-         within {}",
+         within {} ({experiment})",
         plural(cells, "interval"),
         percent(noise.floor - 1.0)
     )
