@@ -126,6 +126,23 @@ fn builds_side_by_side_are_paired_by_round() {
     assert!((five.ratio.median - 1000.0 / 952.0).abs() < 1e-9, "{five:?}");
     assert!((five.least - 1.01).abs() < 1e-9, "{five:?}");
     assert_eq!(judged(995, 1010).judgement, Equal);
+    // A slowdown that shows for sure is as wide as the interval, not as half of it.
+    let how = Options { side_by_side: Some(floors(&cells(&lab(1, 1).rows()))), ..options() };
+    let wide = |unit| {
+        let mut lab = Lab::new("e", "packed");
+        lab.time(&(0..15).map(|k| unit * (93 + k)).collect::<Vec<_>>());
+        lab.rows()
+    };
+    let b: Vec<Row> = wide(10)
+        .into_iter()
+        .map(|mut row| {
+            row.time_ns = Some(1000);
+            row
+        })
+        .collect();
+    let cells = compare(&wide(10), &b, &how);
+    let timing = cells[0].timing.as_ref().unwrap();
+    assert!((timing.least - 104.0 / 96.0).abs() < 1e-9, "{timing:?}");
     assert_eq!(judged(900, 1200).judgement, Undecided, "equal code differs by more");
     assert!(Builds::new(&lab(1, 1).rows()).is_none());
 }

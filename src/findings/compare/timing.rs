@@ -48,8 +48,7 @@ pub struct Timing {
     pub judgement: Judgement,
     /// Why nothing else can be said, if so.
     pub note: Option<Note>,
-    /// A slowdown by this factor would have been found here: it is wider than the interval and
-    /// larger than what equal code differs by.
+    /// A slowdown by this factor would have been found here, nearly always: see [`least`].
     pub least: f64,
 }
 
@@ -91,7 +90,7 @@ pub(super) fn timing(
         let judgement = judge(&ratio, options.band, noise.decides(&ratio, n));
         let few = Note::FewBlocks(in_a.times.len(), in_b.times.len());
         let note = (ratio.coverage < COVERAGE).then_some(few);
-        let least = (ratio.median / ratio.low).max(noise.floor_at(n));
+        let least = least(&ratio, noise.floor_at(n));
         return Some(Timing { a_ns, b_ns, ratio, judgement, note, least });
     }
     let plain = |cell: &Cell| cell.times.values().map(|&t| t as f64).collect::<Vec<_>>();
@@ -118,7 +117,7 @@ pub(super) fn timing(
         if doubt.is_some() { Judgement::NotJudged } else { judge(&ratio, options.band, beyond) };
     let few = Note::FewBlocks(times.0.len(), times.1.len());
     let note = doubt.or((ratio.coverage < COVERAGE).then_some(few));
-    let least = (ratio.median / ratio.low).max(drift);
+    let least = least(&ratio, drift);
     Some(Timing { a_ns, b_ns, ratio, judgement, note, least })
 }
 
@@ -130,6 +129,14 @@ fn quotients(times: &Blocks, to: &Blocks) -> Vec<f64> {
             Some(time as f64 / to.get(block).filter(|&&to| to > 0).copied()? as f64)
         })
         .collect()
+}
+
+/// A slowdown that would be found in about 97 of 100 runs: so much that its interval excludes 1
+/// though its median is as low as this interval is (one by median / low is found in every other
+/// run), and that such a median is beyond what equal code differs by.
+fn least(ratio: &Interval, floor: f64) -> f64 {
+    let luck = ratio.high / ratio.median;
+    luck * (ratio.median / ratio.low).max(floor)
 }
 
 /// The whole interval decides, or nothing does. `beyond`: it excludes 1, and the ratio is larger
