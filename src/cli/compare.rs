@@ -38,7 +38,7 @@ pub struct Compare {
     /// The two are of one machine, though its name differs (containers often have new names)
     #[arg(long, requires = "b")]
     same_machine: bool,
-    /// A cell that is slower is a failure
+    /// Cells that are slower are failures, if they are more than chance explains
     #[arg(long)]
     gate_time: bool,
     /// A cell that is in one folder only, or not available in one, is a failure
@@ -99,7 +99,8 @@ pub fn compare(options: &Compare) -> anyhow::Result<ExitCode> {
          one narrow enough); leave it out, or measure what can be compared",
         words::pairing(&how)
     );
-    let cases: Vec<Case> = cells.iter().map(|cell| case(cell, options)).collect();
+    let slower = options.gate_time && summary.is_slower();
+    let cases: Vec<Case> = cells.iter().map(|cell| case(cell, options, slower)).collect();
     let failed = cases.iter().filter(|case| matches!(case.result, Outcome::Failed(_))).count();
     let (parts, how, cells) = (&parts, &how, &*cells);
     let found = Comparison { options, parts, how, cells, summary, failed };
@@ -154,8 +155,8 @@ fn list(names: BTreeSet<String>) -> String {
     names.into_iter().collect::<Vec<_>>().join(", ")
 }
 
-/// What continuous integration is told of a cell.
-fn case(cell: &Compared, options: &Compare) -> Case {
+/// What continuous integration is told of a cell; `gated_time`: is one that is slower a failure?
+fn case(cell: &Compared, options: &Compare, gated_time: bool) -> Case {
     let slower = cell.timing.as_ref().filter(|timing| timing.judgement == Judgement::Slower);
     let gated = |gate: bool, why: String, else_: fn(String) -> Outcome| {
         if gate { Outcome::Failed(why) } else { else_(why) }
@@ -169,7 +170,7 @@ fn case(cell: &Compared, options: &Compare) -> Case {
         gated(options.strict, lacks(cell), Outcome::Noted)
     } else if let Some(timing) = slower {
         let why = format!("{}: B / A = {}", timing.judgement.name(), words::ratio(timing));
-        gated(options.gate_time, why, Outcome::Noted)
+        gated(gated_time, why, Outcome::Noted)
     } else {
         Outcome::Passed
     };
@@ -252,6 +253,7 @@ impl Comparison<'_> {
                 "changed": summary.changed,
                 "absent": summary.absent,
                 "times": judged,
+                "slower_by_chance": summary.by_chance,
                 "failed": failed,
             },
             "passed": *failed == 0,

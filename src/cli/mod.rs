@@ -51,8 +51,8 @@ pub enum Verb {
     /// Compares two result folders: of two revisions, or two machines
     #[command(after_help = "Example: contactbench compare results/before results/after\nExample: \
                             contactbench compare laptop server --against nbs\nExit code 1 if \
-                            pairs, counts, bytes or outcomes differ (with --gate-time, also if a \
-                            cell is slower).")]
+                            pairs, counts, bytes or outcomes differ (with --gate-time, also if \
+                            more cells are slower than chance explains).")]
     Compare(compare::Compare),
     /// Merges result folders of shards, or of several machines
     #[command(after_help = "Example: contactbench merge part-1 part-2 part-3 --out whole")]

@@ -130,6 +130,17 @@ impl From<u32> for Block {
     }
 }
 
+/// The probability of at least `successes` in `trials` of probability `p` each.
+pub fn at_least(successes: usize, trials: usize, p: f64) -> f64 {
+    let mut term = (1.0 - p).powi(trials as i32);
+    let mut below = 0.0;
+    for k in 0..successes.min(trials + 1) {
+        below += term;
+        term *= (trials - k) as f64 / (k + 1) as f64 * p / (1.0 - p);
+    }
+    (1.0 - below).max(0.0)
+}
+
 /// Times by block.
 pub type Blocks = BTreeMap<Block, u64>;
 
@@ -180,6 +191,14 @@ mod tests {
         assert_eq!(rank(0), None);
         let (k, covered) = rank(5000).unwrap();
         assert!((2400..2500).contains(&k) && (0.95..0.96).contains(&covered));
+    }
+
+    #[test]
+    fn tails_are_those_of_the_binomial() {
+        // By hand: four coins, at least three heads: (4 + 1) / 16; 82 times 2.5%, none: 12.5%.
+        assert!((at_least(3, 4, 0.5) - 5.0 / 16.0).abs() < 1e-12);
+        assert!((at_least(1, 82, 0.025) - 0.8745).abs() < 1e-3);
+        assert_eq!((at_least(0, 5, 0.1), at_least(6, 5, 0.1).abs() < 1e-12), (1.0, true));
     }
 
     #[test]

@@ -19,7 +19,7 @@ use crate::record::column::Column;
 use crate::record::id::{CellId, FIELDS, MACHINE};
 use crate::record::machines::Machine;
 use crate::record::row::{Outcome, Pass, Row};
-use crate::stats::interval::median;
+use crate::stats::interval::{at_least, median};
 
 /// How times are compared.
 #[derive(Clone, Debug, Default)]
@@ -133,6 +133,8 @@ pub struct Summary {
     pub lacking: usize,
     /// Those with times in both, by verdict.
     pub judged: BTreeMap<Judgement, usize>,
+    /// Of equal code so many would be slower by chance, at most.
+    pub by_chance: f64,
     /// The slowdown that would have been found: its median over the cells that can be judged, and
     /// the largest.
     pub least: Option<(f64, f64)>,
@@ -147,17 +149,28 @@ impl Summary {
             *judged.entry(timing.judgement).or_default() += 1;
         }
         let timings = cells.iter().filter_map(|cell| cell.timing.as_ref());
-        let least: Vec<f64> =
-            timings.filter(|timing| timing.is_decidable()).map(|timing| timing.least).collect();
+        let timings: Vec<&Timing> = timings.filter(|timing| timing.is_decidable()).collect();
+        let least: Vec<f64> = timings.iter().map(|timing| timing.least).collect();
         Summary {
             cells: cells.len(),
             changed: count(|cell| !cell.changes.is_empty()),
             absent: count(|cell| cell.absent.is_some()),
             lacking: count(|cell| !cell.lacks.is_empty()),
             judged,
+            by_chance: timings.iter().map(|timing| (1.0 - timing.ratio.coverage) / 2.0).sum(),
             least: median(&least)
                 .map(|typical| (typical, least.iter().copied().fold(1.0, f64::max))),
         }
+    }
+
+    /// Are more cells slower than chance explains? Equal code has so many in at most one of twenty
+    /// comparisons, however many cells there are.
+    pub fn is_slower(&self) -> bool {
+        use Judgement::NotJudged;
+        let slower = self.judged.get(&Judgement::Slower).copied().unwrap_or(0);
+        let cells = self.judged.iter().filter(|(verdict, _)| **verdict != NotJudged);
+        let cells: usize = cells.map(|(_, count)| count).sum();
+        slower > 0 && at_least(slower, cells, self.by_chance / cells as f64) <= 0.05
     }
 
     /// Is any time found to be equal, slower or faster?

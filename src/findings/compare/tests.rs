@@ -170,6 +170,24 @@ fn a_noisy_experiment_does_not_blur_another() {
 }
 
 #[test]
+fn as_many_slower_cells_as_chance_makes_are_no_slowdown() {
+    // 15 blocks: each of the cells is slower by chance with 1.8%.
+    let slower = |all: u64, slow: u64| {
+        let (mut a, mut b) = (Lab::new("e", "packed"), Lab::new("e", "packed"));
+        for n in 1..=all {
+            a.n(n).time(&times(1000));
+            b.n(n).time(&times(if n <= slow { 2000 } else { 1000 }));
+        }
+        let how = Options { side_by_side: Some(floors(&cells(&a.rows()))), ..options() };
+        let found = Summary::new(&compare(&a.rows(), &b.rows(), &how));
+        assert_eq!(found.judged.get(&Judgement::Slower).map_or(0, |it| *it as u64), slow);
+        assert!((found.by_chance - 0.0176 * all as f64).abs() < 0.01, "{found:?}");
+        found.is_slower()
+    };
+    assert!(!slower(82, 3) && slower(82, 5) && slower(2, 1) && !slower(5, 0));
+}
+
+#[test]
 fn few_blocks_decide_nothing() {
     let few = |time| {
         let mut lab = Lab::new("e", "packed");

@@ -179,6 +179,9 @@ pub fn summary(found: &Summary, band_percent: f64, gated: bool) -> [String; 2] {
         judged +=
             &format!("; a slowdown by {typical} would show (median of cells; at most {most})");
     }
+    if found.least.is_some() {
+        judged += &format!("; of equal code {:.1} would be slower by chance", found.by_chance);
+    }
     let gate = if gated { "gated" } else { "not gated" };
     [
         format!(
