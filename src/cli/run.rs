@@ -54,8 +54,8 @@ pub fn standard() -> anyhow::Result<ExitCode> {
         .map(|experiment| experiment.name)
         .collect();
     eprintln!(
-        "the standard reproduction: the book's scaling experiments, about four minutes; results go \
-         to a new folder under results/standard"
+        "the standard reproduction: the book's scaling experiments, about four minutes; results \
+         go to a new folder under results/standard"
     );
     let options = Run {
         experiments: names,

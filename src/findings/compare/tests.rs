@@ -128,7 +128,7 @@ fn builds_side_by_side_are_paired_by_round() {
     assert_eq!(judged(995, 1010).judgement, Equal);
     // A slowdown that shows for sure is as wide as the interval, not as half of it.
     let how = Options { side_by_side: Some(floors(&cells(&lab(1, 1).rows()))), ..options() };
-    let wide = |unit| {
+    let wide = |unit: u64| {
         let mut lab = Lab::new("e", "packed");
         lab.time(&(0..15).map(|k| unit * (93 + k)).collect::<Vec<_>>());
         lab.rows()
