@@ -42,6 +42,41 @@ pub fn file(folder: &Path, name: &str, text: impl AsRef<[u8]>) -> PathBuf {
     path
 }
 
+/// Files that several tests begin with, made once.
+pub struct Template(Vec<(PathBuf, Vec<u8>)>);
+
+impl Template {
+    /// What `make` leaves in a folder.
+    pub fn new(make: impl FnOnce(&Path)) -> Template {
+        let folder = tempfile::tempdir().unwrap();
+        make(folder.path());
+        let (mut files, mut folders) = (Vec::new(), vec![folder.path().to_path_buf()]);
+        while let Some(next) = folders.pop() {
+            for entry in std::fs::read_dir(next).unwrap() {
+                let path = entry.unwrap().path();
+                if path.is_dir() {
+                    folders.push(path);
+                } else {
+                    let name = path.strip_prefix(folder.path()).unwrap().to_path_buf();
+                    files.push((name, std::fs::read(path).unwrap()));
+                }
+            }
+        }
+        Template(files)
+    }
+
+    /// The same files in a folder of their own.
+    pub fn copy(&self) -> tempfile::TempDir {
+        let folder = tempfile::tempdir().unwrap();
+        for (name, bytes) in &self.0 {
+            let path = folder.path().join(name);
+            std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+            std::fs::write(path, bytes).unwrap();
+        }
+        folder
+    }
+}
+
 /// An npy file, version 1, of little-endian doubles.
 pub fn npy(rows: &[Vec<f64>]) -> Vec<u8> {
     let columns = rows.first().map_or(2, Vec::len);
