@@ -29,6 +29,29 @@ pub fn run(folder: &Path, arguments: &[&str]) -> Ended {
     ended(program(folder, arguments).output().unwrap())
 }
 
+/// A run that succeeds.
+pub fn good(folder: &Path, arguments: &[&str]) -> Ended {
+    let ended = run(folder, arguments);
+    assert_eq!(ended.code, Some(0), "{arguments:?}: {}{}", ended.stdout, ended.stderr);
+    ended
+}
+
+/// A run that ends with exit code 2 and one line on standard error with all these words.
+pub fn refused(folder: &Path, arguments: &[&str], words: &[&str]) -> Ended {
+    let ended = run(folder, arguments);
+    assert_eq!(
+        (ended.code, ended.stderr.lines().count()),
+        (Some(2), 1),
+        "{arguments:?}: {}{}",
+        ended.stdout,
+        ended.stderr
+    );
+    for word in words {
+        assert!(ended.stderr.contains(word), "{arguments:?}: no '{word}' in: {}", ended.stderr);
+    }
+    ended
+}
+
 /// What a process has left.
 pub fn ended(output: Output) -> Ended {
     let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
@@ -156,6 +179,16 @@ extern "C" fn summary() {
     eprintln!("NOT TESTED HERE, {} in all: {}\n", all.len(), all.join("; "));
 }
 
+/// Is there such a program? If not, the test passes, and is named among those left out.
+pub fn has(program: &'static str) -> bool {
+    let there =
+        Command::new(program).arg("--version").output().is_ok_and(|output| output.status.success());
+    if !there {
+        untested(&format!("runners that need {program}"), program);
+    }
+    there
+}
+
 /// What must be the same whether a run was disturbed, resumed or repeated: everything but the times.
 /// Fails if a measurement stands twice.
 pub fn steady(rows: &[Row]) -> BTreeMap<Measurement, String> {
@@ -167,6 +200,7 @@ pub fn steady(rows: &[Row]) -> BTreeMap<Measurement, String> {
             elapsed_ns: None,
             span: None,
             processor: None,
+            rounds_ns: Vec::new(),
             ..row.clone()
         };
         (row.measurement(), format!("{row:?}"))

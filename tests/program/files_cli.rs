@@ -7,13 +7,7 @@ use contactbench::io::Options;
 use contactbench::scene::spec::Spec;
 use serde_json::Value;
 
-use crate::common::{Ended, file, run};
-
-fn ok(folder: &Path, arguments: &[&str]) -> Ended {
-    let ended = run(folder, arguments);
-    assert_eq!(ended.code, Some(0), "{arguments:?}: {}{}", ended.stdout, ended.stderr);
-    ended
-}
+use crate::common::{file, good, run};
 
 fn json(folder: &Path, arguments: &[&str], code: i32) -> Value {
     let ended = run(folder, arguments);
@@ -35,13 +29,13 @@ fn scenes_are_written_and_read_back_to_the_bit() {
     ] {
         let expected = Spec::parse(spec).unwrap().make().unwrap();
         for name in ["scene.csv", "scene.xyz", "scene.npy"] {
-            ok(folder, &["scene", spec, "-o", name]);
+            good(folder, &["scene", spec, "-o", name]);
             let dim = name.ends_with("npy").then_some(expected.dim() as u32);
             let found = io::scene(&folder.join(name), Options { dim, ..Options::NONE }).unwrap();
             // A list of equal radii comes back as one radius for all.
             assert_eq!(found, expected, "{spec} in {name}");
         }
-        let printed = ok(folder, &["scene", spec]).stdout;
+        let printed = good(folder, &["scene", spec]).stdout;
         assert_eq!(printed, std::fs::read_to_string(folder.join("scene.csv")).unwrap());
     }
     // A file becomes another.
@@ -51,7 +45,7 @@ fn scenes_are_written_and_read_back_to_the_bit() {
         "ITEM: NUMBER OF ATOMS\n1\nITEM: ATOMS x y radius\n1 2 3\nITEM: NUMBER OF ATOMS\n1\nITEM: \
          ATOMS x y radius\n4 5 6\n",
     );
-    ok(folder, &["scene", "two.dump", "--frame", "last", "-o", "one.csv"]);
+    good(folder, &["scene", "two.dump", "--frame", "last", "-o", "one.csv"]);
     assert_eq!(std::fs::read_to_string(folder.join("one.csv")).unwrap(), "x,y,r\n4.0,5.0,6.0\n");
     let refused = |arguments: &[&str], words: &str| {
         let ended = run(folder, arguments);
@@ -69,10 +63,10 @@ fn scenes_are_written_and_read_back_to_the_bit() {
     refused(&["scene", "nowhere.csv"], "cannot read nowhere.csv");
     // All verbs take the last frame, and say so; an experiment must choose.
     for verb in ["detect", "inspect", "scene"] {
-        let ended = ok(folder, &[verb, "two.dump"]);
+        let ended = good(folder, &[verb, "two.dump"]);
         let said = "two.dump: frame 1, the last of 0 to 1, is read (--frame)";
         assert!(ended.stderr.contains(said), "{verb}: {}", ended.stderr);
-        let chosen = ok(folder, &[verb, "two.dump", "--frame", "last"]);
+        let chosen = good(folder, &[verb, "two.dump", "--frame", "last"]);
         assert_eq!(ended.stdout, chosen.stdout, "{verb}");
         assert!(!chosen.stderr.contains("is read"), "{}", chosen.stderr);
     }
@@ -85,7 +79,7 @@ fn pairs_are_written_as_lines_that_read_back() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     file(folder, "discs.csv", "x,y,d\n0,0,1\n1,0,1\n2.5,0.1,1.5\n");
-    ok(folder, &["detect", "discs.csv", "-o", "pairs.vtk"]);
+    good(folder, &["detect", "discs.csv", "-o", "pairs.vtk"]);
     let text = std::fs::read_to_string(folder.join("pairs.vtk")).unwrap();
     assert!(
         text.contains(
@@ -96,13 +90,15 @@ fn pairs_are_written_as_lines_that_read_back() {
     );
     // The points with their radii are a scene, whose pairs are the same.
     assert_eq!(
-        ok(folder, &["detect", "pairs.vtk", "--dim", "2"]).stdout,
-        ok(folder, &["detect", "discs.csv"]).stdout
+        good(folder, &["detect", "pairs.vtk", "--dim", "2"]).stdout,
+        good(folder, &["detect", "discs.csv"]).stdout
     );
     // The same through the scene named file.
-    let through =
-        ok(folder, &["scene", "file:path=pairs.vtk,file-dim=2,order=generated,frame=0,format=vtk"])
-            .stdout;
+    let through = good(
+        folder,
+        &["scene", "file:path=pairs.vtk,file-dim=2,order=generated,frame=0,format=vtk"],
+    )
+    .stdout;
     assert_eq!(through, "x,y,r\n0.0,0.0,0.5\n1.0,0.0,0.5\n2.5,0.1,0.75\n");
 }
 
@@ -147,7 +143,7 @@ fn inspect_says_what_was_understood() {
     ] {
         assert!(warnings.contains(part), "{warnings}");
     }
-    let text = ok(folder, &["inspect", "p.dump", "--frame", "0"]).stdout;
+    let text = good(folder, &["inspect", "p.dump", "--frame", "0"]).stdout;
     for part in [
         "4 spheres (3D)",
         "2; read: frame 0",
@@ -167,13 +163,13 @@ fn inspect_warns_of_the_usual_mistakes() {
     let warnings = |arguments: &[&str]| {
         json(folder, &[&["inspect", "--json"], arguments].concat(), 0)["warnings"].to_string()
     };
-    ok(folder, &["scene", "packed:dim=3,n=3000,spacing=0.99", "-o", "good.csv"]);
+    good(folder, &["scene", "packed:dim=3,n=3000,spacing=0.99", "-o", "good.csv"]);
     assert_eq!(warnings(&["good.csv"]), "[]");
-    let good = std::fs::read_to_string(folder.join("good.csv")).unwrap();
+    let whole = std::fs::read_to_string(folder.join("good.csv")).unwrap();
     // The radius of every body is 0.5: here the column holds the diameter.
-    file(folder, "doubled.csv", good.replace(",0.5\n", ",1.0\n"));
+    file(folder, "doubled.csv", whole.replace(",0.5\n", ",1.0\n"));
     assert!(warnings(&["doubled.csv"]).contains("'r' may hold diameters"));
-    file(folder, "tiny.csv", good.replace(",0.5\n", ",0.0005\n"));
+    file(folder, "tiny.csv", whole.replace(",0.5\n", ",0.0005\n"));
     assert!(warnings(&["tiny.csv"]).contains("nothing touches"));
     file(folder, "flat.csv", "x,y,z,r\n0,0,0,0.6\n1,0,0,0.6\n");
     assert!(warnings(&["flat.csv"]).contains("--dim 2"));
@@ -181,7 +177,7 @@ fn inspect_warns_of_the_usual_mistakes() {
     file(folder, "far.csv", "x,y,r\n1e7,0,0.5\n10000001,0,0.5\n");
     assert!(warnings(&["far.csv"]).contains("so far from the origin"));
     file(folder, "centres.csv", "x,y\n0,0\n1,0\n");
-    let text = ok(folder, &["inspect", "centres.csv"]).stdout;
+    let text = good(folder, &["inspect", "centres.csv"]).stdout;
     assert!(
         text.contains("2 discs (2D)")
             && text.contains("none in the file; contacts need --radius R"),
@@ -226,7 +222,7 @@ fn verify_compares_lists_of_every_kind() {
     let local = "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ENTRIES\n5\nITEM: BOX BOUNDS ff ff ff\n0 9\n0 \
                  9\n0 9\nITEM: ENTRIES index c_1[1] c_1[2] c_2\n";
     listed("local.dump", local, &|i, j| format!("1 {} {} 0.5\n", 10 - i, 10 - j));
-    ok(folder, &["detect", "row.dump", "-o", "own.npy"]);
+    good(folder, &["detect", "row.dump", "-o", "own.npy"]);
     for arguments in [
         &["zero.csv"][..],
         &["zero.csv", "--base", "0"],
@@ -247,7 +243,7 @@ fn verify_compares_lists_of_every_kind() {
             "{arguments:?}: {found:#}"
         );
     }
-    let both = ok(folder, &["verify", "row.dump", "--pairs", "both.fstat"]).stdout;
+    let both = good(folder, &["verify", "row.dump", "--pairs", "both.fstat"]).stdout;
     assert!(
         both.contains("from both sides and taken once, 5 contacts with walls left out\nthe same:"),
         "{both}"
@@ -269,8 +265,8 @@ fn verify_compares_lists_of_every_kind() {
 fn verify_recognises_the_usual_mistakes() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
-    ok(folder, &["scene", "packed:dim=3,n=64,lattice=cubic,order=generated", "-o", "p.csv"]);
-    let pairs = ok(folder, &["detect", "p.csv"]).stdout;
+    good(folder, &["scene", "packed:dim=3,n=64,lattice=cubic,order=generated", "-o", "p.csv"]);
+    let pairs = good(folder, &["detect", "p.csv"]).stdout;
     let pairs: Vec<[i64; 2]> = pairs
         .lines()
         .skip(1)
@@ -288,7 +284,7 @@ fn verify_recognises_the_usual_mistakes() {
     // Every pair less than 1.3 apart; the pack has diameters of 1.
     let wider = std::fs::read_to_string(folder.join("p.csv")).unwrap().replace(",0.5\n", ",0.65\n");
     file(folder, "wider.csv", wider);
-    ok(folder, &["detect", "wider.csv", "-o", "skin.csv"]);
+    good(folder, &["detect", "wider.csv", "-o", "skin.csv"]);
     let all = pairs.len();
     for (list, words) in [
         ("one.csv", format!("hint: with numbers from 1, all {all} pairs agree: add --base 1\n")),
@@ -343,9 +339,9 @@ fn verify_shows_what_differs() {
     );
     file(folder, "none.csv", "i,j\n");
     file(folder, "one.csv", "i,j\n0,1\n");
-    ok(folder, &["verify", "near.csv", "--pairs", "none.csv"]);
+    good(folder, &["verify", "near.csv", "--pairs", "none.csv"]);
     assert_eq!(run(folder, &["verify", "near.csv", "--pairs", "one.csv"]).code, Some(1));
-    ok(folder, &["verify", "near.csv", "--pairs", "one.csv", "--arithmetic", "f32"]);
+    good(folder, &["verify", "near.csv", "--pairs", "one.csv", "--arithmetic", "f32"]);
 }
 
 #[test]

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use contactbench::record::row;
 use contactbench::record::row::Outcome;
 
-use crate::common::{PROGRAM, fake, file, run, runner, say};
+use crate::common::{PROGRAM, fake, file, has, run, runner, say};
 
 /// A runner in Python that does something before it answers as one should.
 fn python(before: &str) -> String {
@@ -47,14 +47,6 @@ for line in sys.stdin:
         say(reply="unsupported")
 "#;
     rest.replace("BEFORE", before)
-}
-
-fn has(program: &'static str) -> bool {
-    let there = Command::new(program).arg("--version").output().is_ok();
-    if !there {
-        crate::common::untested("runners that hide children", program);
-    }
-    there
 }
 
 /// The processes that the runners have noted: how many, and that none is left.

@@ -270,3 +270,20 @@ fn code_lines_are_at_most_100_columns() {
     }
     assert!(wide.is_empty(), "{wide:#?}");
 }
+
+/// The citation is of this version.
+#[test]
+fn the_citation_is_of_this_version() {
+    let text = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("CITATION.cff"))
+        .unwrap();
+    let value = |key: &str| {
+        text.lines()
+            .find_map(|line| line.strip_prefix(&format!("{key}: ")))
+            .map(|value| value.trim_matches('"'))
+    };
+    assert_eq!(value("cff-version"), Some("1.2.0"));
+    assert_eq!(value("version"), Some(env!("CARGO_PKG_VERSION")));
+    assert_eq!(value("title"), Some("contactbench"));
+    assert!(["message", "type", "abstract"].into_iter().all(|key| value(key).is_some()));
+    assert!(text.contains("authors:\n  - name: \"The contactbench founders\"\n"));
+}

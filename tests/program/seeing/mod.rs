@@ -1,0 +1,37 @@
+//! What people look at: drawings, traces, and what shells are told.
+
+mod pages;
+mod pictures;
+mod terminal;
+mod traces;
+
+use contactbench::contact::Arithmetic;
+use contactbench::detect::{Options, table};
+use contactbench::present::trace::Algorithm;
+use contactbench::probe::Tally;
+use contactbench::scene::spec::Spec;
+use contactbench::scene::{AnyScene, Radii, Scene};
+
+const ALL: [Algorithm; 4] =
+    [Algorithm::Nbs, Algorithm::Sorting, Algorithm::Screening, Algorithm::BinaryTree];
+
+fn scene(text: &str) -> AnyScene<'static> {
+    Spec::parse(text).and_then(|spec| spec.make()).unwrap()
+}
+
+fn discs(centres: &[[f64; 2]], r: f64) -> AnyScene<'static> {
+    Scene::new(
+        centres.iter().copied().map(nalgebra::Point::from).collect::<Vec<_>>(),
+        Radii::Uniform(r),
+    )
+    .unwrap()
+    .into()
+}
+
+/// Counts and contacts of the counted build.
+fn counted(name: &str, scene: &AnyScene<'_>) -> (Tally, Vec<[u32; 2]>) {
+    let (mut tally, mut pairs) = (Tally::default(), Vec::new());
+    let mut detector = table::find(name).unwrap().make(Options::default());
+    detector.count(scene, Arithmetic::Exact.test(), &mut tally, &mut pairs).unwrap();
+    (tally, pairs)
+}

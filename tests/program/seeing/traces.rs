@@ -1,0 +1,183 @@
+//! Traces do what the detectors do, and show what the book prints.
+
+use contactbench::present::trace::{Algorithm, Trace, example, page, trace};
+
+use super::{ALL, counted, discs, scene};
+
+/// The trace is the counted build with another probe: the same operations, the same contacts in the
+/// same order.
+#[test]
+fn a_trace_counts_and_finds_what_the_counted_build_does() {
+    let scenes = [
+        "packed:n=40",
+        "loose:n=25,fraction=0.2",
+        "clustered:n=30",
+        "pack-a:n=36",
+        "packed:n=1",
+        "loose:n=30,size-ratio=3,offset=1e6",
+    ];
+    for algorithm in ALL {
+        let book = example::example(algorithm).scene();
+        let cases =
+            scenes.iter().map(|text| (*text, Some(scene(text)))).chain([("the book's", None)]);
+        for (name, given) in cases {
+            let trace = trace(algorithm, given.as_ref())
+                .unwrap_or_else(|error| panic!("{algorithm:?} {name}: {error:#}"));
+            let (tally, pairs) = counted(algorithm.name(), given.as_ref().unwrap_or(&book));
+            let last = trace.steps.last().unwrap();
+            assert_eq!((last.tally, trace.tally), (tally, tally), "{algorithm:?} {name}");
+            assert_eq!(trace.contacts, pairs, "{algorithm:?} {name}");
+            assert_eq!(last.state.contacts, pairs, "{algorithm:?} {name}");
+            // Counters never fall, and every step says something.
+            for pair in trace.steps.array_windows::<2>() {
+                assert!(pair[0].tally.iter().zip(pair[1].tally.iter()).all(|(a, b)| a.1 <= b.1));
+            }
+            assert!(
+                trace.steps.iter().all(|step| step.words.ends_with('.')),
+                "{algorithm:?} {name}"
+            );
+        }
+    }
+}
+
+fn heads(trace: &Trace, step: usize, letter: char) -> Vec<i64> {
+    let heads = trace.steps[step].state.heads_of(letter);
+    let value = |list: i64| {
+        usize::try_from(list)
+            .ok()
+            .and_then(|list| heads.get(list))
+            .and_then(|head| head.first)
+            .map_or(-1, |k| i64::from(k) + 1)
+    };
+    let shift = i64::from(trace.names.shift[usize::from(letter == 'B')]);
+    (1..=10).map(|shown| value(shown - shift)).collect()
+}
+
+fn links(trace: &Trace, step: usize, letter: char) -> Vec<i64> {
+    trace.steps[step]
+        .state
+        .links_of(letter)
+        .iter()
+        .map(|next| next.map_or(-1, |k| i64::from(k) + 1))
+        .collect()
+}
+
+/// G5 of the book on the arrays that are shown (p103-110), and how many steps there are.
+#[test]
+fn the_books_ten_particles_are_shown_as_printed() {
+    let trace = trace(Algorithm::Nbs, None).unwrap();
+    assert_eq!(trace.steps.len(), 144);
+    assert_eq!(heads(&trace, 10, 'B'), [-1, -1, -1, -1, 5, 9, 10, 2, -1, -1]);
+    assert_eq!(links(&trace, 10, 'Y'), [-1, -1, -1, 1, -1, 3, 4, 6, 8, 7]);
+    // The x-lists of row 7: before those of the row below are made, four pushes later.
+    let row_7 = trace.steps.iter().position(|step| step.marks.written.contains(&('A', 1))).unwrap();
+    let pushed = (row_7..)
+        .find(|&step| trace.steps[step].marks.written.iter().any(|(letter, _)| *letter == 'a'))
+        .unwrap()
+        - 1;
+    assert_eq!(heads(&trace, pushed, 'A'), [-1, -1, 7, 1, 4, -1, -1, -1, -1, -1]);
+    assert_eq!(links(&trace, pushed, 'X'), [10, -1, -1, -1, -1, -1, -1, -1, -1, -1]);
+    let last = trace.steps.len() - 1;
+    for letter in ['A', 'a', 'B'] {
+        assert_eq!(heads(&trace, last, letter), [-1; 10]);
+        assert!(trace.steps[last].state.heads_of(letter).iter().all(|head| !head.old));
+    }
+}
+
+/// While cells are checked, the list of every cell holds the particles of that cell, and those of
+/// all cells are there.
+#[test]
+fn the_lists_that_are_shown_hold_the_particles_of_their_cells() {
+    for (algorithm, link, letters) in
+        [(Algorithm::Nbs, 'X', &['A', 'a'][..]), (Algorithm::Screening, 'E', &['C'])]
+    {
+        for given in [None, Some(scene("packed:n=40")), Some(scene("clustered:n=30"))] {
+            let trace = trace(algorithm, given.as_ref()).unwrap();
+            let (nx, mut seen) = (trace.cells.count[0], 0);
+            for step in
+                trace.steps.iter().filter(|step| trace.parts[step.part].ends_with("are checked"))
+            {
+                for &letter in letters {
+                    for (list, head) in (0..).zip(step.state.heads_of(letter)) {
+                        let cell = match letter {
+                            'A' => [list, step.marks.row.unwrap()],
+                            'a' => [list, step.marks.row.unwrap() - 1],
+                            _ => [list % nx, list / nx],
+                        };
+                        let mut shown = step.state.chain(link, head.first);
+                        shown.sort_unstable();
+                        let there: Vec<u32> = (0..)
+                            .zip(&trace.discs)
+                            .filter(|(_, disc)| disc.cell == cell)
+                            .map(|(k, _)| k)
+                            .collect();
+                        assert_eq!(shown, there, "{algorithm:?} {letter} {cell:?}: {}", step.words);
+                        seen += there.len();
+                    }
+                }
+            }
+            assert!(seen > 0);
+        }
+    }
+}
+
+/// G2 (p90-91), G3 (p95-98) and the tree of the ten particles.
+#[test]
+fn the_other_examples_are_shown_as_printed() {
+    let screening = trace(Algorithm::Screening, None).unwrap();
+    assert_eq!(screening.steps.len(), 70);
+    assert_eq!(links(&screening, 9, 'E'), [-1, 1, -1, 2, 3, -1, 5, -1, 7]);
+    let (nx, c) = (screening.cells.count[0], screening.steps[9].state.heads_of('C'));
+    let shown =
+        |column: u32, row: u32| c[((row - 5) * nx + column - 1) as usize].first.map(|k| k + 1);
+    assert_eq!(
+        [shown(2, 7), shown(5, 6), shown(5, 7), shown(6, 6)],
+        [Some(9), Some(6), Some(4), Some(8)]
+    );
+    assert_eq!(c.iter().filter(|head| head.first.is_some()).count(), 4);
+
+    let sorting = trace(Algorithm::Sorting, None).unwrap();
+    assert_eq!(sorting.steps.len(), 93);
+    let last = &sorting.steps.last().unwrap().state;
+    let keys = |axis: usize| {
+        last.keys[axis]
+            .iter()
+            .map(|key| key.unwrap() + sorting.names.shift[axis])
+            .collect::<Vec<_>>()
+    };
+    assert_eq!((keys(0), keys(1)), (vec![3, 4, 4, 4, 5, 5, 5, 6], vec![7, 5, 6, 7, 6, 7, 8, 6]));
+    assert_eq!(last.particles.iter().map(|k| k + 1).collect::<Vec<_>>(), [7, 5, 3, 1, 6, 4, 2, 8]);
+    let search = sorting
+        .steps
+        .iter()
+        .find(|step| step.words.starts_with("Mask cell (5, 7): a binary search"))
+        .unwrap();
+    assert!(search.words.contains("particle 4 at place 6"), "{}", search.words);
+
+    let tree = trace(Algorithm::BinaryTree, None).unwrap();
+    assert_eq!(tree.steps.len(), 78);
+    assert_eq!(links(&tree, 77, 'E'), [-1, -1, -1, -1, -1, -1, -1, -1, -1, 1]);
+    let nodes = tree.tally.get(contactbench::probe::Op::NodeVisit);
+    assert!(nodes > 10 * 8, "{nodes}");
+}
+
+#[test]
+fn traces_refuse_what_they_cannot_show() {
+    let far = discs(&[[0.0, 0.0], [500.0, 0.0]], 0.5);
+    let crowd = discs(&[[0.0, 0.0]; 60], 0.5);
+    for (scene, words) in [
+        (scene("packed:dim=3,n=20"), "of spheres"),
+        (scene("packed:n=61"), "61 particles; the steps of at most 60"),
+        (scene("packed:n=0"), "no particles"),
+        (far, "502 x 3 cells; at most 40"),
+    ] {
+        let error = trace(Algorithm::Nbs, Some(&scene)).unwrap_err();
+        assert!(format!("{error:#}").contains(words), "{error:#}");
+    }
+    // Every pair is tested.
+    for algorithm in ALL {
+        let trace = trace(algorithm, Some(&crowd)).unwrap();
+        assert_eq!(trace.contacts.len(), 1770);
+        assert!(page::html(&trace, "crowd").len() < 5_000_000);
+    }
+}
