@@ -132,14 +132,16 @@ pub fn pairs(path: &Path) -> Vec<[u32; 2]> {
 }
 
 /// The shell command of a runner that says hello in f64 arithmetic and answers requests with shell
-/// code.
+/// code, and all others as unsupported.
 pub fn fake(answers: &[(&str, &str)]) -> String {
     let hello = say(r#"{"reply":"hello","protocol":2,"detector":"fake","arithmetic":"f64"}"#);
     let cases: String = answers
         .iter()
         .map(|(request, code)| format!("*'\"request\":\"{request}\"'*) {code} ;;\n"))
         .collect();
-    format!("{hello}\nwhile read -r line; do\ncase \"$line\" in\n{cases}esac\ndone")
+    // Silence would be waited for.
+    let rest = say(r#"{"reply":"unsupported"}"#);
+    format!("{hello}\nwhile read -r line; do\ncase \"$line\" in\n{cases}*) {rest} ;;\nesac\ndone")
 }
 
 /// Shell code that answers with a line.

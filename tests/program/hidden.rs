@@ -103,10 +103,12 @@ fn children_that_hide_are_found_and_ended() {
         let own: Vec<_> = rows.iter().filter(|row| row.id.detector == "hides").collect();
         assert!(own.iter().all(|row| row.outcome == Outcome::Ok) && own.len() == 4, "{own:#?}");
         assert!(all_ended(folder) >= 3, "{name}: nothing was hidden");
-        run(folder, &["check", "--runner", &format!("python3 {name}"), "--seconds", "0"]);
-        assert!(all_ended(folder) >= 6, "{name}");
         std::fs::remove_file(folder.join("pids")).unwrap();
     }
+    // `check` starts and ends them by the same code: the hardest is enough.
+    run(folder, &["check", "--runner", "python3 forks.py", "--seconds", "0"]);
+    assert!(all_ended(folder) >= 3);
+    std::fs::remove_file(folder.join("pids")).unwrap();
     // One that dies leaves no more than one that is told to leave.
     file(folder, "die", "");
     run(folder, &["run", "t.toml", "--out", "dies"]);
