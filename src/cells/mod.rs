@@ -31,6 +31,8 @@ pub struct Cell {
     pub role: Role,
     /// How each pass ended, with the reason.
     pub passes: BTreeMap<Pass, (Outcome, String)>,
+    /// Did a sample meet a limit, or crash? There are none after it.
+    pub ended: bool,
     /// Nanoseconds per detection, by block.
     pub times: Blocks,
     /// Nanoseconds of the first detection of each process, by block.
@@ -111,6 +113,7 @@ impl Cell {
         if severity(row.outcome) > severity(pass.0) {
             *pass = (row.outcome, row.reason.clone());
         }
+        self.ended |= row.pass == Pass::Time && row.outcome.is_final();
         if let (Pass::Time, Some(time)) = (row.pass, row.time_ns) {
             self.times.insert(block, time);
             self.first.extend(row.first_ns.map(|first| (block, first)));

@@ -17,6 +17,7 @@ use crate::findings::compare::{
 };
 use crate::findings::conditions::Conditions;
 use crate::number::plural;
+use crate::present::document::indented;
 use crate::present::sections::{compare as words, conditions as doubtful};
 use crate::record::merge::Part;
 
@@ -92,6 +93,11 @@ pub fn compare(options: &Compare) -> anyhow::Result<ExitCode> {
         parts => folders_apart(parts, options)?,
     };
     let summary = Summary::new(&cells);
+    ensure!(
+        summary.absent < summary.cells,
+        "nothing can be compared: each of the {} cells has results on one side only",
+        cells.len()
+    );
     let decidable = cells.iter().filter_map(|cell| cell.timing.as_ref()).any(Timing::is_decidable);
     ensure!(
         !options.gate_time || decidable && summary.decides(),
@@ -188,17 +194,19 @@ impl Comparison<'_> {
         let measured = |part: &Part| {
             format!("{}, measured on {}", part.folder.display(), list(records::machines(part)))
         };
+        let width = terminal::width();
+        let mut say = |head: &str, text: &str| write!(out, "{}", indented(head, text, width));
         let names: &[&str] =
             if parts.len() == 1 { &["A: the base, B: this build, in"] } else { &["A:", "B:"] };
         for (name, part) in names.iter().zip(parts) {
-            writeln!(out, "{name} {}", measured(part))?;
+            say(&format!("{name} "), &measured(part))?;
             if let Some(said) = doubtful::sentence(&conditions(part)) {
-                writeln!(out, "   {said}")?;
+                say("   ", &said)?;
             }
         }
-        writeln!(out, "times: {}", words::pairing(how))?;
+        say("times: ", &words::pairing(how))?;
         for (experiment, noise) in how.side_by_side.iter().flatten() {
-            writeln!(out, "floor: {}", words::floor(experiment, noise))?;
+            say("floor: ", &words::floor(experiment, noise))?;
         }
         writeln!(out)?;
         for cell in cells.iter().filter(|cell| !cell.changes.is_empty()) {

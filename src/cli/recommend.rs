@@ -14,6 +14,7 @@ use crate::cli::shared::scene::Source;
 use crate::cli::shared::{terminal, values};
 use crate::contact::Arithmetic;
 use crate::number::plural;
+use crate::present::document::indented;
 use crate::present::recommendation;
 use crate::recommend::race::{self, Question};
 use crate::recommend::verdict::Verdict;
@@ -111,7 +112,12 @@ pub fn recommend(options: &Recommend) -> anyhow::Result<ExitCode> {
         )?;
         match &verdict {
             Some(verdict) => {
-                writeln!(out, "\nuse {}", recommendation::sentence(verdict, &race, n))?
+                writeln!(out)?;
+                let said = recommendation::sentence(verdict, &race, n);
+                for (k, line) in said.lines().enumerate() {
+                    let head = if k == 0 { "use " } else { "  " };
+                    write!(out, "{}", indented(head, line.trim_start(), terminal::width()))?;
+                }
             }
             None => writeln!(
                 out,

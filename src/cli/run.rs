@@ -14,6 +14,7 @@ use crate::experiment::shard::Shard;
 use crate::experiment::{Experiment, builtin, detectors};
 use crate::record::row::{Record, Row, WriteError, Writer};
 use crate::record::{folder, ledger, machines, provenance, row};
+use crate::run::contender::is_build;
 use crate::run::interrupt::Interrupted;
 use crate::run::origins::{Origins, fingerprint};
 use crate::run::plan::Job;
@@ -100,6 +101,7 @@ fn run_named(options: &Run, name: &str) -> anyhow::Result<ExitCode> {
     let done = previous(&path, options.resume, &label)?;
     let base = against.as_deref().map(fingerprint).transpose().context("cannot read --against")?;
     same_base(&folder, &done.rows, base.as_deref())?;
+    same_extent(&folder, &done.rows, options.quick)?;
     for (experiment, text) in &found {
         // Rows of two different experiments must not end in one record.
         let begun = done.rows.is_empty() || copy(&folder, experiment).exists();
@@ -206,9 +208,28 @@ fn run_named(options: &Run, name: &str) -> anyhow::Result<ExitCode> {
 
 /// Another build of this program, by an absolute path.
 fn other_build(path: &Path) -> anyhow::Result<PathBuf> {
-    std::fs::canonicalize(path).with_context(|| {
-        format!("--against {}: there is no such program; give the path of one", path.display())
-    })
+    let named = path.display();
+    let program = std::fs::canonicalize(path).with_context(|| {
+        format!("--against {named}: there is no such program; give the path of one")
+    })?;
+    is_build(&program).map_err(|failure| {
+        anyhow::anyhow!("--against {named} is no build of contactbench: {}", failure.reason)
+    })?;
+    Ok(program)
+}
+
+/// A record is of all that its experiments plan, or of a quick run.
+fn same_extent(folder: &Path, rows: &[Row], quick: bool) -> anyhow::Result<()> {
+    let begun = provenance::of_folder(folder).and_then(|all| all["quick"].as_bool());
+    let (begun, other) = match begun.filter(|&begun| begun != quick && !rows.is_empty()) {
+        None => return Ok(()),
+        Some(true) => ("with --quick", "with it"),
+        Some(false) => ("without --quick", "without it"),
+    };
+    bail!(
+        "{} was begun {begun}; continue it {other}, or choose another folder with --out",
+        folder.display()
+    )
 }
 
 /// The field of the provenance with the fingerprint of the other build.

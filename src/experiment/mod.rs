@@ -261,6 +261,10 @@ impl Experiment {
             );
             return Some(("ratios-to", words));
         }
+        if names().next().is_none() {
+            let words = "detectors is empty, and there is no runner: nobody takes part; name one";
+            return Some(("detectors", words.into()));
+        }
         if self.arithmetics.is_empty() {
             return Some(("arithmetics", "arithmetics is empty; leave it out for exact".into()));
         }

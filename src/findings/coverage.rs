@@ -305,7 +305,7 @@ impl<'a> Coverage<'a> {
 
     /// The blocks of a cell that has fewer than so many, and why.
     fn short(&self, planned: &Planned<'_>, blocks: u32) -> Option<(Why, usize)> {
-        let cell = planned.cell.filter(|cell| !cell.overall().0.is_final())?;
+        let cell = planned.cell.filter(|cell| !cell.ended && !cell.overall().0.is_final())?;
         let found = cell.times.len();
         if found >= blocks as usize {
             return None;

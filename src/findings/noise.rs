@@ -89,9 +89,10 @@ impl Noise {
         Noise { twins, floor, floors }
     }
 
-    /// From one twin's time over that of its original.
+    /// From one twin's time over that of its original. One is few: the floor is the end of its
+    /// interval that is farther from 1.
     pub fn of_twin(ratio: Option<Interval>) -> Noise {
-        let floor = ratio.map_or(1.0, |ratio| distance(&ratio).exp());
+        let floor = ratio.map_or(1.0, |ratio| ratio.high.max(1.0 / ratio.low));
         Noise { floor, ..Noise::default() }
     }
 

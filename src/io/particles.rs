@@ -154,8 +154,8 @@ impl Particles {
     pub fn scene(self, name: &str, radius: Option<f64>) -> anyhow::Result<AnyScene<'static>> {
         let radii = match (self.radii, radius) {
             (None, None) => bail!(
-                "{name} holds no radii; give --radius R (half the diameter), or add a column \
-                 named r"
+                "{name} holds no radii; give --radius R (half the diameter; in an experiment \
+                 radius = R), or add a column named r"
             ),
             (None, Some(radius)) => Radii::Uniform(radius),
             (Some(radii), _) => match radii.first() {

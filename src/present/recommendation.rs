@@ -49,18 +49,25 @@ pub fn sentence(verdict: &Verdict, race: &Race, n: usize) -> String {
             Some(bytes) => format!(" and {} bytes per particle", number(bytes)),
             None => String::new(),
         };
-        text += &format!(
-            "\n  in time undecided against {}{takes}{memory}: the leaner is recommended",
-            name(*k)
-        );
+        text += &format!("\n  in time undecided against {}{takes}{memory}", name(*k));
     }
-    text += &match &race.twin {
-        Some(twin) => format!(
-            "\n  the same detector, measured again beside itself, takes {} times as long: less \
-             decides nothing",
+    if !verdict.tied.is_empty() {
+        let which = if verdict.is_fastest { "with the shortest median" } else { "leaner" };
+        text += &format!("\n  the one {which} is recommended; more --seconds may decide");
+    }
+    if verdict.next.is_none() && verdict.tied.is_empty() {
+        text += "\n  nobody else has a time: nothing was compared; give more time with --seconds";
+    }
+    text += &match (&race.twin, verdict.floor) {
+        (Some(twin), Some(floor)) => format!(
+            "\n  the same detector again, beside itself, takes {} times as long:\n  a factor below \
+             {floor:.2} decides nothing",
             with_interval(twin)
         ),
-        None => "\n  one block decides nothing; give more time with --seconds".into(),
+        _ if race.blocks < 2 => {
+            "\n  one block decides nothing; give more time with --seconds".into()
+        }
+        _ => "\n  the same detector again has no times: nothing is decided".into(),
     };
     text
 }

@@ -335,8 +335,8 @@ fn foot(out: &mut Vec<Block>, origin: &Origin<'_>) {
          fastest detector of a scene is that at its largest N, where each detector takes part \
          once, with its fewest threads, and in exact arithmetic if it can; it is decided if, for \
          every other detector, the interval of the ratio excludes 1 and the ratio is beyond the \
-         noise floor. A time is compared only if the answer is right. Counts are exact and the same on every machine. All values, one \
-         line per cell, are in ",
+         noise floor. A time is compared only if the answer is right. Counts are exact and the \
+         same on every machine. All values, one line per cell, are in ",
     );
     let text = text
         .link("summary.csv", "summary.csv")

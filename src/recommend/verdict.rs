@@ -1,9 +1,13 @@
-//! From a race to a recommendation: the fastest, or, of those that cannot be told apart from it,
-//! the leanest.
+//! From a race to a recommendation: the fastest, or, of those that cannot be told apart from it and
+//! are not much slower by their medians either, the leanest.
 
 use crate::findings::noise::Noise;
 use crate::recommend::race::{Race, Standing, fastest};
 use crate::stats::interval::{Interval, interval, ratio};
+
+/// Who cannot be told apart from the fastest only because the machine is noisy may be much slower:
+/// a lower memory is worth at most so many times the shortest median.
+const LEANER: f64 = 1.2;
 
 /// The recommendation.
 pub struct Verdict {
@@ -15,6 +19,10 @@ pub struct Verdict {
     /// Those that cannot be told apart from the fastest, without the choice; and the ratios of
     /// their times to that of the choice.
     pub tied: Vec<(usize, Option<Interval>)>,
+    /// Is the choice the one with the shortest median?
+    pub is_fastest: bool,
+    /// What decides nothing: times of the same code differ by this factor. None without a twin.
+    pub floor: Option<f64>,
 }
 
 impl Verdict {
@@ -33,9 +41,11 @@ impl Verdict {
         let slower = |k: &usize| against(*k, best).is_some_and(sure);
         let (behind, mut near): (Vec<usize>, Vec<usize>) = others.into_iter().partition(slower);
         near.push(best);
+        let beside = |k: usize| k == best || against(k, best).is_some_and(|r| r.median <= LEANER);
         let choice = near
             .iter()
             .copied()
+            .filter(|&k| beside(k))
             .min_by_key(|&k| (standings[k].peak_bytes.unwrap_or(u64::MAX), k != best))?;
         let next = behind
             .into_iter()
@@ -44,7 +54,8 @@ impl Verdict {
         let next = next.min_by(|a, b| a.1.median.total_cmp(&b.1.median));
         let tied =
             near.into_iter().filter(|&k| k != choice).map(|k| (k, against(k, choice))).collect();
-        Some(Verdict { choice, next, tied })
+        let floor = race.twin.map(|_| noise.floor);
+        Some(Verdict { choice, next, tied, is_fastest: choice == best, floor })
     }
 }
 

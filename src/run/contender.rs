@@ -11,7 +11,7 @@ use crate::experiment::plan::{Entrant, Program, THREADS};
 use crate::record::id::{CellId, split_contender};
 use crate::record::role::Role;
 use crate::record::row::Row;
-use crate::run::client::Start;
+use crate::run::client::{Client, Failure, Start};
 use crate::scene::AnyScene;
 use crate::scene::spec::Spec;
 use crate::scene::stats::Stats;
@@ -68,6 +68,19 @@ pub(crate) fn own(
     ]);
     command.extend(["--memory-limit".into(), limit.to_string()]);
     command
+}
+
+/// An error if a program does not answer as a build of this one does.
+pub(crate) fn is_build(program: &Path) -> Result<(), Failure> {
+    let limit = 1 << 28;
+    let start = Start {
+        command: own(program, "nothing", Arithmetic::default(), 1, limit),
+        install: String::new(),
+        time_limit: Duration::from_secs(10),
+        memory_limit: address_space(limit, 1),
+        processor: None,
+    };
+    Client::start(&start).map(drop)
 }
 
 /// The address space of a runner whose detector may take `limit` bytes, without its scene and

@@ -2,10 +2,10 @@
 //!
 //! Two processors of a machine are not equal: one may share its core with another program, or with
 //! another guest of the same host. On a virtual machine with two of them, equal code in two fresh
-//! processes scattered by 17% from sample to sample where the system chose, and by 7% on one
-//! processor. So what is compared in a block has one thread on the same processor, and the next block takes
-//! the next one, so that no result is of one processor alone. What has several threads goes where
-//! the system puts it. Linux only; elsewhere the system chooses.
+//! processes scattered twice as much from sample to sample where the system chose. So what is
+//! compared in a block has one thread on the same processor, and the next block takes the next one,
+//! so that no result is of one processor alone. What has several threads goes where the system puts
+//! it. Linux only; elsewhere the system chooses.
 
 use std::sync::LazyLock;
 

@@ -53,7 +53,7 @@ fn a_stopped_run_says_what_is_missing_and_claims_nothing_of_it() {
         &ended,
         &[
             "t: 5 of 9 scenes and 10 of 18 cells of the plan are there; missing: 8 cells (stopped)",
-            "not covered: s = 50 to 200 of 2 to 200; 4 of 8 cells (stopped)",
+            "without s = 50 to 200 of 2 to 200; 4 of 8 cells (stopped)",
             "2 not covered",
         ],
     );

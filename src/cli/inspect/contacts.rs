@@ -195,6 +195,9 @@ pub(super) fn report(
     let crowded = if scene.dim() == 2 { 9.0 } else { 18.0 };
     if each > crowded {
         let what = match source {
+            _ if each > 5.0 * crowded => {
+                "the radii may be in another unit than the coordinates".into()
+            }
             RadiusSource::Column(name) => {
                 format!("'{name}' may hold diameters: name the column d then")
             }

@@ -117,7 +117,16 @@ pub(crate) fn read(source: Source<'_>, options: Options) -> anyhow::Result<(Part
             chosen(&taken)
         );
     }
-    Ok(loaded(if yade { "YADE text" } else { "CSV" }, particles, columns.radius()))
+    let radius = columns.radius();
+    let names = columns.names.join(", ");
+    let (particles, mut about) = loaded(if yade { "YADE text" } else { "CSV" }, particles, radius);
+    if assumed {
+        let words = format!(
+            "the columns have no names, and are read as {names}; --columns says which is which"
+        );
+        about.notes.push(words);
+    }
+    Ok((particles, about))
 }
 
 fn named(header: &[u8]) -> Columns {

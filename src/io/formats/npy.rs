@@ -351,8 +351,8 @@ fn parse(text: &str) -> anyhow::Result<Header> {
         Some(&[rows]) => (rows, None),
         Some(&[rows, columns @ 1..=1000]) => (rows, Some(columns as usize)),
         _ => bail!(
-            "the shape is ({shape}); it must be (N, 2), (N, 3) or (N, 4): x, y, z, and the radius \
-             last"
+            "the shape is ({shape}); it must be that of rows: (N, 2), (N, 3) or (N, 4) for \
+             particles (x, y, z, and the radius last), (N, 2) for pairs"
         ),
     };
     Ok(Header { kind, descr, big, fortran, rows, columns, shape })

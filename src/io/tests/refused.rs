@@ -26,7 +26,8 @@ fn bad_files_are_refused_with_place_and_remedy() {
             b"x,y\n1,2\n",
             "csv",
             NONE,
-            "p holds no radii; give --radius R (half the diameter), or add a column named r",
+            "p holds no radii; give --radius R (half the diameter; in an experiment \
+             radius = R), or add a column named r",
         ),
         (
             b"x,y,r\n1,2,3\n",

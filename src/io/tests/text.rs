@@ -41,7 +41,8 @@ fn csv_without_a_header_is_read_where_it_has_one_meaning() {
     assert_eq!(rows(&read(b"1,2,3\n", "csv", with(None, Some(2))).unwrap()), [[1.0, 2.0, 3.0]]);
     assert_eq!(
         read(b"1,2,3\n", "csv", with(None, Some(3))).unwrap_err(),
-        "p holds no radii; give --radius R (half the diameter), or add a column named r"
+        "p holds no radii; give --radius R (half the diameter; in an experiment \
+         radius = R), or add a column named r"
     );
 }
 

@@ -9,7 +9,7 @@ use std::path::PathBuf;
 
 pub use html::{html, words as inline_html};
 pub use markdown::markdown;
-pub use plain::plain;
+pub use plain::{indented, plain};
 
 use crate::present::table::Table;
 

@@ -10,17 +10,19 @@ pub fn plain(blocks: &[Block], width: usize) -> String {
 
 fn block_text(block: &Block, width: usize) -> String {
     match block {
-        Block::Heading(_, text) | Block::Paragraph(text) => lines("", &words(text), width),
-        Block::Warning(text) => lines("warning: ", &words(text), width),
-        Block::List(items) => items.iter().map(|item| lines("* ", &words(item), width)).collect(),
+        Block::Heading(_, text) | Block::Paragraph(text) => indented("", &words(text), width),
+        Block::Warning(text) => indented("warning: ", &words(text), width),
+        Block::List(items) => {
+            items.iter().map(|item| indented("* ", &words(item), width)).collect()
+        }
         Block::Code(text) => format!("{text}\n"),
         Block::Table(table) => table.plain(width),
         Block::Figure { .. } => String::new(),
     }
 }
 
-/// Wrapped; all lines but the first are indented by as much as the head takes.
-fn lines(head: &str, text: &str, width: usize) -> String {
+/// Wrapped after a head; all lines but the first are indented by as much as the head takes.
+pub fn indented(head: &str, text: &str, width: usize) -> String {
     let indent = head.chars().count();
     let mut out = String::new();
     for (k, line) in wrap(text, width.saturating_sub(indent)).iter().enumerate() {

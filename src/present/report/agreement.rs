@@ -191,5 +191,5 @@ fn report_page_and_terminal_agree_on_all_committed_records() {
         }
         seen += 1;
     }
-    assert!(seen >= 4, "{seen} records");
+    assert!(seen >= 3, "{seen} records");
 }

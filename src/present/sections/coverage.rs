@@ -47,6 +47,16 @@ pub fn partial(found: &Summary) -> Option<String> {
         return None;
     }
     let Summary { experiment, scenes, cells, .. } = found;
+    let quick = !found.missing.is_empty() && found.missing.keys().all(|why| *why == Why::Quick);
+    if quick && found.outside > 0 {
+        return Some(format!(
+            "{experiment}: a quick run, of {} of its own and {} of the {} that are planned. Claims \
+             hold over what was planned.",
+            plural(found.outside, "scene"),
+            scenes[0],
+            plural(scenes[1], "scene")
+        ));
+    }
     let mut words = format!(
         "{experiment}: {} of {} and {} of {} of the plan are there",
         scenes[0],
@@ -98,7 +108,7 @@ impl Why {
     }
 }
 
-/// `not covered: s = 2 to 20 of 2 to 200; 4 of 9 cells (stopped)`.
+/// `without s = 2 to 20 of 2 to 200; 4 of 9 cells (stopped)`.
 pub fn uncovered(found: &Uncovered) -> String {
     let gaps: Vec<String> = found.gaps.iter().map(gap).collect();
     let why: Vec<&str> = found.why.keys().map(|why| why.name()).collect();
@@ -107,7 +117,7 @@ pub fn uncovered(found: &Uncovered) -> String {
         false => format!("{} of {}", found.cells, plural(found.of, "cell")),
     };
     let gaps = if gaps.is_empty() { String::new() } else { gaps.join(", ") + "; " };
-    format!("not covered: {gaps}{count} ({})", why.join(", "))
+    format!("without {gaps}{count} ({})", why.join(", "))
 }
 
 /// `s = 2 to 20 of 2 to 200`.

@@ -14,8 +14,8 @@ fn sentence(twin: &Twin, floor: f64) -> String {
         "{} is the code of {}, measured again. Over {} it takes {} times as long; in a cell the \
          two are typically {} apart, at worst by a ratio of {}. {} of {} intervals exclude 1, \
          where chance gives {}. Nine in ten cells are within a factor of {floor:.2}, the noise \
-         floor: a smaller difference is called undecided, at each N by the floor there (of fewer than five \
-         cells, no less than this one).",
+         floor: a smaller difference is called undecided, at each N by the floor there (of fewer \
+         than five cells, no less than this one).",
         twin.name,
         twin.original,
         plural(twin.cells, "cell"),

@@ -110,10 +110,12 @@ fn decided(contest: &Contest) -> Cell {
     }
 }
 
-/// `undecided: nbs, sweep`: those who leave it open.
+/// `undecided: nbs, sweep and 3 more`: those who leave it open, the fastest first.
 pub fn undecided<'a>(open: impl IntoIterator<Item = &'a String>) -> Cell {
     let open: Vec<&str> = open.into_iter().map(String::as_str).collect();
-    format!("undecided: {}", open.join(", ")).into()
+    let (named, more) = open.split_at(open.len().min(2));
+    let more = if more.is_empty() { String::new() } else { format!(" and {} more", more.len()) };
+    format!("undecided: {}{more}", named.join(", ")).into()
 }
 
 #[cfg(test)]

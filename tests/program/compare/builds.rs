@@ -75,6 +75,20 @@ fn builds_take_turns_in_one_record() {
 /// A block takes all builds in turns, so that one of which only some rows are there is taken again;
 /// the later rows count.
 #[test]
+fn what_is_no_build_is_refused_before_the_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    file(folder, "t.toml", EXPERIMENT);
+    for (program, words) in [
+        ("/bin/sh", "--against /bin/sh is no build of contactbench: "),
+        ("none", "no such program"),
+    ] {
+        refused(folder, &["run", "t.toml", "--out", "a", "--against", program], &[words]);
+        assert!(!folder.join("a").exists());
+    }
+}
+
+#[test]
 fn builds_that_were_stopped_are_resumed() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();

@@ -10,7 +10,7 @@ use std::path::Path;
 use std::sync::OnceLock;
 
 use contactbench::record::row::Row;
-use contactbench::record::{row, seal};
+use contactbench::record::{ledger, provenance, row, seal};
 use serde_json::Value;
 
 use crate::common::{Template, file, good};
@@ -37,15 +37,16 @@ fn changed(
     from: &str,
     to: &str,
     change: impl Fn(&mut Value),
-    provenance: impl Fn(&mut Value),
+    fields_changed: impl Fn(&mut Value),
 ) {
     let (from, to) = (folder.join(from), folder.join(to));
     std::fs::create_dir_all(to.join("experiments")).unwrap();
     std::fs::copy(from.join("experiments/t.toml"), to.join("experiments/t.toml")).unwrap();
+    std::fs::copy(from.join(ledger::FILE), to.join(ledger::FILE)).unwrap();
     let edit = |text: &str, change: &dyn Fn(&mut Value)| {
         let mut value: Value = serde_json::from_str(text).unwrap();
         change(&mut value);
-        value.to_string()
+        value
     };
     // As a run would have written it: one detection in each sample, and a check of the line.
     let change = |row: &mut Value| {
@@ -55,11 +56,13 @@ fn changed(
         }
     };
     let record = std::fs::read_to_string(from.join(row::FILE)).unwrap();
-    let sealed = |line: &str| seal::sealed(&edit(&seal::unsealed(line), &change)) + "\n";
+    let sealed =
+        |line: &str| seal::sealed(&edit(&seal::unsealed(line), &change).to_string()) + "\n";
     let lines: Vec<String> = record.lines().map(sealed).collect();
     std::fs::write(to.join(row::FILE), lines.concat()).unwrap();
-    let fields = std::fs::read_to_string(from.join("provenance.json")).unwrap();
-    std::fs::write(to.join("provenance.json"), edit(&fields, &provenance)).unwrap();
+    let fields = std::fs::read_to_string(from.join(provenance::FILE)).unwrap();
+    let fields = provenance::text(&edit(&fields, &fields_changed)).unwrap();
+    std::fs::write(to.join(provenance::FILE), fields).unwrap();
 }
 
 /// A result folder `a`, with times that do not depend on what else the machine does: 1000 ns and

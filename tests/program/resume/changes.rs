@@ -1,8 +1,6 @@
 //! What has changed since, and what is refused.
 
-use std::path::Path;
-
-use contactbench::record::row;
+use contactbench::record::{provenance, row};
 
 use super::{experiment, start, steady, undisturbed};
 use crate::common::{fake, file, refused, run, runner, say};
@@ -92,23 +90,7 @@ fn a_resumed_run_notices_that_a_file_has_changed() {
 }
 
 #[test]
-fn earlier_records_are_read_and_later_ones_are_refused() {
-    let results = Path::new(env!("CARGO_MANIFEST_DIR")).join("results");
-    let mut read = 0;
-    for folder in std::fs::read_dir(results).unwrap() {
-        let path = folder.unwrap().path().join(row::FILE);
-        if path.exists() {
-            let record = row::read(&path).unwrap_or_else(|error| panic!("{error}"));
-            assert!(record.rows.len() > 50 && record.warnings.is_empty(), "{}", path.display());
-            assert!(
-                record.rows.iter().all(|row| row.id.machine.is_some()),
-                "{}: the machine is that of the provenance",
-                path.display()
-            );
-            read += 1;
-        }
-    }
-    assert!(read >= 4, "{read} committed records");
+fn records_of_later_schemas_are_refused() {
     let (folder, ..) = undisturbed();
     let path = folder.path().join("result/samples.jsonl");
     let whole = std::fs::read_to_string(&path).unwrap();
@@ -178,12 +160,12 @@ fn a_run_resumed_on_other_hardware_of_the_same_name_is_of_another_machine() {
     let result = folder.path().join("result");
     let text = std::fs::read_to_string(result.join("samples.jsonl")).unwrap();
     let half: String = text.split_inclusive('\n').take(text.lines().count() / 2).collect();
-    let provenance = std::fs::read_to_string(result.join("provenance.json")).unwrap();
-    let mut fields: serde_json::Value = serde_json::from_str(&provenance).unwrap();
+    let begun = std::fs::read_to_string(result.join("provenance.json")).unwrap();
+    let mut fields: serde_json::Value = serde_json::from_str(&begun).unwrap();
     let here = fields["machine"].as_str().unwrap().to_string();
     assert!(fields["cpu_features"].is_array() || !cfg!(target_arch = "x86_64"), "{fields}");
     fields["caches"]["L3"] = "300M".into();
-    std::fs::write(result.join("provenance.json"), fields.to_string()).unwrap();
+    std::fs::write(result.join("provenance.json"), provenance::text(&fields).unwrap()).unwrap();
     for resumed in 1..=2 {
         // The second time it is known already.
         let rows: String =
