@@ -64,7 +64,7 @@ pub fn scenes(cells: &[&Cell]) -> Vec<SceneResults> {
         };
         let (arithmetics, threads) = (several("arithmetic"), several("threads"));
         let result = |cell: &&Cell| {
-            let mut name = cell.id.detector.clone();
+            let mut name = cell.id.contender();
             if arithmetics {
                 name += &format!(" {}", cell.id.arithmetic);
             }

@@ -4,9 +4,9 @@ use crate::findings::operations::Operations;
 use crate::present::document::Block;
 use crate::present::table::{Cell, Column, Table};
 
-/// A heading and a table; nothing without counts at two N.
+/// A heading and a table; nothing where no detector has counts at enough N for an exponent.
 pub fn blocks(found: &[Operations]) -> Vec<Block> {
-    if found.is_empty() {
+    if found.iter().all(|found| found.choice.slope.is_none()) {
         return Vec::new();
     }
     let columns = vec![
