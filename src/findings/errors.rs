@@ -142,12 +142,12 @@ impl ErrorTable {
 
 /// The sums of all detectors of these cells, those with the same errors together.
 fn folded(cells: &[&Cell]) -> Vec<(String, Sum)> {
-    let mut detectors: BTreeMap<&str, Vec<&Cell>> = BTreeMap::new();
+    let mut detectors: BTreeMap<String, Vec<&Cell>> = BTreeMap::new();
     for &cell in cells {
-        detectors.entry(&cell.id.detector).or_default().push(cell);
+        detectors.entry(cell.id.contender()).or_default().push(cell);
     }
     let mut groups: Vec<(Vec<&str>, Sum)> = Vec::new();
-    for (&detector, cells) in &detectors {
+    for (detector, cells) in &detectors {
         let sum = Sum::new(cells);
         match groups.iter_mut().find(|(_, known)| known.same(&sum)) {
             Some((names, known)) => {
@@ -159,7 +159,7 @@ fn folded(cells: &[&Cell]) -> Vec<(String, Sum)> {
             None => groups.push((vec![detector], sum)),
         }
     }
-    let all: Vec<&str> = detectors.into_keys().collect();
+    let all: Vec<&str> = detectors.keys().map(String::as_str).collect();
     groups.into_iter().map(|(names, sum)| (label::group(&names, &all), sum)).collect()
 }
 

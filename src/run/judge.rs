@@ -137,7 +137,7 @@ impl<'a> Judge<'a> {
         let reason = if outcome == Outcome::Ok {
             String::new()
         } else {
-            format!("against all pairs tested in {}: {own}", arithmetic.name())
+            format!("against the true pairs in {}: {own}", arithmetic.name())
         };
         let mut judged = Judged::without_pairs(outcome, reason);
         let scene = self.scene;

@@ -48,7 +48,7 @@ pub struct Timing {
     pub judgement: Judgement,
     /// Why nothing else can be said, if so.
     pub note: Option<Note>,
-    /// A slowdown by this factor would have been found here, nearly always: see [`least`].
+    /// A slowdown by this factor would have been found here, nearly always.
     pub least: f64,
 }
 

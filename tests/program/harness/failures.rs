@@ -300,7 +300,7 @@ fn pairs_that_are_wrong_are_counted_and_never_taken_from_another_runner() {
         assert_eq!(row.outcome, Outcome::Wrong);
         assert_eq!(
             row.reason,
-            "against all pairs tested in f64: 0 missed, 1 spurious, 0 duplicate, widest gap 8.0e0 \
+            "against the true pairs in f64: 0 missed, 1 spurious, 0 duplicate, widest gap 8.0e0 \
              r"
         );
         assert_eq!(
