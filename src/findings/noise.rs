@@ -103,6 +103,11 @@ impl Noise {
         self.floors.get(&n).copied().unwrap_or(self.floor)
     }
 
+    /// The same for every number of particles at which twins were timed.
+    pub fn by_size(&self) -> impl Iterator<Item = (u64, f64)> {
+        self.floors.iter().map(|(&n, &floor)| (n, floor))
+    }
+
     /// Does this ratio of two times at so many particles say that one of them is larger?
     pub fn decides(&self, ratio: &Interval, n: u64) -> bool {
         self.tells(ratio, 1.0, n)

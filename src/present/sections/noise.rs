@@ -1,21 +1,38 @@
-//! What two measurements of the same code differ by, in a paragraph per twin.
+//! What two measurements of the same code differ by: a paragraph per twin, and the noise floor.
 
 use crate::findings::noise::{Noise, Twin};
 use crate::number::{percent, plural, with_interval};
 use crate::present::document::Block;
 
-/// A paragraph per twin.
+/// A paragraph per twin, and one about all.
 pub fn blocks(found: &Noise) -> Vec<Block> {
-    found.twins.iter().map(|twin| Block::paragraph(sentence(twin, found.floor))).collect()
+    let floor = (!found.twins.is_empty()).then(|| floor(found));
+    found.twins.iter().map(sentence).chain(floor).map(Block::paragraph).collect()
 }
 
-fn sentence(twin: &Twin, floor: f64) -> String {
+fn floor(found: &Noise) -> String {
+    let mut words = format!(
+        "Nine in ten cells of the twins are within a factor of {:.2}, the noise floor: a smaller \
+         difference is called undecided.",
+        found.floor
+    );
+    let sizes: Vec<String> =
+        found.by_size().map(|(n, floor)| format!("{floor:.2} at N = {n}")).collect();
+    if sizes.len() > 1 {
+        words += &format!(
+            " A cell is held to the floor of its N (of fewer than five cells, no less than that \
+             of all): {}.",
+            sizes.join(", ")
+        );
+    }
+    words
+}
+
+fn sentence(twin: &Twin) -> String {
     format!(
         "{} is the code of {}, measured again. Over {} it takes {} times as long; in a cell the \
          two are typically {} apart, at worst by a ratio of {}. {} of {} intervals exclude 1, \
-         where chance gives {}. Nine in ten cells are within a factor of {floor:.2}, the noise \
-         floor: a smaller difference is called undecided, at each N by the floor there (of fewer \
-         than five cells, no less than this one).",
+         where chance gives {}.",
         twin.name,
         twin.original,
         plural(twin.cells, "cell"),
