@@ -21,6 +21,8 @@ pub enum Op {
     ListReset,
     /// A look at the head of a cell or list, to see whether it is empty or already visited.
     CellProbe,
+    /// The same from a body of another class of sizes than those that are looked for.
+    LevelProbe,
     /// A comparison of two keys (integerised coordinates), in a sort or a search.
     KeyCompare,
     /// A visit to a node of a tree.
@@ -38,12 +40,13 @@ pub enum Op {
 
 impl Op {
     /// All operations, in the order of their indices.
-    pub const ALL: [Op; 11] = [
+    pub const ALL: [Op; 12] = [
         Op::Integerise,
         Op::ListPush,
         Op::ListStep,
         Op::ListReset,
         Op::CellProbe,
+        Op::LevelProbe,
         Op::KeyCompare,
         Op::NodeVisit,
         Op::Move,
@@ -60,6 +63,7 @@ impl Op {
             Op::ListStep => "list_step",
             Op::ListReset => "list_reset",
             Op::CellProbe => "cell_probe",
+            Op::LevelProbe => "level_probe",
             Op::KeyCompare => "key_compare",
             Op::NodeVisit => "node_visit",
             Op::Move => "move",

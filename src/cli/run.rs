@@ -114,7 +114,7 @@ fn run_named(options: &Run, name: &str) -> anyhow::Result<ExitCode> {
         let before =
             std::fs::read_to_string(copy(&folder, experiment)).unwrap_or_else(|_| text.clone());
         ensure!(
-            before == *text,
+            detectors::in_full(&before) == detectors::in_full(text),
             "{} differs from the experiment that this record was begun with; choose another \
              folder with --out",
             experiment.name
@@ -154,7 +154,7 @@ fn run_named(options: &Run, name: &str) -> anyhow::Result<ExitCode> {
         .with_context(|| format!("cannot write {}", folder.join(ledger::FILE).display()))?;
     interrupt::install().context("cannot listen to Ctrl-C")?;
     for (experiment, text) in &found {
-        write(&copy(&folder, experiment), text.as_bytes())?;
+        write(&copy(&folder, experiment), detectors::in_full(text).as_bytes())?;
     }
     let names: Vec<String> = experiments.iter().map(|experiment| experiment.name.clone()).collect();
     // Also where what is resumed has not come so far.
@@ -259,7 +259,7 @@ fn same_base(folder: &Path, rows: &[Row], now: Option<&str>) -> anyhow::Result<(
     }
 }
 
-/// Where the experiment of a record is kept.
+/// Where the experiment of a record is kept, with its groups of detectors written out.
 fn copy(folder: &Path, experiment: &Experiment) -> PathBuf {
     folder.join("experiments").join(format!("{}.toml", experiment.name))
 }

@@ -2,6 +2,7 @@
 //! parameters has one way of being written.
 
 use std::collections::BTreeSet;
+use std::ops::Range;
 
 use crate::detect::peers::{self, PEERS};
 use crate::detect::spec::DetectorSpec;
@@ -40,6 +41,24 @@ pub fn expand(names: &[String]) -> Result<Vec<String>, String> {
     let mut seen = BTreeSet::new();
     all.retain(|name| seen.insert(name.clone()));
     Ok(all)
+}
+
+/// The text of an experiment with the groups of its detectors written out, as a record keeps it: a
+/// group may have more detectors later, which the record does not lack. A text that cannot be read
+/// is left as it is.
+pub fn in_full(text: &str) -> String {
+    #[derive(serde::Deserialize)]
+    struct Named {
+        detectors: toml::Spanned<Vec<String>>,
+    }
+    let Ok(Named { detectors }) = toml::from_str(text) else { return text.into() };
+    let groups = detectors.get_ref().iter().any(|name| name.starts_with('@'));
+    let Some(names) = groups.then(|| expand(detectors.get_ref()).ok()).flatten() else {
+        return text.into();
+    };
+    let Range { start, end } = detectors.span();
+    let names: Vec<String> = names.iter().map(|name| format!("{name:?}")).collect();
+    format!("{}[{}]{}", &text[..start], names.join(", "), &text[end..])
 }
 
 /// The detectors of a group, in the order of the table.
@@ -137,6 +156,17 @@ mod tests {
         assert_eq!(all, expanded(&["@book", "@streamed", "@modern"]).unwrap());
         let searches = TABLE.iter().filter(|entry| entry.role == table::Role::Detector).count();
         assert_eq!(all.split(' ').count(), searches);
+    }
+
+    #[test]
+    fn a_record_keeps_the_names_that_groups_stood_for() {
+        let text =
+            "name = \"a\" # @all\ndetectors = [ \"nbs:\", # first\n \"@controls\" ]\nx = 1\n";
+        let full = "name = \"a\" # @all\ndetectors = [\"nbs\", \"nothing\", \"nbs-twin\"]\nx = 1\n";
+        assert_eq!(in_full(text), full);
+        for same in [full, "detectors = [\"nbs:\"]", "detectors = [\"@nobody\"]", "x ="] {
+            assert_eq!(in_full(same), same);
+        }
     }
 
     #[test]

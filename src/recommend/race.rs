@@ -48,8 +48,17 @@ const BEYOND: f64 = 1.5;
 /// A probe is given at least so long: a process must start.
 const SHORTEST_PROBE: Duration = Duration::from_millis(100);
 /// Those that are mostly fast are probed first, so that the others need not be waited for.
-const FIRST: [&str; 8] =
-    ["streamed-nbs", "cell-grid", "hash-grid", "nbs", "screening", "kd-tree", "bvh", "sorting"];
+const FIRST: [&str; 9] = [
+    "streamed-nbs",
+    "cell-grid",
+    "hash-grid",
+    "hgrid",
+    "nbs",
+    "screening",
+    "kd-tree",
+    "bvh",
+    "sorting",
+];
 
 /// What is asked.
 pub struct Question<'a> {

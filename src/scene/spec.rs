@@ -210,7 +210,7 @@ mod tests {
             (
                 "packd",
                 "there is no scene 'packd'; did you mean packed?; the scenes are: packed, loose, \
-                 clustered, couples, \
+                 clustered, settled, couples, \
                  pack-a, pack-b, pack-c, pack-d, file, hard",
             ),
             ("packed:dim=4", "packed: dim = 4; it is made in 2 dimensions and 3 dimensions only"),
@@ -223,7 +223,7 @@ mod tests {
             (
                 "loose:spacing=1",
                 "loose: there is no parameter 'spacing'; the parameters are: diameter, offset, \
-                 size-ratio, fraction",
+                 size-ratio, sizes, exponent, share, giants, fraction",
             ),
             ("loose:fraction=0", "loose: fraction is 0; it must be a finite number over 0"),
             ("loose:fraction=nan", "loose: fraction is \"nan\"; it must be a finite number over 0"),

@@ -3,7 +3,7 @@
 use nalgebra::Point;
 
 use super::rule::{AnyRule, ExactEach, ExactUniform, RoundedEach, RoundedUniform, Rule};
-use super::{Margin, Slack, Test, rounded_reach};
+use super::{Margin, Slack, Test};
 use crate::probe::{Op, Probe};
 use crate::refusal::Refusal;
 use crate::scene::{CellF32, Radii, Real, Scene, Stored, Work, array};
@@ -23,6 +23,13 @@ pub trait Bodies<T: Real, const D: usize>: Copy + Sync {
     /// An upper bound for the true distance between the centres of any two particles that `touch`
     /// accepts.
     fn reach(&self) -> f64;
+    /// The same of two whose radii are at most `a` and `b`: the reach of two classes of sizes.
+    fn class_reach(&self, a: f64, b: f64) -> f64 {
+        match self.margin() {
+            Margin::Safe => self.slack().reach(a, b),
+            Margin::Textbook => Slack::NONE.reach(a, b),
+        }
+    }
     /// The radius of particle `i`, in f64 without error.
     fn radius(&self, i: u32) -> f64;
     /// The radius of all particles, if it is the same for all, in f64 without error.
@@ -211,11 +218,12 @@ impl Envelope {
         if !(sum * sum).finite() {
             return Err(Refusal::Overflow { diameter, precision: T::NAME });
         }
+        let slack = Slack::rounded::<T>();
         let reach = match margin {
             Margin::Textbook => diameter,
-            Margin::Safe => rounded_reach::<T>(diameter),
+            Margin::Safe => slack.reach(r.wide(), r.wide()),
         };
-        Ok(Envelope { reach, slack: Slack::rounded::<T>(), margin })
+        Ok(Envelope { reach, slack, margin })
     }
 
     fn exact<T: Real, const D: usize>(scene: &Scene<'_, T, D>) -> Envelope {

@@ -22,9 +22,7 @@
 //! How far apart two accepted bodies can be at most is derived in [`slack`], what cells, boxes and
 //! keys must add to that in [`crate::filter`].
 //!
-//! **Room.** What may come has its place already. Classes of radii: a [`Rule`] is given the numbers
-//! of both particles and looks their class up, as [`RoundedEach`] does their radii; filters ask for
-//! the reach only. Periodic images: a rule that adds a shift to one centre before the difference;
+//! **Room.** What may come has its place already. Periodic images: a rule that adds a shift to one centre before the difference;
 //! the exact test then needs its sign with the shift as a further term, not of a rounded centre.
 //! Velocities: the reach of a step is the reach at rest plus the longest way of a pair, and the
 //! filters need nothing else; whether two bodies touch during the step is one more rule.
@@ -39,7 +37,7 @@ pub mod slack;
 pub use arithmetic::{Arithmetic, Test, UnknownArithmetic};
 pub use bodies::{Bodies, SceneBodies, WithBodies, any_bodies, with_bodies, with_stored};
 pub use rule::{AnyRule, ExactEach, ExactUniform, RoundedEach, RoundedUniform, Rule};
-pub use slack::{Margin, Slack, rounded_reach};
+pub use slack::{Margin, Slack};
 
 #[cfg(test)]
 mod tests;

@@ -9,12 +9,19 @@
 //! * rounded test in a precision with unit v = [`Real::UNIT`]: differences have relative error at
 //!   most v (2v by cells: the difference of cell numbers is rounded, too), squares and sums v each,
 //!   products may underflow by η = half the smallest subnormal. Acceptance means d²(1-v)^7 - 4η <=
-//!   s²(1+v)^3 + η, hence d <= s(1 + 5v + O(v²)) + 3√η, below s(1 + 5.5v) + 3√η. [`rounded_reach`]
+//!   s²(1+v)^3 + η, hence d <= s(1 + 5v + O(v²)) + 3√η, below s(1 + 5.5v) + 3√η. [`Slack::reach`]
 //!   takes 2·rmax(1 + 8v) + 4√η: the difference covers its own rounding. Where (2·rmax)² overflows,
 //!   the rounded test would accept everything: such scenes are refused
 //!   ([`Refusal::Overflow`](crate::Refusal::Overflow)).
 //!
 //! If |xi - xj| > R along any one axis, the pair does not touch.
+//!
+//! **Reach by class.** For a pair whose radii are at most a and b the same holds with s <= a + b in
+//! place of 2·rmax. Only the sum is new: fl(a + b) may be below a + b, by half of its last bit, and
+//! the next double is not. (a = b needs none: doubling is exact.) So [`Slack::reach`] bounds the
+//! true distance of all pairs of two classes by their largest radii, in every arithmetic; the reach
+//! of the scene is that of its largest radius with itself. The textbook's filters take a + b
+//! itself, whatever the test accepts.
 //!
 //! The other way round, a rounded test accepts if d²(1+v)^7 + 4η <= s²(1-v)^3 - η, for which d <=
 //! s(1 - 8v) - 4√η is enough: with a = s(1 - 5.2v) >= d + 3√η it is d² <= (a - 3√η)² = a² - 6a√η +
@@ -30,12 +37,6 @@ pub enum Margin {
     /// As printed in the book: cells of edge d, found by i = Int((x - xmin) / d), where rounding
     /// may separate a touching pair.
     Textbook,
-}
-
-/// The largest true distance at which a test rounded in `T` may accept bodies of this largest
-/// diameter.
-pub fn rounded_reach<T: Real>(diameter: f64) -> f64 {
-    diameter * (1.0 + 8.0 * T::UNIT) + T::UNDERFLOW
 }
 
 /// How far a contact test may be from the exact one: particles whose radii have the sum s are
@@ -56,5 +57,12 @@ impl Slack {
     /// That of a test rounded in `T`.
     pub fn rounded<T: Real>() -> Slack {
         Slack { relative: 8.0 * T::UNIT, absolute: T::UNDERFLOW }
+    }
+
+    /// An upper bound for the true distance of two particles that are accepted and whose radii are
+    /// at most `a` and `b`.
+    pub fn reach(self, a: f64, b: f64) -> f64 {
+        let sum = if a == b { a + b } else { (a + b).next_up() };
+        sum * (1.0 + self.relative) + self.absolute
     }
 }

@@ -5,7 +5,7 @@ use nalgebra::Point;
 use super::*;
 use crate::probe::{Op, Tally};
 use crate::refusal::Refusal;
-use crate::scene::{Radii, Real, Scene, Stored};
+use crate::scene::{AnyScene, Radii, Real, Scene, Stored};
 
 struct Touch(Tally);
 impl<const D: usize> WithBodies<f64, D> for &mut Touch {
@@ -100,6 +100,50 @@ fn the_reach_covers_what_rounding_accepts() {
         assert!(!apart(reach), "r = {r:e}: accepted at ({x:e}, {x:e}), reach {reach:e}");
     }
     assert!(beyond > 100, "this test must hold couples that only rounding accepts");
+}
+
+struct ClassReach;
+impl<T: Real, const D: usize> WithBodies<T, D> for ClassReach {
+    type Output = Result<(bool, f64), Refusal>;
+    fn call<B: Bodies<T, D>>(self, bodies: B) -> Self::Output {
+        let reach = bodies.class_reach(bodies.radius(0), bodies.radius(1));
+        Ok((bodies.touch(0, 1, &mut crate::probe::Silent), reach))
+    }
+}
+
+/// Two bodies of unlike radii, as far apart as the test accepts them: the reach of their classes
+/// covers the distance, in every arithmetic, and is far below that of the larger with itself.
+#[test]
+fn the_reach_of_two_classes_covers_what_is_accepted() {
+    let mut beyond = 0;
+    for k in 1..3000u32 {
+        let (a, b) = (0.37 * f64::from(k), [1e-3, 0.1, 1.0 / 3.0, 1e-20][k as usize % 4]);
+        for arithmetic in [Arithmetic::Exact, Arithmetic::F64, Arithmetic::F32] {
+            let accepted = |x: f64| {
+                let centres = vec![Point::from([0.0, 0.0]), Point::from([x, 0.0])];
+                let scene = Scene::new(centres, Radii::Each(vec![a, b].into())).unwrap();
+                let scene = AnyScene::from(scene).stored(arithmetic).unwrap();
+                let AnyScene::Plane(scene) = scene else { panic!("made in the plane") };
+                let (touch, reach) = with_stored(&scene, arithmetic.test(), ClassReach).unwrap();
+                let place = match &scene {
+                    Stored::F32(scene) => scene.centres()[1].x.wide(),
+                    Stored::F64(scene) => scene.centres()[1].x,
+                    Stored::Cell(_) => panic!("not asked for"),
+                };
+                (touch, reach, place)
+            };
+            let (mut low, mut high) = ((0.5 * a).to_bits(), (2.0 * (a + b)).to_bits());
+            while high - low > 1 {
+                let middle = low + (high - low) / 2;
+                if accepted(f64::from_bits(middle)).0 { low = middle } else { high = middle }
+            }
+            let (touch, reach, x) = accepted(f64::from_bits(low));
+            assert!(touch && x <= reach, "{a} {b} {arithmetic:?}: {x:e}, reach {reach:e}");
+            assert!(reach < 1.5 * a || b > 0.4 * a, "{a} {b} {arithmetic:?}: {reach}");
+            beyond += i32::from(x > a + b);
+        }
+    }
+    assert!(beyond > 100, "this test must hold couples beyond the rounded sum: {beyond}");
 }
 
 #[test]

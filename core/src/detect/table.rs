@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use super::any::{AnyDetector, Both, Refuses};
 use super::book::{binary_tree, direct, nbs2d, nbs3d, screening, sorting};
-use super::modern::{bvh, cell_grid, hash_grid, kd_tree, sweep};
+use super::modern::{bvh, cell_grid, hash_grid, hgrid, kd_tree, sweep};
 pub use super::spec::{DetectorSpec, SpecError, parse};
 use super::streamed::{Form, Streamed};
 use super::{Options, Refusal, control};
@@ -254,6 +254,22 @@ pub static TABLE: &[Entry] = &[
         constructor: Both::<hash_grid::HashGrid<2>, hash_grid::HashGrid<3>>::boxed,
     },
     Entry {
+        name: "hgrid",
+        role: Role::Detector,
+        group: Group::Modern,
+        summary: "a hashed grid for every class of sizes, large bodies searched in the fine grids",
+        cost: "N in each level, whatever the ratio of sizes",
+        memory: "4(C + N) + 44S + 24N in 2D, 48S + 32N in 3D; S strips of 8 cells, C slots",
+        limits: "cells per axis < 2^31 where particles crowd; the memory limit",
+        threads: false,
+        parameters: &[Parameter {
+            name: "ratio",
+            values: &["2", "1.25", "1.5", "1.6", "2.5", "3", "4", "8", "one-level"],
+            meaning: "from the largest radius of a level to that of the next",
+        }],
+        constructor: hgrid,
+    },
+    Entry {
         name: "sweep",
         role: Role::Detector,
         group: Group::Modern,
@@ -376,6 +392,20 @@ fn streamed(params: &Params, options: Options) -> Box<dyn AnyDetector> {
         None => Both::join(plane, space, options),
         Some(form) => Both::join(plane.in_form(form), space.in_form(form), options),
     }
+}
+
+/// `hgrid` with its parameter.
+fn hgrid(params: &Params, options: Options) -> Box<dyn AnyDetector> {
+    let ratio = match params.get("ratio").map(|text| text.parse()) {
+        None => Some(2.0),
+        // No number: one level.
+        Some(number) => number.ok(),
+    };
+    let (plane, space) = (
+        hgrid::HGrid::<2>::with_ratio(ratio, options),
+        hgrid::HGrid::<3>::with_ratio(ratio, options),
+    );
+    Both::join(plane, space, options)
 }
 
 /// The line of a detector; [`super::spec::parse`] takes parameters, too.

@@ -51,12 +51,26 @@ impl<const D: usize> Cells<D> {
         let (low, high) = bounds(bodies);
         // Points without extent touch only where they coincide (or underflow), so any larger cell
         // will do: about one point per cell.
-        let points = extent(low, high) / libm::pow(bodies.len().max(1) as f64, 1.0 / D as f64);
+        let points = spacing(low, high, bodies.len());
         let reach = if bodies.reach() <= T::UNDERFLOW {
             bodies.reach().max(points)
         } else {
             bodies.reach()
         };
+        Cells::spanning(low, high, reach, bodies.margin())
+    }
+
+    /// The grid of a class of `bodies` in this box, whose radii are at most `largest`: the edge is
+    /// the reach of two of them, or `least` if that is more. Where such cells could not be numbered
+    /// they are wider, but not wider than the reach of all bodies.
+    pub fn of_class<T: Real, B: Bodies<T, D>>(
+        bodies: &B,
+        (low, high): ([f64; D], [f64; D]),
+        largest: f64,
+        least: f64,
+    ) -> Result<Cells<D>, Refusal> {
+        let numbered = (extent(low, high) / (0.5 * MOST_CELLS)).min(bodies.reach());
+        let reach = bodies.class_reach(largest, largest).max(least).max(numbered);
         Cells::spanning(low, high, reach, bodies.margin())
     }
 
@@ -151,6 +165,11 @@ impl<const D: usize> Cells<D> {
 #[inline(never)]
 fn divided(distance: f64, edge: f64) -> f64 {
     distance / edge
+}
+
+/// How far apart so many points are that fill a cube around a box evenly.
+pub fn spacing<const D: usize>(low: [f64; D], high: [f64; D], count: usize) -> f64 {
+    extent(low, high) / libm::pow(count.max(1) as f64, 1.0 / D as f64)
 }
 
 /// The longest edge of a box.

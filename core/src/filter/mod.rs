@@ -10,7 +10,9 @@
 //! positions are doubles without error, for every storage ([`crate::scene::Real::wide`]).
 //!
 //! **1. Reach.** If |xi - xj| is more than the reach along any one axis, the pair does not touch.
-//! The reach, and the [`Slack`] of the test, are derived in [`crate::contact::slack`].
+//! The reach, and the [`Slack`] of the test, are derived in [`crate::contact::slack`]; there, too,
+//! the reach of two classes of sizes, with which small bodies need not be searched as far as the
+//! largest reach ([`crate::contact::Bodies::class_reach`]).
 //!
 //! **2. Comparisons need no widening.** Rounding is monotone: a <= b implies fl(a) <= fl(b), and
 //! fl(R) = R since R is a double. So for a pair with xj - xi <= R (true values):

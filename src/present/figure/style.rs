@@ -57,7 +57,7 @@ pub struct Style {
 }
 
 /// The book's detectors, then the others.
-const KNOWN: [(&str, Colour, Marker); 11] = [
+const KNOWN: [(&str, Colour, Marker); 12] = [
     ("direct", (0, 0, 0), Marker::Square),
     ("binary-tree", (230, 159, 0), Marker::Up),
     ("screening", (86, 180, 233), Marker::Diamond),
@@ -66,6 +66,7 @@ const KNOWN: [(&str, Colour, Marker); 11] = [
     ("streamed-nbs", (0, 80, 200), Marker::Circle),
     ("cell-grid", (204, 121, 167), Marker::Square),
     ("hash-grid", (136, 34, 85), Marker::Cross),
+    ("hgrid", (160, 0, 230), Marker::Down),
     ("sweep", (178, 161, 0), Marker::Plus),
     ("kd-tree", (51, 34, 136), Marker::Up),
     ("bvh", (140, 110, 70), Marker::Diamond),

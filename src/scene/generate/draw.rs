@@ -7,6 +7,8 @@ use rand_distr::{Distribution, UnitDisc};
 /// ChaCha8 has 2^64 independent streams for one seed: each use of a scene's seed has its own.
 const GENERATOR_STREAM: u64 = 0;
 const SHUFFLE_STREAM: u64 = 1;
+const SIZES_STREAM: u64 = 2;
+const ORDER_OF_SIZES_STREAM: u64 = 3;
 
 /// A seeded source of uniform and normal numbers.
 pub struct Draw {
@@ -18,6 +20,11 @@ impl Draw {
     /// The source for a generator.
     pub fn new(seed: u64) -> Draw {
         Draw { rng: stream(seed, GENERATOR_STREAM), spare: None }
+    }
+
+    /// The source for radii, where they do not come between the draws of a generator.
+    pub fn of_sizes(seed: u64) -> Draw {
+        Draw { rng: stream(seed, SIZES_STREAM), spare: None }
     }
 
     /// Uniform in [0, 1), a multiple of 2^-53.
@@ -51,6 +58,11 @@ impl Draw {
 /// The source for the permutation of a scene: independent of what its generator draws.
 pub fn shuffler(seed: u64) -> ChaCha8Rng {
     stream(seed, SHUFFLE_STREAM)
+}
+
+/// The source for which particle has which radius.
+pub fn sizes(seed: u64) -> ChaCha8Rng {
+    stream(seed, ORDER_OF_SIZES_STREAM)
 }
 
 fn stream(seed: u64, stream: u64) -> ChaCha8Rng {

@@ -14,10 +14,9 @@
 //! (2D) or 8·fraction·n/2 (3D) pairs touch.
 
 use crate::scene::generate::draw::Draw;
+use crate::scene::generate::sizes::{EXPONENT, GIANTS, SHARE, SIZE_RATIO, SIZES, unit_radii};
 use crate::scene::generate::table::{Generator, Kind, Parameter, Preset, no_history};
-use crate::scene::generate::{
-    DIAMETER, Inputs, OFFSET, SIZE_RATIO, assemble, box_edge, unit_radii,
-};
+use crate::scene::generate::{DIAMETER, Inputs, OFFSET, assemble, box_edge};
 use crate::scene::{AnyScene, Scene};
 
 /// The table line.
@@ -30,6 +29,10 @@ pub const GENERATOR: Generator = Generator {
         DIAMETER,
         OFFSET,
         SIZE_RATIO,
+        SIZES,
+        EXPONENT,
+        SHARE,
+        GIANTS,
         Parameter {
             name: "fraction",
             kind: Kind::Positive,

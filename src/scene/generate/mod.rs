@@ -15,12 +15,13 @@ pub mod file;
 pub mod hard;
 pub mod loose;
 pub mod packed;
+pub mod settled;
+pub mod sizes;
 pub mod table;
 
 use std::collections::BTreeMap;
 
 use anyhow::Context;
-use draw::Draw;
 use nalgebra::Point;
 use table::{Kind, Parameter, Preset};
 
@@ -74,26 +75,6 @@ const OFFSET: Parameter = Parameter {
     default: [Preset::Number(0.0); 2],
     meaning: "added to every coordinate, in largest diameters; the sums are rounded to f64",
 };
-
-const SIZE_RATIO: Parameter = Parameter {
-    name: "size-ratio",
-    kind: Kind::AtLeastOne,
-    default: [Preset::Number(1.0); 2],
-    meaning: "radii uniform between r / ratio and r; 1 = one radius for all",
-};
-
-/// Radii for a diameter of 1, or none where all are 1/2.
-fn unit_radii(inputs: &Inputs<'_>, draw: &mut Draw) -> anyhow::Result<Option<Vec<f64>>> {
-    let ratio = inputs.number("size-ratio")?;
-    if ratio == 1.0 {
-        return Ok(None);
-    }
-    let least = 0.5 / ratio;
-    let mut radii = room(inputs.n)?;
-    // The minimum keeps a rounded-up radius from exceeding the largest.
-    radii.extend((0..inputs.n).map(|_| (least + (0.5 - least) * draw.unit()).min(0.5)));
-    Ok(Some(radii))
-}
 
 /// The edge of a square or cube that the bodies fill to the packing fraction, in diameters.
 fn box_edge<const D: usize>(n: u64, radii: Option<&[f64]>, fraction: f64) -> f64 {

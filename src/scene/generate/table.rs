@@ -7,14 +7,17 @@ use anyhow::{bail, ensure};
 use serde_json::Value;
 
 use crate::nearest::hint;
-use crate::scene::generate::{Inputs, book, clustered, couples, file, hard, loose, packed};
+use crate::scene::generate::{
+    Inputs, book, clustered, couples, file, hard, loose, packed, settled,
+};
 use crate::scene::{self, AnyScene};
 
 /// All generators.
-pub static GENERATORS: [Generator; 10] = [
+pub static GENERATORS: [Generator; 11] = [
     packed::GENERATOR,
     loose::GENERATOR,
     clustered::GENERATOR,
+    settled::GENERATOR,
     couples::GENERATOR,
     book::PACK_A,
     book::PACK_B,

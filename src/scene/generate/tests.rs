@@ -209,6 +209,84 @@ fn size_ratios_spread_the_radii() {
     });
 }
 
+/// The radii of a scene in the order made, for a largest of 1.
+fn radii(text: &str) -> Vec<f64> {
+    with_scene!(&make(&format!("{text},diameter=2")), scene => {
+        let Radii::Each(radii) = scene.radii() else { panic!("{text}: one radius each") };
+        radii.iter().map(|r| r.wide()).collect()
+    })
+}
+
+#[test]
+fn sizes_are_distributed_as_asked() {
+    // Quantiles: of a density r^-3 over a ratio of 10, a radius of r has a part of
+    // (1 - r^-2) / (1 - 10^-2) below it, for the least as 1.
+    let mut power = radii("loose:n=1001,size-ratio=10,sizes=power,exponent=-3");
+    power.sort_by(f64::total_cmp);
+    assert_eq!((power[0], power[1000]), (0.1, 1.0));
+    for (k, r) in power.iter().enumerate() {
+        let part = (1.0 - (10.0 * r).powi(-2)) / 0.99;
+        assert!((part - k as f64 / 1000.0).abs() < 1e-9, "{k}: {r}");
+    }
+    // Numbers as r^-1: as many in each octave.
+    let even = radii("clustered:n=3000,size-ratio=8,sizes=power,exponent=-1");
+    let octave = even.iter().filter(|&&r| r > 0.25 && r <= 0.5).count();
+    assert!((999..=1001).contains(&octave), "{octave}");
+    for (dim, part) in [(2, 1.0 / (1.0 + 100.0 / 3.0)), (3, 1.0 / (1.0 + 1000.0 / 3.0))] {
+        let binary =
+            radii(&format!("loose:n=20000,dim={dim},size-ratio=10,sizes=binary,share=0.25"));
+        let large = binary.iter().filter(|&&r| r == 1.0).count() as f64;
+        assert!((large - 20_000.0 * part).abs() <= 1.0, "{dim}D: {large}");
+        assert!(binary.iter().all(|&r| r == 1.0 || r == 0.1));
+    }
+    let mut lognormal = radii("packed:n=20000,size-ratio=16,sizes=lognormal");
+    lognormal.sort_by(f64::total_cmp);
+    assert!(lognormal[0] >= 1.0 / 16.0 && lognormal[19_999] <= 1.0);
+    let within = lognormal.iter().filter(|r| (0.125..0.5).contains(*r)).count() as f64 / 20_000.0;
+    // One standard deviation is a factor of 2; what is cut off is 4.6% of all.
+    assert!((within - 0.6827 / 0.9545).abs() < 0.01, "{within}");
+    let giants = radii("loose:n=500,size-ratio=1000,sizes=giants,giants=3");
+    assert_eq!(giants.iter().filter(|&&r| r == 1.0).count(), 3);
+    // Not all at the beginning: which particle is large is drawn.
+    assert!(giants[..3].iter().any(|&r| r < 1.0));
+    assert!(make("loose:n=100,sizes=power,exponent=-3").uniform(), "a ratio of 1 is one size");
+}
+
+#[test]
+fn settled_bodies_overlap_as_far_as_asked() {
+    for (text, overlap) in [
+        ("settled:n=2000,fraction=0.4,overlap=0", 0.0),
+        ("settled:n=2000,dim=3,fraction=0.25,overlap=0", 0.0),
+        ("settled:n=3000,dim=3,fraction=0.5,size-ratio=20,sizes=power,exponent=-3", 0.05),
+        ("settled:n=3000,fraction=0.6,size-ratio=50,sizes=binary,share=0.4,overlap=0.2", 0.2),
+    ] {
+        let scene = make(text);
+        let couples = couples(&scene);
+        let deepest =
+            couples.iter().map(|[square, reach]| (square / reach).sqrt()).fold(2.0, f64::min);
+        assert!(deepest >= 1.0 - overlap - 1e-12, "{text}: {deepest}");
+        // Some are nearly as near as they may be: there was no more room than that.
+        assert!(deepest < 1.05 - overlap, "{text}: {deepest}");
+    }
+    let error = Spec::parse("settled:n=500,fraction=0.8").unwrap().make().unwrap_err();
+    let words = format!("{error:#}");
+    assert!(words.contains("no room for body") && words.contains("0.8 was asked for"), "{words}");
+}
+
+#[test]
+fn sizes_that_lack_their_number_are_refused() {
+    for (text, words) in [
+        ("loose:size-ratio=2,sizes=power", "sizes=power needs exponent"),
+        ("packed:size-ratio=2,sizes=binary", "sizes=binary needs share"),
+        ("loose:size-ratio=2,sizes=giants", "sizes=giants needs giants"),
+        ("loose:size-ratio=2,exponent=-3", "exponent belongs to sizes=power"),
+        ("loose:size-ratio=2,sizes=lognormal,share=0.5", "share belongs to sizes=binary"),
+    ] {
+        let error = Spec::parse(text).unwrap().make().unwrap_err();
+        assert!(format!("{error:#}").contains(words), "{text}: {error:#}");
+    }
+}
+
 /// Packs as the book describes them: which neighbours are exactly D apart, to the bit, for dyadic D
 /// and any n.
 #[test]

@@ -4,7 +4,8 @@
 //! the number of contacts where the construction tells it, else what testing every pair in exact
 //! arithmetic gives. A case is a list of *steps*: scenes that one detector is given one after the
 //! other. The last step is judged; those before it leave something behind (group `state`), and may
-//! be refused. One file per group, `signs` holding two; `build` has what they share.
+//! be refused. One file per group, but `signs` holds two, and sizes fill `sizes` and `levels`;
+//! `build` has what they share.
 //!
 //! Coordinates are dyadic wherever ties matter, and made with + - * / and square roots only: the
 //! same bits on every machine.
@@ -17,6 +18,7 @@ mod degenerate;
 mod edges;
 mod extremes;
 mod keys;
+mod levels;
 mod signs;
 mod sizes;
 mod state;
@@ -28,7 +30,7 @@ use build::Steps;
 use crate::scene::AnyScene;
 
 /// The cases of each file, in the order of the groups.
-static FILES: [&[Case]; 11] = [
+static FILES: [&[Case]; 12] = [
     borders::CASES,
     tangent::CASES,
     signs::CASES,
@@ -37,6 +39,7 @@ static FILES: [&[Case]; 11] = [
     keys::CASES,
     degenerate::CASES,
     sizes::CASES,
+    levels::CASES,
     crowds::CASES,
     clusters::CASES,
     state::CASES,

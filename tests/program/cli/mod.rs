@@ -12,7 +12,7 @@ use std::path::Path;
 use crate::common;
 use crate::common::Ended;
 
-const DETECTORS: [&str; 11] = [
+const DETECTORS: [&str; 12] = [
     "direct",
     "binary-tree",
     "screening",
@@ -21,6 +21,7 @@ const DETECTORS: [&str; 11] = [
     "streamed-nbs",
     "cell-grid",
     "hash-grid",
+    "hgrid",
     "sweep",
     "kd-tree",
     "bvh",

@@ -153,7 +153,7 @@ fn scenes_that_no_grid_can_hold_are_refused_with_numbers() {
             ],
         );
     }
-    for detector in ["direct", "sweep", "kd-tree", "bvh"] {
+    for detector in ["direct", "hgrid", "sweep", "kd-tree", "bvh"] {
         assert_eq!(detected(folder, &["far.csv", "--detector", detector]).stdout, "i,j\n");
     }
     // 999,999 cells per axis (of a little more than a diameter, and two at the borders), and two

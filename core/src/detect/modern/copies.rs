@@ -68,6 +68,8 @@ pub trait Nearness: Copy + Sync {
     fn near(&self, a: f32, b: f32) -> Near;
     /// Two bodies that touch are not farther apart than the sum of their halves.
     fn half(&self, radius: f32) -> f64;
+    /// A body that touches one with a radius of at most `largest` is not farther away.
+    fn reach(&self, radius: f32, largest: f64) -> f64;
 }
 
 /// One radius: computed once.
@@ -94,6 +96,11 @@ impl Nearness for One {
     fn half(&self, _: f32) -> f64 {
         self.half
     }
+
+    #[inline(always)]
+    fn reach(&self, _: f32, _: f64) -> f64 {
+        2.0 * self.half
+    }
 }
 
 /// A radius for each.
@@ -118,6 +125,12 @@ impl Nearness for Each {
     #[inline(always)]
     fn half(&self, radius: f32) -> f64 {
         half(f64::from(radius), self.0)
+    }
+
+    /// The widened slack holds for sums in which one radius is rounded, too.
+    #[inline(always)]
+    fn reach(&self, radius: f32, largest: f64) -> f64 {
+        self.0.reach(f64::from(radius), largest)
     }
 }
 

@@ -4,6 +4,7 @@ pub mod bvh;
 pub mod cell_grid;
 pub mod copies;
 pub mod hash_grid;
+pub mod hgrid;
 pub mod kd_tree;
 pub mod sweep;
 pub mod tree;

@@ -19,7 +19,7 @@
 //! of the particles tells, the sparse form is used ([`super::sparse`]), with cells of the smallest
 //! edge.
 
-use crate::contact::{Bodies, Margin, rounded_reach};
+use crate::contact::{Bodies, Margin, Slack};
 use crate::detect::Refusal;
 use crate::filter::bounds_by;
 use crate::filter::cells::MOST_CELLS;
@@ -173,7 +173,10 @@ impl<const D: usize> Grid<D> {
 pub(super) fn reach_of<T: Real, const D: usize>(bodies: &impl Bodies<T, D>) -> f64 {
     match bodies.margin() {
         Margin::Safe => bodies.reach(),
-        Margin::Textbook => rounded_reach::<T>(bodies.reach()),
+        Margin::Textbook => {
+            let half = 0.5 * bodies.reach();
+            Slack::rounded::<T>().reach(half, half)
+        }
     }
 }
 

@@ -16,7 +16,8 @@
 //!    `kernel.rs` for the bounds.
 //!
 //! Loose scenes get larger cells, about three cells per particle, scenes whose particles crowd in
-//! few of those cells the sparse form (`sparse.rs`).
+//! few of those cells the sparse form (`sparse.rs`). Up to eight giants among much smaller bodies
+//! are left out of all this (`giants.rs`), and tested against everybody.
 //!
 //! * Cost: proportional to N, independent of the packing density; N log N in the sparse form.
 //! * Memory, for lists (blocks of b records, L lists): `(16 + 4/b)(N + bL) + 4L` bytes in 3D, 12
@@ -31,6 +32,7 @@
 //! * In `textbook` arithmetic its filters are as safe as in f64: the book prints none for it.
 
 mod dense;
+mod giants;
 mod grid;
 mod kernel;
 mod lists;
@@ -41,6 +43,7 @@ mod slab;
 mod sparse;
 mod unchecked;
 
+use giants::{Giants, Others, Renumbered};
 pub use grid::Form;
 use grid::Grid;
 use kernel::{Bounds, Scratch};
@@ -126,6 +129,27 @@ impl<const D: usize> Declare for Streamed<D> {
 
 impl<T: Real, const D: usize> Detector<T, D> for Streamed<D> {
     fn detect<B: Bodies<T, D>, P: Probe, S: Sink>(
+        &mut self,
+        bodies: B,
+        probe: &mut P,
+        sink: &mut S,
+    ) -> Result<(), Refusal> {
+        let Some(giants) = Giants::of(&bodies) else { return self.sweep(bodies, probe, sink) };
+        let others = Others::new(bodies, &giants);
+        match self.sweep(others, probe, &mut Renumbered::new(&giants, sink)) {
+            Ok(()) => {
+                giants.test(&bodies, probe, sink);
+                Ok(())
+            }
+            // Cells of the others may be too many to be numbered where those of the giants are not.
+            Err(_) => self.sweep(bodies, probe, sink),
+        }
+    }
+}
+
+impl<const D: usize> Streamed<D> {
+    /// Finds the contacts of bodies whose sizes do not differ too much.
+    fn sweep<T: Real, B: Bodies<T, D>, P: Probe, S: Sink>(
         &mut self,
         bodies: B,
         probe: &mut P,

@@ -1,0 +1,643 @@
+//! `hgrid`: a grid for every class of sizes, large bodies searched in the fine grids (hierarchical
+//! grid: Ogarko and Luding 2012, doi:10.1016/j.cpc.2011.12.019; Krijgsman, Ogarko and Luding 2014,
+//! doi:10.1007/s40571-014-0020-9; hashed levels, as in Ericson 2005, "Real-Time Collision
+//! Detection", section 7.2).
+//!
+//! ```text
+//!   coarse |       A       |               A is tested against those beside it here,
+//!   middle |   b   |       |               and against all in the cells of the finer
+//!   fine   | c | c |   | c |               levels that are within reach of it; b likewise;
+//!                                          c against those beside it only
+//! ```
+//!
+//! 1. The largest radius divided by the ratio, again and again, parts the radii into levels; a
+//!    radius at a border is below it. A level has cells as wide as the reach of its own largest
+//!    radius ([`crate::contact::Bodies::class_reach`]), over the box of its own bodies; in a sparse
+//!    level as wide as its bodies are apart, unless a sample shows that they crowd.
+//! 2. Rows of cells along x are cut into strips of 8. Strips with bodies are found by a hash (open
+//!    addressing, a table for every level), sorted by row and place in it, and hold where the
+//!    bodies of each of their cells begin. Every body is copied to its place. So cells side by side
+//!    in a row are side by side in memory, and what is empty takes no room.
+//! 3. Within a level every body is tested against the rest of its cell, the cell to the right, and
+//!    three cells in each of half of the neighbouring rows.
+//! 4. Every body is tested against those of each finer level in the cells around it, as far as the
+//!    reach of its own radius and the level's largest one; where that is more strips than half of
+//!    the level's bodies, against all of them. So each pair of two levels is looked at once, from
+//!    the larger.
+//!
+//! * Cost: proportional to N particles in each level that they are searched in, whatever the ratio
+//!   of sizes and the domain. Memory: `4(C + N) + 44S + 24N` bytes in 2D, `+ 48S + 32N` in 3D, for
+//!   S strips with bodies (at most N); C sums, over levels, the power of two from twice the level's
+//!   bodies upwards.
+//! * Refuses domains of 2^31 cells of the largest reach and more along an axis where bodies crowd in
+//!   wider ones, and scenes over the memory limit.
+//! * Deviations from the sources: levels follow from the largest radius downwards, at most 32, and
+//!   only those with bodies exist; level cells are as wide as the largest radius in them asks for,
+//!   not as the border does, and wider where most of them would be empty; strips and not cells are
+//!   hashed, so that up to 8 cells cost one look; cells are wider by 4 parts in a million
+//!   ([`crate::filter::cells`]).
+
+use std::ops::Range;
+
+use super::copies::{Each, Found, Judge, Nearness, One, Record, room};
+use crate::contact::{Bodies, Margin};
+use crate::detect::{Declare, Detector, Options, Refusal, within};
+use crate::filter::Cells;
+use crate::filter::cells::spacing;
+use crate::probe::{Op, Probe, Silent};
+use crate::scene::Real;
+use crate::sink::{Sink, splitmix64};
+
+/// Levels; radii below the last border are all in the last one.
+const MOST_LEVELS: usize = 32;
+/// Cells of a strip.
+const STRIP: u32 = 8;
+/// So many bodies are asked whether they crowd: they do with more than so many in a cell.
+const SAMPLE: usize = 2048;
+const CROWD: f64 = 24.0;
+/// A slot without a strip: the number of no particle.
+const FREE: u32 = u32::MAX;
+
+/// The hierarchical grid, in `D` dimensions.
+pub struct HGrid<const D: usize> {
+    options: Options,
+    ratio: Option<f64>,
+    levels: Levels<D>,
+    /// The hash tables of all levels: first the particle that was first in a strip, then the strip.
+    slots: Vec<u32>,
+    /// Of each particle: first the slot of its strip within its level, then the strip.
+    places: Vec<u32>,
+    strips: Vec<Strip<D>>,
+    records: Vec<Record<D>>,
+}
+
+impl<const D: usize> HGrid<D> {
+    /// With levels whose largest radii are so many times apart; none: all sizes in one level.
+    pub fn with_ratio(ratio: Option<f64>, options: Options) -> HGrid<D> {
+        HGrid {
+            options,
+            ratio,
+            levels: Levels::NONE,
+            slots: Vec::new(),
+            places: Vec::new(),
+            strips: Vec::new(),
+            records: Vec::new(),
+        }
+    }
+}
+
+impl<const D: usize> Declare for HGrid<D> {
+    const DECIDES_FROM_COPIES: bool = true;
+
+    fn with(options: Options) -> HGrid<D> {
+        HGrid::with_ratio(Some(2.0), options)
+    }
+
+    fn formula_bytes(&self) -> u64 {
+        bytes::<D>(self.slots.len() as u64, self.places.len() as u64, self.strips.len() as u64)
+    }
+}
+
+/// The memory for so many slots, particles and strips.
+fn bytes<const D: usize>(slots: u64, particles: u64, strips: u64) -> u64 {
+    4 * (slots + particles) + size_of::<Strip<D>>() as u64 * strips + Record::<D>::BYTES * particles
+}
+
+impl<T: Real, const D: usize> Detector<T, D> for HGrid<D> {
+    fn detect<B: Bodies<T, D>, P: Probe, S: Sink>(
+        &mut self,
+        bodies: B,
+        probe: &mut P,
+        sink: &mut S,
+    ) -> Result<(), Refusal> {
+        self.levels = Levels::new(&bodies, self.ratio)?;
+        self.fits(bodies.len(), 0)?;
+        self.find_strips(&bodies, probe);
+        let strips = self.levels.all().iter().map(|level| level.strips.len()).sum();
+        self.fits(bodies.len(), strips)?;
+        self.sort_strips(&bodies, strips, probe);
+        self.sort_bodies(&bodies, probe);
+        let (slack, touch) = (bodies.slack(), |i, j, probe: &mut P| bodies.touch(i, j, probe));
+        match bodies.uniform() {
+            Some(radius) => self.search(Judge::new(&touch, One::new(radius, slack)), probe, sink),
+            None => self.search(Judge::new(&touch, Each::new(slack)), probe, sink),
+        }
+        Ok(())
+    }
+}
+
+/// The classes of sizes, the largest first.
+#[derive(Clone)]
+struct Levels<const D: usize> {
+    /// The largest radius that each class could have.
+    borders: [f64; MOST_LEVELS],
+    levels: [Level<D>; MOST_LEVELS],
+    count: usize,
+}
+
+/// A class of sizes and its grid.
+#[derive(Clone)]
+struct Level<const D: usize> {
+    /// The box around its centres.
+    low: [f64; D],
+    high: [f64; D],
+    /// The largest radius in it.
+    largest: f64,
+    bodies: usize,
+    /// None if it has no bodies.
+    cells: Option<Cells<D>>,
+    /// Its part of the slots, a power of two.
+    slots: Range<usize>,
+    /// Its part of the strips.
+    strips: Range<usize>,
+    /// Its part of the records.
+    records: Range<usize>,
+}
+
+/// Cells side by side along x, one of them not empty.
+#[derive(Clone, Copy)]
+struct Strip<const D: usize> {
+    /// The first of them.
+    first: [u32; D],
+    /// Where the records of each begin, and those of the last end.
+    starts: [u32; STRIP as usize + 1],
+}
+
+impl<const D: usize> Strip<D> {
+    const NONE: Strip<D> = Strip { first: [0; D], starts: [0; STRIP as usize + 1] };
+}
+
+impl<const D: usize> Level<D> {
+    const NONE: Level<D> = Level {
+        low: [f64::INFINITY; D],
+        high: [f64::NEG_INFINITY; D],
+        largest: 0.0,
+        bodies: 0,
+        cells: None,
+        slots: 0..0,
+        strips: 0..0,
+        records: 0..0,
+    };
+
+    /// Its grid: with cells that hold about a body each, if that is asked for, or as the reach is.
+    fn grid<T: Real>(&self, bodies: &impl Bodies<T, D>, filled: bool) -> Result<Cells<D>, Refusal> {
+        let (low, high) = (self.low, self.high);
+        let points = bodies.class_reach(self.largest, self.largest) <= T::UNDERFLOW;
+        // The book knows cells as wide as the reach only.
+        let filled = filled && bodies.margin() == Margin::Safe;
+        let least = if filled || points { spacing(low, high, self.bodies) } else { 0.0 };
+        Cells::of_class(bodies, (low, high), self.largest, least)
+    }
+
+    /// Would most cells as wide as the reach be empty?
+    fn is_sparse<T: Real>(&self, bodies: &impl Bodies<T, D>) -> bool {
+        spacing(self.low, self.high, self.bodies) > bodies.class_reach(self.largest, self.largest)
+    }
+
+    fn take(&mut self, position: [f64; D], radius: f64) {
+        for k in 0..D {
+            self.low[k] = self.low[k].min(position[k]);
+            self.high[k] = self.high[k].max(position[k]);
+        }
+        self.largest = self.largest.max(radius);
+        self.bodies += 1;
+    }
+
+    /// The first cell of the strip that holds a point, and which of its cells does.
+    #[inline(always)]
+    fn strip(cells: &Cells<D>, position: [f64; D], probe: &mut impl Probe) -> ([u32; D], usize) {
+        let mut cell: [u32; D] = std::array::from_fn(|k| cells.index(position[k], k, probe));
+        let at = cell[0] % STRIP;
+        cell[0] -= at;
+        (cell, at as usize)
+    }
+
+    /// Where the search for a strip begins, in the level's part of the slots.
+    #[inline(always)]
+    fn slot(&self, first: [u32; D]) -> usize {
+        let factors = [0x9e37_79b9_7f4a_7c15u64, 0xc2b2_ae3d_27d4_eb4f, 0x1656_67b1_9e37_79f9];
+        let mut sum = 0u64;
+        for k in 0..D {
+            sum = sum.wrapping_add(u64::from(first[k]).wrapping_mul(factors[k]));
+        }
+        let mixed = (sum ^ (sum >> 32)).wrapping_mul(0xd6e8_feb8_6659_fd93);
+        (mixed >> 32) as usize & (self.slots.len() - 1)
+    }
+}
+
+impl<const D: usize> Levels<D> {
+    const NONE: Levels<D> = Levels {
+        borders: [0.0; MOST_LEVELS],
+        levels: [const { Level::NONE }; MOST_LEVELS],
+        count: 0,
+    };
+
+    /// Counts and measures the classes, and gives each that has bodies its grid.
+    fn new<T: Real>(bodies: &impl Bodies<T, D>, ratio: Option<f64>) -> Result<Levels<D>, Refusal> {
+        let n = bodies.len() as u32;
+        let mut levels = Levels::NONE;
+        let (mut least, mut largest) = (f64::INFINITY, 0.0_f64);
+        match bodies.uniform() {
+            Some(radius) => (least, largest) = (radius, radius),
+            None => (0..n).for_each(|id| {
+                least = least.min(bodies.radius(id));
+                largest = largest.max(bodies.radius(id));
+            }),
+        }
+        let mut border = largest;
+        levels.borders[0] = border;
+        levels.count = 1;
+        // Points have no level below them.
+        while let Some(ratio) = ratio.filter(|_| border > 0.0) {
+            border /= ratio;
+            if least > border || levels.count == MOST_LEVELS {
+                break;
+            }
+            levels.borders[levels.count] = border;
+            levels.count += 1;
+        }
+        for id in 0..n {
+            let radius = bodies.radius(id);
+            let class = levels.class(radius);
+            levels.levels[class].take(bodies.position(id), radius);
+        }
+        let mut slots = 0;
+        for level in &mut levels.levels[..levels.count] {
+            if level.bodies > 0 {
+                level.cells = Some(level.grid(bodies, true)?);
+                // One slot stays free, since there are fewer than 2^32 particles.
+                let wanted = (2 * level.bodies as u64).next_power_of_two().min(1 << 32) as usize;
+                level.slots = slots..slots + wanted;
+                slots += wanted;
+            }
+        }
+        if levels.all().iter().any(|level| level.bodies > 0 && level.is_sparse(bodies)) {
+            let crowded = levels.crowded(bodies);
+            let levels = levels.levels.iter_mut().zip(crowded);
+            for (level, _) in levels.filter(|(_, crowded)| *crowded) {
+                level.cells = Some(level.grid(bodies, false)?);
+            }
+        }
+        Ok(levels)
+    }
+
+    /// Which levels have many bodies in the cells of most, judged by a sample. A small level may
+    /// crowd: all its pairs are few.
+    fn crowded<T: Real>(&self, bodies: &impl Bodies<T, D>) -> [bool; MOST_LEVELS] {
+        let n = bodies.len() as u64;
+        let mut sample = [(0, 0); SAMPLE];
+        let asked = (bodies.len() / 16).clamp(64.min(bodies.len()), SAMPLE);
+        let sample = &mut sample[..asked];
+        for (k, (class, key)) in (0..).zip(&mut *sample) {
+            // By chance: at equal strides, clusters that are stored side by side would be missed.
+            let id = (splitmix64(k) % n) as u32;
+            *class = self.class(bodies.radius(id));
+            let (_, cells) = self.of(bodies.radius(id));
+            let position = bodies.position(id);
+            *key = (0..D).fold(0, |key, k| {
+                splitmix64(key ^ u64::from(cells.index(position[k], k, &mut Silent)))
+            });
+        }
+        sample.sort_unstable();
+        let mut crowded = [false; MOST_LEVELS];
+        for level in sample.chunk_by(|a, b| a.0 == b.0) {
+            let (class, asked) = (level[0].0, level.len() as f64);
+            let couples: usize =
+                level.chunk_by(|a, b| a == b).map(|cell| cell.len() * (cell.len() - 1)).sum();
+            // Each of those asked sees so many of all others.
+            let all = self.levels[class].bodies as f64;
+            crowded[class] = couples as f64 / asked * (all / asked) > CROWD;
+        }
+        crowded
+    }
+
+    /// The number of the class that a radius belongs to.
+    #[inline(always)]
+    fn class(&self, radius: f64) -> usize {
+        if self.count == 1 {
+            return 0;
+        }
+        self.borders[1..self.count].partition_point(|&border| radius <= border)
+    }
+
+    fn all(&self) -> &[Level<D>] {
+        &self.levels[..self.count]
+    }
+
+    /// The level that a radius belongs to, and its grid.
+    #[inline(always)]
+    fn of(&self, radius: f64) -> (&Level<D>, &Cells<D>) {
+        let level = &self.levels[self.class(radius)];
+        // It has a body with this radius.
+        let Some(cells) = &level.cells else { unreachable!("a level with bodies has cells") };
+        (level, cells)
+    }
+}
+
+/// The rows after a row, as steps along y and z: of each two neighbouring rows one is after the
+/// other. In 2D the first.
+const ROWS: [[i32; 2]; 4] = [[1, 0], [-1, 1], [0, 1], [1, 1]];
+
+/// Where the records begin and end of the cells of a strip, of the one before and the one after.
+type Edges = [u32; STRIP as usize + 3];
+
+impl<const D: usize> HGrid<D> {
+    /// Compares with the limit what so many particles and strips need.
+    fn fits(&self, particles: usize, strips: usize) -> Result<(), Refusal> {
+        let slots: usize = self.levels.all().iter().map(|level| level.slots.len()).sum();
+        let needed = bytes::<D>(slots as u64, particles as u64, strips as u64);
+        within(&self.options, "hgrid", needed, || format!("{particles} particles"))
+    }
+
+    /// Finds a slot for every strip, and the slot of every particle.
+    fn find_strips<T: Real>(&mut self, bodies: &impl Bodies<T, D>, probe: &mut impl Probe) {
+        let n = bodies.len();
+        let slots = self.levels.all().iter().map(|level| level.slots.len()).sum();
+        self.slots.clear();
+        room(&mut self.slots, slots, FREE);
+        room(&mut self.places, n, 0);
+        for id in 0..n as u32 {
+            let class = self.levels.class(bodies.radius(id));
+            let (level, cells) = self.levels.of(bodies.radius(id));
+            let (first, _) = Level::strip(cells, bodies.position(id), probe);
+            let slots = &mut self.slots[level.slots.clone()];
+            let mut slot = level.slot(first);
+            let is_new = loop {
+                let other = slots[slot];
+                if other == FREE {
+                    slots[slot] = id;
+                    break true;
+                }
+                probe.count(Op::KeyCompare);
+                if Level::strip(cells, bodies.position(other), probe).0 == first {
+                    break false;
+                }
+                slot = (slot + 1) & (slots.len() - 1);
+            };
+            self.places[id as usize] = slot as u32;
+            // Counted now; where they begin is known later.
+            self.levels.levels[class].strips.end += usize::from(is_new);
+        }
+    }
+
+    /// Puts the strips of each level in order of rows, and of x in a row.
+    fn sort_strips<T: Real>(
+        &mut self,
+        bodies: &impl Bodies<T, D>,
+        count: usize,
+        probe: &mut impl Probe,
+    ) {
+        self.strips.clear();
+        room(&mut self.strips, count, Strip::NONE);
+        let mut end = 0;
+        for level in &mut self.levels.levels[..self.levels.count] {
+            let Some(cells) = &level.cells else { continue };
+            level.strips = end..end + level.strips.len();
+            end = level.strips.end;
+            let (strips, slots) =
+                (&mut self.strips[level.strips.clone()], &mut self.slots[level.slots.clone()]);
+            let taken = slots.iter().zip(0..).filter(|(id, _)| **id != FREE);
+            for (strip, (&id, slot)) in strips.iter_mut().zip(taken) {
+                strip.first = Level::strip(cells, bodies.position(id), probe).0;
+                // Until it is sorted, it has no records.
+                strip.starts[0] = slot;
+            }
+            strips.sort_unstable_by(|a, b| {
+                probe.count(Op::KeyCompare);
+                a.first.iter().rev().cmp(b.first.iter().rev())
+            });
+            for (strip, number) in strips.iter_mut().zip(level.strips.start as u32..) {
+                slots[strip.starts[0] as usize] = number;
+                strip.starts[0] = 0;
+            }
+        }
+    }
+
+    /// A counting sort by cell.
+    fn sort_bodies<T: Real>(&mut self, bodies: &impl Bodies<T, D>, probe: &mut impl Probe) {
+        let n = bodies.len() as u32;
+        room(&mut self.records, bodies.len(), Record::NONE);
+        for id in 0..n {
+            let (level, cells) = self.levels.of(bodies.radius(id));
+            let place = &mut self.places[id as usize];
+            *place = self.slots[level.slots.clone()][*place as usize];
+            let at = cells.index(bodies.position(id)[0], 0, probe) % STRIP;
+            self.strips[*place as usize].starts[at as usize] += 1;
+        }
+        let mut end = 0;
+        for level in &mut self.levels.levels[..self.levels.count] {
+            let first = end;
+            for strip in &mut self.strips[level.strips.clone()] {
+                let [starts @ .., last] = &mut strip.starts;
+                for start in starts {
+                    end += *start;
+                    *start = end;
+                }
+                *last = end;
+            }
+            level.records = first as usize..end as usize;
+        }
+        // From the end of each cell backwards: in a cell, bodies are in order.
+        for id in (0..n).rev() {
+            let (_, cells) = self.levels.of(bodies.radius(id));
+            let record = Record::new(bodies, id);
+            let at = cells.index(record.position[0], 0, probe) % STRIP;
+            let start = &mut self.strips[self.places[id as usize] as usize].starts[at as usize];
+            *start -= 1;
+            probe.count(Op::Move);
+            self.records[*start as usize] = record;
+        }
+    }
+
+    fn search<P: Probe>(
+        &self,
+        judge: Judge<'_, P, impl Nearness>,
+        probe: &mut P,
+        sink: &mut impl Sink,
+    ) {
+        let mut found = Found::none();
+        for (k, level) in self.levels.all().iter().enumerate() {
+            for strip in level.strips.clone() {
+                self.beside(level, strip, &judge, &mut found, probe, sink);
+            }
+            for finer in &self.levels.all()[k + 1..] {
+                for a in &self.records[level.records.clone()] {
+                    self.below(a, finer, &judge, &mut found, probe, sink);
+                }
+            }
+        }
+        found.flush(sink);
+    }
+
+    /// Tests the bodies of a strip against the rest of their level.
+    #[inline(always)]
+    fn beside<P: Probe>(
+        &self,
+        level: &Level<D>,
+        strip: usize,
+        judge: &Judge<'_, P, impl Nearness>,
+        found: &mut Found,
+        probe: &mut P,
+        sink: &mut impl Sink,
+    ) {
+        probe.count(Op::CellProbe);
+        let mut rows: [Edges; 4] = [[0; STRIP as usize + 3]; 4];
+        let Strip { first, starts } = &self.strips[strip];
+        for (edges, step) in rows.iter_mut().zip(if D == 2 { &ROWS[..1] } else { &ROWS[..] }) {
+            let mut row = *first;
+            for k in 1..D {
+                row[k] = row[k].wrapping_add_signed(step[k - 1]);
+            }
+            *edges = self.edges(level, row, None, probe);
+        }
+        let own = self.edges(level, *first, Some(strip), probe);
+        for cell in 0..STRIP as usize {
+            let (start, end) = (starts[cell] as usize, starts[cell + 1] as usize);
+            if start == end {
+                continue;
+            }
+            let next = own[cell + 3] as usize;
+            for i in start..end {
+                judge.against(&self.records[i], &self.records[i + 1..next], found, probe, sink);
+            }
+            for edges in if D == 2 { &rows[..1] } else { &rows[..] } {
+                let others = &self.records[edges[cell] as usize..edges[cell + 3] as usize];
+                if others.is_empty() {
+                    continue;
+                }
+                for a in &self.records[start..end] {
+                    judge.against(a, others, found, probe, sink);
+                }
+            }
+        }
+    }
+
+    /// The records of the cells of a strip, of the cell before it and the one after: what is in a
+    /// row is in order, so where strips are missing nothing is between the others.
+    #[inline(always)]
+    fn edges(
+        &self,
+        level: &Level<D>,
+        first: [u32; D],
+        known: Option<usize>,
+        probe: &mut impl Probe,
+    ) -> Edges {
+        const LAST: usize = STRIP as usize;
+        let beside = |x: u32| {
+            let mut there = first;
+            there[0] = x;
+            there
+        };
+        let is = |number: usize, first: [u32; D]| {
+            level.strips.contains(&number) && self.strips[number].first == first
+        };
+        let mut find = |first| {
+            probe.count(Op::CellProbe);
+            self.find(level, first)
+        };
+        let middle = known.or_else(|| find(first));
+        // Beside one that is there, the others are beside it in memory, or nowhere.
+        let (before, after) = match middle {
+            Some(middle) => {
+                let before = first[0].checked_sub(STRIP).and_then(|x| {
+                    Some(middle.checked_sub(1)?).filter(|&number| is(number, beside(x)))
+                });
+                let after = Some(middle + 1).filter(|&number| is(number, beside(first[0] + STRIP)));
+                (before, after)
+            }
+            None => (
+                first[0].checked_sub(STRIP).and_then(|x| find(beside(x))),
+                find(beside(first[0] + STRIP)),
+            ),
+        };
+        let starts = |strip: Option<usize>| strip.map(|strip| &self.strips[strip].starts);
+        let (before, middle, after) = (starts(before), starts(middle), starts(after));
+        let mut edges = [0; LAST + 3];
+        let begin = before
+            .map(|starts| starts[LAST - 1])
+            .or(middle.map(|starts| starts[0]))
+            .or(after.map(|starts| starts[0]));
+        let Some(begin) = begin else { return edges };
+        edges[0] = begin;
+        edges[1] = before.map_or(begin, |starts| starts[LAST]);
+        match middle {
+            Some(starts) => edges[1..LAST + 2].copy_from_slice(starts),
+            None => {
+                let end = edges[1];
+                edges[1..LAST + 2].fill(end);
+            }
+        }
+        edges[LAST + 2] = after.map_or(edges[LAST + 1], |starts| starts[1]);
+        edges
+    }
+
+    /// The strip that begins with a cell, if it has bodies.
+    #[inline(always)]
+    fn find(&self, level: &Level<D>, first: [u32; D]) -> Option<usize> {
+        let slots = &self.slots[level.slots.clone()];
+        let mut slot = level.slot(first);
+        while slots[slot] != FREE {
+            let number = slots[slot] as usize;
+            if self.strips[number].first == first {
+                return Some(number);
+            }
+            slot = (slot + 1) & (slots.len() - 1);
+        }
+        None
+    }
+
+    /// Tests a body against those of a finer level.
+    #[inline(always)]
+    fn below<P: Probe>(
+        &self,
+        a: &Record<D>,
+        level: &Level<D>,
+        judge: &Judge<'_, P, impl Nearness>,
+        found: &mut Found,
+        probe: &mut P,
+        sink: &mut impl Sink,
+    ) {
+        let Some(cells) = &level.cells else { return };
+        let reach = judge.nearness.reach(a.radius, level.largest);
+        let (mut first, mut last) = ([0; D], [0; D]);
+        for k in 0..D {
+            // Comparisons and cells are monotone, so no margin is needed: of a pair within reach,
+            // the other is not below the rounded x - reach, and its cell not below the cell there.
+            let low = (a.position[k] - reach).max(level.low[k]);
+            let high = (a.position[k] + reach).min(level.high[k]);
+            if low > high {
+                return;
+            }
+            first[k] = cells.index(low, k, probe);
+            last[k] = cells.index(high, k, probe);
+        }
+        let strips = first[0] / STRIP..=last[0] / STRIP;
+        let rows =
+            (1..D).fold(1u64, |rows, k| rows.saturating_mul(u64::from(last[k] - first[k]) + 1));
+        let looks = rows.saturating_mul(u64::from(strips.end() - strips.start()) + 1);
+        if looks > level.bodies as u64 / 2 {
+            let all = &self.records[level.records.clone()];
+            return judge.against(a, all, found, probe, sink);
+        }
+        let mut row = first;
+        loop {
+            for strip in strips.clone() {
+                row[0] = strip * STRIP;
+                probe.count(Op::LevelProbe);
+                let Some(number) = self.find(level, row) else { continue };
+                let starts = &self.strips[number].starts;
+                let from = if strip == *strips.start() { first[0] % STRIP } else { 0 };
+                let to = if strip == *strips.end() { last[0] % STRIP } else { STRIP - 1 };
+                let others = starts[from as usize] as usize..starts[to as usize + 1] as usize;
+                judge.against(a, &self.records[others], found, probe, sink);
+            }
+            // The next row, as a number whose digits are y and z.
+            let Some(k) = (1..D).find(|&k| row[k] < last[k]) else { return };
+            row[k] += 1;
+            row[1..k].copy_from_slice(&first[1..k]);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;
