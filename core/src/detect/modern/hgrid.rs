@@ -29,8 +29,8 @@
 //!   of sizes and the domain. Memory: `4(C + N) + 44S + 24N` bytes in 2D, `+ 48S + 32N` in 3D, for
 //!   S strips with bodies (at most N); C sums, over levels, the power of two from twice the level's
 //!   bodies upwards.
-//! * Refuses domains of 2^31 cells of the largest reach and more along an axis where bodies crowd in
-//!   wider ones, and scenes over the memory limit.
+//! * Refuses domains of 2^31 cells of the largest reach and more along an axis where bodies crowd
+//!   in wider ones, and scenes over the memory limit.
 //! * Deviations from the sources: levels follow from the largest radius downwards, at most 32, and
 //!   only those with bodies exist; level cells are as wide as the largest radius in them asks for,
 //!   not as the border does, and wider where most of them would be empty; strips and not cells are
@@ -195,9 +195,9 @@ impl<const D: usize> Level<D> {
     }
 
     fn take(&mut self, position: [f64; D], radius: f64) {
-        for k in 0..D {
-            self.low[k] = self.low[k].min(position[k]);
-            self.high[k] = self.high[k].max(position[k]);
+        for (k, x) in position.into_iter().enumerate() {
+            self.low[k] = self.low[k].min(x);
+            self.high[k] = self.high[k].max(x);
         }
         self.largest = self.largest.max(radius);
         self.bodies += 1;
