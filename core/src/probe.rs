@@ -21,7 +21,7 @@ pub enum Op {
     ListReset,
     /// A look at the head of a cell or list, to see whether it is empty or already visited.
     CellProbe,
-    /// The same from a body of another class of sizes than those that are looked for.
+    /// A look at cells of another class of sizes than the body's own.
     LevelProbe,
     /// A comparison of two keys (integerised coordinates), in a sort or a search.
     KeyCompare,

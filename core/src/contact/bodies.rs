@@ -23,11 +23,12 @@ pub trait Bodies<T: Real, const D: usize>: Copy + Sync {
     /// An upper bound for the true distance between the centres of any two particles that `touch`
     /// accepts.
     fn reach(&self) -> f64;
-    /// The same of two whose radii are at most `a` and `b`: the reach of two classes of sizes.
+    /// The same of two whose radii are at most `a` and `b`: the reach of two classes of sizes. For
+    /// the textbook's filters it is their sum, whatever the test accepts.
     fn class_reach(&self, a: f64, b: f64) -> f64 {
         match self.margin() {
             Margin::Safe => self.slack().reach(a, b),
-            Margin::Textbook => Slack::NONE.reach(a, b),
+            Margin::Textbook => a + b,
         }
     }
     /// The radius of particle `i`, in f64 without error.

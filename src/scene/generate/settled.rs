@@ -1,4 +1,5 @@
-//! `settled`: bodies placed one after the other, the largest first, none over another.
+//! `settled`: bodies placed one after the other, the largest first, none over another by more than
+//! is asked for.
 //!
 //! ```text
 //!   +------------------+
@@ -14,8 +15,8 @@
 //! all bodies over `fraction`, and drawn again until the body overlaps no earlier one by more than
 //! `overlap` of the sum of their radii (as computed in f64). Bodies may reach over the border. Of
 //! one size up to about 0.54 of a square and 0.38 of a cube can be filled so without overlap; with
-//! many sizes more. A body that has found no place after 100,000 draws ends it: the request is
-//! refused, with the fraction that was reached.
+//! many sizes more. A body that has found no place after 100,000 draws ends it, or 1,000 draws for
+//! each body altogether: the request is refused, with the fraction that was reached.
 
 use anyhow::ensure;
 
@@ -29,7 +30,7 @@ use crate::scene::{AnyScene, Scene};
 pub const GENERATOR: Generator = Generator {
     name: "settled",
     dims: &[2, 3],
-    summary: "random places without overlap, the largest bodies first",
+    summary: "random places with at most a stated overlap, the largest bodies first",
     own_n: false,
     params: &[
         DIAMETER,
@@ -62,8 +63,9 @@ pub const GENERATOR: Generator = Generator {
     history: no_history,
 };
 
-/// Draws for one body.
-const TRIES: u32 = 100_000;
+/// Draws for one body, and for each of all together.
+const TRIES: u64 = 100_000;
+const TRIES_EACH: u64 = 1_000;
 /// The largest radius of a layer over that of the next.
 const STEP: f64 = 2.0;
 /// Cells of a layer for each of its bodies, at most.
@@ -86,6 +88,7 @@ fn make<const D: usize>(inputs: &Inputs<'_>) -> anyhow::Result<Scene<'static, f6
         next: room(inputs.n)?,
         layers: Vec::new(),
     };
+    let mut drawn = 0;
     for k in 0..inputs.n {
         let radius = |k: u64| radii.as_ref().map_or(0.5, |radii| radii[k as usize]);
         if placed.layers.last().is_none_or(|layer| radius(k) * STEP <= layer.largest) {
@@ -100,9 +103,10 @@ fn make<const D: usize>(inputs: &Inputs<'_>) -> anyhow::Result<Scene<'static, f6
                 break;
             }
             tries += 1;
+            drawn += 1;
             ensure!(
-                tries < TRIES,
-                "no room for body {k} of {} after {TRIES} draws, where {:.3} of the box is filled \
+                tries < TRIES && drawn < TRIES + TRIES_EACH * inputs.n,
+                "no room for body {k} of {} after {tries} draws, where {:.3} of the box is filled \
                  and {fraction} was asked for; take a smaller fraction, more overlap or sizes that \
                  differ more",
                 inputs.n,
@@ -155,33 +159,34 @@ impl<const D: usize> Placed<D> {
     }
 
     fn has_room(&self, centre: [f64; D], radius: f64, other: impl Fn(u32) -> f64) -> bool {
-        self.layers.iter().all(|layer| {
-            // Cells are wider than any reach here.
-            let [low, high] = [-1_isize, 1].map(|step| {
-                centre.map(|x| {
-                    layer.cell(x / self.edge).saturating_add_signed(step).min(layer.count - 1)
-                })
-            });
-            let mut cell = low;
-            loop {
-                let mut body = layer.heads[layer.place(&cell)];
-                while body != NONE {
-                    let sum = self.apart * (radius + other(body));
-                    let square: f64 = self.centres[body as usize]
-                        .iter()
-                        .zip(centre)
-                        .map(|(x, y)| (x - y) * (x - y))
-                        .sum();
-                    if square < sum * sum {
-                        return false;
+        self.apart == 0.0
+            || self.layers.iter().all(|layer| {
+                // Cells are wider than any reach here.
+                let [low, high] = [-1_isize, 1].map(|step| {
+                    centre.map(|x| {
+                        layer.cell(x / self.edge).saturating_add_signed(step).min(layer.count - 1)
+                    })
+                });
+                let mut cell = low;
+                loop {
+                    let mut body = layer.heads[layer.place(&cell)];
+                    while body != NONE {
+                        let sum = self.apart * (radius + other(body));
+                        let square: f64 = self.centres[body as usize]
+                            .iter()
+                            .zip(centre)
+                            .map(|(x, y)| (x - y) * (x - y))
+                            .sum();
+                        if square < sum * sum {
+                            return false;
+                        }
+                        body = self.next[body as usize];
                     }
-                    body = self.next[body as usize];
+                    let Some(k) = (0..D).find(|&k| cell[k] < high[k]) else { return true };
+                    cell[k] += 1;
+                    cell[..k].copy_from_slice(&low[..k]);
                 }
-                let Some(k) = (0..D).find(|&k| cell[k] < high[k]) else { return true };
-                cell[k] += 1;
-                cell[..k].copy_from_slice(&low[..k]);
-            }
-        })
+            })
     }
 
     /// Puts the next body into the last layer.

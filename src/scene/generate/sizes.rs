@@ -64,6 +64,8 @@ pub const GIANTS: Parameter = Parameter {
     meaning: "for sizes=giants: how many have the largest radius",
 };
 
+/// The cube of its inverse is still a normal number.
+const MOST: f64 = 1e100;
 /// The largest radius, for a diameter of 1.
 const LARGEST: f64 = 0.5;
 
@@ -89,6 +91,11 @@ pub fn unit_radii(inputs: &Inputs<'_>, draw: &mut Draw) -> anyhow::Result<Option
     if ratio == 1.0 {
         return Ok(None);
     }
+    ensure!(
+        ratio <= MOST,
+        "size-ratio is {ratio:e}; at most {MOST:e}, beyond which the volume of the smallest bodies \
+         is no number"
+    );
     let (n, least) = (inputs.n, LARGEST / ratio);
     let mut radii = room(n)?;
     // The bounds keep a radius that was rounded from leaving the range.
@@ -136,10 +143,15 @@ pub fn unit_radii(inputs: &Inputs<'_>, draw: &mut Draw) -> anyhow::Result<Option
 /// The radius, from 1 to `ratio`, below which this part of the numbers is, if they have the density
 /// r^(power - 1).
 fn quantile(part: f64, power: f64, ratio: f64) -> f64 {
-    if power == 0.0 {
+    if (power * libm::log(ratio)).abs() < 1e-9 {
         return libm::pow(ratio, part);
     }
-    libm::pow(1.0 + part * (libm::pow(ratio, power) - 1.0), 1.0 / power)
+    // From the end that is nearer to 1, so that no power overflows.
+    if power > 0.0 {
+        ratio * libm::pow(part + (1.0 - part) * libm::pow(ratio, -power), 1.0 / power)
+    } else {
+        libm::pow(1.0 + part * (libm::pow(ratio, power) - 1.0), 1.0 / power)
+    }
 }
 
 /// How many of `n` are large.
@@ -147,5 +159,9 @@ fn large(n: u64, share: f64, ratio: f64, dim: u32) -> u64 {
     let small_for_each =
         share / (1.0 - share) * if dim == 2 { ratio * ratio } else { ratio * ratio * ratio };
     let large = (n as f64 / (1.0 + small_for_each) + 0.5) as u64;
-    if share < 1.0 { large.max(1) } else { 0 }
+    match share {
+        0.0 => n,
+        1.0 => 0,
+        _ => large.max(1),
+    }
 }

@@ -68,18 +68,18 @@ pub const CASES: &[Case] = &[
     },
     Case {
         name: "both-ends-of-a-class",
-        reason: "a chain exactly in touch of radii 1 and 3/4: the cells of a class must be as wide \
-                 as its largest radius asks for, not as its mean",
+        reason: "a chain exactly in touch of radii 1, 1, 3/4, 3/4 in turn: the cells of a class \
+                 must be as wide as its largest radius asks for, not as its mean",
         expect: Expect::Contacts([39, 39]),
         make: |dim| {
-            let body = |k: u32| ([1.75 * f64::from(k), 0.0, 0.0], [1.0, 0.75][k as usize % 2]);
-            each(dim, &(0..40).map(body).collect::<Vec<_>>())
+            let radius = |k: u32| [1.0, 1.0, 0.75, 0.75][k as usize % 4];
+            each(dim, &chain(40, radius))
         },
         ..LEVELS
     },
     Case {
         name: "one-body-per-class",
-        reason: "30 radii, each half of the one before, all centres on the surface of the largest: \
+        reason: "30 radii, each half of the one before, all other centres on the surface of the largest: \
                  every class has one body and must look into every other",
         make: |dim| {
             let place = |k: u32| {
@@ -94,7 +94,7 @@ pub const CASES: &[Case] = &[
     },
     Case {
         name: "empty-classes-between",
-        reason: "giants and dust 2^30 times smaller, exactly in touch, and dust in touch with \
+        reason: "a giant and dust 2^30 times smaller, exactly in touch, and dust in touch with \
                  dust: 29 classes between them have no body",
         expect: Expect::Contacts([8, 12]),
         make: |dim| {
@@ -215,23 +215,13 @@ pub const CASES: &[Case] = &[
         reason: "a chain exactly in touch of radii 1, 2^-3, 2^-6, 2^-9 in turn: every contact is \
                  between two classes, and the first and the last are next to each other",
         expect: Expect::Contacts([63, 63]),
-        make: |dim| {
-            let radius = |k: i32| two_to(-3 * (k % 4));
-            let mut x = 0.0;
-            let body = |k: i32| {
-                if k > 0 {
-                    x += radius(k - 1) + radius(k);
-                }
-                ([x, 0.0, 0.0], radius(k))
-            };
-            each(dim, &(0..64).map(body).collect::<Vec<_>>())
-        },
+        make: |dim| each(dim, &chain(64, |k| two_to(-3 * (k as i32 % 4)))),
         ..LEVELS
     },
     Case {
         name: "smallest-numbers-beside-a-giant",
         reason: "couples exactly in touch of the smallest radii that there are, and a giant far \
-                 away: halving its radius never gets there",
+                 away: its radius must be halved a thousand times to get there",
         expect: Expect::Contacts([5, 5]),
         make: |dim| {
             let mut bodies = vec![([-100.0, 0.0, 0.0], 1.0)];
@@ -265,6 +255,18 @@ fn couples(scale: f64, radius: impl Fn(f64) -> f64) -> Vec<(Place, f64)> {
         [([0.0, y, 0.0], scale), ([(1.0 + border) * scale, y, 0.0], radius(border) * scale)]
     };
     (0..13).flat_map(couple).collect()
+}
+
+/// Bodies along x, each exactly in touch with the one before it.
+fn chain(count: u32, radius: impl Fn(u32) -> f64) -> Vec<(Place, f64)> {
+    let mut x = 0.0;
+    let body = |k: u32| {
+        if k > 0 {
+            x += radius(k - 1) + radius(k);
+        }
+        ([x, 0.0, 0.0], radius(k))
+    };
+    (0..count).map(body).collect()
 }
 
 /// The vectors of length 1 along every axis, in both directions.

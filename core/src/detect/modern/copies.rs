@@ -68,7 +68,8 @@ pub trait Nearness: Copy + Sync {
     fn near(&self, a: f32, b: f32) -> Near;
     /// Two bodies that touch are not farther apart than the sum of their halves.
     fn half(&self, radius: f32) -> f64;
-    /// A body that touches one with a radius of at most `largest` is not farther away.
+    /// The centres of this body and one that it touches, with a radius of at most `largest`, are at
+    /// most so far apart.
     fn reach(&self, radius: f32, largest: f64) -> f64;
 }
 

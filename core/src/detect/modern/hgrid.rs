@@ -26,7 +26,7 @@
 //!    the larger.
 //!
 //! * Cost: proportional to N particles in each level that they are searched in, whatever the ratio
-//!   of sizes and the domain. Memory: `4(C + N) + 44S + 24N` bytes in 2D, `+ 48S + 32N` in 3D, for
+//!   of sizes and the domain; quadratic where a crowd is smaller than 2^-30 of the domain. Memory: `4(C + N) + 44S + 24N` bytes in 2D, `+ 48S + 32N` in 3D, for
 //!   S strips with bodies (at most N); C sums, over levels, the power of two from twice the level's
 //!   bodies upwards.
 //! * Refuses domains of 2^31 cells of the largest reach and more along an axis where bodies crowd
@@ -154,7 +154,7 @@ struct Level<const D: usize> {
     records: Range<usize>,
 }
 
-/// Cells side by side along x, one of them not empty.
+/// Cells side by side along x, at least one of them not empty.
 #[derive(Clone, Copy)]
 struct Strip<const D: usize> {
     /// The first of them.

@@ -142,7 +142,8 @@ impl<T: Real, const D: usize> Detector<T, D> for Streamed<D> {
                 Ok(())
             }
             // Cells of the others may be too many to be numbered where those of the giants are not.
-            Err(_) => self.sweep(bodies, probe, sink),
+            Err(Refusal::Domain { .. }) => self.sweep(bodies, probe, sink),
+            Err(refusal) => Err(refusal),
         }
     }
 }
