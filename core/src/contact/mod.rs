@@ -24,8 +24,9 @@
 //!
 //! **Room.** What may come has its place already. Periodic images: a rule that adds a shift to one
 //! centre before the difference; the exact test then needs its sign with the shift as a further
-//! term, not of a rounded centre. Velocities: the reach of a step is the reach at rest plus the longest way of a pair, and the
-//! filters need nothing else; whether two bodies touch during the step is one more rule.
+//! term, not of a rounded centre. Velocities: the reach of a step is the reach at rest plus the
+//! longest way of a pair, and the filters need nothing else; whether two bodies touch during the
+//! step is one more rule.
 
 pub mod arithmetic;
 pub mod bodies;

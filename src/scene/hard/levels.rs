@@ -79,8 +79,8 @@ pub const CASES: &[Case] = &[
     },
     Case {
         name: "one-body-per-class",
-        reason: "30 radii, each half of the one before, all other centres on the surface of the largest: \
-                 every class has one body and must look into every other",
+        reason: "30 radii, each half of the one before, all other centres on the surface of the \
+                 largest: every class has one body and must look into every other",
         make: |dim| {
             let place = |k: u32| {
                 let t = f64::from(k) / 16.0 - 1.0;

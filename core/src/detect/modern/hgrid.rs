@@ -26,9 +26,9 @@
 //!    the larger.
 //!
 //! * Cost: proportional to N particles in each level that they are searched in, whatever the ratio
-//!   of sizes and the domain; quadratic where a crowd is smaller than 2^-30 of the domain. Memory: `4(C + N) + 44S + 24N` bytes in 2D, `+ 48S + 32N` in 3D, for
-//!   S strips with bodies (at most N); C sums, over levels, the power of two from twice the level's
-//!   bodies upwards.
+//!   of sizes and the domain; quadratic where a crowd is smaller than 2^-30 of the domain. Memory:
+//!   `4(C + N) + 44S + 24N` bytes in 2D, `+ 48S + 32N` in 3D, for S strips with bodies (at most N);
+//!   C sums, over levels, the power of two from twice the level's bodies upwards.
 //! * Refuses domains of 2^31 cells of the largest reach and more along an axis where bodies crowd
 //!   in wider ones, and scenes over the memory limit.
 //! * Deviations from the sources: levels follow from the largest radius downwards, at most 32, and
