@@ -61,6 +61,7 @@ impl Slack {
 
     /// An upper bound for the true distance of two particles that are accepted and whose radii are
     /// at most `a` and `b`.
+    #[inline]
     pub fn reach(self, a: f64, b: f64) -> f64 {
         let sum = if a == b { a + b } else { (a + b).next_up() };
         sum * (1.0 + self.relative) + self.absolute

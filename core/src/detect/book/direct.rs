@@ -33,6 +33,8 @@ impl Declare for Direct {
 }
 
 impl<T: Real, const D: usize> Detector<T, D> for Direct {
+    // In place, or the compiler reads what the bodies are from memory again for each pair.
+    #[inline(always)]
     fn detect<B: Bodies<T, D>, P: Probe, S: Sink>(
         &mut self,
         bodies: B,
