@@ -6,11 +6,13 @@
 //! 2^32 - 1 particles.
 
 pub mod any;
+pub mod lattice;
 mod scalar;
 
 use std::borrow::Cow;
 
 pub use any::{AnyScene, Storage, Stored};
+pub use lattice::{Lattice, LatticeError};
 use nalgebra::Point;
 pub use scalar::{CellF32, Real, Work};
 
