@@ -60,6 +60,16 @@ pub enum Refusal {
 }
 
 impl Refusal {
+    /// The same, of a detector that does its work by another one.
+    pub(crate) fn of(self, name: &'static str) -> Refusal {
+        match self {
+            Refusal::Memory { needed, limit, shape, .. } => {
+                Refusal::Memory { detector: name, needed, limit, shape }
+            }
+            other => other,
+        }
+    }
+
     /// The pairs of the scene are too many, for every detector alike.
     pub fn is_of_scene(&self) -> bool {
         matches!(self, Refusal::Pairs { .. } | Refusal::Crowd { .. })

@@ -31,10 +31,11 @@
 //! * Threads: in the dense form, from 20,000 particles on.
 //! * In `textbook` arithmetic its filters are as safe as in f64: the book prints none for it.
 
+mod classes;
 mod dense;
-mod giants;
 mod grid;
 mod kernel;
+mod levels;
 mod lists;
 mod pair_sink;
 mod plan;
@@ -42,17 +43,20 @@ mod ranges;
 mod slab;
 mod sparse;
 mod unchecked;
+mod visits;
 
-use giants::{Giants, Others, Renumbered};
+use classes::Classes;
 pub use grid::Form;
 use grid::Grid;
 use kernel::{Bounds, Scratch};
 use lists::Lists;
 use slab::Slab;
 use sparse::Sparse;
+use visits::Visits;
 
 use super::book::list::numbered;
 use super::modern::copies::Touch;
+use super::modern::hgrid::HGrid;
 use super::{Declare, Detector, Options, Refusal};
 use crate::contact::Bodies;
 use crate::probe::{Probe, Silent};
@@ -73,6 +77,9 @@ pub struct Streamed<const D: usize> {
     /// Buffers for scenes with one radius, and with one per particle.
     uniform: Buffers<D, ()>,
     each: Buffers<D, f32>,
+    visits: Visits,
+    /// For classes of sizes that crowd.
+    crowded: HGrid<D>,
     formula: u64,
 }
 
@@ -105,6 +112,8 @@ impl<const D: usize> Streamed<D> {
             workers: Vec::new(),
             uniform: Buffers::default(),
             each: Buffers::default(),
+            visits: Visits::default(),
+            crowded: HGrid::with(options),
             formula: 0,
         }
     }
@@ -134,16 +143,10 @@ impl<T: Real, const D: usize> Detector<T, D> for Streamed<D> {
         probe: &mut P,
         sink: &mut S,
     ) -> Result<(), Refusal> {
-        let Some(giants) = Giants::of(&bodies) else { return self.sweep(bodies, probe, sink) };
-        let others = Others::new(bodies, &giants);
-        match self.sweep(others, probe, &mut Renumbered::new(&giants, sink)) {
-            Ok(()) => {
-                giants.test(&bodies, probe, sink);
-                Ok(())
-            }
-            // Cells of the others may be too many to be numbered where those of the giants are not.
-            Err(Refusal::Domain { .. }) => self.sweep(bodies, probe, sink),
-            Err(refusal) => Err(refusal),
+        let classes = if self.form == Some(Form::Sparse) { None } else { Classes::of(&bodies) };
+        match classes {
+            Some(classes) => self.by_class(&classes, bodies, probe, sink),
+            None => self.sweep(bodies, probe, sink),
         }
     }
 }
