@@ -5,9 +5,11 @@
 //! class holds the smaller bodies, larger ones visit it ([`super::visits`]).
 //!
 //! Radii are told apart by octaves: how many times the largest radius of the scene is halved, before
-//! it is less. Neighbouring octaves stay together where a model of the work says that parting them
-//! does not pay ([`Class::work`]); most scenes whose sizes differ by a small factor are one class,
-//! and are swept as if there were none.
+//! it is less. Which octaves share a grid is chosen so that a model of the work is least
+//! ([`Class::work`], [`Class::visits`]). Since larger bodies visit finer classes one by one, the
+//! work in a class and of its visitors depends on where the class begins and ends alone, and the
+//! best partition is found octave by octave. Most scenes whose sizes differ by a small factor are
+//! one class, and are swept as if there were none.
 
 use super::grid::CELLS_PER_PARTICLE;
 use crate::contact::Bodies;
@@ -17,24 +19,32 @@ use crate::scene::Real;
 pub(super) const MOST: usize = 32;
 /// Scenes with fewer bodies are one class.
 const FEWEST: usize = 64;
-/// What it takes to find a row of candidates, in contact tests.
-const ROW: f64 = 12.0;
+/// What it takes to find a row of candidates, in contact tests: measured.
+const ROW: f64 = 20.0;
 /// What a class takes beside its bodies, in contact tests.
 const CLASS: f64 = 2000.0;
+
 /// Bodies of similar sizes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Class<const D: usize> {
     pub bodies: usize,
     /// The largest radius.
     pub largest: f64,
+    /// The sum of all radii.
+    sum: f64,
     /// The box around the centres.
     pub low: [f64; D],
     pub high: [f64; D],
 }
 
 impl<const D: usize> Class<D> {
-    const EMPTY: Class<D> =
-        Class { bodies: 0, largest: 0.0, low: [f64::INFINITY; D], high: [f64::NEG_INFINITY; D] };
+    const EMPTY: Class<D> = Class {
+        bodies: 0,
+        largest: 0.0,
+        sum: 0.0,
+        low: [f64::INFINITY; D],
+        high: [f64::NEG_INFINITY; D],
+    };
 
     #[inline(always)]
     fn take(&mut self, position: [f64; D], radius: f64) {
@@ -44,42 +54,55 @@ impl<const D: usize> Class<D> {
             self.high[k] = if x > self.high[k] { x } else { self.high[k] };
         }
         self.largest = if radius > self.largest { radius } else { self.largest };
+        self.sum += radius;
         self.bodies += 1;
     }
 
-    fn with(&self, other: &Class<D>) -> Class<D> {
+    /// Both together.
+    pub fn with(&self, other: &Class<D>) -> Class<D> {
         Class {
             bodies: self.bodies + other.bodies,
             largest: self.largest.max(other.largest),
+            sum: self.sum + other.sum,
             low: std::array::from_fn(|k| self.low[k].min(other.low[k])),
             high: std::array::from_fn(|k| self.high[k].max(other.high[k])),
         }
     }
 
-    /// The volume of its domain, and the edge of its cells, about.
-    fn domain(&self) -> (f64, f64) {
-        let volume: f64 = (0..D).map(|k| self.high[k] - self.low[k] + 2.0 * self.largest).product();
-        let share = volume / (CELLS_PER_PARTICLE * self.bodies as f64);
-        (volume, (2.0 * self.largest).max(libm::pow(share, 1.0 / D as f64)))
+    /// Volume of its domain, and edge of its cells, about; in units of the edge.
+    fn cells(&self) -> (f64, f64) {
+        let lengths: [f64; D] =
+            std::array::from_fn(|k| self.high[k] - self.low[k] + 2.0 * self.largest);
+        let share = lengths.iter().product::<f64>() / (CELLS_PER_PARTICLE * self.bodies as f64);
+        let edge = (2.0 * self.largest).max(root::<D>(share)).max(f64::MIN_POSITIVE);
+        (lengths.iter().map(|length| length / edge).product(), edge)
     }
 
     /// Contact tests among its bodies, about: those in half of the cells around each.
     fn work(&self) -> f64 {
-        let (volume, edge) = self.domain();
-        let cells = if D == 2 { 4.5 } else { 13.5 };
+        let (cells, _) = self.cells();
+        let beside = if D == 2 { 4.5 } else { 13.5 };
         let n = self.bodies as f64;
-        n * n * cells * libm::pow(edge, D as f64) / volume
+        n * n * beside / cells
     }
 
-    /// What it takes to look for the bodies of a finer class around those of this one, in contact
-    /// tests, about.
-    fn visits(&self, finer: &Class<D>) -> f64 {
-        let (volume, edge) = finer.domain();
-        let width = 2.0 * (self.largest + finer.largest);
-        let rows = libm::pow(width / edge + 1.0, (D - 1) as f64);
-        let tests = finer.bodies as f64 * libm::pow(width + edge, D as f64) / volume;
-        self.bodies as f64 * (ROW * rows + tests.min(finer.bodies as f64))
+    /// What it takes to look for its bodies around those of a larger octave, in contact tests,
+    /// about.
+    fn visits(&self, octave: &Class<D>) -> f64 {
+        let (cells, edge) = self.cells();
+        let radius = octave.sum / octave.bodies as f64;
+        // A ball is a bit more than half of the cube around it.
+        let width = 2.0 * (radius + self.largest) / edge + 1.0;
+        let (rows, tests) =
+            if D == 2 { (width, width * width) } else { (width * width, width * width * width) };
+        let tests = (self.bodies as f64 * tests / cells).min(self.bodies as f64);
+        octave.bodies as f64 * (ROW * 0.8 * rows + 0.6 * tests)
     }
+}
+
+/// The root of a volume.
+fn root<const D: usize>(volume: f64) -> f64 {
+    if D == 2 { volume.sqrt() } else { libm::cbrt(volume) }
 }
 
 /// The classes of a scene, the largest bodies first.
@@ -108,43 +131,50 @@ impl<const D: usize> Classes<D> {
         if octave(largest, least) == 0 {
             return None;
         }
-        let mut classes = Classes {
-            largest,
-            numbers: [0; MOST],
-            classes: [const { Class::EMPTY }; MOST],
-            count: MOST,
-        };
+        let mut octaves = [const { Class::EMPTY }; MOST];
         for id in 0..n {
             let radius = bodies.radius(id);
-            classes.classes[octave(largest, radius)].take(bodies.position(id), radius);
+            octaves[octave(largest, radius)].take(bodies.position(id), radius);
         }
-        classes.join();
+        let classes = Classes::best(largest, &octaves);
         (classes.count > 1).then_some(classes)
     }
 
-    /// Joins octaves where that saves work.
-    fn join(&mut self) {
-        let octaves = self.classes;
-        self.count = 0;
-        for (octave, finer) in octaves.iter().enumerate() {
-            if finer.bodies > 0 {
-                let last = self.count.checked_sub(1).map(|last| &mut self.classes[last]);
-                let joined = last.as_ref().map(|coarser| coarser.with(finer));
-                match (last, joined) {
-                    (Some(coarser), Some(joined))
-                        if joined.work()
-                            <= coarser.work() + finer.work() + coarser.visits(finer) + CLASS =>
-                    {
-                        *coarser = joined;
-                    }
-                    _ => {
-                        self.classes[self.count] = *finer;
-                        self.count += 1;
-                    }
+    /// The partition of the octaves that takes least.
+    fn best(largest: f64, octaves: &[Class<D>; MOST]) -> Classes<D> {
+        let full = |octave: &usize| octaves[*octave].bodies > 0;
+        // For each octave the least work of all up to it, and where the class begins in which it is
+        // the last.
+        let mut least = [(0.0, 0); MOST + 1];
+        for end in (0..MOST).filter(full) {
+            let (mut class, mut best) = (Class::EMPTY, (f64::INFINITY, end));
+            for begin in (0..=end).rev().filter(full) {
+                class = class.with(&octaves[begin]);
+                let visits = (0..begin).filter(full).map(|octave| class.visits(&octaves[octave]));
+                let before = (0..begin).rev().find(full).map_or(0.0, |end| least[end].0);
+                let all = before + CLASS + class.work() + visits.sum::<f64>();
+                if all < best.0 {
+                    best = (all, begin);
                 }
             }
-            self.numbers[octave] = self.count.saturating_sub(1) as u8;
+            least[end] = best;
         }
+        let mut classes =
+            Classes { largest, numbers: [0; MOST], classes: [Class::EMPTY; MOST], count: 0 };
+        // From the last class back to the first, which is then turned round.
+        let mut last = (0..MOST).rev().find(full);
+        while let Some(end) = last {
+            let begin = least[end].1;
+            let class = (begin..=end).fold(Class::EMPTY, |class, k| class.with(&octaves[k]));
+            classes.classes[classes.count] = class;
+            classes.numbers[begin..=end].fill(classes.count as u8);
+            classes.count += 1;
+            last = (0..begin).rev().find(full);
+        }
+        classes.classes[..classes.count].reverse();
+        let last = classes.count.saturating_sub(1) as u8;
+        classes.numbers.iter_mut().for_each(|number| *number = last.saturating_sub(*number));
+        classes
     }
 
     /// The number of the class of a radius.

@@ -66,6 +66,25 @@ pub enum Form {
     Sparse,
 }
 
+/// The least and the largest coordinates.
+type Corners<const D: usize> = ([f64; D], [f64; D]);
+
+/// The axes of a box, the longest last.
+///
+/// # Errors
+/// [`Refusal::Extent`].
+pub(super) fn axes<const D: usize>((low, high): Corners<D>) -> Result<[usize; D], Refusal> {
+    let mut axes: [usize; D] = std::array::from_fn(|k| k);
+    for axis in 0..D {
+        if !(high[axis] - low[axis]).is_finite() {
+            let name = ["x", "y", "z"][axis.min(2)];
+            return Err(Refusal::Extent { axis: name, low: low[axis], high: high[axis] });
+        }
+    }
+    axes.sort_by(|&a, &b| (high[a] - low[a]).total_cmp(&(high[b] - low[b])));
+    Ok(axes)
+}
+
 /// Where the bodies are that a grid is for, and how far they reach.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Domain<const D: usize> {
@@ -82,27 +101,25 @@ impl<const D: usize> Domain<D> {
     ///
     /// # Errors
     /// [`Refusal::Extent`].
-    pub fn new(
-        (low, high): ([f64; D], [f64; D]),
+    pub fn new(corners: Corners<D>, reach: f64, bodies: usize) -> Result<Domain<D>, Refusal> {
+        Ok(Domain::along(axes(corners)?, corners, reach, bodies))
+    }
+
+    /// The same, with the axes in a given order.
+    pub fn along(
+        axes: [usize; D],
+        (low, high): Corners<D>,
         reach: f64,
         bodies: usize,
-    ) -> Result<Domain<D>, Refusal> {
-        let mut axes: [usize; D] = std::array::from_fn(|k| k);
-        for axis in 0..D {
-            if !(high[axis] - low[axis]).is_finite() {
-                let name = ["x", "y", "z"][axis.min(2)];
-                return Err(Refusal::Extent { axis: name, low: low[axis], high: high[axis] });
-            }
-        }
-        axes.sort_by(|&a, &b| (high[a] - low[a]).total_cmp(&(high[b] - low[b])));
-        Ok(Domain {
+    ) -> Domain<D> {
+        Domain {
             axes,
             low: axes.map(|k| low[k]),
             high: axes.map(|k| high[k]),
             lengths: axes.map(|k| high[k] - low[k]),
             reach: reach.clamp(f64::MIN_POSITIVE * 4.0, f64::MAX),
             bodies,
-        })
+        }
     }
 
     fn grid(&self, edge: f64, bits: u32) -> Grid<D> {
@@ -182,11 +199,15 @@ impl<const D: usize> Grid<D> {
         })
     }
 
-    /// The coordinates of any point in steps, in the order of the grid's axes, not rounded to whole
-    /// ones.
-    pub fn in_steps(&self, position: [f64; D]) -> [f64; D] {
-        let one = (1u64 << self.bits) as f64;
-        std::array::from_fn(|k| (position[self.axes[k]] - self.low[k]) * self.scale * one)
+    /// How many steps of this grid are in one of another.
+    pub fn finer_than(&self, other: &Grid<D>) -> f64 {
+        let bits = (1u64 << self.bits) as f64 / (1u64 << other.bits) as f64;
+        self.scale / other.scale * bits
+    }
+
+    /// The origin of another grid with the same order of axes, in steps of this one.
+    pub fn origin_of(&self, other: &Grid<D>) -> [f64; D] {
+        std::array::from_fn(|k| self.length(other.low[k] - self.low[k]))
     }
 
     /// A length in steps.

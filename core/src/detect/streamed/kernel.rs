@@ -95,31 +95,56 @@ impl Scratch {
     /// Reports the pairs of `id` with those of sixteen that are near: what touches for sure is kept
     /// until there are enough, `found` of them so far, and for the others the contact test is asked.
     #[inline(always)]
-    pub fn take<W: Wide>(
+    pub fn take<W: Wide, const D: usize>(
         &mut self,
         w: W,
         id: u32,
-        ids: &[u32; LANES],
+        source: impl Source<D>,
+        (near, sure): (u32, u32),
+        found: &mut usize,
+        sink: &mut dyn PairSink,
+    ) {
+        if near == sure && near.count_ones() <= KEPT as u32 {
+            let mut packed = [0; KEPT];
+            source.pack(w, near, &mut packed);
+            // SAFETY: at most `ROOM - 3 * KEPT` before a vector, see below.
+            let pairs = unsafe { chunk_mut(&mut self.pairs, *found) };
+            w.pair(id, &packed, pairs);
+            *found += near.count_ones() as usize;
+        } else {
+            self.take_carefully(w, id, source, (near, sure), found, sink);
+        }
+        if *found > ROOM - 3 * KEPT {
+            self.hand_on(found, sink);
+        }
+    }
+
+    /// As [`Scratch::take`], with more than are packed at once, or with pairs that only the contact
+    /// test can decide.
+    #[cold]
+    #[inline(always)]
+    fn take_carefully<W: Wide, const D: usize>(
+        &mut self,
+        w: W,
+        id: u32,
+        source: impl Source<D>,
         (near, sure): (u32, u32),
         found: &mut usize,
         sink: &mut dyn PairSink,
     ) {
         for half in [0xff, 0xff00] {
+            let (sure, unsure) = (sure & half, (near ^ sure) & half);
             let mut packed = [0; KEPT];
-            w.pack(ids, sure & half, &mut packed);
-            // SAFETY: at most `ROOM - 3 * KEPT` before a vector, see below, and `KEPT` more after
-            // its first half.
+            source.pack(w, sure, &mut packed);
+            // SAFETY: at most `ROOM - 3 * KEPT` before a vector, and `KEPT` more after its first
+            // half.
             let pairs = unsafe { chunk_mut(&mut self.pairs, *found) };
             w.pair(id, &packed, pairs);
-            *found += (sure & half).count_ones() as usize;
-        }
-        let mut unsure = near ^ sure;
-        while unsure != 0 {
-            sink.unsure(id, ids[unsure.trailing_zeros() as usize]);
-            unsure &= unsure - 1;
-        }
-        if *found > ROOM - 3 * KEPT {
-            self.hand_on(found, sink);
+            *found += sure.count_ones() as usize;
+            source.pack(w, unsure, &mut packed);
+            for &other in &packed[..unsure.count_ones() as usize] {
+                sink.unsure(id, other);
+            }
         }
     }
 
@@ -416,10 +441,8 @@ impl<F: Find, const D: usize, const EACH: bool> Kernel for Careful<'_, '_, F, D,
                 let run = unsafe { Run16::new(slab, at) };
                 let (near, sure) =
                     test::<_, D, EACH>(w, run, valid, &query, limits, sweep.bounds.grow, F::TURN);
-                // SAFETY: likewise.
-                let ids: &[u32; LANES] = unsafe { chunk(&slab.ids, at) };
                 let Sweep { scratch, sink, .. } = &mut *sweep;
-                scratch.take(w, id, ids, (near, sure), &mut found, *sink);
+                scratch.take(w, id, run, (near, sure), &mut found, *sink);
             }
         }
         sweep.scratch.hand_on(&mut found, sweep.sink);

@@ -3,13 +3,13 @@
 
 use super::classes::{Class, Classes, MOST};
 use super::dense::{Bundles, grow};
-use super::grid::{Domain, Grid};
+use super::grid::{Domain, Grid, axes};
 use super::kernel::Bounds;
 use super::lists::{Filling, Lists};
 use super::pair_sink::Deliver;
 use super::plan::Plan;
 use super::slab::Slab;
-use super::visits::{Visited, Visits};
+use super::visits::{Host, Visit};
 use super::{NAME, Streamed, Worker, numbered};
 use crate::contact::Bodies;
 use crate::detect::modern::crowd::{CROWD, company};
@@ -47,19 +47,15 @@ impl<const D: usize> Streamed<D> {
             self.formula = Declare::formula_bytes(&self.crowded);
             return result.map_err(|refusal| refusal.of(NAME));
         };
-        let Streamed { options, level, workers, each, visits, formula, .. } = self;
-        let (count, finest) = (classes.all().len(), classes.all()[classes.all().len() - 1].bodies);
+        let Streamed { options, level, workers, each, formula, .. } = self;
+        let count = classes.all().len();
         let all = || levels.iter().flatten();
         let shape = || format!("{n} particles in {count} classes of sizes");
         let records: u64 =
             all().map(|of| Lists::<D, f32>::bytes(of.class.bodies, of.plan.slabs)).sum();
         let cells = all().map(|of| of.plan.cells()).max().unwrap_or(0);
-        let slabs = all().map(|of| of.plan.slabs).max().unwrap_or(0);
         let structs = size_of::<Worker<D>>() + count * size_of::<Lists<D, f32>>();
-        let needed = |most: usize| {
-            let slabs = 2 * Slab::<D>::bytes(most, cells, true) + Visits::bytes(n - finest, slabs);
-            records + slabs + structs as u64
-        };
+        let needed = |most| records + 2 * Slab::<D>::bytes(most, cells, true) + structs as u64;
         let mean = all().map(|of| of.class.bodies.div_ceil(of.plan.slabs)).max().unwrap_or(0);
         within(options, NAME, needed(mean), shape)?;
         grow(&mut each.lists, count);
@@ -76,30 +72,26 @@ impl<const D: usize> Streamed<D> {
         *formula = needed(most);
         within(options, NAME, *formula, shape)?;
         worker.slabs.iter_mut().for_each(|slab| slab.prepare(most, cells, true));
-        visits.prepare(n - finest, slabs);
         let touch = |i, j, probe: &mut P| bodies.touch(i, j, probe);
         let mut deliver = Deliver::new(&touch, probe, sink);
+        let slack = bodies.slack();
+        let mut hosts = [None; MOST];
+        for ((host, of), lists) in hosts.iter_mut().zip(all()).zip(lists) {
+            let largest = of.class.largest;
+            *host = Some(Host { grid: &of.grid, plan: &of.plan, largest, lists });
+        }
         for (k, of) in all().enumerate() {
-            let visited = Visited {
-                grid: &of.grid,
-                plan: &of.plan,
-                largest: of.class.largest,
-                slack: bodies.slack(),
-                bodies: &|id| (bodies.position(id), bodies.radius(id)),
-            };
-            let larger = all().zip(lists).take(k).flat_map(|(of, lists)| {
-                (0..of.plan.slabs).flat_map(|slab| lists.blocks(slab).flatten())
-            });
-            visits.expect(visited, larger.map(|record| record.id));
-            let bundles =
-                Bundles { lists: &lists[k..=k], plan: of.plan, bounds: of.bounds, level: *level };
-            let slabs = 0..of.plan.slabs;
+            let (plan, bounds) = (of.plan, of.bounds);
+            let bundles = Bundles { lists: &lists[k..=k], plan, bounds, level: *level };
+            let slabs = 0..plan.slabs;
             bundles.sweep::<true>(
                 worker,
                 slabs,
                 &mut deliver,
                 &mut |number, slab, scratch, sink| {
-                    visits.of_slab(visited, (number, slab), *level, scratch, sink);
+                    let larger = &hosts[..k];
+                    let Some(host) = hosts[k] else { return };
+                    level.run(Visit { larger, host, slack, number, slab, scratch, sink });
                 },
             );
         }
@@ -116,9 +108,11 @@ impl<const D: usize> Streamed<D> {
     ) -> Result<Option<Levels<D>>, Refusal> {
         let mut levels = [None; MOST];
         let mut may_crowd = false;
+        let all = classes.all().iter().fold(classes.all()[0], |all, class| all.with(class));
+        let axes = axes((all.low, all.high))?;
         for (level, class) in levels.iter_mut().zip(classes.all()) {
             let reach = bodies.slack().reach(class.largest, class.largest);
-            let domain = Domain::new((class.low, class.high), reach, class.bodies)?;
+            let domain = Domain::along(axes, (class.low, class.high), reach, class.bodies);
             let Some((grid, crowd)) = domain.dense() else { return Ok(None) };
             may_crowd |= crowd;
             let bounds = Bounds::of(bodies.slack(), reach, &grid, None);
@@ -159,3 +153,6 @@ fn fill<T: Real, const D: usize>(
     }
     filling.into_iter().flatten().for_each(Filling::end);
 }
+
+#[cfg(test)]
+mod tests;

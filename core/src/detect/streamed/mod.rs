@@ -52,7 +52,6 @@ use kernel::{Bounds, Scratch};
 use lists::Lists;
 use slab::Slab;
 use sparse::Sparse;
-use visits::Visits;
 
 use super::book::list::numbered;
 use super::modern::copies::Touch;
@@ -77,7 +76,6 @@ pub struct Streamed<const D: usize> {
     /// Buffers for scenes with one radius, and with one per particle.
     uniform: Buffers<D, ()>,
     each: Buffers<D, f32>,
-    visits: Visits,
     /// For classes of sizes that crowd.
     crowded: HGrid<D>,
     formula: u64,
@@ -112,7 +110,6 @@ impl<const D: usize> Streamed<D> {
             workers: Vec::new(),
             uniform: Buffers::default(),
             each: Buffers::default(),
-            visits: Visits::default(),
             crowded: HGrid::with(options),
             formula: 0,
         }

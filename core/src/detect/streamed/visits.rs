@@ -1,271 +1,272 @@
 //! Larger bodies in the grid of a finer class.
 //!
 //! While a bundle of layers of a class is in cache ([`super::dense`]), the larger bodies that reach
-//! into it visit it: a ball through rows of cells, of each row the cells along the chord, which are
-//! side by side in memory.
+//! into it visit it: a ball through rows of cells. The cells of a row that are within reach are side
+//! by side in memory.
 //!
 //! ```text
 //!      . . o o o . .
-//!      . o o o o o .      o: cells of a row within reach of the visitor
+//!      . o o o o o .      o: cells within reach of the visitor
 //!      . o o @ o o .
 //!      . o o o o o .
 //! ```
 //!
-//! **Which cells.** Let Q be the true coordinates of a body in steps of the grid, q the whole
-//! numbers that its cell is made of, and v the visitor's coordinates as computed here. |q - Q| <
-//! 1.01 ([`super::grid`]); v is off by less than (2u + u²)|v| with u = 2^-53, and the reach ρ in
-//! steps by 2^-50 ρ. A pair that touches has |Qj - Qi| <= ρ, so |qj - v| <= ρ + 2 + (|v| + ρ)2^-50.
-//! We take R = ρ + 4 + (|v| + ρ)2^-46 for it, |v| over all axes, and R² - (what the other axes have
-//! at least) with as much to spare as its rounding takes. Where a number overflows or is none, the
-//! whole row is looked at.
+//! Nothing is kept for this. The larger bodies are on the lists of their own classes, bundle by
+//! bundle, and all grids cut their layers across the same axis, so those who may reach a bundle are
+//! in few bundles of each larger class.
 //!
-//! **Distances** are those of [`super::kernel`], with these bounds: along x the rounding of v to
-//! 24 bits comes in place of that of a coordinate of the grid; along the others v minus the cell's
-//! origin, at most R + one cell, is rounded once to 24 bits, and the difference once more, where the
-//! kernel's are exact: together below 2^-22 R per axis. So the relative part is 2^-18 instead of
-//! 2^-19.
+//! **Which cells.** Let Q be the true coordinates of a body in steps of the visited grid, q the
+//! whole numbers that its cell is made of: |q - Q| < 1.01 ([`super::grid`]). A visitor has whole
+//! numbers p of its own grid, within 1.01 of the true ones, too. From them v = m·p + c is computed,
+//! m and c with relative errors below 2^-49: v is within 1.01m + (m·p + |c|)2^-47 of the truth. A
+//! pair that touches has |Qj - Qi| <= ρ, the reach in steps, computed with a relative error below
+//! 2^-49. So |qj - v| <= R = ρ + 2 + 2m + (ρ + m·p + |c|)2^-46, with the largest of m·p + |c| over
+//! all axes. Distances of v from the borders of cells are rounded by less than what R has to spare.
+//! Where a number overflows, or is none, all cells of the axis are looked at.
+//!
+//! **Distances** are decided as in [`super::kernel`]. Coordinates are off by at most 1.01 + 1.01m
+//! along each axis, and by (m·p + |c|)2^-47; along x both have 24 bits; along the others v minus the
+//! origin of the cell, at most R + one cell, is rounded to 24 bits, and so is the difference, where
+//! the kernel's are exact: below 2^-22 R per axis. The relative part of the bound is 2^-18 for that,
+//! instead of 2^-19.
 
-use std::ops::RangeInclusive;
-
-use super::grid::{Grid, STEPS_OFF};
+use super::grid::Grid;
 use super::kernel::{Limits, Query, Scratch, test};
-use super::lists::at_least;
+use super::lists::Lists;
 use super::pair_sink::PairSink;
 use super::plan::Plan;
 use super::slab::Slab;
-use super::unchecked::{Run16, chunk, element};
+use super::unchecked::{Run16, TwoRuns8, element};
 use crate::contact::Slack;
 use crate::probe::Op;
-use crate::wide::{Kernel, LANES, Level, Wide};
+use crate::wide::{HALF, Kernel, LANES, Wide};
 
-/// No visitor.
-const NONE: u32 = u32::MAX;
+/// So many cells from the middle of a ball its rows are cut to their chords.
+const CLIP: f64 = 4.0;
+/// More than all roundings of a reach together, those of radii in f32 among them.
+const EPSILON: f64 = 1.0 / (1u64 << 21) as f64;
 
-/// A larger body in the grid of a class.
+/// A class of sizes, as visitors and those who are visited need it.
 #[derive(Clone, Copy)]
-struct Visitor<const D: usize> {
-    /// In steps, in the order of the grid's axes.
-    at: [f64; D],
-    /// How far a body can be that touches it, in steps.
-    reach: f64,
-    /// As the kernel has it, in steps.
-    grow: f32,
-    radius: f32,
-}
-
-/// A body that visits, and the next that comes first to the same slab.
-#[derive(Clone, Copy)]
-struct Arrival {
-    id: u32,
-    next: u32,
-}
-
-/// Buffers.
-#[derive(Default)]
-pub(super) struct Visits {
-    arrivals: Vec<Arrival>,
-    /// For each slab the first arrival.
-    slabs: Vec<u32>,
-    /// Who is there.
-    present: Vec<u32>,
-}
-
-/// Where a body is, and its radius.
-pub(super) type Whereabouts<'a, const D: usize> = &'a dyn Fn(u32) -> ([f64; D], f64);
-
-/// The class that is visited.
-#[derive(Clone, Copy)]
-pub(super) struct Visited<'a, const D: usize> {
+pub(super) struct Host<'a, const D: usize> {
     pub grid: &'a Grid<D>,
     pub plan: &'a Plan,
-    /// Its largest radius.
+    /// The largest radius.
     pub largest: f64,
+    pub lists: &'a Lists<D, f32>,
+}
+
+/// From the coordinates of one grid to those of another, in steps.
+struct Passage<const D: usize> {
+    /// Steps of the other grid in one of this.
+    scale: f64,
+    shift: [f64; D],
+}
+
+impl<const D: usize> Passage<D> {
+    fn new(from: &Grid<D>, to: &Grid<D>) -> Passage<D> {
+        Passage { scale: to.finer_than(from), shift: to.origin_of(from) }
+    }
+}
+
+/// A body of one class against those of a bundle of another.
+struct Visitor<const D: usize> {
+    /// In steps of the bundle's grid.
+    at: [f64; D],
+    /// How far a body can be that touches it.
+    reach: f64,
+    /// As the kernel has it.
+    grow: f32,
+    radius: f32,
+    id: u32,
+}
+
+/// The bodies of larger classes against those of a bundle.
+pub(super) struct Visit<'a, const D: usize> {
+    /// The classes, the largest first.
+    pub larger: &'a [Option<Host<'a, D>>],
+    pub host: Host<'a, D>,
     pub slack: Slack,
-    pub bodies: Whereabouts<'a, D>,
+    /// The number of the bundle.
+    pub number: usize,
+    pub slab: &'a Slab<D>,
+    pub scratch: &'a mut Scratch,
+    pub sink: &'a mut dyn PairSink,
 }
 
-impl<const D: usize> Visited<'_, D> {
-    /// The visitor, and the slabs that it reaches, if it reaches any.
-    fn visitor(&self, id: u32) -> Option<(RangeInclusive<usize>, Visitor<D>)> {
-        let (position, radius) = (self.bodies)(id);
-        let at = self.grid.in_steps(position);
-        let far = at.iter().fold(0.0, |far: f64, x| far.max(x.abs()));
-        let reach = self.grid.length(self.slack.reach(radius, self.largest));
-        let relative = self.slack.relative + 1.0 / f64::from(1 << 18);
-        let most = (self.grid.count[0] << self.grid.bits) as f64 + at[0].abs();
-        let grow = 2.0 * STEPS_OFF
-            + most / f64::from(1 << 23)
-            + 2.0
-            + self.grid.length(self.slack.absolute)
-            + reach * relative;
-        let reach = reach + 4.0 + (far + reach) / (1u64 << 46) as f64;
-        for (&x, &count) in at.iter().zip(&self.grid.count) {
-            if x + reach < 0.0 || x - reach > (count << self.grid.bits) as f64 {
-                return None;
-            }
-        }
-        let (first, last) = self.cells(D - 1, at[D - 1], reach);
-        let slab = |layer: u64| (layer >> self.plan.layers) as usize;
-        let radius = self.grid.length(radius) as f32;
-        Some((slab(first)..=slab(last), Visitor { at, reach, grow: grow as f32, radius }))
-    }
-
-    /// The first and the last cell along an axis that are within a distance.
-    #[inline(always)]
-    fn cells(&self, axis: usize, x: f64, distance: f64) -> (u64, u64) {
-        let top = ((self.grid.count[axis] << self.grid.bits) - 1) as f64;
-        // What is no number becomes the end of the axis.
-        let cell = |x: f64| x.max(0.0).min(top) as u64 >> self.grid.bits;
-        let high = x + distance;
-        (cell(x - distance), cell(if high.is_nan() { top } else { high }))
-    }
-}
-
-impl Visits {
-    /// Heap needed for so many bodies and slabs.
-    pub fn bytes(bodies: usize, slabs: usize) -> u64 {
-        ((size_of::<Arrival>() + size_of::<u32>()) * bodies + size_of::<u32>() * slabs) as u64
-    }
-
-    /// Room for so many bodies and slabs.
-    pub fn prepare(&mut self, bodies: usize, slabs: usize) {
-        at_least(&mut self.arrivals, bodies, Arrival { id: 0, next: NONE });
-        at_least(&mut self.slabs, slabs, NONE);
-        self.present.clear();
-        if bodies > self.present.capacity() {
-            self.present = Vec::new();
-            self.present.reserve_exact(bodies);
-        }
-    }
-
-    /// Expects these bodies, which are at most as many as there is room for.
-    pub fn expect<const D: usize>(
-        &mut self,
-        visited: Visited<'_, D>,
-        ids: impl Iterator<Item = u32>,
-    ) {
-        let slabs = &mut self.slabs[..visited.plan.slabs];
-        slabs.fill(NONE);
-        let mut count = 0;
-        for id in ids {
-            let Some((slabs_of, _)) = visited.visitor(id) else { continue };
-            let first = &mut slabs[*slabs_of.start()];
-            self.arrivals[count as usize] = Arrival { id, next: *first };
-            *first = count;
-            count += 1;
-        }
-        self.present.clear();
-    }
-
-    /// Those who come to this slab, or have come before and are still there, are tested against the
-    /// bodies in it.
-    pub fn of_slab<const D: usize>(
-        &mut self,
-        visited: Visited<'_, D>,
-        (number, slab): (usize, &Slab<D>),
-        level: Level,
-        scratch: &mut Scratch,
-        sink: &mut dyn PairSink,
-    ) {
-        let mut arrival = self.slabs[number];
-        while arrival != NONE {
-            let Arrival { id, next } = self.arrivals[arrival as usize];
-            self.present.push(id);
-            arrival = next;
-        }
-        let present = &mut self.present;
-        if !present.is_empty() {
-            level.run(Visit { visited, present, number, slab, scratch, sink });
-        }
-    }
-}
-
-/// All visitors of a slab against the bodies in it.
-struct Visit<'a, const D: usize> {
-    visited: Visited<'a, D>,
-    present: &'a mut Vec<u32>,
-    number: usize,
-    slab: &'a Slab<D>,
-    scratch: &'a mut Scratch,
-    sink: &'a mut dyn PairSink,
+/// The first and the last cell along an axis of `count` cells that are within a distance.
+#[inline(always)]
+fn cells(count: u64, bits: u32, x: f64, distance: f64) -> (u64, u64) {
+    let top = ((count << bits) - 1) as f64;
+    let high = x + distance;
+    // What is no number becomes the end of the axis.
+    let cell = |x: f64| x.max(0.0).min(top) as u64 >> bits;
+    (cell(x - distance), cell(if high.is_nan() { top } else { high }))
 }
 
 impl<const D: usize> Kernel for Visit<'_, D> {
     type Output = ();
 
     #[inline(always)]
-    fn run<W: Wide>(self, w: W) {
-        let Visit { visited, present, number, slab, scratch, sink } = self;
-        let Visited { grid, plan, .. } = visited;
+    fn run<W: Wide>(mut self, w: W) {
+        let Host { grid, plan, .. } = self.host;
+        if self.slab.len == 0 {
+            return;
+        }
         let one = (1u64 << grid.bits) as f64;
-        let of_slab = ((number << plan.layers) as u64, ((number + 1) << plan.layers) as u64 - 1);
-        let (mut found, mut rows, mut tests, mut stay) = (0, 0, 0, 0);
-        for k in 0..present.len() {
-            let id = present[k];
-            // It was expected, so it is one.
-            let Some((slabs, visitor)) = visited.visitor(id) else { continue };
-            if *slabs.end() > number {
-                present[stay] = id;
-                stay += 1;
+        // The layers of the bundle, in steps.
+        let layers = [self.number, self.number + 1].map(|k| (k << plan.layers) as f64 * one);
+        let steps = (grid.count[0] << grid.bits) as f64;
+        let (largest, absolute) =
+            (grid.length(self.host.largest), grid.length(self.slack.absolute));
+        let slack = self.slack;
+        let reach_of =
+            |radius: f64| (radius + largest) * (1.0 + slack.relative) * (1.0 + EPSILON) + absolute;
+        let (mut found, mut counts) = (0, [0; 2]);
+        for from in self.larger.iter().flatten() {
+            let Passage { scale, shift } = Passage::new(from.grid, grid);
+            // The bundles of those who may reach this one.
+            let far = reach_of(scale * from.grid.length(from.largest));
+            let spare = 8.0 + 8.0 * scale + (far + shift[D - 1].abs() + layers[1]) * EPSILON;
+            let back = |z: f64| (z - shift[D - 1]) / scale;
+            let (low, high) = (back(layers[0] - far - spare), back(layers[1] + far + spare));
+            if high < 0.0 {
+                continue;
             }
-            let Visitor { at, reach, grow, radius } = visitor;
-            let square = reach * reach * (1.0 + 1.0 / (1u64 << 48) as f64);
-            // How far a coordinate is from a cell, squared, and from the cell's origin.
-            let from_cell = |axis: usize, cell: u64| {
-                let origin = at[axis] - cell as f64 * one;
-                let gap = (-origin).max(origin - one).max(0.0);
-                (gap * gap, origin as f32)
-            };
-            let limits = Limits::new(w, w.all(0.0), 0.0);
-            let (first, last) = visited.cells(D - 1, at[D - 1], reach);
-            for layer in first.max(of_slab.0)..=last.min(of_slab.1) {
-                let (of_layer, z) = from_cell(D - 1, layer);
-                let left = square - of_layer;
-                if left < 0.0 {
-                    continue;
-                }
-                let in_slab = (layer - of_slab.0) as usize * plan.layer;
-                // In 2D a layer is a row.
-                let (first, last) =
-                    if D == 2 { (0, 0) } else { visited.cells(1, at[1], left.sqrt()) };
-                for row in first..=last {
-                    let (of_row, y) = if D == 2 { (0.0, 0.0) } else { from_cell(1, row) };
-                    let left = left - of_row;
-                    if left < 0.0 {
+            let bundle = from.grid.bits + from.plan.layers;
+            let end = from.plan.slabs as u64 - 1;
+            // Casts saturate, and what is no number is the first bundle.
+            let first = ((low as u64) >> bundle).min(end);
+            let last = if high.is_nan() { end } else { ((high as u64) >> bundle).min(end) };
+            // The same as whole numbers, before anything is computed of a body.
+            let near = low as u64..=if high.is_nan() { u64::MAX } else { high as u64 };
+            for number in first..=last {
+                for record in from.lists.blocks(number as usize).flatten() {
+                    // Along the last axis, the bundle has the highest bits.
+                    let in_bundle = u64::from(record.at[D - 1]) & ((1 << bundle) - 1);
+                    let z = number << bundle | in_bundle;
+                    if !near.contains(&z) {
                         continue;
                     }
-                    let (from, to) = visited.cells(0, at[0], left.sqrt());
-                    let row = if D == 2 { 0 } else { (row as usize + 1) * plan.row };
-                    let cell = in_slab + row + 1;
-                    // SAFETY: the cells are of the grid, in a layer of the slab, and `begin` has an
-                    // entry for each cell of a slab.
-                    let begin = unsafe { element(&slab.begin, cell + from as usize) };
-                    // SAFETY: likewise, and for the border after the row.
-                    let end = unsafe { element(&slab.begin, cell + to as usize + 1) };
-                    rows += 1;
-                    tests += u64::from(end - begin);
-                    let mut query = Query { at: [w.all(at[0] as f32); D], radius: w.all(0.0) };
-                    query.radius = w.all(radius + grow);
-                    query.at[D - 1] = w.all(z);
+                    let p: [f64; D] = std::array::from_fn(|k| {
+                        if k < D - 1 { f64::from(record.at[k]) } else { z as f64 }
+                    });
+                    let at: [f64; D] = std::array::from_fn(|k| scale * p[k] + shift[k]);
+                    let radius = scale * f64::from(record.radius);
+                    let reach = reach_of(radius);
+                    let far =
+                        (0..D).fold(0.0, |far: f64, k| far.max(scale * p[k] + shift[k].abs()));
+                    let reach = reach + 2.0 + 2.0 * scale + (reach + far) / (1u64 << 46) as f64;
+                    if at[D - 1] + reach < layers[0] || at[D - 1] - reach > layers[1] {
+                        continue;
+                    }
+                    let grow = 2.0 * (1.0 + scale)
+                        + far / (1u64 << 45) as f64
+                        + (steps + at[0].abs()) / f64::from(1 << 23)
+                        + 2.0
+                        + absolute
+                        + reach * (slack.relative + 1.0 / f64::from(1 << 18));
+                    let (grow, radius, id) = (grow as f32, radius as f32, record.id);
+                    let visitor = Visitor { at, reach, grow, radius, id };
+                    self.ball(w, &visitor, &mut found, &mut counts);
+                }
+            }
+        }
+        self.scratch.hand_on(&mut found, self.sink);
+        self.sink.count(Op::LevelProbe, counts[0]);
+        self.sink.count(Op::ContactTest, counts[1]);
+    }
+}
+
+impl<const D: usize> Visit<'_, D> {
+    /// A visitor against what is within reach of it.
+    #[inline(always)]
+    fn ball<W: Wide>(
+        &mut self,
+        w: W,
+        visitor: &Visitor<D>,
+        found: &mut usize,
+        counts: &mut [u64; 2],
+    ) {
+        let Host { grid, plan, .. } = self.host;
+        let Visitor { at, reach, grow, radius, id } = *visitor;
+        let cells = |axis: usize, distance| cells(grid.count[axis], grid.bits, at[axis], distance);
+        for k in 0..D {
+            let end = (grid.count[k] << grid.bits) as f64;
+            if at[k] + reach < 0.0 || at[k] - reach > end {
+                return;
+            }
+        }
+        let one = (1u64 << grid.bits) as f64;
+        let (begin, end) =
+            ((self.number << plan.layers) as u64, ((self.number + 1) << plan.layers) as u64 - 1);
+        let square = reach * reach * (1.0 + 1.0 / (1u64 << 48) as f64);
+        // How far a coordinate is from a cell, squared, and from the cell's origin.
+        let from_cell = |axis: usize, cell: u64| {
+            let origin = at[axis] - cell as f64 * one;
+            let gap = (-origin).max(origin - one).max(0.0);
+            (gap * gap, origin as f32)
+        };
+        let limits = Limits::new(w, w.all(0.0), 0.0);
+        let mut query = Query { at: [w.all(at[0] as f32); D], radius: w.all(radius + grow) };
+        let wide = reach > CLIP * one;
+        let whole = cells(0, reach);
+        let second = w.load_two(&[0.0; HALF], &[one as f32; HALF]);
+        let (first, last) = cells(D - 1, reach);
+        for layer in first.max(begin)..=last.min(end) {
+            let (of_layer, z) = from_cell(D - 1, layer);
+            query.at[D - 1] = w.all(z);
+            let in_slab = (layer - begin) as usize * plan.layer + 1;
+            let left = square - of_layer;
+            if left < 0.0 {
+                continue;
+            }
+            // The bodies of a row that are not too far, and where the visitor is from its origin.
+            let places = |row: u64| {
+                // In 2D a layer is a row.
+                let (of_row, y) = if D == 2 { (0.0, 0.0) } else { from_cell(1, row) };
+                let (from, to) =
+                    if wide { cells(0, (left - of_row).max(0.0).sqrt()) } else { whole };
+                let cell = in_slab + if D == 2 { 0 } else { (row as usize + 1) * plan.row };
+                // SAFETY: the cells are of the grid, in a layer of the slab, and `begin` has an
+                // entry for each cell of a slab.
+                let begin = unsafe { element(&self.slab.begin, cell + from as usize) };
+                // SAFETY: likewise, and for the border after the row.
+                let end = unsafe { element(&self.slab.begin, cell + to as usize + 1) };
+                (begin, end - begin, y)
+            };
+            let (mut row, last) = if D == 2 { (0, 0) } else { cells(1, left.sqrt()) };
+            while row <= last {
+                let (begin, len, y) = places(row);
+                let (begin_next, len_next, y_next) = places(last.min(row + 1));
+                let len_next = if row < last { len_next } else { 0 };
+                counts[0] += 1 + u64::from(row < last);
+                counts[1] += u64::from(len + len_next);
+                row += 2;
+                // SAFETY: a range of places ends at the slab's `len` at the latest, and its arrays
+                // are a vector longer.
+                let run = |at: u32| unsafe { Run16::new(self.slab, at as usize) };
+                if D == 3 && len | len_next < HALF as u32 {
+                    query.at[1] = w.sub(w.all(y), second);
+                    let source = TwoRuns8([run(begin), run(begin_next)]);
+                    let valid = !(!0 << len) | !(!0 << len_next) << HALF;
+                    let masks = test::<_, D, true>(w, source, valid, &query, limits, grow, None);
+                    self.scratch.take(w, id, source, masks, found, self.sink);
+                    continue;
+                }
+                for (begin, len, y) in [(begin, len, y), (begin_next, len_next, y_next)] {
                     if D == 3 {
                         query.at[1] = w.all(y);
                     }
-                    for k in (begin..end).step_by(LANES) {
-                        let valid = !(!0 << (end - k).min(LANES as u32));
-                        // SAFETY: a range of places ends at the slab's `len` at the latest, and
-                        // its arrays are a vector longer.
-                        let run = unsafe { Run16::new(slab, k as usize) };
-                        let masks = test::<_, D, true>(w, run, valid, &query, limits, grow, None);
-                        // SAFETY: likewise.
-                        let ids = unsafe { chunk(&slab.ids, k as usize) };
-                        scratch.take(w, id, ids, masks, &mut found, sink);
+                    for k in (0..len).step_by(LANES) {
+                        let (source, valid) =
+                            (run(begin + k), !(!0 << (len - k).min(LANES as u32)));
+                        let masks =
+                            test::<_, D, true>(w, source, valid, &query, limits, grow, None);
+                        self.scratch.take(w, id, source, masks, found, self.sink);
                     }
                 }
             }
         }
-        present.truncate(stay);
-        scratch.hand_on(&mut found, sink);
-        sink.count(Op::LevelProbe, rows);
-        sink.count(Op::ContactTest, tests);
     }
 }
