@@ -7,5 +7,6 @@ pub mod crowd;
 pub mod hash_grid;
 pub mod hgrid;
 pub mod kd_tree;
+pub mod rows;
 pub mod sweep;
 pub mod tree;

@@ -191,9 +191,8 @@ impl<const D: usize> Visit<'_, D> {
         let Host { grid, plan, .. } = self.host;
         let Visitor { at, reach, grow, radius, id } = *visitor;
         let cells = |axis: usize, distance| cells(grid.count[axis], grid.bits, at[axis], distance);
-        for k in 0..D {
-            let end = (grid.count[k] << grid.bits) as f64;
-            if at[k] + reach < 0.0 || at[k] - reach > end {
+        for (&x, &count) in at.iter().zip(&grid.count) {
+            if x + reach < 0.0 || x - reach > (count << grid.bits) as f64 {
                 return;
             }
         }
