@@ -209,7 +209,7 @@ pub static TABLE: &[Entry] = &[
         role: Role::Detector,
         group: Group::Streamed,
         summary: "NBS for caches and vector registers: layers sorted by cell, two at a time, \
-                  sixteen tests in one go",
+                  sixteen tests in one go; in classes where sizes differ",
         cost: "N; N log N where particles crowd in a large domain",
         memory: "about 16N in 2D, 20N in 3D, and two bundles of layers",
         limits: "cells per axis < 2^31 where particles crowd; the memory limit",

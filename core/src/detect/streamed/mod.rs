@@ -16,19 +16,25 @@
 //!    `kernel.rs` for the bounds.
 //!
 //! Loose scenes get larger cells, about three cells per particle, scenes whose particles crowd in
-//! few of those cells the sparse form (`sparse.rs`). Up to eight giants among much smaller bodies
-//! are left out of all this (`giants.rs`), and tested against everybody.
+//! few of those cells the sparse form (`sparse.rs`).
 //!
-//! * Cost: proportional to N, independent of the packing density; N log N in the sparse form.
+//! Where sizes differ so much that one width of cells does not suit all, bodies are parted into
+//! classes of sizes (`classes.rs`), each with its own grid and sweep (`levels.rs`); while a bundle
+//! is in cache, larger bodies visit it (`visits.rs`), row by row of the cells within reach. A class
+//! that crowds is left to [`HGrid`], and all others with it.
+//!
+//! * Cost: proportional to N, independent of the packing density; N log N in the sparse form; with
+//!   classes, to N in each class that they are visited by.
 //! * Memory, for lists (blocks of b records, L lists): `(16 + 4/b)(N + bL) + 4L` bytes in 3D, 12
 //!   instead of 16 in 2D, 4 more with a radius per particle; two bundles of n particles and c
 //!   cells: `2(4(D + 2)(n + 16) + 4(c + 2))`. A bundle has 2,000 to 4,000 particles, or one layer
-//!   if that is more. In the sparse form: 24N, 32N with radii, and two layers. Some 9 KiB of
+//!   if that is more. With classes of sizes: the lists of each, and two bundles that hold the
+//!   largest of any. In the sparse form: 24N, 32N with radii, and two layers. Some 9 KiB of
 //!   working space per thread. With several threads: two bundles each, and the contacts, 8 bytes
 //!   each in lists of twice the length at most; then a warm call allocates the list of shares.
 //! * Refuses scenes of 2^31 cells and more along an axis in the sparse form, extents
 //!   that overflow, and more than 2^31 - 1 particles.
-//! * Threads: in the dense form, from 20,000 particles on.
+//! * Threads: in the dense form, from 20,000 particles on; one where there are classes of sizes.
 //! * In `textbook` arithmetic its filters are as safe as in f64: the book prints none for it.
 
 mod classes;
