@@ -5,7 +5,7 @@ use super::classes::{Class, Classes, MOST};
 use super::dense::{Bundles, grow};
 use super::grid::{Domain, Grid, axes};
 use super::kernel::Bounds;
-use super::lists::{Filling, Lists};
+use super::lists::Lists;
 use super::pair_sink::Deliver;
 use super::plan::Plan;
 use super::slab::Slab;
@@ -141,17 +141,22 @@ fn fill<T: Real, const D: usize>(
     levels: &Levels<D>,
     lists: &mut [Lists<D, f32>],
 ) {
-    let mut filling = [const { None }; MOST];
-    for ((filling, level), lists) in filling.iter_mut().zip(levels.iter().flatten()).zip(lists) {
-        *filling = Some(lists.begin(level.class.bodies, &level.grid, &level.plan));
+    let mut filling = [None; MOST];
+    for ((filling, level), lists) in
+        filling.iter_mut().zip(levels.iter().flatten()).zip(&mut *lists)
+    {
+        *filling = Some(lists.begin(level.class.bodies, &level.plan));
     }
     for id in 0..bodies.len() as u32 {
         let radius = bodies.radius(id);
-        if let Some(filling) = &mut filling[classes.number(radius)] {
-            filling.push(bodies.position(id), radius, id);
+        let class = classes.number(radius);
+        if let (Some(filling), Some(level)) = (&mut filling[class], &levels[class]) {
+            lists[class].push(filling, &level.grid, bodies.position(id), radius, id);
         }
     }
-    filling.into_iter().flatten().for_each(Filling::end);
+    for (filling, level) in filling.into_iter().flatten().zip(levels.iter().flatten()) {
+        filling.end(&level.grid);
+    }
 }
 
 #[cfg(test)]

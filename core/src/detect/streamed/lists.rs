@@ -93,16 +93,16 @@ impl<const D: usize, R: Size> Lists<D, R> {
         grid: &Grid<D>,
         plan: &Plan,
     ) {
-        let mut filling = self.begin(particles.len(), grid, plan);
+        let mut filling = self.begin(particles.len(), plan);
         for id in particles.start as u32..particles.end as u32 {
             let radius = if R::EACH { bodies.radius(id) } else { 0.0 };
-            filling.push(bodies.position(id), radius, id);
+            self.push(&mut filling, grid, bodies.position(id), radius, id);
         }
-        filling.end();
+        filling.end(grid);
     }
 
     /// Empty lists for at most `n` particles.
-    pub fn begin(&mut self, n: usize, grid: &Grid<D>, plan: &Plan) -> Filling<'_, D, R> {
+    pub fn begin(&mut self, n: usize, plan: &Plan) -> Filling<D> {
         let lists = plan.slabs;
         let (block, count) = block_size(n, lists);
         self.block = block;
@@ -117,15 +117,32 @@ impl<const D: usize, R: Size> Lists<D, R> {
             *next = (list as u32) << block;
             self.before[list] = NONE;
         }
-        Filling {
-            records: &mut self.records,
-            before: &mut self.before,
-            next: &mut self.next,
-            block,
-            free: lists as u32,
-            shift: grid.bits + plan.layers,
-            most: [0; D],
-            grid: *grid,
+        Filling { block, layers: plan.layers, free: lists as u32, most: [0; D] }
+    }
+
+    /// Puts a particle on the list of its slab.
+    #[inline(always)]
+    pub fn push(
+        &mut self,
+        filling: &mut Filling<D>,
+        grid: &Grid<D>,
+        position: [f64; D],
+        radius: f64,
+        id: u32,
+    ) {
+        let steps = grid.steps(position);
+        let radius = if R::EACH { R::new(grid.length(radius) as f32) } else { R::default() };
+        filling.most = std::array::from_fn(|k| filling.most[k].max(steps[k]));
+        let next = &mut self.next[(steps[D - 1] >> (grid.bits + filling.layers)) as usize];
+        self.records[*next as usize] =
+            Record { at: std::array::from_fn(|k| steps[k] as u32), radius, id };
+        let full = (1 << filling.block) - 1;
+        if *next & full == full {
+            self.before[filling.free as usize] = *next >> filling.block;
+            *next = filling.free << filling.block;
+            filling.free += 1;
+        } else {
+            *next += 1;
         }
     }
 
@@ -152,47 +169,24 @@ impl<const D: usize, R: Size> Lists<D, R> {
     }
 }
 
-/// Lists that are being filled.
-pub(super) struct Filling<'a, const D: usize, R> {
-    records: &'a mut [Record<D, R>],
-    before: &'a mut [u32],
-    next: &'a mut [u32],
+/// What is known of lists while they are filled: beside them, so that it can be in registers.
+#[derive(Clone, Copy)]
+pub(super) struct Filling<const D: usize> {
     block: u32,
+    layers: u32,
     /// The first block that is on no list.
     free: u32,
-    /// From a coordinate in steps to the number of its slab.
-    shift: u32,
     /// The largest coordinates.
     most: [u64; D],
-    grid: Grid<D>,
 }
 
-impl<const D: usize, R: Size> Filling<'_, D, R> {
-    /// Puts a particle on the list of its slab.
-    #[inline(always)]
-    pub fn push(&mut self, position: [f64; D], radius: f64, id: u32) {
-        let steps = self.grid.steps(position);
-        let radius = if R::EACH { R::new(self.grid.length(radius) as f32) } else { R::default() };
-        self.most = std::array::from_fn(|k| self.most[k].max(steps[k]));
-        let next = &mut self.next[(steps[D - 1] >> self.shift) as usize];
-        self.records[*next as usize] =
-            Record { at: std::array::from_fn(|k| steps[k] as u32), radius, id };
-        let full = (1 << self.block) - 1;
-        if *next & full == full {
-            self.before[self.free as usize] = *next >> self.block;
-            *next = self.free << self.block;
-            self.free += 1;
-        } else {
-            *next += 1;
-        }
-    }
-
+impl<const D: usize> Filling<D> {
     /// To be called after the last particle.
-    pub fn end(self) {
+    pub fn end(self, grid: &Grid<D>) {
         // The kernel relies on it without a check, and `Bodies` may be anybody's: one whose
         // positions changed since the grid was made stops here.
         assert!(
-            (0..D).all(|k| self.most[k] >> self.grid.bits < self.grid.count[k]),
+            (0..D).all(|k| self.most[k] >> grid.bits < grid.count[k]),
             "positions changed during a detection"
         );
     }
