@@ -188,7 +188,9 @@ mod tests {
         for x in -1..2 {
             for y in -1..2 {
                 for z in -1..2 {
-                    sums.extend([(0, 1), (0, 2), (1, 2)].map(|(i, j)| of(&[(i, j, [x, y, z])]).sum));
+                    sums.extend(
+                        [(0, 1), (0, 2), (1, 2)].map(|(i, j)| of(&[(i, j, [x, y, z])]).sum),
+                    );
                 }
             }
         }

@@ -2,7 +2,9 @@
 
 use nalgebra::Point;
 
-use super::rule::{AnyRule, Asked, Decide, ExactEach, ExactUniform, RoundedEach, RoundedUniform, Rule};
+use super::rule::{
+    AnyRule, Asked, Decide, ExactEach, ExactUniform, RoundedEach, RoundedUniform, Rule,
+};
 use super::{Margin, Slack, Test};
 use crate::probe::{Op, Probe};
 use crate::refusal::Refusal;

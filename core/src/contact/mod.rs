@@ -44,7 +44,9 @@ pub use bodies::{
     Approximate, Bodies, SceneBodies, WithBodies, any_bodies, approximate_bodies, with_bodies,
     with_stored,
 };
-pub use rule::{AnyRule, Asked, Decide, ExactEach, ExactUniform, RoundedEach, RoundedUniform, Rule};
+pub use rule::{
+    AnyRule, Asked, Decide, ExactEach, ExactUniform, RoundedEach, RoundedUniform, Rule,
+};
 pub use slack::{Margin, Slack};
 
 #[cfg(test)]
