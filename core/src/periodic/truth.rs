@@ -98,7 +98,7 @@ fn exact<const D: usize>(
     let each: f64 = (0..3).map(|a| 2.0 * diameter * frame.lengths[a] + 1.0).product();
     let needed = n as f64 * (each - 1.0) * IMAGE_PAIR_BYTES as f64;
     // A sphere is half of the box around it, and of the box of a skewed lattice far less.
-    if !(needed <= 64.0 * limit as f64) {
+    if !(needed <= 16.0 * limit as f64) {
         let images = n as f64 * each;
         let particles = n as u64;
         return Err(Refusal::Images { particles, images, reach: diameter, needed, limit });
