@@ -93,20 +93,19 @@ fn exact<const D: usize>(
 ) -> Result<(), Refusal> {
     let n = scene.len();
     let at = |index: usize| array(&scene.centres()[index]);
-    // Images of one pair, at most.
-    let diameter = 2.0 * scene.largest_radius();
-    let each: f64 = (0..3).map(|a| 2.0 * diameter * frame.lengths[a] + 1.0).product();
-    let needed = n as f64 * (each - 1.0) * IMAGE_PAIR_BYTES as f64;
-    // A sphere is half of the box around it, and of the box of a skewed lattice far less.
-    if !(needed <= 16.0 * limit as f64) {
-        let images = n as f64 * each;
-        let particles = n as u64;
-        return Err(Refusal::Images { particles, images, reach: diameter, needed, limit });
-    }
+    // A sphere is half of the box around it, of a skewed one far less; most pairs have none.
+    let most = 8.0 * (n * n) as f64 + 16.0 * (limit / IMAGE_PAIR_BYTES) as f64;
+    let mut images = 0.0;
     for i in 0..n {
         for j in i..n {
             let sum = scene.radius(i) + scene.radius(j);
             let ranges = around(frame, [i, j], at(i), at(j), sum)?;
+            images += ranges.map(|[low, high]| f64::from(high - low + 1)).iter().product::<f64>();
+            if images > most {
+                let needed = images * IMAGE_PAIR_BYTES as f64;
+                let (particles, reach) = (n as u64, 2.0 * scene.largest_radius());
+                return Err(Refusal::Images { particles, images, reach, needed, limit });
+            }
             for_all(ranges, |image| {
                 if i == j && image <= [0; 3] || apart(frame, at(i), at(j), image, sum) {
                     return;
@@ -139,7 +138,7 @@ fn around<const D: usize>(
     for v in (0..3).filter(|&v| frame.periodic[v]) {
         let margin = frame.lengths[v] * sum * (1.0 + 16.0 * U) + errors[v] + coupling[v] + 0.25;
         let (low, high) = ((fractions[v] - margin).ceil(), (fractions[v] + margin).floor());
-        if !(most < MOST && low > -2.0 * MOST && high < 2.0 * MOST) {
+        if !(most < MOST && low > -MOST && high < MOST) {
             let particle = if size(a) > size(b) { i } else { j } as u32;
             return Err(Refusal::Away { particle, vector: v, boxes: fractions[v] });
         }

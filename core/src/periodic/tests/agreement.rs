@@ -25,7 +25,7 @@ where
     AnyScene<'static>: From<Scene<'static, f64, D>>,
 {
     let mut detectors: Vec<_> =
-        detectors().map(|entry| (entry.name, entry.make(Options::default()))).collect();
+        detectors().map(|entry| (entry.name, entry.make(OPTIONS))).collect();
     for seed in seeds {
         let bag = random::<D>(seed, [Numbers::Real, Numbers::Dyadic][seed as usize / 4 % 2]);
         let periodic = bag.periodic();
@@ -169,7 +169,7 @@ fn images_are_made_near_the_faces_only() {
         periodic: [true; 3],
         origin: [0.0; 3],
     };
-    let (periodic, mut detector) = (bag.periodic(), TABLE[5].make(Options::default()));
+    let (periodic, mut detector) = (bag.periodic(), TABLE[5].make(OPTIONS));
     let (digest, tally) = count(&periodic, &mut *detector, Arithmetic::Exact, LIMIT).unwrap();
     // A layer of 1 around the box holds a third of the box's volume; half of it is made.
     let ghosts = tally.get(Op::GhostMade);

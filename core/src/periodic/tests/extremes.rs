@@ -15,7 +15,7 @@ fn cube(edge: f64) -> [[f64; 3]; 3] {
 }
 
 fn refusal(bag: &Bag<3>, limit: u64) -> Refusal {
-    let mut detector = TABLE[4].make(Options::default());
+    let mut detector = TABLE[4].make(OPTIONS);
     let found = contacts(&bag.periodic(), &mut *detector, Arithmetic::Exact, limit);
     found.expect_err("it is refused")
 }
@@ -30,12 +30,12 @@ fn what_cannot_be_done_is_said_in_a_sentence() {
     assert!(said.is_some_and(|said| said.to_string().contains("another unit")));
     // So many that they cannot be numbered.
     assert!(matches!(refusal(&of(&[[0.5; 3]], 1e12, cube(1.0)), u64::MAX), Refusal::Images { .. }));
-    assert!(matches!(refusal(&of(&[[0.5; 3]], 1.0, cube(1e-300)), LIMIT), Refusal::Images { .. }));
+    assert!(matches!(refusal(&of(&[[0.0; 3]], 1.0, cube(1e-140)), LIMIT), Refusal::Images { .. }));
     let away = of(&[[0.5; 3], [0.5, 1e12, 0.5]], 0.25, cube(1.0));
     let said = refusal(&away, LIMIT);
     assert!(matches!(said, Refusal::Away { particle: 1, vector: 1, .. }), "{said}");
     assert!(said.to_string().contains("particle 1 is 1e12 boxes away"), "{said}");
-    assert!(matches!(refusal(&of(&[[0.0; 3]], 0.25, cube(1e308)), LIMIT), Refusal::Range));
+    assert!(matches!(refusal(&of(&[[0.0; 3]], f64::MAX, cube(1.0)), LIMIT), Refusal::Range));
     let skewed = of(&[[0.5; 3]], 1e-12, [[1.0, 0.0, 0.0], [1.0, 2e-9, 0.0], [1.0, 1e-9, 2e-18]]);
     if Lattice::new(skewed.vectors, [true; 3], [0.0; 3]).is_ok() {
         assert!(matches!(refusal(&skewed, LIMIT), Refusal::Skewed { .. } | Refusal::Images { .. }));
@@ -44,7 +44,7 @@ fn what_cannot_be_done_is_said_in_a_sentence() {
     let crowd = of(&[[0.5; 3]; 40], 0.5, cube(1.0));
     let found = truth(&crowd.periodic(), Arithmetic::Exact, LIMIT).unwrap().pairs.len() as u64;
     let enough = found * IMAGE_PAIR_BYTES;
-    let mut detector = TABLE[0].make(Options::default());
+    let mut detector = TABLE[0].make(OPTIONS);
     let mut ask = |limit| contacts(&crowd.periodic(), &mut *detector, Arithmetic::Exact, limit);
     assert_eq!(ask(enough).map(|pairs| pairs.len() as u64), Ok(found));
     assert!(matches!(ask(enough - 1), Err(Refusal::Pairs { found: f, .. }) if f == found));
@@ -96,7 +96,7 @@ fn lists_are_compared() {
     assert_eq!(depth(&periodic, ImagePair { i: 0, j: 9, image: [0; 3] }), 0.0);
     let mut digest = Digest::default();
     truth.iter().for_each(|pair| digest.image(pair.j, pair.i, pair.image.map(|s| -s)));
-    let mut detector = TABLE[3].make(Options::default());
+    let mut detector = TABLE[3].make(OPTIONS);
     let counted = count(&periodic, &mut *detector, Arithmetic::Exact, LIMIT).unwrap();
     assert!(counted.0 == digest && counted.1 != Tally::default());
 }
@@ -107,7 +107,7 @@ fn lists_are_compared() {
 fn any_doubles_at_all() {
     let random = &mut ChaCha8Rng::seed_from_u64(5);
     let (mut answers, mut refusals, mut boxes) = (0, 0, 0);
-    for turn in 0..30_000 {
+    for turn in 0..8_000 {
         let mut any = |wild: bool| loop {
             let x = if wild {
                 f64::from_bits(random.random())
@@ -134,11 +134,11 @@ fn any_doubles_at_all() {
             .collect();
         let scene = Scene::new(centres, Radii::Uniform(any(wild).abs())).unwrap();
         let scene = Periodic::new(scene.into(), lattice).unwrap();
-        let limit = 1 << 16;
+        let limit = 1 << 13;
         for arithmetic in [Arithmetic::Exact, Arithmetic::F32] {
             let truth = truth(&scene, arithmetic, limit).ok();
             for entry in detectors().skip(turn % 3).step_by(3) {
-                let options = Options { memory_limit: 1 << 22, ..Options::default() };
+                let options = Options { memory_limit: 1 << 20, ..OPTIONS };
                 match contacts(&scene, &mut *entry.make(options), arithmetic, limit) {
                     Ok(found) => {
                         answers += 1;
@@ -150,5 +150,5 @@ fn any_doubles_at_all() {
             }
         }
     }
-    assert!(boxes > 3000 && answers > 3000 && refusals > 3000, "{boxes} {answers} {refusals}");
+    assert!(boxes > 1000 && answers > 1000 && refusals > 1000, "{boxes} {answers} {refusals}");
 }

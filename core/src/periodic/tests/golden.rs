@@ -87,7 +87,7 @@ fn a_wild_cell_repeated_has_the_same_contacts() {
     for flags in 0..8 {
         let periodic = [flags & 1 > 0, flags & 2 > 0, flags & 4 > 0];
         let mut one = bag::<3>(&[], 0.0, wild, periodic);
-        one.radii = Radii::Each((0..10).map(|_| 0.125 + 0.5 * random.random::<f64>()).collect());
+        one.radii = Radii::Each((0..10).map(|_| 0.25 + 0.75 * random.random::<f64>()).collect());
         one.centres = (0..10)
             .map(|_| {
                 let s: [f64; 3] = std::array::from_fn(|_| 3.0 * random.random::<f64>() - 1.0);

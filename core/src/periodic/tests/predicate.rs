@@ -210,7 +210,7 @@ fn detectors_decide_couples_one_step_from_tangency() {
         };
         let truth = truth_of(&a, &b, *r, *r, Shift { image, vectors: &bag.vectors });
         let entry = detectors[turn % detectors.len()];
-        let detector = &mut *entry.make(Options::default());
+        let detector = &mut *entry.make(OPTIONS);
         let found = ask(detector, &bag.periodic(), Arithmetic::Exact).unwrap();
         let pair = ImagePair::new(0, 1, image);
         let what = format!("{}: {bag:?} {image:?} {truth:?}", entry.name);
