@@ -188,6 +188,29 @@ mod tests {
         assert!(narrow > 300, "{narrow}");
     }
 
+    /// From numbers that leave much room in the narrow form to those that it cannot hold, tangent
+    /// and not.
+    #[test]
+    fn the_narrow_form_refuses_what_it_cannot_hold() {
+        let mut narrow = 0;
+        for places in 50..130 {
+            let x = f64::from_bits((1023 + places) << 52);
+            let vectors = [[x, 1.0], [-x, x], [x, -x]];
+            for image in [[i32::MAX; 3], [i32::MIN, i32::MAX, i32::MIN], [1, 0, 0], [0, -40, 3]] {
+                let (a, b, shift) = ([-x, 0.0], [x, 1.0], Shift { image, vectors: &vectors });
+                for r in [0.0, x, 2.0 * x, 3.0 * x] {
+                    let (distance, reach) = wide(&a, &b, r, 1.0, shift);
+                    let truth = compare_words(&distance, &reach);
+                    assert_eq!(compare(&a, &b, r, 1.0, shift), truth, "{places} {r:e} {shift:?}");
+                    with_squares(&a, &b, r, 1.0, shift, |d, _| {
+                        narrow += usize::from(d.len() < SQUARE_WORDS);
+                    });
+                }
+            }
+        }
+        assert!((600..1000).contains(&narrow), "{narrow}");
+    }
+
     #[test]
     fn the_largest_and_the_smallest_numbers_are_decided() {
         let (huge, tiny) = (f64::MAX, f64::from_bits(1));

@@ -90,7 +90,8 @@ impl<const D: usize> Frame<D> {
         let mut image = [0; 3];
         for a in (0..3).filter(|&a| self.periodic[a]) {
             let boxes = self.fraction(a, &from_corner).floor();
-            if !(boxes.abs() < MOST) {
+            // Also where a difference overflows and it is no number.
+            if boxes.is_nan() || boxes.abs() >= MOST {
                 return Err(Refusal::Away { particle: index, vector: a, boxes });
             }
             image[a] = -(boxes as i32);

@@ -165,33 +165,18 @@ fn detectors_decide_couples_one_step_from_tangency() {
         if image == [0; 3] {
             image = [0, 1, -40_000];
         }
-        let (mut bag, exact) = if turn % 2 == 0 {
-            // Along an axis, on a grid: tangent.
+        // On a grid, where tangency is exact, or anywhere; near the origin or far from it, where
+        // fractions along the vectors have few digits.
+        let exact = turn % 2 == 0;
+        let offset = [0.0, 3e3, -1e6][random.random_range(0..3)];
+        let mut b = [0.25, 0.5, 0.75].map(|x| x + offset);
+        if exact {
             vectors = vectors.map(|vector| vector.map(|x| (x * 1024.0).round() / 1024.0));
-            let b = [0.25, 0.5, 0.75];
-            (
-                Bag {
-                    centres: vec![b, b],
-                    radii: Radii::Uniform(0.5),
-                    vectors,
-                    periodic: [true; 3],
-                    origin: [0.0; 3],
-                },
-                true,
-            )
         } else {
-            let b: [f64; 3] = std::array::from_fn(|_| random.random::<f64>());
-            (
-                Bag {
-                    centres: vec![b, b],
-                    radii: Radii::Uniform(0.5),
-                    vectors,
-                    periodic: [true; 3],
-                    origin: [0.0; 3],
-                },
-                false,
-            )
-        };
+            b = b.map(|x| x + random.random::<f64>());
+        }
+        let (radii, origin) = (Radii::Uniform(0.5), [offset; 3]);
+        let mut bag = Bag { centres: vec![b, b], radii, vectors, periodic: [true; 3], origin };
         let (direction, length) = WHOLE[random.random_range(0..WHOLE.len())];
         let shift = bag.shift(image);
         let scale = if exact { 0.125 } else { 0.7 * random.random::<f64>() / length as f64 };

@@ -3,9 +3,14 @@
 
 use super::*;
 
-/// A change and what becomes of every contact; `None` where it does not apply.
-type Relation<const D: usize> =
-    fn(&Bag<D>, &mut ChaCha8Rng) -> Option<(Bag<D>, Box<dyn Fn(ImagePair) -> Vec<ImagePair>>)>;
+/// What becomes of every contact.
+type Becomes = Box<dyn Fn(ImagePair) -> Vec<ImagePair>>;
+
+/// A scene after a change; `None` where that does not apply.
+type Change<const D: usize> = Option<(Bag<D>, Becomes)>;
+
+/// A change.
+type Relation<const D: usize> = fn(&Bag<D>, &mut ChaCha8Rng) -> Change<D>;
 
 /// Holds each detector to a relation, in two and in three dimensions, on a few scenes each.
 fn hold(plane: Relation<2>, space: Relation<3>) {
@@ -46,7 +51,7 @@ where
 fn one<const D: usize>(
     after: Bag<D>,
     becomes: impl Fn(ImagePair) -> ImagePair + 'static,
-) -> Option<(Bag<D>, Box<dyn Fn(ImagePair) -> Vec<ImagePair>>)> {
+) -> Change<D> {
     Some((after, Box::new(move |pair| vec![becomes(pair)])))
 }
 
@@ -65,10 +70,7 @@ fn numbers<const D: usize>(bag: &Bag<D>, most: i32, random: &mut ChaCha8Rng) -> 
 
 #[test]
 fn translation_of_all_changes_nothing() {
-    fn relation<const D: usize>(
-        bag: &Bag<D>,
-        random: &mut ChaCha8Rng,
-    ) -> Option<(Bag<D>, Box<dyn Fn(ImagePair) -> Vec<ImagePair>>)>
+    fn relation<const D: usize>(bag: &Bag<D>, random: &mut ChaCha8Rng) -> Change<D>
     where
         AnyScene<'static>: From<Scene<'static, f64, D>>,
     {
@@ -81,10 +83,7 @@ fn translation_of_all_changes_nothing() {
 
 #[test]
 fn the_corner_of_the_box_decides_nothing() {
-    fn relation<const D: usize>(
-        bag: &Bag<D>,
-        random: &mut ChaCha8Rng,
-    ) -> Option<(Bag<D>, Box<dyn Fn(ImagePair) -> Vec<ImagePair>>)> {
+    fn relation<const D: usize>(bag: &Bag<D>, random: &mut ChaCha8Rng) -> Change<D> {
         one(Bag { origin: dyadic::<3>(random), ..bag.clone() }, |pair| pair)
     }
     hold(relation::<2>, relation::<3>);
@@ -92,10 +91,7 @@ fn the_corner_of_the_box_decides_nothing() {
 
 #[test]
 fn whole_vectors_change_the_images_alone() {
-    fn relation<const D: usize>(
-        bag: &Bag<D>,
-        random: &mut ChaCha8Rng,
-    ) -> Option<(Bag<D>, Box<dyn Fn(ImagePair) -> Vec<ImagePair>>)>
+    fn relation<const D: usize>(bag: &Bag<D>, random: &mut ChaCha8Rng) -> Change<D>
     where
         AnyScene<'static>: From<Scene<'static, f64, D>>,
     {
@@ -114,10 +110,7 @@ fn whole_vectors_change_the_images_alone() {
 /// Adding a multiple of one vector to another, or turning one around, leaves the lattice as it is.
 #[test]
 fn other_vectors_of_the_same_lattice_change_the_images_alone() {
-    fn relation<const D: usize>(
-        bag: &Bag<D>,
-        random: &mut ChaCha8Rng,
-    ) -> Option<(Bag<D>, Box<dyn Fn(ImagePair) -> Vec<ImagePair>>)> {
+    fn relation<const D: usize>(bag: &Bag<D>, random: &mut ChaCha8Rng) -> Change<D> {
         let open: Vec<usize> = (0..3).filter(|&v| bag.periodic[v]).collect();
         let mut after = bag.clone();
         let mut steps = Vec::new();
@@ -168,10 +161,7 @@ where
 
 #[test]
 fn a_box_repeated_has_each_contact_once_in_every_copy() {
-    fn relation<const D: usize>(
-        bag: &Bag<D>,
-        random: &mut ChaCha8Rng,
-    ) -> Option<(Bag<D>, Box<dyn Fn(ImagePair) -> Vec<ImagePair>>)>
+    fn relation<const D: usize>(bag: &Bag<D>, random: &mut ChaCha8Rng) -> Change<D>
     where
         AnyScene<'static>: From<Scene<'static, f64, D>>,
     {
@@ -204,10 +194,7 @@ fn a_box_repeated_has_each_contact_once_in_every_copy() {
 
 #[test]
 fn axes_and_vectors_may_be_exchanged() {
-    fn relation<const D: usize>(
-        bag: &Bag<D>,
-        random: &mut ChaCha8Rng,
-    ) -> Option<(Bag<D>, Box<dyn Fn(ImagePair) -> Vec<ImagePair>>)> {
+    fn relation<const D: usize>(bag: &Bag<D>, random: &mut ChaCha8Rng) -> Change<D> {
         let turn = random.random_range(1..D);
         let axis = |k: usize| if k < D { (k + turn) % D } else { k };
         // The vectors in another order than the axes.
@@ -230,10 +217,7 @@ fn axes_and_vectors_may_be_exchanged() {
 /// without any, those of the open scene.
 #[test]
 fn a_box_has_the_contacts_of_boxes_that_are_more_open() {
-    fn relation<const D: usize>(
-        bag: &Bag<D>,
-        random: &mut ChaCha8Rng,
-    ) -> Option<(Bag<D>, Box<dyn Fn(ImagePair) -> Vec<ImagePair>>)> {
+    fn relation<const D: usize>(bag: &Bag<D>, random: &mut ChaCha8Rng) -> Change<D> {
         let periodic = bag.periodic.map(|flag| flag && random.random_bool(0.5));
         let kept = move |pair: ImagePair| {
             let open = (0..3).all(|v| periodic[v] || pair.image[v] == 0);
