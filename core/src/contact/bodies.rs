@@ -209,9 +209,9 @@ pub struct Approximate<'a> {
     /// Positions as filters see them, and radii as they are.
     pub scene: &'a AnyScene<'a>,
     /// Bodies whose radii have the sum s touch if their positions are at most s(1 - relative) -
-    /// absolute apart, and do not if they are more than s(1 + relative) + absolute apart. A relative
-    /// part of at least 8u, 1% of the absolute one, or no slack at all, covers the roundings of
-    /// those who compute with it (see [`super::slack`]).
+    /// absolute apart, and do not if they are more than s(1 + relative) + absolute apart. A
+    /// relative part of at least 8u, 1% of the absolute one, or no slack at all, covers the
+    /// roundings of those who compute with it (see [`super::slack`]).
     pub slack: Slack,
     /// Bodies from this number on are not asked about each other: nobody uses what is said of two
     /// of them.

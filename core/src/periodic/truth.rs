@@ -4,10 +4,10 @@
 //! can be at most ri + rj, from the numbers as given: no particle is wrapped, no image is made, no
 //! half is taken but that of a particle with itself. By (1) of the page on frames Sa differs from
 //! fa = ga·(xi - xj) by at most |ga| (ri + rj) + 2c off(a); fa as computed, from a difference that
-//! is rounded, is within 8u of the sum of |ga| (|xi| + |xj|) by coordinates. A quarter more is taken
-//! on either side. Each such image is decided by exact arithmetic, but for those that are apart
-//! along one axis: there the computed xi - xj - S·H has an error of at most 8u times the sum of the
-//! magnitudes of its terms (five terms, products with one rounding more).
+//! is rounded, is within 8u of the sum of |ga| (|xi| + |xj|) by coordinates. A quarter more is
+//! taken on either side. Each such image is decided by exact arithmetic, but for those that are
+//! apart along one axis: there the computed xi - xj - S·H has an error of at most 8u times the sum
+//! of the magnitudes of its terms (five terms, products with one rounding more).
 //!
 //! **Rounded.** What a rounded test says depends on rounded images, so those are given: the truth
 //! is the arithmetic's own test on all pairs of the scene with its images as stored, which are the
