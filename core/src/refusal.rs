@@ -59,8 +59,8 @@ pub enum Refusal {
     /// A periodic box has more images within reach than memory holds.
     #[error(
         "the {particles} particles have some {images:.1e} images in and around the box that may \
-         be within reach ({reach:e}), which take {needed:.1e} bytes, and the limit is {limit}; is the \
-         box in another unit than the radii? If not, raise the memory limit"
+         be within reach ({reach:e}), which take {needed:.1e} bytes, and the limit is {limit}; is \
+         the box in another unit than the radii? If not, raise the memory limit"
     )]
     Images { particles: u64, images: f64, reach: f64, needed: f64, limit: u64 },
     /// A particle so far from its periodic box that its image has no number.

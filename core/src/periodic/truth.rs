@@ -9,22 +9,24 @@
 //! apart along one axis: there the computed xi - xj - S·H has an error of at most 8u times the sum
 //! of the magnitudes of its terms (five terms, products with one rounding more).
 //!
+//! Above [`BRUTE_FORCE`] particles two detectors must give the same contacts, and random particles
+//! are held against all others in this way, as in [`crate::oracle`].
+//!
 //! **Rounded.** What a rounded test says depends on rounded images, so those are given: the truth
-//! is the arithmetic's own test on all pairs of the scene with its images as stored, which are the
-//! bodies that detectors get ([`super::images`]).
+//! is that of the open scene of all bodies that detectors get ([`super::images`]), as stored.
 
 use super::contacts::{List, stored};
 use super::frame::{Frame, MOST, U};
 use super::images::{Images, touches};
 use super::{IMAGE_PAIR_BYTES, ImagePair, Periodic};
+use crate::contact::Arithmetic;
 use crate::contact::depth::depth_of_image;
 use crate::contact::image::Shift;
-use crate::contact::{Arithmetic, Bodies, WithBodies, with_stored};
-use crate::oracle::{Errors, LARGEST_BRUTE_FORCE, NoTruth};
-use crate::probe::Silent;
+use crate::detect::{Options, table};
+use crate::oracle::{self, BRUTE_FORCE, Errors, NoTruth, SAMPLE};
 use crate::refusal::Refusal;
-use crate::scene::{AnyScene, Real, Scene, array};
-use crate::sink::Digest;
+use crate::scene::{AnyScene, Scene, array};
+use crate::sink::{Digest, splitmix64};
 
 /// The set of contacts.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -35,29 +37,22 @@ pub struct Truth {
     pub digest: Digest,
 }
 
-/// The truth about a periodic scene in an arithmetic, by testing all pairs; that of the test, where
-/// the arithmetic has filters that lose contacts. The list, and images for a rounded arithmetic,
-/// may take `limit` bytes.
+/// The truth about a periodic scene in an arithmetic; that of the test, where the arithmetic has
+/// filters that lose contacts. Lists of contacts, and images where they are made, may take `limit`
+/// bytes each.
 ///
 /// # Errors
-/// [`NoTruth::TooLarge`] beyond [`LARGEST_BRUTE_FORCE`] particles; [`NoTruth::Refused`] where there
-/// are more contacts than the limit allows, or the box makes no sense, or the arithmetic cannot
-/// hold the scene.
+/// [`NoTruth::Refused`] where there are more contacts than that, or the box makes no sense, or the
+/// arithmetic cannot hold the scene; else what [`NoTruth`] says.
 pub fn truth(
     periodic: &Periodic<'_>,
     arithmetic: Arithmetic,
     limit: u64,
 ) -> Result<Truth, NoTruth> {
-    let n = periodic.scene().len();
-    if n > LARGEST_BRUTE_FORCE {
-        return Err(NoTruth::TooLarge { n });
-    }
-    let mut list = List::new(limit);
-    match periodic.scene() {
-        AnyScene::Plane(scene) => of(periodic, &scene.widened(), arithmetic, limit, &mut list),
-        AnyScene::Space(scene) => of(periodic, &scene.widened(), arithmetic, limit, &mut list),
+    let pairs = match periodic.scene() {
+        AnyScene::Plane(scene) => of(periodic, &scene.widened(), arithmetic, limit),
+        AnyScene::Space(scene) => of(periodic, &scene.widened(), arithmetic, limit),
     }?;
-    let pairs = list.end(n)?;
     let mut digest = Digest::default();
     pairs.iter().for_each(|&ImagePair { i, j, image }| digest.image(i, j, image));
     Ok(Truth { pairs, digest })
@@ -68,43 +63,93 @@ fn of<const D: usize>(
     scene: &Scene<'_, f64, D>,
     arithmetic: Arithmetic,
     limit: u64,
-    list: &mut List,
-) -> Result<(), NoTruth>
+) -> Result<Vec<ImagePair>, NoTruth>
 where
     AnyScene<'static>: From<Scene<'static, f64, D>>,
 {
-    if arithmetic == Arithmetic::Exact {
-        return Ok(exact(scene, &Frame::new(periodic.lattice())?, limit, list)?);
+    if arithmetic != Arithmetic::Exact {
+        let (images, open) = Images::new(scene, periodic.lattice(), arithmetic, limit)?;
+        let stored = stored(&AnyScene::from(open), arithmetic)?;
+        let truth = oracle::truth_as_stored(&stored, arithmetic.test(), limit)?;
+        let mut list = List::new(limit);
+        let pairs = truth.pairs.iter().filter_map(|&[a, b]| images.pair(a, b));
+        pairs.for_each(|pair| list.push(pair));
+        return Ok(list.end(scene.len())?);
     }
-    let (images, open) = Images::new(scene, periodic.lattice(), arithmetic, limit)?;
-    let stored = stored(&AnyScene::from(open), arithmetic)?;
-    let all = All { owners: scene.len() as u32, images: &images, list };
-    Ok(match &stored {
-        AnyScene::Plane(stored) => with_stored(stored, arithmetic.test().safe(), all),
-        AnyScene::Space(stored) => with_stored(stored, arithmetic.test().safe(), all),
-    }?)
+    let frame = Frame::new(periodic.lattice())?;
+    if scene.len() > BRUTE_FORCE {
+        return agreed(periodic, limit, |chosen| tested(scene, &frame, Some(chosen), limit));
+    }
+    Ok(tested(scene, &frame, None, limit)?)
 }
 
-fn exact<const D: usize>(
+/// What two detectors agree on, and testing random particles against all others.
+fn agreed(
+    periodic: &Periodic<'_>,
+    limit: u64,
+    tested: impl Fn(&[bool]) -> Result<Vec<ImagePair>, Refusal>,
+) -> Result<Vec<ImagePair>, NoTruth> {
+    let n = periodic.scene().len();
+    let options = Options { memory_limit: limit, ..Options::default() };
+    let mut first: Option<(&'static str, Vec<ImagePair>)> = None;
+    for name in ["nbs", "sorting", "binary-tree", "kd-tree"] {
+        let Some(entry) = table::find(name) else { continue };
+        let detector = &mut *entry.make(options);
+        let pairs = match super::contacts(periodic, detector, Arithmetic::Exact, limit) {
+            Ok(pairs) => pairs,
+            Err(refusal) if refusal.is_of_scene() => return Err(refusal.into()),
+            Err(_) => continue,
+        };
+        let Some((earlier, agreed)) = &first else {
+            first = Some((entry.name, pairs));
+            continue;
+        };
+        if *agreed != pairs {
+            let (a, b) = (agreed.len(), pairs.len());
+            return Err(NoTruth::Disagree { first: earlier, second: entry.name, a, b });
+        }
+        let mut chosen = vec![false; n];
+        for k in 0..SAMPLE as u64 {
+            chosen[(splitmix64(k) % n as u64) as usize] = true;
+        }
+        let of_chosen = |pair: &&ImagePair| chosen[pair.i as usize] || chosen[pair.j as usize];
+        let (mut theirs, ours) = (pairs.iter().filter(of_chosen), tested(&chosen)?);
+        if let Some(pair) = ours.iter().find(|&ours| theirs.next() != Some(ours)) {
+            return Err(NoTruth::Sample { particle: pair.i });
+        }
+        if let Some(pair) = theirs.next() {
+            return Err(NoTruth::Sample { particle: pair.i });
+        }
+        return Ok(pairs);
+    }
+    Err(NoTruth::TooLarge { n })
+}
+
+/// All pairs tested, or those of the particles that are chosen; in ascending order.
+fn tested<const D: usize>(
     scene: &Scene<'_, f64, D>,
     frame: &Frame<D>,
+    chosen: Option<&[bool]>,
     limit: u64,
-    list: &mut List,
-) -> Result<(), Refusal> {
+) -> Result<Vec<ImagePair>, Refusal> {
     let n = scene.len();
+    let reach = 2.0 * scene.largest_radius();
+    if frame.periodic.contains(&true) && reach == f64::INFINITY {
+        return Err(Refusal::Range);
+    }
     let at = |index: usize| array(&scene.centres()[index]);
     // A sphere is half of the box around it, of a skewed one far less; most pairs have none.
-    let most = 8.0 * (n * n) as f64 + 16.0 * (limit / IMAGE_PAIR_BYTES) as f64;
-    let mut images = 0.0;
+    let most = 8.0 * n as f64 * n as f64 + 16.0 * (limit / IMAGE_PAIR_BYTES) as f64;
+    let (mut images, mut list) = (0.0, List::new(limit));
     for i in 0..n {
-        for j in i..n {
+        let all = chosen.is_none_or(|chosen| chosen[i]);
+        for j in (i..n).filter(|&j| all || chosen.is_some_and(|chosen| chosen[j])) {
             let sum = scene.radius(i) + scene.radius(j);
             let ranges = around(frame, [i, j], at(i), at(j), sum)?;
             images += ranges.map(|[low, high]| f64::from(high - low + 1)).iter().product::<f64>();
             if images > most {
                 let needed = images * IMAGE_PAIR_BYTES as f64;
-                let (particles, reach) = (n as u64, 2.0 * scene.largest_radius());
-                return Err(Refusal::Images { particles, images, reach, needed, limit });
+                return Err(Refusal::Images { particles: n as u64, images, reach, needed, limit });
             }
             for_all(ranges, |image| {
                 if i == j && image <= [0; 3] || apart(frame, at(i), at(j), image, sum) {
@@ -117,7 +162,7 @@ fn exact<const D: usize>(
             });
         }
     }
-    Ok(())
+    list.end(n)
 }
 
 /// From the lowest to the highest S.
@@ -179,27 +224,6 @@ fn for_all([x, y, z]: [[i32; 2]; 3], mut call: impl FnMut([i32; 3])) {
                 call([a, b, c]);
             }
         }
-    }
-}
-
-/// All pairs of an owner and a body, as stored.
-struct All<'a, const D: usize> {
-    owners: u32,
-    images: &'a Images<'a, D>,
-    list: &'a mut List,
-}
-
-impl<T: Real, const D: usize, const E: usize> WithBodies<T, E> for All<'_, D> {
-    type Output = Result<(), Refusal>;
-    fn call<B: Bodies<T, E>>(self, bodies: B) -> Self::Output {
-        for a in 0..self.owners {
-            for b in a + 1..bodies.len() as u32 {
-                if bodies.touch(a, b, &mut Silent) {
-                    self.images.pair(a, b).into_iter().for_each(|pair| self.list.push(pair));
-                }
-            }
-        }
-        Ok(())
     }
 }
 

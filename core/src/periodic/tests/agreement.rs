@@ -203,3 +203,19 @@ fn images_are_made_near_the_faces_only() {
     assert_eq!((images.ghosts(), open.len() as u64), (ghosts, 1000 + ghosts));
     assert!(images.slack().absolute > 0.0 && images.slack().absolute < 1e-13);
 }
+
+/// Above so many particles detectors are the truth, held to a sample.
+#[test]
+fn the_truth_of_many_is_what_detectors_agree_on() {
+    let n = crate::oracle::BRUTE_FORCE + 1;
+    let random = &mut ChaCha8Rng::seed_from_u64(4);
+    let bag = Bag {
+        centres: (0..n).map(|_| [0, 1].map(|_| 100.0 * random.random::<f64>())).collect(),
+        radii: Radii::Uniform(0.25),
+        vectors: [[100.0, 0.0, 0.0], [30.0, 100.0, 0.0], [0.0; 3]],
+        periodic: [true, true, false],
+        origin: [0.0; 3],
+    };
+    let expected = ask(&mut *TABLE[5].make(OPTIONS), &bag.periodic(), Arithmetic::Exact).unwrap();
+    assert!(bag.truth() == expected && expected.iter().any(|pair| pair.image != [0; 3]));
+}
