@@ -4,10 +4,10 @@
 /// use the first two.
 ///
 /// The image of a point x by whole numbers S is x + S·H, the sum of S\[a\] times vector a over the
-/// periodic vectors. Vectors may have any direction; simulation codes write them in lower triangular
-/// form, the first along x, the second in the plane of x and y, whose off-diagonal numbers are the
-/// tilt. Particles may be outside the box: every image of them is in the scene, so it does not
-/// matter which one is named.
+/// periodic vectors. Vectors may have any direction; simulation codes write them in lower
+/// triangular form, the first along x, the second in the plane of x and y, whose off-diagonal
+/// numbers are the tilt. Particles may be outside the box: every image of them is in the scene, so
+/// it does not matter which one is named.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lattice {
     vectors: [[f64; 3]; 3],
@@ -125,8 +125,8 @@ impl Lattice {
     }
 
     /// The dual of a periodic vector: its product with the vector is 1, with the other periodic
-    /// ones 0, and along it a step of length 1 / [`Lattice::height`] changes the coordinate in units
-    /// of the vector the most. In f64, with an error as that of the height.
+    /// ones 0, and along it a step of length 1 / [`Lattice::height`] changes the coordinate in
+    /// units of the vector the most. In f64, with an error as that of the height.
     pub fn dual(&self, vector: usize) -> [f64; 3] {
         let normal = self.normal(vector);
         let square = dot(normal, normal);
