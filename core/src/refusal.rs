@@ -89,6 +89,16 @@ pub enum Refusal {
 }
 
 impl Refusal {
+    /// The same, of a detector that does its work by another one.
+    pub(crate) fn of(self, name: &'static str) -> Refusal {
+        match self {
+            Refusal::Memory { needed, limit, shape, .. } => {
+                Refusal::Memory { detector: name, needed, limit, shape }
+            }
+            other => other,
+        }
+    }
+
     /// It is the scene's fault, for every detector alike: too many pairs, a box without meaning.
     pub fn is_of_scene(&self) -> bool {
         matches!(

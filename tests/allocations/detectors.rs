@@ -14,7 +14,7 @@ fn scene(text: &str) -> AnyScene<'static> {
     Spec::parse(text).unwrap().make().unwrap()
 }
 
-const SCENES: [&str; 7] = [
+const SCENES: [&str; 9] = [
     "packed:n=3000",
     "packed:dim=3,n=3000",
     "loose:n=3000",
@@ -22,6 +22,8 @@ const SCENES: [&str; 7] = [
     "clustered:dim=3,n=3000",
     "pack-c:n=2500,s=50",
     "packed:dim=3,n=1",
+    "loose:n=3000,fraction=0.5,sizes=power,exponent=-3,size-ratio=20",
+    "clustered:dim=3,n=3000,sizes=giants,giants=3,size-ratio=30",
 ];
 
 /// Large enough for a second thread of any detector; too large to test all pairs.

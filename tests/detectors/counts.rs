@@ -202,21 +202,25 @@ fn counting_changes_nothing_and_repeats_exactly() {
     }
 }
 
+/// The counts of a detector, as text.
+fn counted(detector: &str, scene: &AnyScene<'_>) -> String {
+    // Comparisons in a sort of the standard library may change with it.
+    let own =
+        |op| op != Op::KeyCompare || !["sweep", "kd-tree", "bvh", "hgrid"].contains(&detector);
+    count(detector, scene)
+        .iter()
+        .filter(|&(op, count)| count > 0 && own(op))
+        .map(|(op, count)| format!("{}={count}", op.name()))
+        .collect::<Vec<_>>()
+        .join(" ")
+}
+
 /// Goldens: the same counts on every machine. Computed once on x86-64; a change of an algorithm
 /// changes them on purpose.
 #[test]
 fn counts_are_the_same_on_every_machine() {
-    let of = |detector: &str| {
-        let tally = count(detector, &scene("clustered:dim=3,n=2000"));
-        // Comparisons in a sort of the standard library may change with it.
-        let own = |op| op != Op::KeyCompare || !["sweep", "kd-tree", "bvh"].contains(&detector);
-        tally
-            .iter()
-            .filter(|&(op, count)| count > 0 && own(op))
-            .map(|(op, count)| format!("{}={count}", op.name()))
-            .collect::<Vec<_>>()
-            .join(" ")
-    };
+    let scene = scene("clustered:dim=3,n=2000");
+    let of = |detector| counted(detector, &scene);
     let found = [
         "nbs",
         "screening",
@@ -246,4 +250,29 @@ const GOLDEN: [&str; 10] = [
     "node_visit=1068 bound_test=8630 contact_test=36546",
     "integerise=6000 node_visit=1884 move=2000 bound_test=17140 contact_test=85423",
     "integerise=6000 list_push=2000 cell_probe=10000 move=2000 contact_test=75147",
+];
+
+/// The same of those that part bodies by size, where sizes differ.
+#[test]
+fn counts_of_levels_are_the_same_on_every_machine() {
+    let found = ["dim=2", "dim=3"].map(|dim| {
+        let scene = scene(&format!(
+            "loose:{dim},n=3000,fraction=0.5,sizes=power,exponent=-3,size-ratio=20"
+        ));
+        ["hgrid", "streamed-nbs"].map(|detector| counted(detector, &scene))
+    });
+    assert_eq!(found, LEVELS);
+}
+
+const LEVELS: [[&str; 2]; 2] = [
+    [
+        "integerise=28300 cell_probe=895 level_probe=5334 move=3000 contact_test=22260",
+        "integerise=6000 list_push=3000 cell_probe=6000 level_probe=402 move=3000 \
+         contact_test=35230",
+    ],
+    [
+        "integerise=39438 cell_probe=3486 level_probe=11400 move=3000 contact_test=52934",
+        "integerise=9000 list_push=3000 cell_probe=15000 level_probe=1228 move=3000 \
+         contact_test=107716",
+    ],
 ];

@@ -9,6 +9,8 @@ pub mod book;
 pub mod control;
 pub mod modern;
 pub mod peers;
+#[cfg(test)]
+mod sizes;
 pub mod spec;
 pub mod streamed;
 pub mod table;

@@ -23,6 +23,7 @@
 use std::ops::Range;
 
 use super::copies::{Each, Found, Judge, Nearness, One, Record, room};
+use super::rows::{ROWS, rows_after};
 use crate::contact::Bodies;
 use crate::detect::{Declare, Detector, Options, Refusal, within};
 use crate::filter::Cells;
@@ -71,10 +72,6 @@ impl<T: Real, const D: usize> Detector<T, D> for CellGrid<D> {
         Ok(())
     }
 }
-
-/// The rows after a row, as steps along y and z: of each two neighbouring rows one is after the
-/// other. In 2D the first.
-const ROWS: [[isize; 2]; 4] = [[1, 0], [-1, 1], [0, 1], [1, 1]];
 
 impl<const D: usize> CellGrid<D> {
     fn prepare(&mut self, cells: &Cells<D>, n: usize) -> Result<(), Refusal> {
@@ -182,7 +179,8 @@ impl<const D: usize> CellGrid<D> {
         sink: &mut impl Sink,
     ) {
         let nx = cells.count[0] as usize;
-        let steps: [isize; 4] = ROWS.map(|[y, z]| (z * cells.count[1] as isize + y) * nx as isize);
+        let steps =
+            ROWS.map(|[y, z]| (z as isize * cells.count[1] as isize + y as isize) * nx as isize);
         for cell in first..first + nx - 2 {
             probe.count(Op::CellProbe);
             let (start, end) = (self.starts[cell] as usize, self.starts[cell + 1] as usize);
@@ -193,7 +191,7 @@ impl<const D: usize> CellGrid<D> {
             for i in start..end {
                 judge.against(&self.records[i], &self.records[i + 1..next], found, probe, sink);
             }
-            for &step in if D == 2 { &steps[..1] } else { &steps[..] } {
+            for &step in &steps[..rows_after::<D>().len()] {
                 probe.count(Op::CellProbe);
                 let middle = cell.wrapping_add_signed(step);
                 let others = &self.records

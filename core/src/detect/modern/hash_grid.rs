@@ -21,6 +21,7 @@
 //!   is found twice, so none is looked for.
 
 use super::copies::{Each, Found, Judge, Nearness, One, Record, STRIDE, room};
+use super::rows::{mixed, rows_after};
 use crate::contact::Bodies;
 use crate::detect::{Declare, Detector, Options, Refusal, within};
 use crate::filter::Cells;
@@ -101,12 +102,9 @@ impl Buckets {
     /// The bucket of a cell.
     #[inline(always)]
     fn bucket<const D: usize>(self, cell: [u32; D]) -> usize {
-        let factors = [0x9e37_79b9_7f4a_7c15u64, 0xc2b2_ae3d_27d4_eb4f, 0x1656_67b1_9e37_79f9];
-        let mut sum = u64::from(cell[0] / STRIP).wrapping_mul(factors[0]);
-        for k in 1..D {
-            sum = sum.wrapping_add(u64::from(cell[k]).wrapping_mul(factors[k]));
-        }
-        let mixed = (sum ^ (sum >> 32)).wrapping_mul(0xd6e8_feb8_6659_fd93);
+        let mut strip = cell;
+        strip[0] /= STRIP;
+        let mixed = mixed(strip);
         // The highest bits; twice, since there may be none of them.
         (mixed >> 1 >> (63 - self.bits)) as usize + (cell[0] % STRIP) as usize
     }
@@ -126,10 +124,6 @@ impl<const D: usize> Range<D> {
         cell[1..] == self.first[1..] && (self.first[0]..=self.last).contains(&cell[0])
     }
 }
-
-/// The rows after a row, as steps along y and z: of each two neighbouring rows one is after the
-/// other. In 2D the first.
-const ROWS: [[i32; 2]; 4] = [[1, 0], [-1, 1], [0, 1], [1, 1]];
 
 /// At most two strips for each of the rows and the row itself.
 struct Ranges<const D: usize> {
@@ -231,7 +225,7 @@ impl<const D: usize> HashGrid<D> {
         ranges.count = 0;
         let x = central[0];
         self.strips(central, x + 1, buckets, ranges, probe);
-        for step in if D == 2 { &ROWS[..1] } else { &ROWS[..] } {
+        for step in rows_after::<D>() {
             let mut first = central;
             first[0] = x - 1;
             for k in 1..D {

@@ -37,24 +37,20 @@
 //!   hashed, so that up to 8 cells cost one look; cells are wider by 4 parts in a million
 //!   ([`crate::filter::cells`]).
 
-use std::ops::Range;
+mod levels;
+
+use levels::{Level, Levels};
 
 use super::copies::{Each, Found, Judge, Nearness, One, Record, room};
-use crate::contact::{Bodies, Margin};
+use super::rows::rows_after;
+use crate::contact::Bodies;
 use crate::detect::{Declare, Detector, Options, Refusal, within};
-use crate::filter::Cells;
-use crate::filter::cells::spacing;
-use crate::probe::{Op, Probe, Silent};
+use crate::probe::{Op, Probe};
 use crate::scene::Real;
-use crate::sink::{Sink, splitmix64};
+use crate::sink::Sink;
 
-/// Levels; radii below the last border are all in the last one.
-const MOST_LEVELS: usize = 32;
 /// Cells of a strip.
 const STRIP: u32 = 8;
-/// So many bodies are asked whether they crowd: they do with more than so many in a cell.
-const SAMPLE: usize = 2048;
-const CROWD: f64 = 24.0;
 /// A slot without a strip: the number of no particle.
 const FREE: u32 = u32::MAX;
 
@@ -126,34 +122,6 @@ impl<T: Real, const D: usize> Detector<T, D> for HGrid<D> {
     }
 }
 
-/// The classes of sizes, the largest first.
-#[derive(Clone)]
-struct Levels<const D: usize> {
-    /// The largest radius that each class could have.
-    borders: [f64; MOST_LEVELS],
-    levels: [Level<D>; MOST_LEVELS],
-    count: usize,
-}
-
-/// A class of sizes and its grid.
-#[derive(Clone)]
-struct Level<const D: usize> {
-    /// The box around its centres.
-    low: [f64; D],
-    high: [f64; D],
-    /// The largest radius in it.
-    largest: f64,
-    bodies: usize,
-    /// None if it has no bodies.
-    cells: Option<Cells<D>>,
-    /// Its part of the slots, a power of two.
-    slots: Range<usize>,
-    /// Its part of the strips.
-    strips: Range<usize>,
-    /// Its part of the records.
-    records: Range<usize>,
-}
-
 /// Cells side by side along x, at least one of them not empty.
 #[derive(Clone, Copy)]
 struct Strip<const D: usize> {
@@ -166,177 +134,6 @@ struct Strip<const D: usize> {
 impl<const D: usize> Strip<D> {
     const NONE: Strip<D> = Strip { first: [0; D], starts: [0; STRIP as usize + 1] };
 }
-
-impl<const D: usize> Level<D> {
-    const NONE: Level<D> = Level {
-        low: [f64::INFINITY; D],
-        high: [f64::NEG_INFINITY; D],
-        largest: 0.0,
-        bodies: 0,
-        cells: None,
-        slots: 0..0,
-        strips: 0..0,
-        records: 0..0,
-    };
-
-    /// Its grid: with cells that hold about a body each, if that is asked for, or as the reach is.
-    fn grid<T: Real>(&self, bodies: &impl Bodies<T, D>, filled: bool) -> Result<Cells<D>, Refusal> {
-        let (low, high) = (self.low, self.high);
-        let points = bodies.class_reach(self.largest, self.largest) <= T::UNDERFLOW;
-        // The book knows cells as wide as the reach only.
-        let filled = filled && bodies.margin() == Margin::Safe;
-        let least = if filled || points { spacing(low, high, self.bodies) } else { 0.0 };
-        Cells::of_class(bodies, (low, high), self.largest, least)
-    }
-
-    /// Would most cells as wide as the reach be empty?
-    fn is_sparse<T: Real>(&self, bodies: &impl Bodies<T, D>) -> bool {
-        spacing(self.low, self.high, self.bodies) > bodies.class_reach(self.largest, self.largest)
-    }
-
-    fn take(&mut self, position: [f64; D], radius: f64) {
-        for (k, x) in position.into_iter().enumerate() {
-            self.low[k] = self.low[k].min(x);
-            self.high[k] = self.high[k].max(x);
-        }
-        self.largest = self.largest.max(radius);
-        self.bodies += 1;
-    }
-
-    /// The first cell of the strip that holds a point, and which of its cells does.
-    #[inline(always)]
-    fn strip(cells: &Cells<D>, position: [f64; D], probe: &mut impl Probe) -> ([u32; D], usize) {
-        let mut cell: [u32; D] = std::array::from_fn(|k| cells.index(position[k], k, probe));
-        let at = cell[0] % STRIP;
-        cell[0] -= at;
-        (cell, at as usize)
-    }
-
-    /// Where the search for a strip begins, in the level's part of the slots.
-    #[inline(always)]
-    fn slot(&self, first: [u32; D]) -> usize {
-        let factors = [0x9e37_79b9_7f4a_7c15u64, 0xc2b2_ae3d_27d4_eb4f, 0x1656_67b1_9e37_79f9];
-        let mut sum = 0u64;
-        for k in 0..D {
-            sum = sum.wrapping_add(u64::from(first[k]).wrapping_mul(factors[k]));
-        }
-        let mixed = (sum ^ (sum >> 32)).wrapping_mul(0xd6e8_feb8_6659_fd93);
-        (mixed >> 32) as usize & (self.slots.len() - 1)
-    }
-}
-
-impl<const D: usize> Levels<D> {
-    const NONE: Levels<D> = Levels {
-        borders: [0.0; MOST_LEVELS],
-        levels: [const { Level::NONE }; MOST_LEVELS],
-        count: 0,
-    };
-
-    /// Counts and measures the classes, and gives each that has bodies its grid.
-    fn new<T: Real>(bodies: &impl Bodies<T, D>, ratio: Option<f64>) -> Result<Levels<D>, Refusal> {
-        let n = bodies.len() as u32;
-        let mut levels = Levels::NONE;
-        let (mut least, mut largest) = (f64::INFINITY, 0.0_f64);
-        match bodies.uniform() {
-            Some(radius) => (least, largest) = (radius, radius),
-            None => (0..n).for_each(|id| {
-                least = least.min(bodies.radius(id));
-                largest = largest.max(bodies.radius(id));
-            }),
-        }
-        let mut border = largest;
-        levels.borders[0] = border;
-        levels.count = 1;
-        // Points have no level below them.
-        while let Some(ratio) = ratio.filter(|_| border > 0.0) {
-            border /= ratio;
-            if least > border || levels.count == MOST_LEVELS {
-                break;
-            }
-            levels.borders[levels.count] = border;
-            levels.count += 1;
-        }
-        for id in 0..n {
-            let radius = bodies.radius(id);
-            let class = levels.class(radius);
-            levels.levels[class].take(bodies.position(id), radius);
-        }
-        let mut slots = 0;
-        for level in &mut levels.levels[..levels.count] {
-            if level.bodies > 0 {
-                level.cells = Some(level.grid(bodies, true)?);
-                // One slot stays free, since there are fewer than 2^32 particles.
-                let wanted = (2 * level.bodies as u64).next_power_of_two().min(1 << 32) as usize;
-                level.slots = slots..slots + wanted;
-                slots += wanted;
-            }
-        }
-        if levels.all().iter().any(|level| level.bodies > 0 && level.is_sparse(bodies)) {
-            let crowded = levels.crowded(bodies);
-            let levels = levels.levels.iter_mut().zip(crowded);
-            for (level, _) in levels.filter(|(_, crowded)| *crowded) {
-                level.cells = Some(level.grid(bodies, false)?);
-            }
-        }
-        Ok(levels)
-    }
-
-    /// Which levels have many bodies in the cells of most, judged by a sample. A small level may
-    /// crowd: all its pairs are few.
-    fn crowded<T: Real>(&self, bodies: &impl Bodies<T, D>) -> [bool; MOST_LEVELS] {
-        let n = bodies.len() as u64;
-        let mut sample = [(0, 0); SAMPLE];
-        let asked = (bodies.len() / 16).clamp(64.min(bodies.len()), SAMPLE);
-        let sample = &mut sample[..asked];
-        for (k, (class, key)) in (0..).zip(&mut *sample) {
-            // By chance: at equal strides, clusters that are stored side by side would be missed.
-            let id = (splitmix64(k) % n) as u32;
-            *class = self.class(bodies.radius(id));
-            let (_, cells) = self.of(bodies.radius(id));
-            let position = bodies.position(id);
-            *key = (0..D).fold(0, |key, k| {
-                splitmix64(key ^ u64::from(cells.index(position[k], k, &mut Silent)))
-            });
-        }
-        sample.sort_unstable();
-        let mut crowded = [false; MOST_LEVELS];
-        for level in sample.chunk_by(|a, b| a.0 == b.0) {
-            let (class, asked) = (level[0].0, level.len() as f64);
-            let couples: usize =
-                level.chunk_by(|a, b| a == b).map(|cell| cell.len() * (cell.len() - 1)).sum();
-            // Each of those asked sees so many of all others.
-            let all = self.levels[class].bodies as f64;
-            crowded[class] = couples as f64 / asked * (all / asked) > CROWD;
-        }
-        crowded
-    }
-
-    /// The number of the class that a radius belongs to.
-    #[inline(always)]
-    fn class(&self, radius: f64) -> usize {
-        if self.count == 1 {
-            return 0;
-        }
-        self.borders[1..self.count].partition_point(|&border| radius <= border)
-    }
-
-    fn all(&self) -> &[Level<D>] {
-        &self.levels[..self.count]
-    }
-
-    /// The level that a radius belongs to, and its grid.
-    #[inline(always)]
-    fn of(&self, radius: f64) -> (&Level<D>, &Cells<D>) {
-        let level = &self.levels[self.class(radius)];
-        // It has a body with this radius.
-        let Some(cells) = &level.cells else { unreachable!("a level with bodies has cells") };
-        (level, cells)
-    }
-}
-
-/// The rows after a row, as steps along y and z: of each two neighbouring rows one is after the
-/// other. In 2D the first.
-const ROWS: [[i32; 2]; 4] = [[1, 0], [-1, 1], [0, 1], [1, 1]];
 
 /// Where the records begin and end of the cells of a strip, of the one before and the one after.
 type Edges = [u32; STRIP as usize + 3];
@@ -358,7 +155,7 @@ impl<const D: usize> HGrid<D> {
         room(&mut self.places, n, 0);
         for id in 0..n as u32 {
             let class = self.levels.class(bodies.radius(id));
-            let (level, cells) = self.levels.of(bodies.radius(id));
+            let (level, cells) = self.levels.at(class);
             let (first, _) = Level::strip(cells, bodies.position(id), probe);
             let slots = &mut self.slots[level.slots.clone()];
             let mut slot = level.slot(first);
@@ -376,7 +173,7 @@ impl<const D: usize> HGrid<D> {
             };
             self.places[id as usize] = slot as u32;
             // Counted now; where they begin is known later.
-            self.levels.levels[class].strips.end += usize::from(is_new);
+            self.levels.all_mut()[class].strips.end += usize::from(is_new);
         }
     }
 
@@ -390,7 +187,7 @@ impl<const D: usize> HGrid<D> {
         self.strips.clear();
         room(&mut self.strips, count, Strip::NONE);
         let mut end = 0;
-        for level in &mut self.levels.levels[..self.levels.count] {
+        for level in self.levels.all_mut() {
             let Some(cells) = &level.cells else { continue };
             level.strips = end..end + level.strips.len();
             end = level.strips.end;
@@ -425,7 +222,7 @@ impl<const D: usize> HGrid<D> {
             self.strips[*place as usize].starts[at as usize] += 1;
         }
         let mut end = 0;
-        for level in &mut self.levels.levels[..self.levels.count] {
+        for level in self.levels.all_mut() {
             let first = end;
             for strip in &mut self.strips[level.strips.clone()] {
                 let [starts @ .., last] = &mut strip.starts;
@@ -483,7 +280,7 @@ impl<const D: usize> HGrid<D> {
         probe.count(Op::CellProbe);
         let mut rows: [Edges; 4] = [[0; STRIP as usize + 3]; 4];
         let Strip { first, starts } = &self.strips[strip];
-        for (edges, step) in rows.iter_mut().zip(if D == 2 { &ROWS[..1] } else { &ROWS[..] }) {
+        for (edges, step) in rows.iter_mut().zip(rows_after::<D>()) {
             let mut row = *first;
             for k in 1..D {
                 row[k] = row[k].wrapping_add_signed(step[k - 1]);
@@ -500,7 +297,7 @@ impl<const D: usize> HGrid<D> {
             for i in start..end {
                 judge.against(&self.records[i], &self.records[i + 1..next], found, probe, sink);
             }
-            for edges in if D == 2 { &rows[..1] } else { &rows[..] } {
+            for edges in &rows[..rows_after::<D>().len()] {
                 let others = &self.records[edges[cell] as usize..edges[cell + 3] as usize];
                 if others.is_empty() {
                     continue;

@@ -3,7 +3,7 @@
 
 use std::ops::Range;
 
-use super::kernel::{Bounds, Sweep};
+use super::kernel::{Bounds, Scratch, Sweep};
 use super::lists::{Lists, Size};
 use super::pair_sink::{Deliver, PairSink};
 use super::plan::Plan;
@@ -62,7 +62,7 @@ impl<P: Probe, const D: usize> Run<'_, P, D> {
         let bundles = Bundles { lists, plan, bounds: self.bounds, level: self.level };
         if let [worker] = workers {
             let mut deliver = Deliver::new(self.touch, probe, sink);
-            bundles.sweep::<EACH>(worker, 0..plan.slabs, &mut deliver);
+            bundles.sweep::<EACH>(worker, 0..plan.slabs, &mut deliver, &mut |_, _, _, _| {});
             deliver.finish();
             return Ok(());
         }
@@ -92,7 +92,7 @@ impl<P: Probe, const D: usize> Run<'_, P, D> {
             let Some(share) = shares.get(k) else { return };
             let mut probe = Silent;
             let mut deliver = Deliver::new(touch, &mut probe, pairs);
-            bundles.sweep::<EACH>(worker, share.clone(), &mut deliver);
+            bundles.sweep::<EACH>(worker, share.clone(), &mut deliver, &mut |_, _, _, _| {});
         });
         let (workers, found): (Vec<_>, Vec<_>) = tasks.into_iter().unzip();
         for (worker, pairs) in workers.into_iter().zip(pair_list::lists(found, n)?) {
@@ -105,21 +105,26 @@ impl<P: Probe, const D: usize> Run<'_, P, D> {
     }
 }
 
-/// All bundles of layers of a scene.
-struct Bundles<'a, R, const D: usize> {
-    lists: &'a [Lists<D, R>],
-    plan: Plan,
-    bounds: Bounds,
-    level: Level,
+/// All bundles of layers of a scene, or of a class of sizes.
+pub(super) struct Bundles<'a, R, const D: usize> {
+    pub lists: &'a [Lists<D, R>],
+    pub plan: Plan,
+    pub bounds: Bounds,
+    pub level: Level,
 }
+
+/// What else is done with a bundle of that number while it is in cache.
+pub(super) type Beside<'a, const D: usize> =
+    &'a mut dyn FnMut(usize, &Slab<D>, &mut Scratch, &mut dyn PairSink);
 
 impl<R: Size, const D: usize> Bundles<'_, R, D> {
     /// Sweeps a range of bundles, each against itself and the first layer of the next.
-    fn sweep<const EACH: bool>(
+    pub fn sweep<const EACH: bool>(
         &self,
         worker: &mut Worker<D>,
         range: Range<usize>,
         sink: &mut dyn PairSink,
+        beside: Beside<'_, D>,
     ) {
         let Worker { slabs: [slab, next], scratch, .. } = worker;
         let (plan, bounds) = (&self.plan, self.bounds);
@@ -147,13 +152,14 @@ impl<R: Size, const D: usize> Bundles<'_, R, D> {
             };
             sweep(0..border, slab, plan.layer as isize);
             sweep(border..slab.len, next, -(last as isize));
+            beside(number, slab, scratch, sink);
             std::mem::swap(slab, next);
         }
     }
 }
 
 /// At least `count` of them.
-fn grow<A: Default>(array: &mut Vec<A>, count: usize) {
+pub(super) fn grow<A: Default>(array: &mut Vec<A>, count: usize) {
     if count > array.len() {
         array.reserve_exact(count - array.len());
         array.resize_with(count, A::default);

@@ -15,12 +15,13 @@
 //!
 //! **Which edge.** Cells of the reach are the smallest, but a loose scene has many of them that are
 //! empty. Where there are more than [`CELLS_PER_PARTICLE`], the edge grows until there are not:
-//! memory and time then depend on N only. Where particles crowd in a few such cells, which a sample
-//! of the particles tells, the sparse form is used ([`super::sparse`]), with cells of the smallest
+//! memory and time then depend on N only. Where particles crowd in a few such cells
+//! ([`crate::detect::modern::crowd`]), the sparse form is used ([`super::sparse`]), with cells of the smallest
 //! edge.
 
-use crate::contact::{Bodies, Margin, Slack};
+use crate::contact::{Bodies, Margin};
 use crate::detect::Refusal;
+use crate::detect::modern::crowd::{CROWD, company};
 use crate::filter::bounds_by;
 use crate::filter::cells::MOST_CELLS;
 use crate::scene::Real;
@@ -36,12 +37,7 @@ const FEWEST: u32 = 12;
 pub(super) const STEPS_OFF: f64 = 2.1;
 /// Measured: more than this cost more than longer ranges of candidates do. With 2.5 crowded scenes
 /// lose more than loose ones gain.
-const CELLS_PER_PARTICLE: f64 = 3.0;
-/// Particles looked at, to see whether they crowd: one in 32, but at most so many.
-const SAMPLE: usize = 4096;
-/// Other particles in the cell of a particle, in the mean, from which cells are not used: some
-/// hundred candidates.
-const CROWD: f64 = 24.0;
+pub(super) const CELLS_PER_PARTICLE: f64 = 3.0;
 /// So few particles that a crowd does not matter.
 const FEW: usize = 4096;
 /// 2^52: added to a number below it, it leaves the nearest whole number in the lowest bits.
@@ -70,6 +66,106 @@ pub enum Form {
     Sparse,
 }
 
+/// The least and the largest coordinates.
+type Corners<const D: usize> = ([f64; D], [f64; D]);
+
+/// The axes of a box, the longest last.
+///
+/// # Errors
+/// [`Refusal::Extent`].
+pub(super) fn axes<const D: usize>((low, high): Corners<D>) -> Result<[usize; D], Refusal> {
+    let mut axes: [usize; D] = std::array::from_fn(|k| k);
+    for axis in 0..D {
+        if !(high[axis] - low[axis]).is_finite() {
+            let name = ["x", "y", "z"][axis.min(2)];
+            return Err(Refusal::Extent { axis: name, low: low[axis], high: high[axis] });
+        }
+    }
+    axes.sort_by(|&a, &b| (high[a] - low[a]).total_cmp(&(high[b] - low[b])));
+    Ok(axes)
+}
+
+/// Where the bodies are that a grid is for, and how far they reach.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Domain<const D: usize> {
+    axes: [usize; D],
+    low: [f64; D],
+    high: [f64; D],
+    lengths: [f64; D],
+    reach: f64,
+    bodies: usize,
+}
+
+impl<const D: usize> Domain<D> {
+    /// Of so many bodies in a box, of which none farther apart than `reach` touch.
+    ///
+    /// # Errors
+    /// [`Refusal::Extent`].
+    pub fn new(corners: Corners<D>, reach: f64, bodies: usize) -> Result<Domain<D>, Refusal> {
+        Ok(Domain::along(axes(corners)?, corners, reach, bodies))
+    }
+
+    /// The same, with the axes in a given order.
+    pub fn along(
+        axes: [usize; D],
+        (low, high): Corners<D>,
+        reach: f64,
+        bodies: usize,
+    ) -> Domain<D> {
+        Domain {
+            axes,
+            low: axes.map(|k| low[k]),
+            high: axes.map(|k| high[k]),
+            lengths: axes.map(|k| high[k] - low[k]),
+            reach: reach.clamp(f64::MIN_POSITIVE * 4.0, f64::MAX),
+            bodies,
+        }
+    }
+
+    fn grid(&self, edge: f64, bits: u32) -> Grid<D> {
+        let scale = (1.0 - 4.0 / (1u64 << bits) as f64) / edge;
+        // The cast saturates: too many cells are too many.
+        let count = self.lengths.map(|length| ((length * scale) as u64).saturating_add(2));
+        Grid { axes: self.axes, low: self.low, scale, bits, count }
+    }
+
+    /// The grid for the form by cells, if its cells can be numbered; and whether particles may
+    /// crowd in them, since they are wider than they must be.
+    pub fn dense(&self) -> Option<(Grid<D>, bool)> {
+        let edge = edge_for(self.lengths, self.reach, self.bodies);
+        let wide = self.grid(edge, FRACTION);
+        // x and row of a particle must be known from 32 bits of its coordinates. Layers have lists,
+        // and bundles few enough of them.
+        let most = wide.count[..D - 1].iter().fold(1, |most, &count| most.max(count));
+        let bits = FRACTION.min(most.leading_zeros().saturating_sub(32));
+        if bits < FEWEST || wide.count[D - 1] >= 1 << 31 {
+            return None;
+        }
+        Some((self.grid(edge, bits), edge != self.reach && self.bodies > FEW))
+    }
+
+    /// The grid for the sparse form.
+    fn sparse(&self, points: bool) -> Result<Grid<D>, Refusal> {
+        // Points without extent touch only where they coincide (or underflow): any larger cell will
+        // do.
+        let points = if points {
+            self.lengths[D - 1] / libm::pow(self.bodies.max(1) as f64, 1.0 / D as f64)
+        } else {
+            0.0
+        };
+        let small = self.grid(self.reach.max(points), SPARSE_FRACTION);
+        for k in 0..D {
+            let cells = self.lengths[k] * small.scale;
+            if cells >= MOST_CELLS - 4.0 {
+                let axis = ["x", "y", "z"][self.axes[k].min(2)];
+                let (low, high) = (self.low[k], self.high[k]);
+                return Err(Refusal::Domain { axis, low, high, edge: 1.0 / small.scale, cells });
+            }
+        }
+        Ok(small)
+    }
+}
+
 impl<const D: usize> Grid<D> {
     /// The grid for a scene, and the form that suits it or is asked for; `threads` look for the
     /// scene's box.
@@ -78,58 +174,18 @@ impl<const D: usize> Grid<D> {
         asked: Option<Form>,
         threads: usize,
     ) -> Result<(Grid<D>, Form), Refusal> {
-        let n = bodies.len();
-        let (low, high) = bounds_by(bodies, threads);
-        let mut axes: [usize; D] = std::array::from_fn(|k| k);
-        for axis in 0..D {
-            if !(high[axis] - low[axis]).is_finite() {
-                let name = ["x", "y", "z"][axis.min(2)];
-                return Err(Refusal::Extent { axis: name, low: low[axis], high: high[axis] });
+        let reach = reach_of(bodies);
+        let domain = Domain::new(bounds_by(bodies, threads), reach, bodies.len())?;
+        if let (Some((grid, may_crowd)), None | Some(Form::Dense)) = (domain.dense(), asked) {
+            let crowded = || {
+                let cell = |id| (0, grid.cell(bodies.position(id)));
+                company(bodies.len(), cell, |_| bodies.len())[0] > CROWD
+            };
+            if asked.is_some() || !may_crowd || !crowded() {
+                return Ok((grid, Form::Dense));
             }
         }
-        axes.sort_by(|&a, &b| (high[a] - low[a]).total_cmp(&(high[b] - low[b])));
-        let lengths: [f64; D] = std::array::from_fn(|k| high[axes[k]] - low[axes[k]]);
-        let reach = reach_of(bodies).clamp(f64::MIN_POSITIVE * 4.0, f64::MAX);
-        let grid = |edge: f64, bits: u32| {
-            let scale = (1.0 - 4.0 / (1u64 << bits) as f64) / edge;
-            // The cast saturates: too many cells are too many.
-            let count = lengths.map(|length| ((length * scale) as u64).saturating_add(2));
-            Grid { axes, low: std::array::from_fn(|k| low[axes[k]]), scale, bits, count }
-        };
-        let edge = edge_for(lengths, reach, n);
-        let wide = grid(edge, FRACTION);
-        // x and row of a particle must be known from 32 bits of its coordinates. Layers have lists,
-        // and bundles few enough of them.
-        let most = wide.count[..D - 1].iter().fold(1, |most, &count| most.max(count));
-        let bits = FRACTION.min(most.leading_zeros().saturating_sub(32));
-        if bits >= FEWEST && wide.count[D - 1] < 1 << 31 && asked != Some(Form::Sparse) {
-            let wide = grid(edge, bits);
-            if asked.is_some() || edge == reach || n <= FEW || !wide.crowded(bodies) {
-                return Ok((wide, Form::Dense));
-            }
-        }
-        // Points without extent touch only where they coincide (or underflow): any larger cell will
-        // do.
-        let points = if reach <= T::UNDERFLOW {
-            lengths[D - 1] / libm::pow(n.max(1) as f64, 1.0 / D as f64)
-        } else {
-            0.0
-        };
-        let small = grid(reach.max(points), SPARSE_FRACTION);
-        for k in 0..D {
-            if lengths[k] * small.scale >= MOST_CELLS - 4.0 {
-                let axis = ["x", "y", "z"][axes[k].min(2)];
-                let (low, high) = (low[axes[k]], high[axes[k]]);
-                return Err(Refusal::Domain {
-                    axis,
-                    low,
-                    high,
-                    edge: 1.0 / small.scale,
-                    cells: lengths[k] * small.scale,
-                });
-            }
-        }
-        Ok((small, Form::Sparse))
+        Ok((domain.sparse(reach <= T::UNDERFLOW)?, Form::Sparse))
     }
 
     /// The coordinates of a particle in steps, in the order of the grid's axes.
@@ -143,28 +199,25 @@ impl<const D: usize> Grid<D> {
         })
     }
 
+    /// How many steps of this grid are in one of another.
+    pub fn finer_than(&self, other: &Grid<D>) -> f64 {
+        let bits = (1u64 << self.bits) as f64 / (1u64 << other.bits) as f64;
+        self.scale / other.scale * bits
+    }
+
+    /// The origin of another grid with the same order of axes, in steps of this one.
+    pub fn origin_of(&self, other: &Grid<D>) -> [f64; D] {
+        std::array::from_fn(|k| self.length(other.low[k] - self.low[k]))
+    }
+
     /// A length in steps.
     pub fn length(&self, length: f64) -> f64 {
         length * self.scale * (1u64 << self.bits) as f64
     }
 
-    /// Whether particles have many others in their cells, judged by a sample.
-    fn crowded<T: Real>(&self, bodies: &impl Bodies<T, D>) -> bool {
-        let n = bodies.len() as u64;
-        let m = (n as usize / 32).clamp(1, SAMPLE);
-        let mut keys = [0u64; SAMPLE];
-        for (k, key) in keys[..m].iter_mut().enumerate() {
-            // By chance: a sample at equal strides would miss clusters whose particles are stored
-            // side by side.
-            let i = splitmix64(k as u64) % n;
-            let cell = self.steps(bodies.position(i as u32)).map(|q| q >> self.bits);
-            *key = cell.iter().fold(0, |key, &c| splitmix64(key ^ c));
-        }
-        keys[..m].sort_unstable();
-        let couples: usize =
-            keys[..m].chunk_by(|a, b| a == b).map(|cell| cell.len() * (cell.len() - 1)).sum();
-        // Each of the m particles sees m of n others, but for one drawn twice.
-        couples as f64 / m as f64 * (n as f64 / m as f64) > CROWD
+    /// The cell of a point, as a number that others hardly have.
+    pub fn cell(&self, position: [f64; D]) -> u64 {
+        self.steps(position).iter().fold(0, |key, q| splitmix64(key ^ q >> self.bits))
     }
 }
 
@@ -175,7 +228,7 @@ pub(super) fn reach_of<T: Real, const D: usize>(bodies: &impl Bodies<T, D>) -> f
         Margin::Safe => bodies.reach(),
         Margin::Textbook => {
             let half = 0.5 * bodies.reach();
-            Slack::rounded::<T>().reach(half, half)
+            bodies.slack().reach(half, half)
         }
     }
 }

@@ -19,7 +19,7 @@ use super::pair_sink::PairSink;
 use super::ranges::{Find, in_next, ranges_used};
 use super::slab::Slab;
 use super::unchecked::{Run16, Source, TwoRuns8, chunk, chunk_mut, element};
-use crate::contact::Bodies;
+use crate::contact::{Bodies, Slack};
 use crate::probe::Op;
 use crate::scene::Real;
 use crate::wide::{HALF, Kernel, LANES, Level, Wide};
@@ -41,17 +41,28 @@ impl Bounds {
         grid: &Grid<D>,
         turn: Option<f32>,
     ) -> Bounds {
+        let bounds = Bounds::of(bodies.slack(), reach_of(bodies), grid, turn);
+        // Twice the radius in steps: the diameter itself may overflow.
+        let sum = 2.0 * grid.length(bodies.uniform().unwrap_or(0.0));
+        Bounds { sum: sum as f32, ..bounds }
+    }
+
+    /// For bodies with a radius each, of which none farther apart than `reach` touch.
+    pub fn of<const D: usize>(
+        slack: Slack,
+        reach: f64,
+        grid: &Grid<D>,
+        turn: Option<f32>,
+    ) -> Bounds {
         let steps = turn.map_or((grid.count[0] << grid.bits) as f64, f64::from);
-        let (slack, reach) = (bodies.slack(), grid.length(reach_of(bodies).min(f64::MAX)));
+        let reach = grid.length(reach.min(f64::MAX));
         let relative = slack.relative + 1.0 / f64::from(1 << 19);
         let grow = 2.0 * STEPS_OFF
             + steps / f64::from(1 << 23)
             + 2.0
             + grid.length(slack.absolute)
             + reach * relative;
-        // Twice the radius in steps: the diameter itself may overflow.
-        let sum = 2.0 * grid.length(bodies.uniform().unwrap_or(0.0));
-        Bounds { sum: sum as f32, grow: grow as f32, one: (1u64 << grid.bits) as f32 }
+        Bounds { sum: 0.0, grow: grow as f32, one: (1u64 << grid.bits) as f32 }
     }
 }
 
@@ -80,6 +91,70 @@ impl Default for Scratch {
     }
 }
 
+impl Scratch {
+    /// Reports the pairs of `id` with those of sixteen that are near: what touches for sure is kept
+    /// until there are enough, `found` of them so far, and for the others the contact test is asked.
+    #[inline(always)]
+    pub fn take<W: Wide, const D: usize>(
+        &mut self,
+        w: W,
+        id: u32,
+        source: impl Source<D>,
+        (near, sure): (u32, u32),
+        found: &mut usize,
+        sink: &mut dyn PairSink,
+    ) {
+        if near == sure && near.count_ones() <= KEPT as u32 {
+            let mut packed = [0; KEPT];
+            source.pack(w, near, &mut packed);
+            // SAFETY: at most `ROOM - 3 * KEPT` before a vector, see below.
+            let pairs = unsafe { chunk_mut(&mut self.pairs, *found) };
+            w.pair(id, &packed, pairs);
+            *found += near.count_ones() as usize;
+        } else {
+            self.take_carefully(w, id, source, (near, sure), found, sink);
+        }
+        if *found > ROOM - 3 * KEPT {
+            self.hand_on(found, sink);
+        }
+    }
+
+    /// As [`Scratch::take`], with more than are packed at once, or with pairs that only the contact
+    /// test can decide.
+    #[cold]
+    #[inline(always)]
+    fn take_carefully<W: Wide, const D: usize>(
+        &mut self,
+        w: W,
+        id: u32,
+        source: impl Source<D>,
+        (near, sure): (u32, u32),
+        found: &mut usize,
+        sink: &mut dyn PairSink,
+    ) {
+        for half in [0xff, 0xff00] {
+            let (sure, unsure) = (sure & half, (near ^ sure) & half);
+            let mut packed = [0; KEPT];
+            source.pack(w, sure, &mut packed);
+            // SAFETY: at most `ROOM - 3 * KEPT` before a vector, and `KEPT` more after its first
+            // half.
+            let pairs = unsafe { chunk_mut(&mut self.pairs, *found) };
+            w.pair(id, &packed, pairs);
+            *found += sure.count_ones() as usize;
+            source.pack(w, unsure, &mut packed);
+            for &other in &packed[..unsure.count_ones() as usize] {
+                sink.unsure(id, other);
+            }
+        }
+    }
+
+    /// Hands the pairs on that are kept.
+    pub fn hand_on(&self, found: &mut usize, sink: &mut dyn PairSink) {
+        sink.sure(&self.pairs[..*found]);
+        *found = 0;
+    }
+}
+
 /// Particles whose neighbours are collected before they are paired.
 const BLOCK: usize = 16;
 /// Room for the contacts of a particle in one vector; as many or more are rare, and left to the
@@ -89,15 +164,15 @@ const KEPT: usize = 8;
 const ROOM: usize = (BLOCK * 5 + 10) * KEPT;
 
 /// What a particle is compared with in one range.
-struct Query<W: Wide, const D: usize> {
-    at: [W::Floats; D],
+pub(super) struct Query<W: Wide, const D: usize> {
+    pub at: [W::Floats; D],
     /// With [`Bounds::grow`], where each particle has its own.
-    radius: W::Floats,
+    pub radius: W::Floats,
 }
 
 /// Squares of distances up to which particles are near enough to ask, and touch for sure.
 #[derive(Clone, Copy)]
-struct Limits<W: Wide> {
+pub(super) struct Limits<W: Wide> {
     near: W::Floats,
     sure: W::Floats,
 }
@@ -105,7 +180,7 @@ struct Limits<W: Wide> {
 impl<W: Wide> Limits<W> {
     /// For this sum of radii and [`Bounds::grow`].
     #[inline(always)]
-    fn new(w: W, outer: W::Floats, grow: f32) -> Limits<W> {
+    pub fn new(w: W, outer: W::Floats, grow: f32) -> Limits<W> {
         let inner = w.max(w.sub(outer, w.all(2.0 * grow)), w.all(0.0));
         // Half a step less, so that an inner bound of nothing holds nobody.
         Limits { near: w.mul(outer, outer), sure: w.mul_add(inner, inner, w.all(-0.5)) }
@@ -288,7 +363,8 @@ impl<'a, F: Find, const D: usize, const EACH: bool> Sweep<'a, F, D, EACH> {
         limits: Limits<W>,
         found: &mut Found,
     ) {
-        let (near, sure) = self.test(w, source, valid, query, limits);
+        let (near, sure) =
+            test::<_, D, EACH>(w, source, valid, query, limits, self.bounds.grow, F::TURN);
         // SAFETY: what a block keeps and four vectors of this particle are before `found.at`, and
         // there is room for a vector more.
         source.pack(w, near, unsafe { chunk_mut(&mut self.scratch.ids, found.at) });
@@ -298,46 +374,43 @@ impl<'a, F: Find, const D: usize, const EACH: bool> Sweep<'a, F, D, EACH> {
         found.counts |= count;
     }
 
-    /// Masks of those of sixteen particles from `begin` on that are `valid`: those near enough to
-    /// ask, and those that touch.
-    #[inline(always)]
-    fn test<W: Wide>(
-        &self,
-        w: W,
-        source: impl Source<D>,
-        valid: u32,
-        query: &Query<W, D>,
-        limits: Limits<W>,
-    ) -> (u32, u32) {
-        let mut square = w.all(0.0);
-        for k in 0..D {
-            let mut d = w.sub(source.load(w, |slab| &slab.lanes[k]), query.at[k]);
-            if let (0, Some(turn)) = (k, F::TURN) {
-                // The nearest whole number of turns: 1.5·2^23 leaves no fraction.
-                let whole = w.all(12_582_912.0);
-                let turns = w.sub(w.add(w.mul(d, w.all(1.0 / turn)), whole), whole);
-                d = w.sub(d, w.mul(turns, w.all(turn)));
-            }
-            square = if k == 0 { w.mul(d, d) } else { w.mul_add(d, d, square) };
-        }
-        let limits = if EACH {
-            Limits::new(
-                w,
-                w.add(query.radius, source.load(w, |slab| &slab.radii)),
-                self.bounds.grow,
-            )
-        } else {
-            limits
-        };
-        let near = w.at_most(square, limits.near) & valid;
-        (near, w.at_most(square, limits.sure) & near)
-    }
-
     /// The limits for all particles, where radii are the same.
     #[inline(always)]
     fn limits<W: Wide>(&self, w: W) -> Limits<W> {
         Limits::new(w, w.all(self.bounds.sum + self.bounds.grow), self.bounds.grow)
     }
+}
+
+/// Masks of those of sixteen particles that are `valid`: those near enough to ask, and those that
+/// touch. Where each has its own radius, `limits` are made of the query's and theirs.
+#[inline(always)]
+pub(super) fn test<W: Wide, const D: usize, const EACH: bool>(
+    w: W,
+    source: impl Source<D>,
+    valid: u32,
+    query: &Query<W, D>,
+    limits: Limits<W>,
+    grow: f32,
+    turn: Option<f32>,
+) -> (u32, u32) {
+    let mut square = w.all(0.0);
+    for k in 0..D {
+        let mut d = w.sub(source.load(w, |slab| &slab.lanes[k]), query.at[k]);
+        if let (0, Some(turn)) = (k, turn) {
+            // The nearest whole number of turns: 1.5·2^23 leaves no fraction.
+            let whole = w.all(12_582_912.0);
+            let turns = w.sub(w.add(w.mul(d, w.all(1.0 / turn)), whole), whole);
+            d = w.sub(d, w.mul(turns, w.all(turn)));
+        }
+        square = if k == 0 { w.mul(d, d) } else { w.mul_add(d, d, square) };
+    }
+    let limits = if EACH {
+        Limits::new(w, w.add(query.radius, source.load(w, |slab| &slab.radii)), grow)
+    } else {
+        limits
+    };
+    let near = w.at_most(square, limits.near) & valid;
+    (near, w.at_most(square, limits.sure) & near)
 }
 
 /// The particle at a place, with any number of particles in a range and pairs that only the contact
@@ -366,29 +439,12 @@ impl<F: Find, const D: usize, const EACH: bool> Kernel for Careful<'_, '_, F, D,
                 // SAFETY: `at` is in a range, so below the slab's `len`, and its arrays are a
                 // vector longer.
                 let run = unsafe { Run16::new(slab, at) };
-                let (near, sure) = sweep.test(w, run, valid, &query, limits);
-                // SAFETY: likewise.
-                let ids: &[u32; LANES] = unsafe { chunk(&slab.ids, at) };
-                for half in [0xff, 0xff00] {
-                    let mut packed = [0; KEPT];
-                    w.pack(ids, sure & half, &mut packed);
-                    // SAFETY: at most `ROOM - 3 * KEPT` before a vector, see below, and `KEPT` more
-                    // after its first half.
-                    let pairs = unsafe { chunk_mut(&mut sweep.scratch.pairs, found) };
-                    w.pair(id, &packed, pairs);
-                    found += (sure & half).count_ones() as usize;
-                }
-                let mut unsure = near ^ sure;
-                while unsure != 0 {
-                    sweep.sink.unsure(id, ids[unsure.trailing_zeros() as usize]);
-                    unsure &= unsure - 1;
-                }
-                if found > ROOM - 3 * KEPT {
-                    sweep.sink.sure(&sweep.scratch.pairs[..found]);
-                    found = 0;
-                }
+                let (near, sure) =
+                    test::<_, D, EACH>(w, run, valid, &query, limits, sweep.bounds.grow, F::TURN);
+                let Sweep { scratch, sink, .. } = &mut *sweep;
+                scratch.take(w, id, run, (near, sure), &mut found, *sink);
             }
         }
-        sweep.sink.sure(&sweep.scratch.pairs[..found]);
+        sweep.scratch.hand_on(&mut found, sweep.sink);
     }
 }

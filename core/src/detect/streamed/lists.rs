@@ -93,8 +93,18 @@ impl<const D: usize, R: Size> Lists<D, R> {
         grid: &Grid<D>,
         plan: &Plan,
     ) {
-        let (layers, lists) = (plan.layers, plan.slabs);
-        let (block, count) = block_size(particles.len(), lists);
+        let mut filling = self.begin(particles.len(), grid, plan);
+        for id in particles.start as u32..particles.end as u32 {
+            let radius = if R::EACH { bodies.radius(id) } else { 0.0 };
+            filling.push(bodies.position(id), radius, id);
+        }
+        filling.end();
+    }
+
+    /// Empty lists for at most `n` particles.
+    pub fn begin(&mut self, n: usize, grid: &Grid<D>, plan: &Plan) -> Filling<'_, D, R> {
+        let lists = plan.slabs;
+        let (block, count) = block_size(n, lists);
         self.block = block;
         at_least(
             &mut self.records,
@@ -107,31 +117,16 @@ impl<const D: usize, R: Size> Lists<D, R> {
             *next = (list as u32) << block;
             self.before[list] = NONE;
         }
-        let (full, mut free) = ((1 << block) - 1, lists as u32);
-        let shift = grid.bits + layers;
-        let mut most = [0; D];
-        for id in particles.start as u32..particles.end as u32 {
-            let steps = grid.steps(bodies.position(id));
-            let radius =
-                if R::EACH { R::new(grid.length(bodies.radius(id)) as f32) } else { R::default() };
-            most = std::array::from_fn(|k| most[k].max(steps[k]));
-            let next = &mut self.next[(steps[D - 1] >> shift) as usize];
-            self.records[*next as usize] =
-                Record { at: std::array::from_fn(|k| steps[k] as u32), radius, id };
-            if *next & full == full {
-                self.before[free as usize] = *next >> block;
-                *next = free << block;
-                free += 1;
-            } else {
-                *next += 1;
-            }
+        Filling {
+            records: &mut self.records,
+            before: &mut self.before,
+            next: &mut self.next,
+            block,
+            free: lists as u32,
+            shift: grid.bits + plan.layers,
+            most: [0; D],
+            grid: *grid,
         }
-        // The kernel relies on it without a check, and `Bodies` may be anybody's: one whose
-        // positions changed since the grid was made stops here.
-        assert!(
-            (0..D).all(|k| most[k] >> grid.bits < grid.count[k]),
-            "positions changed during a detection"
-        );
     }
 
     /// The blocks of a list, the last first.
@@ -154,6 +149,52 @@ impl<const D: usize, R: Size> Lists<D, R> {
     /// Particles on a list.
     pub fn len(&self, list: usize) -> usize {
         self.blocks(list).map(<[_]>::len).sum()
+    }
+}
+
+/// Lists that are being filled.
+pub(super) struct Filling<'a, const D: usize, R> {
+    records: &'a mut [Record<D, R>],
+    before: &'a mut [u32],
+    next: &'a mut [u32],
+    block: u32,
+    /// The first block that is on no list.
+    free: u32,
+    /// From a coordinate in steps to the number of its slab.
+    shift: u32,
+    /// The largest coordinates.
+    most: [u64; D],
+    grid: Grid<D>,
+}
+
+impl<const D: usize, R: Size> Filling<'_, D, R> {
+    /// Puts a particle on the list of its slab.
+    #[inline(always)]
+    pub fn push(&mut self, position: [f64; D], radius: f64, id: u32) {
+        let steps = self.grid.steps(position);
+        let radius = if R::EACH { R::new(self.grid.length(radius) as f32) } else { R::default() };
+        self.most = std::array::from_fn(|k| self.most[k].max(steps[k]));
+        let next = &mut self.next[(steps[D - 1] >> self.shift) as usize];
+        self.records[*next as usize] =
+            Record { at: std::array::from_fn(|k| steps[k] as u32), radius, id };
+        let full = (1 << self.block) - 1;
+        if *next & full == full {
+            self.before[self.free as usize] = *next >> self.block;
+            *next = self.free << self.block;
+            self.free += 1;
+        } else {
+            *next += 1;
+        }
+    }
+
+    /// To be called after the last particle.
+    pub fn end(self) {
+        // The kernel relies on it without a check, and `Bodies` may be anybody's: one whose
+        // positions changed since the grid was made stops here.
+        assert!(
+            (0..D).all(|k| self.most[k] >> self.grid.bits < self.grid.count[k]),
+            "positions changed during a detection"
+        );
     }
 }
 

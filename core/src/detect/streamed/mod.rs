@@ -31,10 +31,11 @@
 //! * Threads: in the dense form, from 20,000 particles on.
 //! * In `textbook` arithmetic its filters are as safe as in f64: the book prints none for it.
 
+mod classes;
 mod dense;
-mod giants;
 mod grid;
 mod kernel;
+mod levels;
 mod lists;
 mod pair_sink;
 mod plan;
@@ -42,8 +43,9 @@ mod ranges;
 mod slab;
 mod sparse;
 mod unchecked;
+mod visits;
 
-use giants::{Giants, Others, Renumbered};
+use classes::Classes;
 pub use grid::Form;
 use grid::Grid;
 use kernel::{Bounds, Scratch};
@@ -53,6 +55,7 @@ use sparse::Sparse;
 
 use super::book::list::numbered;
 use super::modern::copies::Touch;
+use super::modern::hgrid::HGrid;
 use super::{Declare, Detector, Options, Refusal};
 use crate::contact::Bodies;
 use crate::probe::{Probe, Silent};
@@ -73,6 +76,8 @@ pub struct Streamed<const D: usize> {
     /// Buffers for scenes with one radius, and with one per particle.
     uniform: Buffers<D, ()>,
     each: Buffers<D, f32>,
+    /// For classes of sizes that crowd.
+    crowded: HGrid<D>,
     formula: u64,
 }
 
@@ -105,6 +110,7 @@ impl<const D: usize> Streamed<D> {
             workers: Vec::new(),
             uniform: Buffers::default(),
             each: Buffers::default(),
+            crowded: HGrid::with(options),
             formula: 0,
         }
     }
@@ -134,16 +140,10 @@ impl<T: Real, const D: usize> Detector<T, D> for Streamed<D> {
         probe: &mut P,
         sink: &mut S,
     ) -> Result<(), Refusal> {
-        let Some(giants) = Giants::of(&bodies) else { return self.sweep(bodies, probe, sink) };
-        let others = Others::new(bodies, &giants);
-        match self.sweep(others, probe, &mut Renumbered::new(&giants, sink)) {
-            Ok(()) => {
-                giants.test(&bodies, probe, sink);
-                Ok(())
-            }
-            // Cells of the others may be too many to be numbered where those of the giants are not.
-            Err(Refusal::Domain { .. }) => self.sweep(bodies, probe, sink),
-            Err(refusal) => Err(refusal),
+        let classes = if self.form == Some(Form::Sparse) { None } else { Classes::of(&bodies) };
+        match classes {
+            Some(classes) => self.by_class(&classes, bodies, probe, sink),
+            None => self.sweep(bodies, probe, sink),
         }
     }
 }

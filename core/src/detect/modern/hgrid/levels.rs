@@ -1,0 +1,209 @@
+//! Classes of sizes: which radii belong together, and the grid of each.
+
+use std::ops::Range;
+
+use super::STRIP;
+use crate::contact::{Bodies, Margin};
+use crate::detect::Refusal;
+use crate::detect::modern::crowd::{CLASSES, CROWD, company};
+use crate::detect::modern::rows::mixed;
+use crate::filter::Cells;
+use crate::filter::cells::spacing;
+use crate::probe::{Probe, Silent};
+use crate::scene::Real;
+use crate::sink::splitmix64;
+
+/// Levels; radii below the last border are all in the last one.
+const MOST_LEVELS: usize = CLASSES;
+
+/// The classes of sizes, the largest first.
+#[derive(Clone)]
+pub(super) struct Levels<const D: usize> {
+    /// The largest radius that each class could have.
+    borders: [f64; MOST_LEVELS],
+    levels: [Level<D>; MOST_LEVELS],
+    count: usize,
+}
+
+/// A class of sizes and its grid.
+#[derive(Clone)]
+pub(super) struct Level<const D: usize> {
+    /// The box around its centres.
+    pub low: [f64; D],
+    pub high: [f64; D],
+    /// The largest radius in it.
+    pub largest: f64,
+    pub bodies: usize,
+    /// None if it has no bodies.
+    pub cells: Option<Cells<D>>,
+    /// Its part of the slots, a power of two.
+    pub slots: Range<usize>,
+    /// Its part of the strips.
+    pub strips: Range<usize>,
+    /// Its part of the records.
+    pub records: Range<usize>,
+}
+
+impl<const D: usize> Level<D> {
+    const NONE: Level<D> = Level {
+        low: [f64::INFINITY; D],
+        high: [f64::NEG_INFINITY; D],
+        largest: 0.0,
+        bodies: 0,
+        cells: None,
+        slots: 0..0,
+        strips: 0..0,
+        records: 0..0,
+    };
+
+    /// Its grid: with cells that hold about a body each, if that is asked for, or as the reach is.
+    fn grid<T: Real>(&self, bodies: &impl Bodies<T, D>, filled: bool) -> Result<Cells<D>, Refusal> {
+        let (low, high) = (self.low, self.high);
+        let points = bodies.class_reach(self.largest, self.largest) <= T::UNDERFLOW;
+        // The book knows cells as wide as the reach only.
+        let filled = filled && bodies.margin() == Margin::Safe;
+        let least = if filled || points { spacing(low, high, self.bodies) } else { 0.0 };
+        Cells::of_class(bodies, (low, high), self.largest, least)
+    }
+
+    /// Would most cells as wide as the reach be empty?
+    fn is_sparse<T: Real>(&self, bodies: &impl Bodies<T, D>) -> bool {
+        spacing(self.low, self.high, self.bodies) > bodies.class_reach(self.largest, self.largest)
+    }
+
+    fn take(&mut self, position: [f64; D], radius: f64) {
+        for (k, x) in position.into_iter().enumerate() {
+            self.low[k] = self.low[k].min(x);
+            self.high[k] = self.high[k].max(x);
+        }
+        self.largest = self.largest.max(radius);
+        self.bodies += 1;
+    }
+
+    /// The first cell of the strip that holds a point, and which of its cells does.
+    #[inline(always)]
+    pub fn strip(
+        cells: &Cells<D>,
+        position: [f64; D],
+        probe: &mut impl Probe,
+    ) -> ([u32; D], usize) {
+        let mut cell: [u32; D] = std::array::from_fn(|k| cells.index(position[k], k, probe));
+        let at = cell[0] % STRIP;
+        cell[0] -= at;
+        (cell, at as usize)
+    }
+
+    /// Where the search for a strip begins, in the level's part of the slots.
+    #[inline(always)]
+    pub fn slot(&self, first: [u32; D]) -> usize {
+        (mixed(first) >> 32) as usize & (self.slots.len() - 1)
+    }
+}
+
+impl<const D: usize> Levels<D> {
+    pub const NONE: Levels<D> = Levels {
+        borders: [0.0; MOST_LEVELS],
+        levels: [const { Level::NONE }; MOST_LEVELS],
+        count: 0,
+    };
+
+    /// Counts and measures the classes, and gives each that has bodies its grid.
+    pub fn new<T: Real>(
+        bodies: &impl Bodies<T, D>,
+        ratio: Option<f64>,
+    ) -> Result<Levels<D>, Refusal> {
+        let n = bodies.len() as u32;
+        let mut levels = Levels::NONE;
+        let (mut least, mut largest) = (f64::INFINITY, 0.0_f64);
+        match bodies.uniform() {
+            Some(radius) => (least, largest) = (radius, radius),
+            None => (0..n).for_each(|id| {
+                least = least.min(bodies.radius(id));
+                largest = largest.max(bodies.radius(id));
+            }),
+        }
+        let mut border = largest;
+        levels.borders[0] = border;
+        levels.count = 1;
+        // Points have no level below them.
+        while let Some(ratio) = ratio.filter(|_| border > 0.0) {
+            border /= ratio;
+            if least > border || levels.count == MOST_LEVELS {
+                break;
+            }
+            levels.borders[levels.count] = border;
+            levels.count += 1;
+        }
+        for id in 0..n {
+            let radius = bodies.radius(id);
+            let class = levels.class(radius);
+            levels.levels[class].take(bodies.position(id), radius);
+        }
+        let mut slots = 0;
+        for level in &mut levels.levels[..levels.count] {
+            if level.bodies > 0 {
+                level.cells = Some(level.grid(bodies, true)?);
+                // One slot stays free, since there are fewer than 2^32 particles.
+                let wanted = (2 * level.bodies as u64).next_power_of_two().min(1 << 32) as usize;
+                level.slots = slots..slots + wanted;
+                slots += wanted;
+            }
+        }
+        if levels.all().iter().any(|level| level.bodies > 0 && level.is_sparse(bodies)) {
+            let crowded = levels.crowded(bodies);
+            let levels = levels.levels.iter_mut().zip(crowded);
+            for (level, _) in levels.filter(|(_, crowded)| *crowded) {
+                level.cells = Some(level.grid(bodies, false)?);
+            }
+        }
+        Ok(levels)
+    }
+
+    /// Which levels have many bodies in the cells of most, judged by a sample. A small level may
+    /// crowd: all its pairs are few.
+    fn crowded<T: Real>(&self, bodies: &impl Bodies<T, D>) -> [bool; MOST_LEVELS] {
+        let place = |id| {
+            let class = self.class(bodies.radius(id));
+            let (_, cells) = self.at(class);
+            let position = bodies.position(id);
+            let key =
+                |key, k| splitmix64(key ^ u64::from(cells.index(position[k], k, &mut Silent)));
+            (class, (0..D).fold(0, key))
+        };
+        company(bodies.len(), place, |class| self.levels[class].bodies)
+            .map(|company| company > CROWD)
+    }
+
+    /// The number of the class that a radius belongs to.
+    #[inline(always)]
+    pub fn class(&self, radius: f64) -> usize {
+        if self.count == 1 {
+            return 0;
+        }
+        self.borders[1..self.count].partition_point(|&border| radius <= border)
+    }
+
+    /// All of them, the largest first.
+    pub fn all_mut(&mut self) -> &mut [Level<D>] {
+        &mut self.levels[..self.count]
+    }
+
+    /// All of them, the largest first.
+    pub fn all(&self) -> &[Level<D>] {
+        &self.levels[..self.count]
+    }
+
+    /// A level with bodies, and its grid.
+    #[inline(always)]
+    pub fn at(&self, class: usize) -> (&Level<D>, &Cells<D>) {
+        let level = &self.levels[class];
+        let Some(cells) = &level.cells else { unreachable!("a level with bodies has cells") };
+        (level, cells)
+    }
+
+    /// The level that a radius of a body belongs to, and its grid.
+    #[inline(always)]
+    pub fn of(&self, radius: f64) -> (&Level<D>, &Cells<D>) {
+        self.at(self.class(radius))
+    }
+}

@@ -1,0 +1,91 @@
+//! Scenes of every kind of sizes, for the tests of the detectors that part bodies by size.
+
+use nalgebra::Point;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+use super::{Options, table};
+use crate::contact::Arithmetic;
+use crate::oracle;
+use crate::scene::{AnyScene, Radii, Scene};
+use crate::sink::Digest;
+
+/// Particles at random in a box with this edge.
+pub fn scene<const D: usize>(radii: Vec<f64>, edge: f64, seed: u64) -> AnyScene<'static>
+where
+    AnyScene<'static>: From<Scene<'static, f64, D>>,
+{
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let centre = |_| Point::from(std::array::from_fn(|_| edge * random.random::<f64>()));
+    let centres: Vec<Point<f64, D>> = (0..radii.len()).map(centre).collect();
+    Scene::new(centres, Radii::Each(radii.into())).unwrap().into()
+}
+
+/// Radii of every kind that levels could stumble over.
+fn radii() -> Vec<(&'static str, Vec<f64>)> {
+    let with = |radius: fn(u32) -> f64| (0..600).map(radius).collect::<Vec<f64>>();
+    vec![
+        ("one size", with(|_| 0.5)),
+        ("a power law over a ratio of 600", with(|k| 300.0 / (f64::from(k) + 1.0))),
+        ("exactly at the borders", with(|k| 64.0 / f64::from(1 << (k % 12)))),
+        ("a last bit around them", {
+            let border = |k: u32| 64.0 / f64::from(1 << (k / 3 % 12));
+            let radius = |k: u32| match k % 3 {
+                0 => border(k),
+                1 => border(k).next_up(),
+                _ => border(k).next_down(),
+            };
+            (0..600).map(radius).collect()
+        }),
+        ("giants in dust", with(|k| if k % 200 == 7 { 40.0 } else { 0.25 })),
+        ("giants in points", with(|k| if k % 200 == 7 { 40.0 } else { 0.0 })),
+        ("points", with(|_| 0.0)),
+        ("more levels than there are", with(|k| 50.0 * 0.8_f64.powi(k as i32))),
+        ("subnormal beside giants", with(|k| if k == 3 { 60.0 } else { 1e-310 })),
+    ]
+}
+
+/// Few enough cells that nearly every strip has neighbours, and so many that most have none.
+const EDGES: [f64; 3] = [20.0, 150.0, 20_000.0];
+
+/// Detectors that part bodies by size, in all their ways.
+fn specs() -> Vec<String> {
+    let ratios = table::find("hgrid").unwrap().parameters[0].values;
+    let hgrid = ratios.iter().map(|ratio| format!("hgrid:ratio={ratio}"));
+    let streamed = ["form=auto", "form=dense", "form=sparse", "form=dense,level=portable"];
+    hgrid.chain(streamed.map(|way| format!("streamed-nbs:{way}"))).collect()
+}
+
+#[test]
+fn levels_lose_nothing() {
+    let (mut contacts, mut answers) = (0, 0);
+    for (k, (name, radii)) in radii().into_iter().enumerate() {
+        for edge in EDGES {
+            let scenes = [
+                scene::<2>(radii.clone(), edge, k as u64),
+                scene::<3>(radii.clone(), edge, k as u64),
+            ];
+            for scene in scenes {
+                for arithmetic in Arithmetic::SAFE {
+                    let Ok(truth) = oracle::truth(&scene, arithmetic) else { continue };
+                    let stored = scene.stored(arithmetic).unwrap();
+                    for spec in specs() {
+                        let spec = table::parse(&spec).unwrap();
+                        let mut digest = Digest::default();
+                        let mut detector = spec.make(Options::default());
+                        detector.visit(&stored, arithmetic.test(), &mut digest).unwrap();
+                        assert_eq!(
+                            digest,
+                            truth.digest,
+                            "{name}, edge {edge}, {spec}, {}D, {arithmetic:?}",
+                            scene.dim()
+                        );
+                        contacts += digest.contacts;
+                        answers += 1;
+                    }
+                }
+            }
+        }
+    }
+    assert!(contacts > 1_000_000 && answers > 1500, "{contacts} {answers}");
+}

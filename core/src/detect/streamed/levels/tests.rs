@@ -1,0 +1,159 @@
+use nalgebra::Point;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+use super::*;
+use crate::contact::{Arithmetic, Test, any_bodies};
+use crate::detect::{Options, table};
+use crate::oracle;
+use crate::probe::Tally;
+use crate::scene::{AnyScene, Radii, Scene};
+use crate::sink::Digest;
+
+/// These bodies at random in a box.
+fn scene<const D: usize>(radii: Vec<f64>, edge: f64) -> Scene<'static, f64, D> {
+    let mut random = ChaCha8Rng::seed_from_u64(radii.len() as u64);
+    let centre = |_| Point::from(std::array::from_fn(|_| edge * random.random::<f64>()));
+    Scene::new((0..radii.len()).map(centre).collect::<Vec<_>>(), Radii::Each(radii.into())).unwrap()
+}
+
+/// Dust, and these giants among it.
+fn dusty(giants: &[f64], dust: impl Fn(u32) -> f64) -> Vec<f64> {
+    let mut random = ChaCha8Rng::seed_from_u64(giants.len() as u64);
+    let mut radii: Vec<f64> = (0..2000).map(dust).collect();
+    for &giant in giants {
+        radii.insert(random.random_range(0..=radii.len()), giant);
+    }
+    radii
+}
+
+/// The number of bodies in each class.
+fn classes(radii: Vec<f64>, edge: f64) -> Vec<usize> {
+    let scene = scene::<3>(radii, edge);
+    let bodies = any_bodies(&scene, Test::Exact).unwrap();
+    let Some(classes) = Classes::of(&bodies) else { return Vec::new() };
+    let mut found = vec![0; classes.all().len()];
+    for id in 0..bodies.len() as u32 {
+        let class = &classes.all()[classes.number(bodies.radius(id))];
+        assert!(bodies.radius(id) <= class.largest);
+        found[classes.number(bodies.radius(id))] += 1;
+    }
+    assert_eq!(found, classes.all().iter().map(|class| class.bodies).collect::<Vec<_>>());
+    found
+}
+
+#[test]
+fn classes_are_those_that_save_work() {
+    // Of about one size, or too few to matter: no classes.
+    assert_eq!(classes(vec![0.5; 2000], 12.0), []);
+    assert_eq!(classes((0..2000).map(|k| 0.3 + 0.1 * f64::from(k % 3)).collect(), 12.0), []);
+    assert_eq!(classes(dusty(&[9.0], |_| 0.5)[..60].to_vec(), 12.0), []);
+    assert_eq!(classes(vec![0.0; 2000], 12.0), []);
+    // Twice as large is no class if there are few others, and far apart they all are one.
+    assert_eq!(classes((0..2000).map(|k| 1.0 - 0.8 * f64::from(k % 2)).collect(), 1e6), []);
+    assert_eq!(classes(dusty(&[5.0, 7.0, 6.0], |_| 0.25), 20.0), [3, 2000]);
+    assert_eq!(classes(dusty(&[3.0; 30], |_| 0.0), 20.0), [30, 2000]);
+    // One giant pays no class of its own beside twenty large ones.
+    let three = |k| if k % 100 == 0 { 1.0 } else { 0.1 };
+    assert_eq!(classes(dusty(&[8.0], three), 20.0), [21, 1980]);
+}
+
+fn assert_right(scene: &AnyScene<'_>, what: &str) -> u64 {
+    let mut contacts = 0;
+    for arithmetic in Arithmetic::ALL {
+        let Ok(truth) = oracle::truth(scene, arithmetic) else { continue };
+        let stored = scene.stored(arithmetic).unwrap();
+        for (way, threads) in [
+            ("form=auto", 1),
+            ("form=auto", 2),
+            ("form=dense", 1),
+            ("form=sparse", 1),
+            ("form=dense,level=portable", 1),
+        ] {
+            let spec = table::parse(&format!("streamed-nbs:{way}")).unwrap();
+            let mut pairs = Vec::new();
+            spec.make(Options { threads, ..Options::default() })
+                .list(&stored, arithmetic.test(), &mut pairs)
+                .unwrap();
+            let found = Digest::from_pairs(&pairs);
+            assert_eq!(found, truth.digest, "{what} {spec} {arithmetic:?}");
+            contacts += found.contacts;
+        }
+    }
+    contacts
+}
+
+#[test]
+fn giants_lose_nothing() {
+    let mut contacts = 0;
+    let dusts: [fn(u32) -> f64; 3] = [|_| 0.25, |k| 0.1 * f64::from(k % 4), |_| 0.0];
+    for giants in [&[8.0][..], &[30.0, 2.5], &[4.0; 30], &[100.0, 3.0, 3.0, 50.0]] {
+        for dust in dusts {
+            let radii = dusty(giants, dust);
+            contacts += assert_right(&scene::<2>(radii.clone(), 40.0).into(), "2D");
+            contacts += assert_right(&scene::<3>(radii, 40.0).into(), "3D");
+        }
+    }
+    assert!(contacts > 100_000, "{contacts}");
+}
+
+/// Balls of every size up to this ratio, each with dust on its surface: on it to the last bits, so
+/// that neither the floats of the kernel nor f64 can tell whether it touches.
+fn dust_on_surfaces<const D: usize>(ratio: f64, seed: u64) -> Scene<'static, f64, D> {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let (mut centres, mut radii) = (Vec::new(), Vec::new());
+    for ball in 0..40 {
+        let radius = ratio.powf(f64::from(ball) / 40.0);
+        let centre: [f64; D] = std::array::from_fn(|_| 3.0 * ratio * random.random::<f64>());
+        centres.push(Point::from(centre));
+        radii.push(radius);
+        for k in 0..60 {
+            let dust = 1.0 - 0.3 * random.random::<f64>();
+            let mut way: [f64; D] = std::array::from_fn(|_| random.random::<f64>() - 0.5);
+            if k % 3 == 0 {
+                way = [0.0; D];
+                way[k / 3 % D] = 1.0;
+            }
+            let length = way.iter().map(|x| x * x).sum::<f64>().sqrt();
+            // Between inside and outside by some last bits.
+            let far = (radius + dust) * (1.0 + f64::from(k as i32 % 7 - 3) * 1e-16) / length;
+            centres.push(Point::from(std::array::from_fn(|k| centre[k] + way[k] * far)));
+            radii.push(dust);
+        }
+    }
+    Scene::new(centres, Radii::Each(radii.into())).unwrap()
+}
+
+#[test]
+fn surfaces_are_met_to_the_last_bit() {
+    let mut contacts = 0;
+    for (seed, ratio) in [(1, 3.0), (2, 20.0), (3, 300.0), (4, 1e4), (5, 1e7), (6, 1e12)] {
+        contacts += assert_right(&dust_on_surfaces::<2>(ratio, seed).into(), "surfaces, 2D");
+        contacts += assert_right(&dust_on_surfaces::<3>(ratio, seed).into(), "surfaces, 3D");
+    }
+    assert!(contacts > 200_000, "{contacts}");
+}
+
+/// Bodies of the finer class are tested around the giant alone, in rows.
+#[test]
+fn a_giant_costs_what_is_around_it() {
+    let count = |giants: &[f64], op| {
+        let scene: AnyScene<'_> = scene::<3>(dusty(giants, |_| 0.25), 10.0).into();
+        let mut tally = Tally::default();
+        table::find("streamed-nbs")
+            .unwrap()
+            .make(Options::default())
+            .count(&scene, Test::Exact, &mut tally, &mut Digest::default())
+            .unwrap();
+        tally.get(op) as f64
+    };
+    let without = count(&[], Op::ContactTest);
+    assert_eq!(count(&[], Op::LevelProbe), 0.0);
+    for giant in [1.5, 2.5, 300.0] {
+        let more = count(&[giant], Op::ContactTest) - without;
+        // As many as are in the box around it, two cells wider on each side.
+        let around = (2.0 * (giant + 4.0 * 0.25) / 10.0).min(1.0).powi(3) * 2000.0;
+        assert!(more.abs() <= 1.3 * around + 0.1 * without, "{giant}: {more} of {around}");
+        assert!(count(&[giant], Op::LevelProbe) > 0.0);
+    }
+}
