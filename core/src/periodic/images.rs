@@ -8,9 +8,9 @@
 //! once, between two owners or between an owner and an image; pairs of two images are dropped. Any
 //! Wj are right: they decide how many images there are, not what touches.
 //!
-//! **Which images.** Let y be the computed places of owners, fl(ga·y) their fractions ([`frame`]),
+//! **Which images.** Let y be the computed places of owners, fl(ga·y) their fractions (`frame.rs`),
 //! from lowa to higha along vector a, and E a bound for |y - p| over all owners. If the image of j
-//! by T is within R of owner i, then by (1) on that page Ta differs from ga·(pi - pj) by at most
+//! by T is within R of owner i, then by (1) of that file Ta differs from ga·(pi - pj) by at most
 //! |ga| R + 2c off(a); ga·pi differs from fl(ga·yi) by at most |ga| E + 4u m, where m bounds the
 //! sum of |ga| |y| by coordinates; likewise for j. So
 //!

@@ -2,8 +2,8 @@
 
 use crate::sink::splitmix64;
 
-/// Other bodies in the cell of a body, in the mean, from which such cells are not used: some hundred
-/// candidates.
+/// Other bodies in the cell of a body, in the mean, from which such cells are not used: some
+/// hundred candidates.
 pub const CROWD: f64 = 24.0;
 /// Classes of sizes, at most.
 pub const CLASSES: usize = 32;

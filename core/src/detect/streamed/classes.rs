@@ -4,8 +4,8 @@
 //! are parted by their radii, each class gets the grid that suits it, and where the grid of one
 //! class holds the smaller bodies, larger ones visit it ([`super::visits`]).
 //!
-//! Radii are told apart by octaves: how many times the largest radius of the scene is halved, before
-//! it is less. Which octaves share a grid is chosen so that a model of the work is least
+//! Radii are told apart by octaves: how many times the largest radius of the scene is halved,
+//! before it is less. Which octaves share a grid is chosen so that a model of the work is least
 //! ([`Class::work`], [`Class::visits`]). Since larger bodies visit finer classes one by one, the
 //! work in a class and of its visitors depends on where the class begins and ends alone, and the
 //! best partition is found octave by octave. Most scenes whose sizes differ by a small factor are

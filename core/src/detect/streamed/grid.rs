@@ -16,8 +16,8 @@
 //! **Which edge.** Cells of the reach are the smallest, but a loose scene has many of them that are
 //! empty. Where there are more than [`CELLS_PER_PARTICLE`], the edge grows until there are not:
 //! memory and time then depend on N only. Where particles crowd in a few such cells
-//! ([`crate::detect::modern::crowd`]), the sparse form is used ([`super::sparse`]), with cells of the smallest
-//! edge.
+//! ([`crate::detect::modern::crowd`]), the sparse form is used ([`super::sparse`]), with cells of
+//! the smallest edge.
 
 use crate::contact::{Bodies, Margin};
 use crate::detect::Refusal;

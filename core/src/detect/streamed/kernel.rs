@@ -93,7 +93,8 @@ impl Default for Scratch {
 
 impl Scratch {
     /// Reports the pairs of `id` with those of sixteen that are near: what touches for sure is kept
-    /// until there are enough, `found` of them so far, and for the others the contact test is asked.
+    /// until there are enough, `found` of them so far, and for the others the contact test is
+    /// asked.
     #[inline(always)]
     pub fn take<W: Wide, const D: usize>(
         &mut self,

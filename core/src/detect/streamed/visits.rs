@@ -1,8 +1,8 @@
 //! Larger bodies in the grid of a finer class.
 //!
 //! While a bundle of layers of a class is in cache ([`super::dense`]), the larger bodies that reach
-//! into it visit it: a ball through rows of cells. The cells of a row that are within reach are side
-//! by side in memory.
+//! into it visit it: a ball through rows of cells. The cells of a row that are within reach are
+//! side by side in memory.
 //!
 //! ```text
 //!      . . o o o . .
@@ -25,10 +25,10 @@
 //! Where a number overflows, or is none, all cells of the axis are looked at.
 //!
 //! **Distances** are decided as in [`super::kernel`]. Coordinates are off by at most 1.01 + 1.01m
-//! along each axis, and by (m·p + |c|)2^-47; along x both have 24 bits; along the others v minus the
-//! origin of the cell, at most R + one cell, is rounded to 24 bits, and so is the difference, where
-//! the kernel's are exact: below 2^-22 R per axis. The relative part of the bound is 2^-18 for that,
-//! instead of 2^-19.
+//! along each axis, and by (m·p + |c|)2^-47; along x both have 24 bits; along the others v minus
+//! the origin of the cell, at most R + one cell, is rounded to 24 bits, and so is the difference,
+//! where the kernel's are exact: below 2^-22 R per axis. The relative part of the bound is 2^-18
+//! for that, instead of 2^-19.
 
 use super::grid::Grid;
 use super::kernel::{Limits, Query, Scratch, test};
