@@ -379,6 +379,7 @@ pub fn fuzz_reader(data: &[u8]) {
         format,
         survey: kind & 16 != 0,
         columns: None,
+        boundaries: io::Boundaries { open: kind & 32 != 0, ..io::Boundaries::AS_DECLARED },
     };
     let ending = ["", "csv", "xyz", "txt"][usize::from(kind >> 6)];
     let scene = match io::from(data, "bytes", ending, options) {

@@ -6,7 +6,8 @@ use anyhow::{bail, ensure};
 
 use crate::cli::shared::values;
 use crate::io;
-use crate::io::{Chosen, Format, Frame};
+use crate::io::boxes::{Axes, Edges, UNKNOWN};
+use crate::io::{Boundaries, Chosen, Format, Frame};
 use crate::nearest::{hint, nearest};
 use crate::scene::AnyScene;
 use crate::scene::spec::{GENERATORS, Spec};
@@ -30,7 +31,21 @@ pub struct Input {
     /// The file's format (default: told by its content, then by its ending)
     #[arg(long, value_enum, hide_possible_values = true)]
     pub format: Option<Format>,
+    /// The box, in the place of the file's: LX,LY[,LZ], with the tilt of LAMMPS
+    /// LX,LY,LZ,XY,XZ,YZ, or its vectors one after the other (four numbers, or nine)
+    #[arg(long = "box", value_name = "NUMBERS", allow_hyphen_values = true)]
+    pub edges: Option<Edges>,
+    /// The axes along which the box repeats, whatever the file says: x, xy, xyz and so on, or none
+    #[arg(long, value_name = "AXES")]
+    pub periodic: Option<Axes>,
+    /// Boundaries are open, whatever the file says: contacts across its box are left out
+    #[arg(long)]
+    pub open: bool,
 }
+
+/// The options of [`Input`], for messages.
+pub const OPTIONS: &str =
+    "--radius, --dim, --frame, --columns, --format, --box, --periodic and --open";
 
 impl Input {
     /// The same for the readers.
@@ -42,6 +57,11 @@ impl Input {
             frame,
             format: self.format,
             columns: self.columns,
+            boundaries: Boundaries {
+                edges: self.edges,
+                periodic: self.periodic,
+                open: self.open,
+            },
             ..io::Options::NONE
         }
     }
@@ -59,8 +79,7 @@ impl Input {
         if generated && !Path::new(text).exists() {
             ensure!(
                 !self.given(),
-                "--radius, --dim, --frame, --columns and --format belong to files; write dim=3 and \
-                 the like into the scene: {text}"
+                "{OPTIONS} belong to files; write dim=3 and the like into the scene: {text}"
             );
             return Spec::parse(text)?.make();
         }
@@ -99,6 +118,9 @@ pub fn load(
     if about.frames > 1 && input.frame.is_none() {
         let last = about.frames - 1;
         eprintln!("{text}: frame {last}, the last of 0 to {last}, is read (--frame)");
+    }
+    if options.boundaries.unknown(about.declared.as_ref()) {
+        eprintln!("{text}: {UNKNOWN}");
     }
     Ok((particles, about))
 }

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use anyhow::ensure;
 
-use crate::cli::shared::input::Input;
+use crate::cli::shared::input::{Input, OPTIONS};
 use crate::cli::shared::values;
 use crate::scene::AnyScene;
 
@@ -26,8 +26,7 @@ impl Source {
         let Some(text) = &self.scene else {
             ensure!(
                 !self.input.given(),
-                "--radius, --dim, --frame, --columns and --format belong to a particle file, and \
-                 none is named"
+                "{OPTIONS} belong to a particle file, and none is named"
             );
             return Ok(None);
         };
