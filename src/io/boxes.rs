@@ -147,8 +147,12 @@ impl FromStr for Axes {
 
 /// The axes in words.
 pub fn along(axes: [bool; 3]) -> String {
-    let names: Vec<&str> =
-        ["x", "y", "z"].into_iter().zip(axes).filter(|(_, yes)| *yes).map(|(name, _)| name).collect();
+    let names: Vec<&str> = ["x", "y", "z"]
+        .into_iter()
+        .zip(axes)
+        .filter(|(_, yes)| *yes)
+        .map(|(name, _)| name)
+        .collect();
     match names[..] {
         [] => "no axis".into(),
         [one] => one.into(),
@@ -255,12 +259,21 @@ impl Boundaries {
         let Some(vectors) = self.edges.map(|edges| edges.vectors).or(vectors) else {
             let what = match self.periodic {
                 Some(_) => format!("--periodic needs a box, and {name} declares none"),
-                None => format!("{name} says that it repeats along {}, but not the box's vectors", {
-                    along(periodic)
-                }),
+                None => {
+                    format!("{name} says that it repeats along {}, but not the box's vectors", {
+                        along(periodic)
+                    })
+                }
             };
             bail!("{what}; give --box LX,LY,LZ, or --open");
         };
+        if let Some(k) = (0..3).find(|&k| periodic[k] && vectors[k] == [0.0; 3]) {
+            bail!(
+                "{name}: the box has no length along {}, and cannot repeat there: mend it, or make \
+                 that axis open (--box, --periodic, --open)",
+                ["x", "y", "z"][k]
+            );
+        }
         let origin = declared.map_or([0.0; 3], |declared| declared.origin);
         let lattice = Lattice::new(vectors, periodic, origin)
             .and_then(|lattice| if dim == 2 { lattice.flat() } else { Ok(lattice) });

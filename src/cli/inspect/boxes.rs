@@ -105,7 +105,8 @@ pub(super) fn reach(
 ) {
     let reach = 2.0 * with_scene!(scene, scene => scene.largest_radius().wide());
     let periodic = (0..3).filter(|&k| lattice.periodic()[k]);
-    let heights: Vec<(&str, f64)> = periodic.map(|k| (["x", "y", "z"][k], lattice.height(k))).collect();
+    let heights: Vec<(&str, f64)> =
+        periodic.map(|k| (["x", "y", "z"][k], lattice.height(k))).collect();
     let text: Vec<String> =
         heights.iter().map(|(axis, height)| format!("{axis} {}", number(*height))).collect();
     lines.push(Line(
@@ -119,9 +120,8 @@ pub(super) fn reach(
         axes.map(|(axis, _)| *axis).collect::<Vec<_>>().join(", ")
     };
     match (narrow(1.0), narrow(2.0)) {
-        (own, _) if !own.is_empty() => warnings.push(format!(
-            "the box is so small along {own} that a body may touch its own image"
-        )),
+        (own, _) if !own.is_empty() => warnings
+            .push(format!("the box is so small along {own} that a body may touch its own image")),
         (_, several) if !several.is_empty() => warnings.push(format!(
             "the box is so small along {several} that two bodies may touch through several images, \
              of which codes that look at the nearest one see one"

@@ -57,11 +57,7 @@ impl Input {
             frame,
             format: self.format,
             columns: self.columns,
-            boundaries: Boundaries {
-                edges: self.edges,
-                periodic: self.periodic,
-                open: self.open,
-            },
+            boundaries: Boundaries { edges: self.edges, periodic: self.periodic, open: self.open },
             ..io::Options::NONE
         }
     }

@@ -24,10 +24,7 @@ impl Source {
     /// generator of the same name.
     pub fn get(&self) -> anyhow::Result<Option<(String, AnyScene<'static>)>> {
         let Some(text) = &self.scene else {
-            ensure!(
-                !self.input.given(),
-                "{OPTIONS} belong to a particle file, and none is named"
-            );
+            ensure!(!self.input.given(), "{OPTIONS} belong to a particle file, and none is named");
             return Ok(None);
         };
         let scene = self.input.scene(text)?;

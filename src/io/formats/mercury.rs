@@ -89,8 +89,7 @@ pub(crate) fn read(source: Source<'_>, options: Options) -> anyhow::Result<(Part
             about.bounds =
                 about.bounds.filter(|bounds| bounds.iter().flatten().all(|x| x.is_finite()));
             // It stands in no data file whether the domain repeats.
-            about.declared =
-                about.bounds.as_ref().map(|bounds| Declared::between(bounds, None));
+            about.declared = about.bounds.as_ref().map(|bounds| Declared::between(bounds, None));
             result = Some((particles, about));
         }
     }
