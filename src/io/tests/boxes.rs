@@ -83,6 +83,9 @@ fn dumps_say_where_the_box_is_and_along_which_axes_it_repeats() {
     let frames = straight.clone() + &dump("ff ff ff\n0 1\n0 1\n0 1\n", ATOM);
     let frame = |frame| box_of(&frames, "", Options { frame, ..NONE }).unwrap().0.is_some();
     assert_eq!((frame(Frame::Number(0)), frame(Frame::Last)), (true, false));
+    let bare = straight + &format!("ITEM: NUMBER OF ATOMS\n1\nITEM: ATOMS {ATOM}");
+    let last = Options { frame: Frame::Last, ..NONE };
+    assert_eq!(box_of(&bare, "", last), Ok((None, vec![])));
 }
 
 #[test]
