@@ -38,7 +38,8 @@
 //! ```
 
 pub use contactbench_core::{
-    contact, crowd, detect, event, filter, memory, oracle, pair_list, probe, sink, wide, with_scene,
+    contact, crowd, detect, event, filter, memory, oracle, pair_list, periodic, probe, sink, wide,
+    with_scene,
 };
 
 pub mod cells;

@@ -28,7 +28,8 @@
 //! 5. [`refusal`]: why a detector will not work on a scene; [`crowd`] knows it before it is tried;
 //!    [`memory`] says what limit fits the machine.
 //! 6. [`oracle`]: the true contacts, by testing all pairs, and what an answer got wrong.
-//! 7. [`wide`]: sixteen floats at a time.
+//! 7. [`periodic`]: scenes that repeat, found by the same detectors, and their truth.
+//! 8. [`wide`]: sixteen floats at a time.
 //!
 //! Each imports only those before it (detectors use [`wide`], the oracle uses detectors). There is
 //! no file (but for the system's word on its memory), process, figure or command line here; those
@@ -45,6 +46,7 @@ pub mod memory;
 pub mod oracle;
 pub mod pair_list;
 mod parallel;
+pub mod periodic;
 pub mod probe;
 pub mod refusal;
 pub mod scene;

@@ -36,11 +36,13 @@ pub enum Op {
     /// A contact test that floating point could not decide and exact arithmetic did (also counted
     /// as a contact test).
     ExactTest,
+    /// An image of a particle made, so that a periodic box becomes a scene.
+    GhostMade,
 }
 
 impl Op {
     /// All operations, in the order of their indices.
-    pub const ALL: [Op; 12] = [
+    pub const ALL: [Op; 13] = [
         Op::Integerise,
         Op::ListPush,
         Op::ListStep,
@@ -53,6 +55,7 @@ impl Op {
         Op::BoundTest,
         Op::ContactTest,
         Op::ExactTest,
+        Op::GhostMade,
     ];
 
     /// The name used in records and claims.
@@ -70,6 +73,7 @@ impl Op {
             Op::BoundTest => "bound_test",
             Op::ContactTest => "contact_test",
             Op::ExactTest => "exact_test",
+            Op::GhostMade => "ghost_made",
         }
     }
 }

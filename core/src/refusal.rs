@@ -1,5 +1,7 @@
 //! Why a detector will not work on a scene, in one sentence with the limit and a remedy.
 
+use crate::scene::SceneError;
+
 /// Why a detector will not work on a scene. Nothing was reported; arrays whose size is known
 /// beforehand were not allocated.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -54,15 +56,51 @@ pub enum Refusal {
          out level to use the widest", has.join(" and ")
     )]
     Instructions { level: String, has: Vec<&'static str> },
+    /// A periodic box has more images within reach than memory holds.
+    #[error(
+        "the {particles} particles have some {images:.1e} images in and around the box that may be \
+         within reach ({reach:e}), which take {needed:.1e} bytes, and the limit is {limit}; is the \
+         box in another unit than the radii? If not, raise the memory limit"
+    )]
+    Images { particles: u64, images: f64, reach: f64, needed: f64, limit: u64 },
+    /// A particle so far from its periodic box that its image has no number.
+    #[error(
+        "particle {particle} is {boxes:e} boxes away from the periodic box along its vector {}, and \
+         images are numbered below 2^29; move the particle into the box, or mend the box",
+        vector + 1
+    )]
+    Away { particle: u32, vector: usize, boxes: f64 },
+    /// The vectors of a periodic box are nearly in one plane.
+    #[error(
+        "the box is so skewed along vector {}, or its numbers so small, that its images cannot be \
+         told apart in f64; take shorter vectors of the same lattice, or larger units",
+        vector + 1
+    )]
+    Skewed { vector: usize },
+    /// The images of a periodic box have coordinates beyond the largest double.
+    #[error("images of the periodic box are beyond the largest number of f64; use larger units")]
+    Range,
+    /// The images of a periodic box do not fit the storage of an arithmetic.
+    #[error("with its images the scene cannot be stored for {arithmetic}: {error}; use exact")]
+    Stored { arithmetic: &'static str, error: SceneError },
     /// The library behind a peer cannot be trusted with the scene.
     #[error("{detector}: {reason}")]
     Library { detector: &'static str, reason: String },
 }
 
 impl Refusal {
-    /// The pairs of the scene are too many, for every detector alike.
+    /// It is the scene's fault, for every detector alike: too many pairs, a box without meaning.
     pub fn is_of_scene(&self) -> bool {
-        matches!(self, Refusal::Pairs { .. } | Refusal::Crowd { .. })
+        matches!(
+            self,
+            Refusal::Pairs { .. }
+                | Refusal::Crowd { .. }
+                | Refusal::Images { .. }
+                | Refusal::Away { .. }
+                | Refusal::Skewed { .. }
+                | Refusal::Range
+                | Refusal::Stored { .. }
+        )
     }
 }
 

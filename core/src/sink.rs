@@ -98,6 +98,21 @@ impl Digest {
         digest
     }
 
+    /// Particle `i` touches the image of `j` shifted by so many vectors of a periodic box: each
+    /// touching image is a contact of its own. As ever the order does not matter: it is the contact
+    /// of `j` with the image of `i` by the negative. Without a shift it counts as in an open scene.
+    pub fn image(&mut self, i: u32, j: u32, image: [i32; 3]) {
+        self.contacts += 1;
+        let reverse = image.map(i32::wrapping_neg);
+        let swap = if i == j { image < reverse } else { j < i };
+        let [x, y, z] = if swap { reverse } else { image }.map(|count| u64::from(count as u32));
+        let mut hash = splitmix64(key(i, j));
+        if image != [0; 3] {
+            hash = splitmix64(splitmix64(hash ^ (x << 32 | y)) ^ z);
+        }
+        self.sum = self.sum.wrapping_add(hash);
+    }
+
     /// The fingerprint as it stands in records: `0x` and 16 hexadecimal digits.
     pub fn hex(&self) -> String {
         format!("{:#018x}", self.sum)
@@ -157,5 +172,33 @@ mod tests {
         assert_eq!(a, Digest::from_pairs(&[[5, 2], [1, 0], [3, 7]]));
         assert_ne!(a, Digest::from_pairs(&[[0, 1], [7, 4], [2, 5]]));
         assert_ne!(a, Digest::from_pairs(&[[0, 1], [7, 3], [2, 5], [2, 5]]));
+    }
+
+    #[test]
+    fn images_are_contacts_of_their_own() {
+        let of = |pairs: &[(u32, u32, [i32; 3])]| {
+            let mut digest = Digest::default();
+            pairs.iter().for_each(|&(i, j, image)| digest.image(i, j, image));
+            digest
+        };
+        assert_eq!(of(&[(3, 1, [0; 3])]), Digest::from_pairs(&[[1, 3]]));
+        assert_eq!(of(&[(1, 3, [0, -2, 1])]), of(&[(3, 1, [0, 2, -1])]));
+        assert_eq!(of(&[(5, 5, [0, -2, 1])]), of(&[(5, 5, [0, 2, -1])]));
+        let mut sums: Vec<u64> = Vec::new();
+        for x in -1..2 {
+            for y in -1..2 {
+                for z in -1..2 {
+                    sums.extend(
+                        [(0, 1), (0, 2), (1, 2)].map(|(i, j)| of(&[(i, j, [x, y, z])]).sum),
+                    );
+                }
+            }
+        }
+        sums.sort_unstable();
+        sums.dedup();
+        assert_eq!(sums.len(), 81);
+        let both = of(&[(0, 1, [1, 0, 0]), (0, 1, [-1, 0, 0])]);
+        assert_eq!(both, of(&[(1, 0, [1, 0, 0]), (0, 1, [1, 0, 0])]));
+        assert_ne!(both, of(&[(0, 1, [1, 0, 0]), (0, 1, [1, 0, 0])]));
     }
 }

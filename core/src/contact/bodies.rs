@@ -2,11 +2,13 @@
 
 use nalgebra::Point;
 
-use super::rule::{AnyRule, ExactEach, ExactUniform, RoundedEach, RoundedUniform, Rule};
+use super::rule::{
+    AnyRule, Asked, Decide, ExactEach, ExactUniform, RoundedEach, RoundedUniform, Rule,
+};
 use super::{Margin, Slack, Test};
 use crate::probe::{Op, Probe};
 use crate::refusal::Refusal;
-use crate::scene::{CellF32, Radii, Real, Scene, Stored, Work, array};
+use crate::scene::{AnyScene, CellF32, Radii, Real, Scene, Stored, Work, array};
 
 /// What a detector sees of a scene: positions for its filters, the contact test for its decisions.
 pub trait Bodies<T: Real, const D: usize>: Copy + Sync {
@@ -199,6 +201,31 @@ pub fn any_bodies<'a, T: Real, const D: usize>(
         (_, Radii::Each(radii)) => AnyRule::RoundedEach(RoundedEach { radii }),
     };
     Ok(envelope.with(scene, rule))
+}
+
+/// A scene in f64 whose positions are only near the true ones, and somebody who knows those.
+#[derive(Clone, Copy)]
+pub struct Approximate<'a> {
+    /// Positions as filters see them, and radii as they are.
+    pub scene: &'a AnyScene<'a>,
+    /// Bodies whose radii have the sum s touch if their positions are at most s(1 - relative) -
+    /// absolute apart, and do not if they are more than s(1 + relative) + absolute apart. A relative
+    /// part of at least 8u, 1% of the absolute one, or no slack at all, covers the roundings of
+    /// those who compute with it (see [`super::slack`]).
+    pub slack: Slack,
+    /// Do these two touch? It must not contradict the slack.
+    pub decide: Decide<'a>,
+}
+
+/// What detectors see of an [`Approximate`] scene; the exact test of such a scene.
+pub fn approximate_bodies<'a, const D: usize>(
+    scene: &'a Scene<'_, f64, D>,
+    slack: Slack,
+    decide: Decide<'a>,
+) -> SceneBodies<'a, f64, AnyRule<'a, f64>, D> {
+    let r = scene.largest_radius();
+    let envelope = Envelope { reach: slack.reach(r, r), slack, margin: Margin::Safe };
+    envelope.with(scene, AnyRule::Asked(Asked { slack, decide }, scene.radii()))
 }
 
 /// What a contact test means for filters.

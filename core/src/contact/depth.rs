@@ -11,7 +11,8 @@
 //! below 10^-15. Powers of two are kept apart, so nothing overflows or underflows before the last
 //! step, where a depth of magnitude below 2^-1022 is rounded to a multiple of 2^-1074.
 
-use super::exact;
+use super::image::Shift;
+use super::{exact, image};
 
 /// The overlap of two bodies relative to their mean radius: positive for overlap, negative for a
 /// gap, 0 for exact tangency and only then.
@@ -30,10 +31,24 @@ pub fn depth<const D: usize>(a: &[f64; D], b: &[f64; D], ra: f64, rb: f64) -> f6
     exact::with_squares(a, b, ra, rb, relative)
 }
 
+/// The same of the first body and an image of the second: see [`image::compare`].
+pub fn depth_of_image<const D: usize>(
+    a: &[f64; D],
+    b: &[f64; D],
+    ra: f64,
+    rb: f64,
+    shift: Shift<'_, D>,
+) -> f64 {
+    if shift.is_none() {
+        return depth(a, b, ra, rb);
+    }
+    image::with_squares(a, b, ra, rb, shift, relative)
+}
+
 /// The depth for given squares of distance and sum of radii, in the same unit.
 fn relative(distance: &[u64], reach: &[u64]) -> f64 {
     let order = exact::compare_words(reach, distance);
-    let mut rest = [0; exact::SQUARE_WORDS];
+    let mut rest = [0; image::SQUARE_WORDS];
     let (large, small) = if order.is_lt() { (distance, reach) } else { (reach, distance) };
     exact::subtract(large, small, &mut rest);
     let ((rest, rest_power), (d, d_power), (s, s_power)) =

@@ -13,7 +13,8 @@
 //! * *wide*: anything else, in fixed point with unit 2^-1074 in 33 words, squares in 66 words.
 //!   Every finite double fits.
 //!
-//! Nothing here allocates.
+//! Nothing here allocates. Contacts with images of a periodic box have more terms in a difference:
+//! see [`super::image`].
 //!
 //! **The short form.** Let h = fl(x ± y) and l the error term of Knuth's two-sum (Dekker 1971,
 //! doi:10.1007/BF01397083; Shewchuk 1997, doi:10.1007/PL00009321, theorem 7): x ± y = h + l
@@ -168,19 +169,19 @@ pub(super) fn with_squares<O, const D: usize>(
 }
 
 /// The four words of a number of 256 bits.
-fn words((high, low): (u128, u128)) -> [u64; 4] {
+pub(super) fn words((high, low): (u128, u128)) -> [u64; 4] {
     [low as u64, (low >> 64) as u64, high as u64, (high >> 64) as u64]
 }
 
 /// A double as sign, integer mantissa and power of two: value = ±mantissa · 2^exponent, exponent >=
 /// -1074.
-struct Parts {
-    negative: bool,
-    mantissa: u64,
-    exponent: i32,
+pub(super) struct Parts {
+    pub negative: bool,
+    pub mantissa: u64,
+    pub exponent: i32,
 }
 
-fn parts(x: f64) -> Parts {
+pub(super) fn parts(x: f64) -> Parts {
     let bits = x.to_bits();
     let field = (bits >> 52 & 0x7ff) as i32;
     let fraction = bits & ((1 << 52) - 1);
@@ -200,17 +201,7 @@ fn narrow<const D: usize>(
     rb: f64,
     lowest: i32,
 ) -> ((u128, u128), (u128, u128)) {
-    let integer = |x: f64| -> i128 {
-        let Parts { negative, mantissa, exponent } = parts(x);
-        if mantissa == 0 {
-            return 0; // its exponent says nothing
-        }
-        let shift = exponent - lowest;
-        // Bits below `lowest` are zero in every mantissa, so the right shift is exact.
-        let magnitude =
-            if shift >= 0 { i128::from(mantissa) << shift } else { i128::from(mantissa >> -shift) };
-        if negative { -magnitude } else { magnitude }
-    };
+    let integer = |x: f64| integer(x, lowest);
     let mut distance = (0, 0);
     for k in 0..D {
         distance = add256(distance, square256((integer(a[k]) - integer(b[k])).unsigned_abs()));
@@ -219,21 +210,35 @@ fn narrow<const D: usize>(
     (distance, square256(reach))
 }
 
+/// x in units of 2^lowest, of which it is a multiple below 2^127.
+#[inline(always)]
+pub(super) fn integer(x: f64, lowest: i32) -> i128 {
+    let Parts { negative, mantissa, exponent } = parts(x);
+    if mantissa == 0 {
+        return 0; // its exponent says nothing
+    }
+    let shift = exponent - lowest;
+    // Bits below `lowest` are zero in every mantissa, so the right shift is exact.
+    let magnitude =
+        if shift >= 0 { i128::from(mantissa) << shift } else { i128::from(mantissa >> -shift) };
+    if negative { -magnitude } else { magnitude }
+}
+
 /// (high, low) of x².
-fn square256(x: u128) -> (u128, u128) {
+pub(super) fn square256(x: u128) -> (u128, u128) {
     let (h, l) = (x >> 64, x & u128::from(u64::MAX));
     let middle = h * l; // below 2^126 for x below 2^127: its double does not overflow
     let (low, carry) = (l * l).overflowing_add(middle << 65);
     (h * h + (middle >> 63) + u128::from(carry), low)
 }
 
-fn add256(a: (u128, u128), b: (u128, u128)) -> (u128, u128) {
+pub(super) fn add256(a: (u128, u128), b: (u128, u128)) -> (u128, u128) {
     let (low, carry) = a.1.overflowing_add(b.1);
     (a.0 + b.0 + u128::from(carry), low)
 }
 
 /// Words of a number in units of 2^-1074: magnitudes stay below 2^2099 after one addition.
-const WORDS: usize = 33;
+pub(super) const WORDS: usize = 33;
 /// Words of its square.
 pub(super) const SQUARE_WORDS: usize = 2 * WORDS;
 type Word = [u64; WORDS];
@@ -243,7 +248,7 @@ type Square = [u64; SQUARE_WORDS];
 fn wide<const D: usize>(a: &[f64; D], b: &[f64; D], ra: f64, rb: f64) -> (Square, Square) {
     let mut distance: Square = [0; SQUARE_WORDS];
     for k in 0..D {
-        let (x, y) = (fixed(a[k]), fixed(b[k]));
+        let (x, y): (Word, Word) = (fixed(a[k]), fixed(b[k]));
         let mut difference = [0; WORDS];
         if a[k].is_sign_negative() != b[k].is_sign_negative() {
             difference = sum(&x, &y);
@@ -254,15 +259,15 @@ fn wide<const D: usize>(a: &[f64; D], b: &[f64; D], ra: f64, rb: f64) -> (Square
         }
         distance = sum(&distance, &square(&difference));
     }
-    (distance, square(&sum(&fixed(ra), &fixed(rb))))
+    (distance, square(&sum(&fixed::<WORDS>(ra), &fixed(rb))))
 }
 
-/// |x| in units of 2^-1074.
-fn fixed(x: f64) -> Word {
+/// |x| in units of 2^-1074, in at least [`WORDS`] words.
+pub(super) fn fixed<const W: usize>(x: f64) -> [u64; W] {
     let Parts { mantissa, exponent, .. } = parts(x);
     let shift = (exponent + 1074) as usize;
     let shifted = u128::from(mantissa) << (shift % 64);
-    let mut words = [0; WORDS];
+    let mut words = [0; W];
     words[shift / 64] = shifted as u64;
     // The largest double ends at bit 2098, in word 32: when there is no word above, nothing is left
     // to put there.
@@ -277,7 +282,7 @@ pub(super) fn compare_words(a: &[u64], b: &[u64]) -> Ordering {
     a.iter().rev().cmp(b.iter().rev())
 }
 
-fn sum<const W: usize>(a: &[u64; W], b: &[u64; W]) -> [u64; W] {
+pub(super) fn sum<const W: usize>(a: &[u64; W], b: &[u64; W]) -> [u64; W] {
     let (mut out, mut carry) = ([0; W], 0u128);
     for k in 0..W {
         carry += u128::from(a[k]) + u128::from(b[k]);
@@ -298,17 +303,19 @@ pub(super) fn subtract(a: &[u64], b: &[u64], out: &mut [u64]) {
     }
 }
 
-fn square(a: &Word) -> Square {
-    let mut out = [0; SQUARE_WORDS];
-    for i in (0..WORDS).filter(|&i| a[i] != 0) {
+/// a², in twice the words of a.
+pub(super) fn square<const W: usize, const S: usize>(a: &[u64; W]) -> [u64; S] {
+    const { assert!(S == 2 * W) };
+    let mut out = [0; S];
+    for i in (0..W).filter(|&i| a[i] != 0) {
         let mut carry = 0u128;
-        for j in 0..WORDS {
+        for j in 0..W {
             // At most (2^64-1)² + 2(2^64-1) = 2^128 - 1: no overflow.
             carry += u128::from(a[i]) * u128::from(a[j]) + u128::from(out[i + j]);
             out[i + j] = carry as u64;
             carry >>= 64;
         }
-        out[i + WORDS] = carry as u64;
+        out[i + W] = carry as u64;
     }
     out
 }

@@ -22,9 +22,12 @@
 //! How far apart two accepted bodies can be at most is derived in [`slack`], what cells, boxes and
 //! keys must add to that in [`crate::filter`].
 //!
-//! **Room.** What may come has its place already. Periodic images: a rule that adds a shift to one
-//! centre before the difference; the exact test then needs its sign with the shift as a further
-//! term, not of a rounded centre. Velocities: the reach of a step is the reach at rest plus the
+//! **Images.** In a periodic box the second centre is shifted by whole numbers of the box's vectors.
+//! The exact test takes the shift as further terms of the difference, not a rounded centre:
+//! [`image`]. What detectors see are rounded places, and a [`Slack`] that says so: [`Approximate`],
+//! made by [`crate::periodic`].
+//!
+//! **Room.** What may come has its place already. Velocities: the reach of a step is the reach at rest plus the
 //! longest way of a pair, and the filters need nothing else; whether two bodies touch during the
 //! step is one more rule.
 
@@ -32,12 +35,18 @@ pub mod arithmetic;
 pub mod bodies;
 pub mod depth;
 pub mod exact;
+pub mod image;
 pub mod rule;
 pub mod slack;
 
 pub use arithmetic::{Arithmetic, Test, UnknownArithmetic};
-pub use bodies::{Bodies, SceneBodies, WithBodies, any_bodies, with_bodies, with_stored};
-pub use rule::{AnyRule, ExactEach, ExactUniform, RoundedEach, RoundedUniform, Rule};
+pub use bodies::{
+    Approximate, Bodies, SceneBodies, WithBodies, any_bodies, approximate_bodies, with_bodies,
+    with_stored,
+};
+pub use rule::{
+    AnyRule, Asked, Decide, ExactEach, ExactUniform, RoundedEach, RoundedUniform, Rule,
+};
 pub use slack::{Margin, Slack};
 
 #[cfg(test)]

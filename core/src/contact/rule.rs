@@ -2,9 +2,9 @@
 
 use std::cmp::Ordering;
 
-use super::exact;
+use super::{Slack, exact};
 use crate::probe::{Op, Probe};
-use crate::scene::Real;
+use crate::scene::{Radii, Real};
 
 /// Evaluates the contact test for one kind of radii and arithmetic.
 pub trait Rule<T: Real>: Copy + Sync {
@@ -172,6 +172,44 @@ fn decide_each<const D: usize, P: Probe>(
     decide(a, b, || (ra, rb), band(sum * sum), probe)
 }
 
+/// Positions are only near the true ones: what they leave open somebody else decides.
+#[derive(Clone, Copy)]
+pub struct Asked<'a> {
+    pub(super) slack: Slack,
+    /// Do these two touch? Asked for pairs that positions do not decide.
+    pub(super) decide: Decide<'a>,
+}
+
+/// Decides whether two bodies touch, by their numbers.
+pub type Decide<'a> = &'a (dyn Fn(u32, u32) -> bool + Sync);
+
+impl Asked<'_> {
+    /// Decides from positions where the slack allows it: the argument of
+    /// [`Near`](crate::filter::Near).
+    fn touch<const D: usize, P: Probe>(
+        &self,
+        [i, j]: [u32; 2],
+        a: &[f64; D],
+        b: &[f64; D],
+        sum: f64,
+        probe: &mut P,
+    ) -> bool {
+        let (low, high) = (
+            sum * (1.0 - self.slack.relative) - self.slack.absolute,
+            sum * (1.0 + self.slack.relative) + self.slack.absolute,
+        );
+        let square = square_distance(a, b);
+        if square > band(high * high).1 {
+            return false;
+        }
+        if low > 0.0 && square <= band(low * low).0 {
+            return true;
+        }
+        probe.count(Op::ExactTest);
+        (self.decide)(i, j)
+    }
+}
+
 /// Any of them, chosen anew for every test: the same answers, slower, and detectors are compiled
 /// once instead of once for each. For the exact test of other storages, coordinates and radii
 /// become doubles, which is without error.
@@ -185,6 +223,8 @@ pub enum AnyRule<'a, T: Real> {
     ExactUniform(ExactUniform),
     /// Exact, one radius per particle.
     ExactEach(&'a [T]),
+    /// Positions near the true ones, one radius or one per particle.
+    Asked(Asked<'a>, &'a Radii<'a, T>),
 }
 
 impl<T: Real> Rule<T> for AnyRule<'_, T> {
@@ -209,6 +249,10 @@ impl<T: Real> Rule<T> for AnyRule<'_, T> {
                 radii[j as usize].wide(),
                 probe,
             ),
+            AnyRule::Asked(asked, radii) => {
+                let sum = radii.get(i as usize).wide() + radii.get(j as usize).wide();
+                asked.touch([i, j], &wide(a), &wide(b), sum, probe)
+            }
         }
     }
 }

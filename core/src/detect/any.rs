@@ -2,7 +2,9 @@
 
 use super::table::Params;
 use super::{Declare, Detector, Options, Refusal};
-use crate::contact::{Bodies, Test, WithBodies, any_bodies, with_bodies, with_stored};
+use crate::contact::{
+    Approximate, Bodies, Test, WithBodies, any_bodies, approximate_bodies, with_bodies, with_stored,
+};
 use crate::pair_list::{Allowance, PairList};
 use crate::probe::{Probe, Silent, Tally};
 use crate::scene::{AnyScene, CellF32, Real, Scene, Stored};
@@ -47,6 +49,18 @@ pub trait AnyDetector: Send {
         &mut self,
         scene: &AnyScene<'_>,
         test: Test,
+        tally: &mut Tally,
+        sink: &mut dyn Sink,
+    ) -> Result<(), Refusal>;
+
+    /// As [`AnyDetector::count`], for positions that are only near the true ones, in exact
+    /// arithmetic: the images of a periodic box ([`crate::periodic`]).
+    ///
+    /// # Errors
+    /// As [`AnyDetector::list`].
+    fn approximate(
+        &mut self,
+        bodies: Approximate<'_>,
         tally: &mut Tally,
         sink: &mut dyn Sink,
     ) -> Result<(), Refusal>;
@@ -128,6 +142,26 @@ where
         }
     }
 
+    fn approximate(
+        &mut self,
+        Approximate { scene, slack, decide }: Approximate<'_>,
+        tally: &mut Tally,
+        mut sink: &mut dyn Sink,
+    ) -> Result<(), Refusal> {
+        self.last_was_space = scene.dim() == 3;
+        // The form of `count`, so that nothing more is compiled.
+        match scene {
+            AnyScene::Plane(scene) => {
+                let scene = scene.widened();
+                self.plane.detect(approximate_bodies(&scene, slack, decide), tally, &mut sink)
+            }
+            AnyScene::Space(scene) => {
+                let scene = scene.widened();
+                self.space.detect(approximate_bodies(&scene, slack, decide), tally, &mut sink)
+            }
+        }
+    }
+
     fn formula_bytes(&self) -> u64 {
         if self.last_was_space { self.space.formula_bytes() } else { self.plane.formula_bytes() }
     }
@@ -149,6 +183,15 @@ impl AnyDetector for Refuses {
         &mut self,
         _: &AnyScene<'_>,
         _: Test,
+        _: &mut Tally,
+        _: &mut dyn Sink,
+    ) -> Result<(), Refusal> {
+        Err(self.0.clone())
+    }
+
+    fn approximate(
+        &mut self,
+        _: Approximate<'_>,
         _: &mut Tally,
         _: &mut dyn Sink,
     ) -> Result<(), Refusal> {

@@ -1,0 +1,214 @@
+//! The sign of |a - b - S·H|² - (ra + rb)² in exact arithmetic: the contact test of a body and an
+//! image of another.
+//!
+//! S are three whole numbers of 32 bits, H three vectors of doubles. The difference along an axis is
+//! a sum of five terms, each a double or a whole number times one; as in [`exact`] they are integers
+//! of one unit, and nothing is rounded: the shifted centre, which no double need hold, is never
+//! computed. Without a shift the test is [`exact::compare`]. With one there are two widths:
+//!
+//! * *narrow*: let all significant bits of the doubles lie within m binary places, and |S| < 2^s. A
+//!   difference is below 2·2^m + 3·2^(m+s) <= 2^(m+s+2) (s >= 1). Where m + s <= 124 it fits an
+//!   `i128`, as does each term; its square is below 2^252, the sum of up to four of them below
+//!   2^254.
+//! * *wide*: in fixed point with unit 2^-1074. Positive and negative terms are added apart, so every
+//!   sum is at most (2 + 3·2^31)·2^1024 < 2^1057, which is 2^2131 units and fits 34 words; the sum
+//!   of up to four squares is below 2^4264 and fits 68.
+
+use std::cmp::Ordering;
+
+use super::exact::{
+    self, add256, compare_words, fixed, integer, parts, square, square256, subtract, sum, words,
+};
+
+/// Which image of the second body is meant: the one at b + S·H, the sum of S\[v\] times vector v.
+#[derive(Clone, Copy, Debug)]
+pub struct Shift<'a, const D: usize> {
+    /// S.
+    pub image: [i32; 3],
+    /// H, one vector per row. All numbers must be finite.
+    pub vectors: &'a [[f64; D]; 3],
+}
+
+impl<const D: usize> Shift<'_, D> {
+    /// Is it the body itself?
+    pub fn is_none(&self) -> bool {
+        self.image == [0; 3]
+    }
+
+    /// The vectors that count, with their numbers.
+    fn terms(&self) -> impl Iterator<Item = (i32, &[f64; D])> {
+        self.image.into_iter().zip(self.vectors).filter(|(count, _)| *count != 0)
+    }
+}
+
+/// Compares |a - b - S·H|² with (ra + rb)² exactly: `Less` is overlap, `Equal` is tangency,
+/// `Greater` is apart.
+///
+/// All numbers must be finite; radii must not be negative.
+#[cold]
+pub fn compare<const D: usize>(
+    a: &[f64; D],
+    b: &[f64; D],
+    ra: f64,
+    rb: f64,
+    shift: Shift<'_, D>,
+) -> Ordering {
+    if shift.is_none() {
+        return exact::compare(a, b, ra, rb);
+    }
+    with_squares(a, b, ra, rb, shift, compare_words)
+}
+
+/// Hands |a - b - S·H|² and (ra + rb)² to `then`: integers of one unit, as words of which the
+/// lowest is the first; equally many in both.
+pub(super) fn with_squares<O, const D: usize>(
+    a: &[f64; D],
+    b: &[f64; D],
+    ra: f64,
+    rb: f64,
+    shift: Shift<'_, D>,
+    then: impl FnOnce(&[u64], &[u64]) -> O,
+) -> O {
+    let (mut lowest, mut highest) = (i32::MAX, i32::MIN);
+    let vectors = shift.terms().flat_map(|(_, vector)| vector);
+    for &x in a.iter().chain(b).chain([&ra, &rb]).chain(vectors) {
+        let (mantissa, exponent) = (parts(x).mantissa, parts(x).exponent);
+        if mantissa != 0 {
+            lowest = lowest.min(exponent + mantissa.trailing_zeros() as i32);
+            highest = highest.max(exponent + 64 - mantissa.leading_zeros() as i32);
+        }
+    }
+    if lowest > highest {
+        return then(&[0], &[0]); // every number is zero
+    }
+    let most = shift.image.iter().fold(0, |most, count| most | count.unsigned_abs());
+    let bits = 32 - most.leading_zeros() as i32;
+    if highest - lowest + bits <= 124 && D <= 4 {
+        let (distance, reach) = narrow(a, b, ra, rb, shift, lowest);
+        then(&words(distance), &words(reach))
+    } else {
+        let (distance, reach) = wide(a, b, ra, rb, shift);
+        then(&distance, &reach)
+    }
+}
+
+/// Both squares in units of 2^(2·lowest), as (high, low).
+fn narrow<const D: usize>(
+    a: &[f64; D],
+    b: &[f64; D],
+    ra: f64,
+    rb: f64,
+    shift: Shift<'_, D>,
+    lowest: i32,
+) -> ((u128, u128), (u128, u128)) {
+    let integer = |x: f64| integer(x, lowest);
+    let mut distance = (0, 0);
+    for k in 0..D {
+        let shifted: i128 =
+            shift.terms().map(|(count, vector)| i128::from(count) * integer(vector[k])).sum();
+        let difference = integer(a[k]) - integer(b[k]) - shifted;
+        distance = add256(distance, square256(difference.unsigned_abs()));
+    }
+    (distance, square256((integer(ra) + integer(rb)).unsigned_abs()))
+}
+
+/// Words of a sum of terms, in units of 2^-1074.
+const WORDS: usize = 34;
+/// Words of its square.
+pub(super) const SQUARE_WORDS: usize = 2 * WORDS;
+const _: () = assert!(WORDS >= exact::WORDS);
+type Word = [u64; WORDS];
+type Square = [u64; SQUARE_WORDS];
+
+/// Both squares in units of 2^-2148.
+fn wide<const D: usize>(
+    a: &[f64; D],
+    b: &[f64; D],
+    ra: f64,
+    rb: f64,
+    shift: Shift<'_, D>,
+) -> (Square, Square) {
+    let mut distance: Square = [0; SQUARE_WORDS];
+    for k in 0..D {
+        // The positive and the negative terms.
+        let mut sums: [Word; 2] = [[0; WORDS]; 2];
+        let mut add = |count: i64, x: f64| {
+            let negative = (count < 0) != x.is_sign_negative();
+            add_times(&mut sums[usize::from(negative)], count.unsigned_abs(), x);
+        };
+        add(1, a[k]);
+        add(-1, b[k]);
+        shift.terms().for_each(|(count, vector)| add(-i64::from(count), vector[k]));
+        let [positive, negative] = sums;
+        let mut difference: Word = [0; WORDS];
+        if compare_words(&positive, &negative) == Ordering::Less {
+            subtract(&negative, &positive, &mut difference);
+        } else {
+            subtract(&positive, &negative, &mut difference);
+        }
+        distance = sum(&distance, &square(&difference));
+    }
+    (distance, square(&sum(&fixed::<WORDS>(ra), &fixed(rb))))
+}
+
+/// Adds `count` times |x|; `count` is at most 2^31.
+fn add_times(sum: &mut Word, count: u64, x: f64) {
+    let mut carry = 0u128;
+    for (to, word) in sum.iter_mut().zip(fixed::<WORDS>(x)) {
+        // Below 2^95 + 2^65: no overflow.
+        carry += u128::from(word) * u128::from(count) + u128::from(*to);
+        *to = carry as u64;
+        carry >>= 64;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn both_widths_agree_where_they_apply() {
+        let values = [0.0, 1.0, -1.0, 0.1, 3.0, -4.0, 1e9, -1e-9, 2.5f64.next_up(), 2.5];
+        let images = [[1, 0, 0], [-1, 2, 0], [0, 0, 1], [i32::MIN, i32::MAX, -7]];
+        let mut narrow = 0;
+        for (k, &x) in values.iter().enumerate() {
+            for &y in &values {
+                for image in images {
+                    let vectors = [[x, y], [values[(k + 3) % 10], 1.0], [0.0, y]];
+                    let (a, b, shift) = ([y, 3.0], [x, -1.0], Shift { image, vectors: &vectors });
+                    let (distance, reach) = wide(&a, &b, 0.5, 2.5, shift);
+                    let truth = compare_words(&distance, &reach);
+                    assert_eq!(compare(&a, &b, 0.5, 2.5, shift), truth, "{a:?} {b:?} {shift:?}");
+                    with_squares(&a, &b, 0.5, 2.5, shift, |d, _| {
+                        narrow += usize::from(d.len() < SQUARE_WORDS);
+                    });
+                }
+            }
+        }
+        assert!(narrow > 300, "{narrow}");
+    }
+
+    #[test]
+    fn the_largest_and_the_smallest_numbers_are_decided() {
+        let (huge, tiny) = (f64::MAX, f64::from_bits(1));
+        let vectors = [[huge, 0.0], [-huge, 0.0], [huge, tiny]];
+        let compare = |a: [f64; 2], b, ra, rb, image| {
+            compare(&a, &b, ra, rb, Shift { image, vectors: &vectors })
+        };
+        // The shifts cancel but for one vector, or altogether.
+        assert!(compare([0.0; 2], [0.0; 2], huge, 0.0, [i32::MAX, i32::MAX - 1, 0]).is_eq());
+        assert!(compare([0.0; 2], [0.0; 2], huge, 0.0, [i32::MAX, i32::MAX - 2, 0]).is_gt());
+        assert!(compare([tiny, 0.0], [0.0; 2], tiny, 0.0, [i32::MIN, i32::MIN, 0]).is_eq());
+        assert!(compare([tiny, 0.0], [0.0; 2], 0.0, 0.0, [i32::MIN, i32::MIN, 0]).is_gt());
+        assert!(compare([0.0; 2], [0.0; 2], tiny, 0.0, [0, 1, 1]).is_eq());
+        assert!(compare([0.0, tiny], [0.0; 2], 0.0, 0.0, [0, 1, 1]).is_eq());
+        assert!(compare([huge, 0.0], [-huge, 0.0], huge, huge, [i32::MIN; 3]).is_gt());
+        assert!(compare([huge, 0.0], [-huge, 0.0], huge, huge, [0, 0, 1]).is_lt());
+        // A whole lattice vector is no distance, far beyond what a double holds.
+        let one = [[1.0, 0.0], [0.0, 1.0], [0.0; 2]];
+        let shift = Shift { image: [i32::MAX, 0, 0], vectors: &one };
+        let a = [2147483648.0, 1e-300];
+        assert!(super::compare(&a, &[1.0, 0.0], 0.0, 1e-300, shift).is_eq());
+        assert!(super::compare(&a, &[1.0, 0.0], 0.0, 1e-301, shift).is_gt());
+    }
+}

@@ -1,0 +1,154 @@
+//! The box as numbers of one dimension: fractions along its vectors, places of images.
+//!
+//! u = 2^-53. "Dual" is the computed vector, whatever its error: it is a double like any other, and
+//! what follows asks of it only what is measured here.
+//!
+//! **Which images are near.** For periodic vectors Ha and duals ga let rab = |ga·Hb - [a = b]|. Let
+//! two points be p and p' with |p - p' - T·H| <= R. The product of ga with this difference gives
+//!
+//! ```text
+//! |Ta - ga·(p - p')| <= |ga| R + sum over b of |Tb| rab.       (1)
+//! ```
+//!
+//! With ca >= |ga·(p - p')| + |ga| R, c the largest of them, and all sums of rab over b at most 1/4,
+//! the largest |T| is at most c + |T|/4, hence below 2c. So Ta is within |ga| R + 2c·off(a) of
+//! ga·(p - p'), where off(a) is the sum: [`Frame::coupling`]. Boxes whose off is above 1/4 are
+//! refused: their vectors are so long and so nearly in one plane that no filter in f64 can tell
+//! their images apart.
+//!
+//! **Places.** x + S·H is computed with the errors of all products (by a fused multiplication) and
+//! of all sums (by two-sum) added up beside it. Both are exact, but for underflow in products, at
+//! most 3 · 2^-1075. The six errors are at most u(1 + u)^3 times m = |x| + the sum of |Sa Ha|, each;
+//! adding them up makes an error of at most 6u · 6u(1 + 9u) m < 2^-100 m; and the last sum is
+//! rounded. So the place is within u|place| + 2^-100 m + 2^-1073 of the true one: [`off_by`] takes
+//! twice as much. A place that is not shifted is exact.
+
+use crate::refusal::Refusal;
+use crate::scene::Lattice;
+
+/// 2^-53.
+pub(super) const U: f64 = 1.0 / (1u64 << 53) as f64;
+/// 2^-99.
+const SECOND: f64 = f64::from_bits((1023 - 99) << 52);
+/// 2^-1070.
+const LEAST: f64 = f64::from_bits(1 << 4);
+/// Numbers of images stay below this in magnitude, so that a sum of three fits an `i32`.
+pub(super) const MOST: f64 = (1u64 << 29) as f64;
+
+/// See the page.
+#[derive(Clone, Debug)]
+pub(super) struct Frame<const D: usize> {
+    pub periodic: [bool; 3],
+    /// Zeros where the box is open.
+    pub vectors: [[f64; D]; 3],
+    /// Zeros where the box is open.
+    duals: [[f64; D]; 3],
+    origin: [f64; D],
+    /// Upper bounds for the lengths of the duals.
+    pub lengths: [f64; 3],
+    /// Upper bounds for the sums of rab over b.
+    off: [f64; 3],
+}
+
+impl<const D: usize> Frame<D> {
+    pub fn new(lattice: &Lattice) -> Result<Frame<D>, Refusal> {
+        let periodic = lattice.periodic();
+        let cut = |vector: [f64; 3]| std::array::from_fn(|k| vector[k]);
+        let row = |a: usize, vector: [f64; 3]| if periodic[a] { cut(vector) } else { [0.0; D] };
+        let vectors: [[f64; D]; 3] = std::array::from_fn(|a| row(a, lattice.vectors()[a]));
+        let duals: [[f64; D]; 3] = std::array::from_fn(|a| row(a, lattice.dual(a)));
+        let (mut lengths, mut off) = ([0.0; 3], [0.0; 3]);
+        for a in (0..3).filter(|&a| periodic[a]) {
+            // Above the root of the sum of squares.
+            lengths[a] = size(&duals[a]) * (1.0 + 8.0 * U);
+            for b in (0..3).filter(|&b| periodic[b]) {
+                let expected = f64::from(u8::from(a == b));
+                let rounded = 16.0 * U * (1.0 + times(&duals[a], &vectors[b]));
+                off[a] += (dot(&duals[a], &vectors[b]) - expected).abs() + rounded;
+            }
+            // Also where it is no number.
+            if !(off[a] <= 0.25 && lengths[a].is_finite()) {
+                return Err(Refusal::Skewed { vector: a });
+            }
+        }
+        Ok(Frame { periodic, vectors, duals, origin: cut(lattice.origin()), lengths, off })
+    }
+
+    /// ga·x as computed: within 4u times [`Frame::most`] of what is true; 0 where the box is open.
+    pub fn fraction(&self, a: usize, x: &[f64; D]) -> f64 {
+        dot(&self.duals[a], x)
+    }
+
+    /// The sum of |ga| |x| by coordinates, or somewhat less.
+    pub fn most(&self, a: usize, x: &[f64; D]) -> f64 {
+        times(&self.duals[a], x)
+    }
+
+    /// The numbers that bring particle `index` at `x` about into the box.
+    pub fn wrap(&self, index: u32, x: &[f64; D]) -> Result<[i32; 3], Refusal> {
+        let from_corner = std::array::from_fn(|k| x[k] - self.origin[k]);
+        let mut image = [0; 3];
+        for a in (0..3).filter(|&a| self.periodic[a]) {
+            let boxes = self.fraction(a, &from_corner).floor();
+            if !(boxes.abs() < MOST) {
+                return Err(Refusal::Away { particle: index, vector: a, boxes });
+            }
+            image[a] = -(boxes as i32);
+        }
+        Ok(image)
+    }
+
+    /// Where the image of a particle at `x` is, rounded; not finite where that overflows.
+    pub fn place(&self, x: &[f64; D], image: [i32; 3]) -> [f64; D] {
+        std::array::from_fn(|k| {
+            let (mut sum, mut rest) = (x[k], 0.0);
+            for (count, vector) in image.into_iter().zip(&self.vectors) {
+                if count == 0 {
+                    continue;
+                }
+                let (count, h) = (f64::from(count), vector[k]);
+                let product = count * h;
+                let (next, error) = two_sum(sum, product);
+                rest += error + count.mul_add(h, -product);
+                sum = next;
+            }
+            sum + rest
+        })
+    }
+
+    /// For points whose fractions along vector `a` differ by at most `spread`\[a\], and that are to
+    /// be within `reach`: by how much more than |ga| R the numbers of images may differ from
+    /// fractions, and a bound for them; (1) on this page.
+    pub fn coupling(&self, spread: [f64; 3], reach: f64) -> ([f64; 3], f64) {
+        let most = (0..3)
+            .filter(|&a| self.periodic[a])
+            .map(|a| spread[a] + self.lengths[a] * reach)
+            .fold(0.0, f64::max);
+        (self.off.map(|off| 2.0 * most * off), 2.0 * most)
+    }
+}
+
+/// A bound for the distance along one axis between a place and what is true: for places of at most
+/// `place` in magnitude, from terms whose magnitudes have at most this sum.
+pub(super) fn off_by(place: f64, terms: f64) -> f64 {
+    2.0 * U * place + SECOND * terms + LEAST
+}
+
+fn dot<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
+    (0..D).map(|k| a[k] * b[k]).sum()
+}
+
+/// As [`dot`], of magnitudes.
+fn times<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
+    (0..D).map(|k| (a[k] * b[k]).abs()).sum()
+}
+
+fn size<const D: usize>(a: &[f64; D]) -> f64 {
+    dot(a, a).sqrt()
+}
+
+fn two_sum(x: f64, y: f64) -> (f64, f64) {
+    let sum = x + y;
+    let part = sum - x;
+    (sum, (x - (sum - part)) + (y - part))
+}
