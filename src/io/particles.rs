@@ -80,6 +80,12 @@ impl Particles {
         self.lattice.as_ref()
     }
 
+    /// Spheres of which all have the same z, 0?
+    pub fn is_flat(&self) -> bool {
+        matches!(&self.centres, Centres::Space(points)
+            if points.len() > 1 && points.iter().all(|point| point[2] == 0.0))
+    }
+
     /// Coordinates of particle `k`; z is 0 in the plane.
     pub fn centre(&self, k: usize) -> [f64; 3] {
         match &self.centres {
@@ -167,8 +173,8 @@ impl Particles {
         if let Some(lattice) = &self.lattice {
             bail!(
                 "{name}: the box repeats along {}, and here boundaries are open; give --open (in \
-                 an experiment open = true) to leave out contacts across it, or see it with \
-                 inspect",
+                 an experiment open = true) to leave out contacts across it, or take detect, \
+                 verify or inspect, which know boxes",
                 along(lattice.periodic())
             );
         }

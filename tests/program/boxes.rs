@@ -24,8 +24,7 @@ fn json_of(folder: &Path, arguments: &[&str]) -> Value {
 fn words(name: &str, axes: &str) -> String {
     format!(
         "contactbench: {name}: the box repeats along {axes}, and here boundaries are open; give \
-         --open (in an experiment open = true) to leave out contacts across it, or see it with \
-         inspect\n"
+         --open (in an experiment open = true) to leave out contacts across it, or take detect, verify or inspect, which know boxes\n"
     )
 }
 
@@ -82,7 +81,7 @@ fn experiments_say_that_a_file_is_open() {
         file(folder, "t.toml", text);
     };
     let said = "the box repeats along x and y, and here boundaries are open; give --open (in an \
-                experiment open = true) to leave out contacts across it, or see it with inspect";
+                experiment open = true) to leave out contacts across it, or take detect, verify or inspect, which know boxes";
     for refusing in ["", "open = false\n", "open = \"false\"\n"] {
         experiment(refusing);
         let ended = run(folder, &["run", "t.toml", "--out", "out"]);

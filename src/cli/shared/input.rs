@@ -9,8 +9,8 @@ use crate::io;
 use crate::io::boxes::{Axes, Edges, UNKNOWN};
 use crate::io::{Boundaries, Chosen, Format, Frame};
 use crate::nearest::{hint, nearest};
-use crate::scene::AnyScene;
 use crate::scene::spec::{GENERATORS, Spec};
+use crate::scene::{AnyScene, Lattice};
 
 /// What a file does not say.
 #[derive(clap::Args, Clone, Copy, Debug, Default, PartialEq)]
@@ -68,8 +68,22 @@ impl Input {
     }
 
     /// The scene of a file, or of a generator such as `packed:dim=3,n=1000`. What is there as a
-    /// file is a file.
+    /// file is a file. One with a box that repeats is refused.
     pub fn scene(&self, text: &str) -> anyhow::Result<AnyScene<'static>> {
+        self.make(text, |particles| Ok((particles.scene(text, self.radius)?, None)))
+            .map(|(scene, _)| scene)
+    }
+
+    /// The same with the box in which it repeats, for those who know what to do with one.
+    pub fn within(&self, text: &str) -> anyhow::Result<(AnyScene<'static>, Option<Lattice>)> {
+        self.make(text, |particles| particles.within(text, self.radius))
+    }
+
+    fn make(
+        &self,
+        text: &str,
+        of: impl FnOnce(io::Particles) -> anyhow::Result<(AnyScene<'static>, Option<Lattice>)>,
+    ) -> anyhow::Result<(AnyScene<'static>, Option<Lattice>)> {
         let generated =
             text.split_once(':').is_some_and(|(name, _)| is_generator(name)) || is_generator(text);
         if generated && !Path::new(text).exists() {
@@ -77,7 +91,7 @@ impl Input {
                 !self.given(),
                 "{OPTIONS} belong to files; write dim=3 and the like into the scene: {text}"
             );
-            return Spec::parse(text)?.make();
+            return Ok((Spec::parse(text)?.make()?, None));
         }
         let path = Path::new(text);
         if !path.exists() {
@@ -91,8 +105,7 @@ impl Input {
                 );
             }
         }
-        let (particles, _) = load(path, self, self.options())?;
-        particles.scene(text, self.radius)
+        of(load(path, self, self.options())?.0)
     }
 }
 
@@ -117,6 +130,11 @@ pub fn load(
     }
     if options.boundaries.unknown(about.declared.as_ref()) {
         eprintln!("{text}: {UNKNOWN}");
+    }
+    if particles.is_flat() && particles.lattice().is_some_and(|lattice| lattice.periodic()[2]) {
+        eprintln!(
+            "{text}: z is 0 for all, and the box repeats along z: if these are discs, give --dim 2"
+        );
     }
     Ok((particles, about))
 }
