@@ -31,6 +31,8 @@ pub struct Reading {
     pub deviation: Option<Deviation>,
     /// Lengths of a periodic box along the axes that pairs reach across; none along the others.
     pub periodic: Option<Vec<Option<f64>>>,
+    /// The box that the file declares repeats along these axes.
+    pub declared: Option<[bool; 3]>,
     /// The images are those of the first particle, not of the second.
     pub turned: bool,
     /// The list knows no images: boundaries are open.
@@ -89,6 +91,7 @@ pub(super) fn explain(
         both_sides,
         deviation: None,
         periodic: None,
+        declared: None,
         turned: false,
         open: false,
         listed: if both_sides { list.len() as u64 / 2 } else { list.len() as u64 },

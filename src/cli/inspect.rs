@@ -48,12 +48,12 @@ pub fn inspect(options: &Inspect) -> anyhow::Result<ExitCode> {
         // The box stays out of what follows, and that is said.
         let (scene, lattice) =
             particles.within(&options.file.display().to_string(), options.input.radius)?;
-        if let Some(lattice) = &lattice {
-            boxes::reach(&scene, lattice, &mut lines, &mut warnings);
-        }
         let contacts = Contacts::new(&scene);
         let within = lattice.is_some();
         contacts::report(&scene, &source, within, &contacts, &mut lines, &mut warnings);
+        if let Some(lattice) = lattice {
+            boxes::reach(&scene, lattice, &mut lines, &mut warnings);
+        }
         if let Some(count) = contacts.exact() {
             let stats = stats(&scene, count);
             lines.push(Line(

@@ -77,6 +77,8 @@ struct Verified<'a> {
     lattice: Option<&'a Lattice>,
     /// The file declares a box with edges along the axes.
     boxed: bool,
+    /// The file says that it repeats.
+    repeats: bool,
     found: Verification,
 }
 
@@ -151,13 +153,23 @@ pub fn verify(options: &Verify) -> anyhow::Result<ExitCode> {
                 );
             }
             let bounds = about.bounds.as_deref();
-            let found = Verification::new(&scene, &list.pairs, &naming, &others, terms, bounds)?;
+            let mut found =
+                Verification::new(&scene, &list.pairs, &naming, &others, terms, bounds)?;
+            let boundaries = options.input.options().boundaries;
+            let left_out = boundaries.left_out(scene.dim(), about.declared.as_ref());
+            if let (false, Some(lattice)) = (found.is_same(), left_out) {
+                let periodic = Periodic::new(scene.clone(), lattice)?;
+                found.try_declared(&periodic, &list.pairs, &naming, &others, terms);
+            }
             (&scene, None, found)
         }
     };
     let same = found.is_same();
     let boxed = about.bounds.is_some() && options.input.edges.is_none();
-    let verified = Verified { options, list: &list, naming: meaning, scene, lattice, boxed, found };
+    let flags = about.declared.and_then(|declared| declared.periodic);
+    let repeats = flags.is_some_and(|flags| flags.contains(&true));
+    let verified =
+        Verified { options, list: &list, naming: meaning, scene, lattice, boxed, repeats, found };
     let mut out = std::io::stdout().lock();
     if options.json {
         writeln!(out, "{:#}", verified.json())?
@@ -277,6 +289,10 @@ impl Verified<'_> {
         if reading.open {
             flags.push("--open".into());
         }
+        if let Some(axes) = reading.declared.filter(|_| !self.repeats) {
+            let names = ["x", "y", "z"].into_iter().zip(axes).filter(|(_, yes)| *yes);
+            flags.push(format!("--periodic {}", names.map(|(name, _)| name).collect::<String>()));
+        }
         if let Some(lengths) = &reading.periodic {
             let axes: String = lengths
                 .iter()
@@ -337,6 +353,9 @@ impl Verified<'_> {
             let lengths: Vec<String> = along.filter_map(box_of).collect();
             with.push(format!("periodic images (a box of {})", lengths.join(", ")));
         }
+        if let Some(axes) = reading.declared {
+            with.push(format!("the file's box, repeating along {}", along(axes)));
+        }
         if reading.turned {
             with.push("images of i in the place of those of j (S with the other sign)".into());
         }
@@ -350,11 +369,14 @@ impl Verified<'_> {
         let flags = self.flags(reading);
         let add =
             if flags.is_empty() { String::new() } else { format!(": add {}", flags.join(" ")) };
-        let open = match (reading.periodic.is_some(), self.options.input.open) {
-            (true, true) => ", in the place of --open",
+        // What nobody need say is what the file says.
+        let instead = match reading.periodic.is_some() || reading.declared.is_some() {
+            true if self.options.input.open => ": leave out --open",
+            true if self.options.input.periodic.is_some() => ": leave out --periodic none",
             _ => "",
         };
-        format!("with {}, {result}{add}{open}", with.join(", and "))
+        let add = if instead.is_empty() { add } else { add.replacen(": add", ", and add", 1) };
+        format!("with {}, {result}{instead}{add}", with.join(", and "))
     }
 
     /// The worst of `count` pairs of a kind, with their particles.

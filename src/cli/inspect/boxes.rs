@@ -1,18 +1,24 @@
 //! What the box says.
 
+use anyhow::Context;
 use serde_json::json;
 
 use crate::cli::inspect::Line;
 use crate::cli::shared::input::Input;
+use crate::contact::Arithmetic;
+use crate::detect::{Options, table};
 use crate::io::boxes::along;
 use crate::io::{About, Particles};
 use crate::number::{number, plural};
+use crate::periodic::{self, ImagePair, Periodic};
 use crate::scene::{AnyScene, Lattice, Real};
 use crate::with_scene;
 
 /// A particle is outside the box where it is farther out than this part of a vector: the corner
 /// and the coordinates in units of the vectors are rounded.
 const ROUNDED: f64 = 1e-9;
+/// Copes with sizes and places of every kind.
+const DETECTOR: &str = "bvh";
 
 /// Prints the box of the file, and the one that counts.
 pub(super) fn report(particles: &Particles, about: &About, input: &Input, lines: &mut Vec<Line>) {
@@ -95,11 +101,11 @@ fn is_outside(lattice: &Lattice, point: [f64; 3]) -> bool {
     })
 }
 
-/// Prints the distances of the box's faces against the farthest that two bodies touch, and warns
-/// of boxes so small that the nearest image is not all.
+/// Prints the distances of the box's faces against the farthest that two bodies touch, and the
+/// contacts in the box; warns of boxes so small that the nearest image is not all.
 pub(super) fn reach(
     scene: &AnyScene<'_>,
-    lattice: &Lattice,
+    lattice: Lattice,
     lines: &mut Vec<Line>,
     warnings: &mut Vec<String>,
 ) {
@@ -114,6 +120,28 @@ pub(super) fn reach(
         format!("{}; bodies touch over {} at most", text.join(", "), number(reach)),
         vec![("reach", json!(reach))],
     ));
+    match contacts(scene, lattice) {
+        Err(error) => {
+            warnings.push(format!("contacts across the box were not looked for: {error:#}"));
+        }
+        Ok(pairs) => {
+            let across = pairs.iter().filter(|pair| pair.image != [0; 3]).count();
+            let each = 2.0 * pairs.len() as f64 / scene.len().max(1) as f64;
+            lines.push(Line(
+                "in the box",
+                format!(
+                    "{} contacts (exact), {across} of them across it, {} per particle",
+                    pairs.len(),
+                    number(each)
+                ),
+                vec![
+                    ("contacts_in_box", json!(pairs.len())),
+                    ("contacts_across", json!(across)),
+                    ("coordination_in_box", json!(each)),
+                ],
+            ));
+        }
+    }
     // The last places of a height are rounded: nobody is warned wrongly for want of one.
     let narrow = |times: f64| {
         let axes = heights.iter().filter(|(_, height)| *height <= times * reach * (1.0 + 1e-12));
@@ -139,4 +167,13 @@ fn list(numbers: &[f64]) -> String {
 fn rows<V: AsRef<[f64]>>(vectors: &[V]) -> String {
     let rows: Vec<String> = vectors.iter().map(|v| format!("({})", list(v.as_ref()))).collect();
     rows.join(" ")
+}
+
+fn contacts(scene: &AnyScene<'_>, lattice: Lattice) -> anyhow::Result<Vec<ImagePair>> {
+    let periodic = Periodic::new(scene.clone(), lattice)?;
+    let entry = table::find(DETECTOR).with_context(|| format!("there is no {DETECTOR}"))?;
+    let options = Options::default();
+    let mut detector = entry.make(options);
+    let limit = options.memory_limit;
+    Ok(periodic::contacts(&periodic, &mut *detector, Arithmetic::Exact, limit)?)
 }
