@@ -47,6 +47,9 @@ pub struct Input {
 pub const OPTIONS: &str =
     "--radius, --dim, --frame, --columns, --format, --box, --periodic and --open";
 
+/// A scene, and the box in which it repeats.
+pub type Within = (AnyScene<'static>, Option<Lattice>);
+
 impl Input {
     /// The same for the readers.
     pub fn options(&self) -> io::Options {
@@ -75,15 +78,15 @@ impl Input {
     }
 
     /// The same with the box in which it repeats, for those who know what to do with one.
-    pub fn within(&self, text: &str) -> anyhow::Result<(AnyScene<'static>, Option<Lattice>)> {
+    pub fn within(&self, text: &str) -> anyhow::Result<Within> {
         self.make(text, |particles| particles.within(text, self.radius))
     }
 
     fn make(
         &self,
         text: &str,
-        of: impl FnOnce(io::Particles) -> anyhow::Result<(AnyScene<'static>, Option<Lattice>)>,
-    ) -> anyhow::Result<(AnyScene<'static>, Option<Lattice>)> {
+        of: impl FnOnce(io::Particles) -> anyhow::Result<Within>,
+    ) -> anyhow::Result<Within> {
         let generated =
             text.split_once(':').is_some_and(|(name, _)| is_generator(name)) || is_generator(text);
         if generated && !Path::new(text).exists() {

@@ -4,9 +4,9 @@ use std::path::Path;
 
 use anyhow::ensure;
 
-use crate::cli::shared::input::{Input, OPTIONS};
+use crate::cli::shared::input::{Input, OPTIONS, Within};
 use crate::cli::shared::values;
-use crate::scene::{AnyScene, Lattice};
+use crate::scene::AnyScene;
 
 /// Where a scene comes from.
 #[derive(clap::Args)]
@@ -27,7 +27,7 @@ impl Source {
     }
 
     /// The same with the box in which it repeats, for those who know what to do with one.
-    pub fn within(&self) -> anyhow::Result<Option<(String, (AnyScene<'static>, Option<Lattice>))>> {
+    pub fn within(&self) -> anyhow::Result<Option<(String, Within)>> {
         self.named(|text| self.input.within(text))
     }
 
