@@ -360,7 +360,8 @@ impl View<'_> {
         }
         reported.sort_unstable();
         one_sided.sort_unstable();
-        let several = self.truth.windows(2).any(|w| (w[0].i, w[0].j) == (w[1].i, w[1].j));
+        let twice = |w: &[ImagePair]| (w[0].i, w[0].j) == (w[1].i, w[1].j);
+        let several = [self.truth, self.near].iter().any(|list| list.windows(2).any(twice));
         let once = self.counted(&reported, true);
         let best = if several {
             let each = self.counted(&reported, false);

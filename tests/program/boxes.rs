@@ -318,6 +318,10 @@ fn detect_names_the_images_that_touch() {
     // Too many are refused before they are made, in words.
     let small = ["detect", "cube.xyz", "--box", "1e-4,1,1", "--memory-limit", "1MiB"];
     refused(folder, &small, &["images in and around the box", "the limit is 1048576"]);
+    file(folder, "heap.csv", format!("x,y,r\n{}", "0,0,0.5\n".repeat(40)));
+    let heap =
+        ["detect", "heap.csv", "--box", "0.01,9", "--periodic", "x", "--memory-limit", "1MiB"];
+    refused(folder, &heap, &["heap.csv: ", " pairs", "1048576"]);
     let many = ["detect", "cube.xyz", "--box", "1e-3,1,1", "--memory-limit", "400KiB"];
     refused(folder, &many, &["cube.xyz: ", "limit"]);
     // A plane of LAMMPS is periodic along z, too: whoever reads it in 3D is told.

@@ -102,6 +102,15 @@ fn pairs_within_a_skin_may_be_there_through_each_image() {
     assert!(verify(&row, &[[0, 1]], None, skin(0.5)).is_same());
     assert!(verify(&row, &[], None, skin(0.5)).is_same());
     assert_eq!(counts(&verify(&row, &[[0, 1]], None, skin(0.4))), [0, 1, 0, 0]);
+    // A little farther is farther.
+    let far = discs(&[[0.0, 0.0], [1.5 + 1e-10, 0.0]], 0.5, [9.0, 9.0]);
+    assert_eq!(counts(&verify(&far, &[[0, 1]], None, skin(0.5))), [0, 1, 0, 0]);
+    // They touch through one image, and are 0.75 apart through another.
+    let mixed = discs(&[[0.0, 0.0], [1.0, 0.0]], 0.5, [2.75, 9.0]);
+    let found = verify(&mixed, &[[0, 1]; 2], None, skin(0.8));
+    assert_eq!((found.is_same(), found.within_skin), (true, 1));
+    assert_eq!(counts(&verify(&mixed, &[[0, 1]; 3], None, skin(0.8))), [0, 0, 1, 0]);
+    assert_eq!(counts(&verify(&mixed, &[], None, skin(0.8))), [1, 0, 0, 0]);
     let found = verify(&row, &[[0, 1]; 2], Some(&images), GIVEN);
     let reading = found.reading.unwrap();
     assert_eq!((reading.deviation, reading.wrong), (Some(Deviation::Skin(0.5)), 0));
