@@ -9,7 +9,8 @@
 //!
 //! 1. [`scene`]: a generator, or a file ([`io`]), makes a set of centres and radii.
 //! 2. The crate `contactbench-core` finds and counts contacts: [`contact`], [`filter`], [`detect`],
-//!    [`probe`], [`sink`], [`wide`]; [`oracle`] is the truth that every answer must meet.
+//!    [`probe`], [`sink`], [`wide`]; [`oracle`] is the truth that every answer must meet;
+//!    [`periodic`] has boxes.
 //! 3. [`mod@check`]: every detector against the truth on many small scenes.
 //! 4. [`experiment`]: what is asked, as a TOML file; [`run`]: every detector answers in a process
 //!    of its own, and rows are appended to the [`record`].

@@ -58,15 +58,15 @@ pub enum Refusal {
     Instructions { level: String, has: Vec<&'static str> },
     /// A periodic box has more images within reach than memory holds.
     #[error(
-        "the {particles} particles have some {images:.1e} images in and around the box that may be \
-         within reach ({reach:e}), which take {needed:.1e} bytes, and the limit is {limit}; is the \
+        "the {particles} particles have some {images:.1e} images in and around the box that may \
+         be within reach ({reach:e}), which take {needed:.1e} bytes, and the limit is {limit}; is the \
          box in another unit than the radii? If not, raise the memory limit"
     )]
     Images { particles: u64, images: f64, reach: f64, needed: f64, limit: u64 },
     /// A particle so far from its periodic box that its image has no number.
     #[error(
-        "particle {particle} is {boxes:e} boxes away from the periodic box along its vector {}, and \
-         images are numbered below 2^29; move the particle into the box, or mend the box",
+        "particle {particle} is {boxes:e} boxes away from the periodic box along its vector {}, \
+         and images are numbered below 2^29; move the particle into the box, or mend the box",
         vector + 1
     )]
     Away { particle: u32, vector: usize, boxes: f64 },

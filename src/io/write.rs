@@ -147,8 +147,8 @@ pub fn images_of(
     }
 }
 
-/// The header `i,j,sx,sy` and `,sz` for spheres, then one contact per line: i touches the image of j
-/// that is shifted by sx, sy and sz vectors of the box.
+/// The header `i,j,sx,sy` and `,sz` for spheres, then one contact per line: i touches the image
+/// of j that is shifted by sx, sy and sz vectors of the box.
 pub fn images_csv(out: &mut dyn Write, pairs: &[ImagePair], dim: usize) -> io::Result<()> {
     out.write_all(if dim == 2 { b"i,j,sx,sy\n" } else { b"i,j,sx,sy,sz\n" })?;
     for ImagePair { i, j, image: [x, y, z] } in pairs {

@@ -209,10 +209,13 @@ pub struct Approximate<'a> {
     /// Positions as filters see them, and radii as they are.
     pub scene: &'a AnyScene<'a>,
     /// Bodies whose radii have the sum s touch if their positions are at most s(1 - relative) -
-    /// absolute apart, and do not if they are more than s(1 + relative) + absolute apart. A relative
-    /// part of at least 8u, 1% of the absolute one, or no slack at all, covers the roundings of
-    /// those who compute with it (see [`super::slack`]).
+    /// absolute apart, and do not if they are more than s(1 + relative) + absolute apart. A
+    /// relative part of at least 8u, 1% of the absolute one, or no slack at all, covers the
+    /// roundings of those who compute with it (see [`super::slack`]).
     pub slack: Slack,
+    /// Bodies from this number on are not asked about each other: nobody uses what is said of two
+    /// of them.
+    pub owners: u32,
     /// Do these two touch? It must not contradict the slack.
     pub decide: Decide<'a>,
 }
@@ -220,12 +223,19 @@ pub struct Approximate<'a> {
 /// What detectors see of an [`Approximate`] scene; the exact test of such a scene.
 pub fn approximate_bodies<'a, const D: usize>(
     scene: &'a Scene<'_, f64, D>,
-    slack: Slack,
-    decide: Decide<'a>,
+    asked: Asked<'a>,
 ) -> SceneBodies<'a, f64, AnyRule<'a, f64>, D> {
     let r = scene.largest_radius();
+    let slack = asked.slack;
     let envelope = Envelope { reach: slack.reach(r, r), slack, margin: Margin::Safe };
-    envelope.with(scene, AnyRule::Asked(Asked { slack, decide }, scene.radii()))
+    envelope.with(scene, AnyRule::Asked(asked, scene.radii()))
+}
+
+impl<'a> Approximate<'a> {
+    /// Their contact test.
+    pub fn asked(&self) -> Asked<'a> {
+        Asked { slack: self.slack, owners: self.owners, decide: self.decide }
+    }
 }
 
 /// What a contact test means for filters.

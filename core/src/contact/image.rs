@@ -1,18 +1,18 @@
 //! The sign of |a - b - S·H|² - (ra + rb)² in exact arithmetic: the contact test of a body and an
 //! image of another.
 //!
-//! S are three whole numbers of 32 bits, H three vectors of doubles. The difference along an axis is
-//! a sum of five terms, each a double or a whole number times one; as in [`exact`] they are integers
-//! of one unit, and nothing is rounded: the shifted centre, which no double need hold, is never
-//! computed. Without a shift the test is [`exact::compare`]. With one there are two widths:
+//! S are three whole numbers of 32 bits, H three vectors of doubles. The difference along an axis
+//! is a sum of five terms, each a double or a whole number times one; as in [`exact`] they are
+//! integers of one unit, and nothing is rounded: the shifted centre, which no double need hold, is
+//! never computed. Without a shift the test is [`exact::compare`]. With one there are two widths:
 //!
 //! * *narrow*: let all significant bits of the doubles lie within m binary places, and |S| < 2^s. A
 //!   difference is below 2·2^m + 3·2^(m+s) <= 2^(m+s+2) (s >= 1). Where m + s <= 124 it fits an
 //!   `i128`, as does each term; its square is below 2^252, the sum of up to four of them below
 //!   2^254.
-//! * *wide*: in fixed point with unit 2^-1074. Positive and negative terms are added apart, so every
-//!   sum is at most (2 + 3·2^31)·2^1024 < 2^1057, which is 2^2131 units and fits 34 words; the sum
-//!   of up to four squares is below 2^4264 and fits 68.
+//! * *wide*: in fixed point with unit 2^-1074. Positive and negative terms are added apart, so
+//!   every sum is at most (2 + 3·2^31)·2^1024 < 2^1057, which is 2^2131 units and fits 34 words;
+//!   the sum of up to four squares is below 2^4264 and fits 68.
 
 use std::cmp::Ordering;
 
@@ -186,6 +186,29 @@ mod tests {
             }
         }
         assert!(narrow > 300, "{narrow}");
+    }
+
+    /// From numbers that leave much room in the narrow form to those that it cannot hold, tangent
+    /// and not.
+    #[test]
+    fn the_narrow_form_refuses_what_it_cannot_hold() {
+        let mut narrow = 0;
+        for places in 50..130 {
+            let x = f64::from_bits((1023 + places) << 52);
+            let vectors = [[x, 1.0], [-x, x], [x, -x]];
+            for image in [[i32::MAX; 3], [i32::MIN, i32::MAX, i32::MIN], [1, 0, 0], [0, -40, 3]] {
+                let (a, b, shift) = ([-x, 0.0], [x, 1.0], Shift { image, vectors: &vectors });
+                for r in [0.0, x, 2.0 * x, 3.0 * x] {
+                    let (distance, reach) = wide(&a, &b, r, 1.0, shift);
+                    let truth = compare_words(&distance, &reach);
+                    assert_eq!(compare(&a, &b, r, 1.0, shift), truth, "{places} {r:e} {shift:?}");
+                    with_squares(&a, &b, r, 1.0, shift, |d, _| {
+                        narrow += usize::from(d.len() < SQUARE_WORDS);
+                    });
+                }
+            }
+        }
+        assert!((600..1000).contains(&narrow), "{narrow}");
     }
 
     #[test]

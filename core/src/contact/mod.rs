@@ -22,14 +22,14 @@
 //! How far apart two accepted bodies can be at most is derived in [`slack`], what cells, boxes and
 //! keys must add to that in [`crate::filter`].
 //!
-//! **Images.** In a periodic box the second centre is shifted by whole numbers of the box's vectors.
-//! The exact test takes the shift as further terms of the difference, not a rounded centre:
-//! [`image`]. What detectors see are rounded places, and a [`Slack`] that says so: [`Approximate`],
-//! made by [`crate::periodic`].
+//! **Images.** In a periodic box the second centre is shifted by whole numbers of the box's
+//! vectors. The exact test takes the shift as further terms of the difference, not a rounded
+//! centre: [`image`]. What detectors see are rounded places, and a [`Slack`] that says so:
+//! [`Approximate`], made by [`crate::periodic`].
 //!
-//! **Room.** What may come has its place already. Velocities: the reach of a step is the reach at rest plus the
-//! longest way of a pair, and the filters need nothing else; whether two bodies touch during the
-//! step is one more rule.
+//! **Room.** What may come has its place already. Velocities: the reach of a step is the reach at
+//! rest plus the longest way of a pair, and the filters need nothing else; whether two bodies touch
+//! during the step is one more rule.
 
 pub mod arithmetic;
 pub mod bodies;

@@ -176,6 +176,7 @@ fn decide_each<const D: usize, P: Probe>(
 #[derive(Clone, Copy)]
 pub struct Asked<'a> {
     pub(super) slack: Slack,
+    pub(super) owners: u32,
     /// Do these two touch? Asked for pairs that positions do not decide.
     pub(super) decide: Decide<'a>,
 }
@@ -194,6 +195,9 @@ impl Asked<'_> {
         sum: f64,
         probe: &mut P,
     ) -> bool {
+        if i >= self.owners && j >= self.owners {
+            return false;
+        }
         let (low, high) = (
             sum * (1.0 - self.slack.relative) - self.slack.absolute,
             sum * (1.0 + self.slack.relative) + self.slack.absolute,

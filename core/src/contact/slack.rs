@@ -26,6 +26,10 @@
 //! The other way round, a rounded test accepts if d²(1+v)^7 + 4η <= s²(1-v)^3 - η, for which d <=
 //! s(1 - 8v) - 4√η is enough: with a = s(1 - 5.2v) >= d + 3√η it is d² <= (a - 3√η)² = a² - 6a√η +
 //! 9η <= a² - 9η. Both bounds together are the test's [`Slack`].
+//!
+//! **Rounded places.** The exact test of positions that are themselves off, each by at most E, has
+//! a slack of 2E in the same sense, where distances are those of the positions:
+//! [`crate::periodic`]. What is left of it after all roundings is said there, too.
 
 use crate::scene::Real;
 

@@ -144,20 +144,21 @@ where
 
     fn approximate(
         &mut self,
-        Approximate { scene, slack, decide }: Approximate<'_>,
+        bodies: Approximate<'_>,
         tally: &mut Tally,
         mut sink: &mut dyn Sink,
     ) -> Result<(), Refusal> {
-        self.last_was_space = scene.dim() == 3;
+        self.last_was_space = bodies.scene.dim() == 3;
+        let asked = bodies.asked();
         // The form of `count`, so that nothing more is compiled.
-        match scene {
+        match bodies.scene {
             AnyScene::Plane(scene) => {
                 let scene = scene.widened();
-                self.plane.detect(approximate_bodies(&scene, slack, decide), tally, &mut sink)
+                self.plane.detect(approximate_bodies(&scene, asked), tally, &mut sink)
             }
             AnyScene::Space(scene) => {
                 let scene = scene.widened();
-                self.space.detect(approximate_bodies(&scene, slack, decide), tally, &mut sink)
+                self.space.detect(approximate_bodies(&scene, asked), tally, &mut sink)
             }
         }
     }

@@ -92,7 +92,8 @@ impl Search<'_> {
         });
         if arithmetic == Arithmetic::Exact {
             let decide = |a, b| images.touch(a, b);
-            let bodies = Approximate { scene: &open, slack: images.slack(), decide: &decide };
+            let (slack, owners) = (images.slack(), scene.len() as u32);
+            let bodies = Approximate { scene: &open, slack, owners, decide: &decide };
             return detector.approximate(bodies, tally, &mut sink);
         }
         let stored = stored(&open, arithmetic)?;

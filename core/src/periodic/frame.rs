@@ -10,16 +10,16 @@
 //! |Ta - ga·(p - p')| <= |ga| R + sum over b of |Tb| rab.       (1)
 //! ```
 //!
-//! With ca >= |ga·(p - p')| + |ga| R, c the largest of them, and all sums of rab over b at most 1/4,
-//! the largest |T| is at most c + |T|/4, hence below 2c. So Ta is within |ga| R + 2c·off(a) of
+//! With ca >= |ga·(p - p')| + |ga| R, c the largest of them, and all sums of rab over b at most
+//! 1/4, the largest |T| is at most c + |T|/4, hence below 2c. So Ta is within |ga| R + 2c·off(a) of
 //! ga·(p - p'), where off(a) is the sum: [`Frame::coupling`]. Boxes whose off is above 1/4 are
 //! refused: their vectors are so long and so nearly in one plane that no filter in f64 can tell
 //! their images apart.
 //!
 //! **Places.** x + S·H is computed with the errors of all products (by a fused multiplication) and
 //! of all sums (by two-sum) added up beside it. Both are exact, but for underflow in products, at
-//! most 3 · 2^-1075. The six errors are at most u(1 + u)^3 times m = |x| + the sum of |Sa Ha|, each;
-//! adding them up makes an error of at most 6u · 6u(1 + 9u) m < 2^-100 m; and the last sum is
+//! most 3 · 2^-1075. The six errors are at most u(1 + u)^3 times m = |x| + the sum of |Sa Ha|,
+//! each; adding them up makes an error of at most 6u · 6u(1 + 9u) m < 2^-100 m; and the last sum is
 //! rounded. So the place is within u|place| + 2^-100 m + 2^-1073 of the true one: [`off_by`] takes
 //! twice as much. A place that is not shifted is exact.
 
@@ -90,7 +90,8 @@ impl<const D: usize> Frame<D> {
         let mut image = [0; 3];
         for a in (0..3).filter(|&a| self.periodic[a]) {
             let boxes = self.fraction(a, &from_corner).floor();
-            if !(boxes.abs() < MOST) {
+            // Also where a difference overflows and it is no number.
+            if boxes.is_nan() || boxes.abs() >= MOST {
                 return Err(Refusal::Away { particle: index, vector: a, boxes });
             }
             image[a] = -(boxes as i32);

@@ -11,8 +11,8 @@
 //! **Which images.** Let y be the computed places of owners, fl(ga·y) their fractions ([`frame`]),
 //! from lowa to higha along vector a, and E a bound for |y - p| over all owners. If the image of j
 //! by T is within R of owner i, then by (1) on that page Ta differs from ga·(pi - pj) by at most
-//! |ga| R + 2c off(a); ga·pi differs from fl(ga·yi) by at most |ga| E + 4u m, where m bounds the sum
-//! of |ga| |y| by coordinates; likewise for j. So
+//! |ga| R + 2c off(a); ga·pi differs from fl(ga·yi) by at most |ga| E + 4u m, where m bounds the
+//! sum of |ga| |y| by coordinates; likewise for j. So
 //!
 //! ```text
 //! lowa - fj - M <= Ta <= higha - fj + M,    M = |ga| (R + 2E) + 8u m + 2c off(a),
@@ -22,23 +22,23 @@
 //! and M(1 + 2^-40).
 //!
 //! **Reach.** In exact arithmetic R = rj + rmax. A rounded arithmetic of unit v accepts up to its
-//! own reach ([`Slack::reach`]), and storing moves coordinates and radii by v, relatively (f32-cell:
-//! by 2^-25 of a cell, that is of twice the largest diameter or of the extent in 2^19): an owner, at
-//! most Y from the origin, by less than 2vY, an image at distance d from it by less than 2v(Y + d).
-//! So d <= reach + 4vY + 2vd + ..., and R = (reach + 16v Y)(1 + 16v) is enough, with the sum of the
-//! largest coordinates for Y. For f32-cell and points the extent is below 4Y + 4R, and 2^-44 of it is
-//! nothing against 16v. What is beyond R is not accepted, so that answers do not depend on which
-//! images are made.
+//! own reach ([`Slack::reach`]), and storing moves coordinates and radii by v, relatively
+//! (f32-cell: by 2^-25 of a cell, that is of twice the largest diameter or of the extent in 2^19):
+//! an owner, at most Y from the origin, by less than 2vY, an image at distance d from it by less
+//! than 2v(Y + d). So d <= reach + 4vY + 2vd + ..., and R = (reach + 16v Y)(1 + 16v) is enough,
+//! with the sum of the largest coordinates for Y. For f32-cell and points the extent is below 4Y +
+//! 4R, and 2^-44 of it is nothing against 16v. What is beyond R is not accepted, so that answers do
+//! not depend on which images are made.
 //!
-//! **What detectors see** in exact arithmetic are places that are rounded: every body is within E of
-//! its true place, E now with the largest T in it. Distances of places and true ones differ by at
-//! most 2E; so pairs at most s - 2E apart touch, and pairs more than s + 2E apart do not, where s is
-//! the sum of the radii: a [`Slack`] of 2E. We take 2E(1 + 1/16), and a relative part of 8u, which
-//! covers the roundings of those who compute with a slack: at most four of them, in s and in the
-//! bound itself (`half` in the copies of detectors has three, [`Near`](crate::filter::Near) four).
-//! What is between the two is decided from the numbers as given. For points, whose reach would be
-//! less than a grid can address, the slack is about the distance between neighbours. Where nothing
-//! is shifted there is none.
+//! **What detectors see** in exact arithmetic are places that are rounded: every body is within E
+//! of its true place, E now with the largest T in it. Distances of places and true ones differ by
+//! at most 2E; so pairs at most s - 2E apart touch, and pairs more than s + 2E apart do not, where
+//! s is the sum of the radii: a [`Slack`] of 2E. We take 2E(1 + 1/16), and a relative part of 8u,
+//! which covers the roundings of those who compute with a slack: at most four of them, in s and in
+//! the bound itself (`half` in the copies of detectors has three, [`Near`](crate::filter::Near)
+//! four). What is between the two is decided from the numbers as given. For points, whose reach
+//! would be less than a grid can address, the slack is about the distance between neighbours. Where
+//! nothing is shifted there is none.
 
 use super::ImagePair;
 use super::frame::{Frame, MOST, U, off_by};
@@ -81,14 +81,15 @@ impl<'a, const D: usize> Images<'a, D> {
         let n = given.len();
         let radius_bytes = if matches!(given.radii(), Radii::Each(_)) { 8.0 } else { 0.0 };
         let bytes = (size_of::<Body>() + 8 * D) as f64 + radius_bytes;
+        // Places of owners are held beside their centres.
+        let needed = |images: f64| (n as f64 + images) * bytes + (n * 8 * D) as f64;
         let most = (limit as f64).min(bytes * f64::from(u32::MAX));
         let too_many = |images: f64, reach: f64| {
-            let needed = (n as f64 + images) * bytes;
+            let needed = needed(images);
             Refusal::Images { particles: n as u64, images, reach, needed, limit }
         };
         let within = |images: f64, reach: f64| {
-            let all = (n as f64 + images) * bytes <= most;
-            all.then_some(()).ok_or_else(|| too_many(images, reach))
+            (needed(images) <= most).then_some(()).ok_or_else(|| too_many(images, reach))
         };
         within(0.0, 0.0)?;
         let (mut bodies, mut places) = (Vec::with_capacity(n), Vec::with_capacity(n));

@@ -5,13 +5,13 @@
 //! the image of j that is shifted by S·H, whole numbers times the vectors of the box. There may be
 //! several of one pair, and of a particle with itself.
 //!
-//! * **What touches** is decided for the numbers as given: the sign of |xi - xj - S·H|² - (ri + rj)²
-//!   by exact arithmetic ([`crate::contact::image`]), never by a coordinate of an image, which no
-//!   double need hold. So it does not matter which image of a particle a file names, nor which
+//! * **What touches** is decided for the numbers as given: the sign of |xi - xj - S·H|² - (ri +
+//!   rj)² by exact arithmetic ([`crate::contact::image`]), never by a coordinate of an image, which
+//!   no double need hold. So it does not matter which image of a particle a file names, nor which
 //!   vectors of the lattice.
 //! * **How it is found:** every image that can matter becomes a further body of an open scene
-//!   ([`images`]), and any detector of the table searches that. Boxes may be smaller than the reach,
-//!   skewed, and open along some vectors; particles may lie far outside.
+//!   ([`images`]), and any detector of the table searches that. Boxes may be smaller than the
+//!   reach, skewed, and open along some vectors; particles may lie far outside.
 //! * **The truth** goes over all pairs and all their images ([`truth()`]).
 //!
 //! **Rounded arithmetics** decide from the coordinates of images, as a simulation code does that

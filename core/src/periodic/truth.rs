@@ -4,10 +4,10 @@
 //! can be at most ri + rj, from the numbers as given: no particle is wrapped, no image is made, no
 //! half is taken but that of a particle with itself. By (1) of the page on frames Sa differs from
 //! fa = ga·(xi - xj) by at most |ga| (ri + rj) + 2c off(a); fa as computed, from a difference that
-//! is rounded, is within 8u of the sum of |ga| (|xi| + |xj|) by coordinates. A quarter more is taken
-//! on either side. Each such image is decided by exact arithmetic, but for those that are apart
-//! along one axis: there the computed xi - xj - S·H has an error of at most 8u times the sum of the
-//! magnitudes of its terms (five terms, products with one rounding more).
+//! is rounded, is within 8u of the sum of |ga| (|xi| + |xj|) by coordinates. A quarter more is
+//! taken on either side. Each such image is decided by exact arithmetic, but for those that are
+//! apart along one axis: there the computed xi - xj - S·H has an error of at most 8u times the sum
+//! of the magnitudes of its terms (five terms, products with one rounding more).
 //!
 //! **Rounded.** What a rounded test says depends on rounded images, so those are given: the truth
 //! is the arithmetic's own test on all pairs of the scene with its images as stored, which are the
@@ -93,20 +93,19 @@ fn exact<const D: usize>(
 ) -> Result<(), Refusal> {
     let n = scene.len();
     let at = |index: usize| array(&scene.centres()[index]);
-    // Images of one pair, at most.
-    let diameter = 2.0 * scene.largest_radius();
-    let each: f64 = (0..3).map(|a| 2.0 * diameter * frame.lengths[a] + 1.0).product();
-    let needed = n as f64 * (each - 1.0) * IMAGE_PAIR_BYTES as f64;
-    // A sphere is half of the box around it, and of the box of a skewed lattice far less.
-    if !(needed <= 64.0 * limit as f64) {
-        let images = n as f64 * each;
-        let particles = n as u64;
-        return Err(Refusal::Images { particles, images, reach: diameter, needed, limit });
-    }
+    // A sphere is half of the box around it, of a skewed one far less; most pairs have none.
+    let most = 8.0 * (n * n) as f64 + 16.0 * (limit / IMAGE_PAIR_BYTES) as f64;
+    let mut images = 0.0;
     for i in 0..n {
         for j in i..n {
             let sum = scene.radius(i) + scene.radius(j);
             let ranges = around(frame, [i, j], at(i), at(j), sum)?;
+            images += ranges.map(|[low, high]| f64::from(high - low + 1)).iter().product::<f64>();
+            if images > most {
+                let needed = images * IMAGE_PAIR_BYTES as f64;
+                let (particles, reach) = (n as u64, 2.0 * scene.largest_radius());
+                return Err(Refusal::Images { particles, images, reach, needed, limit });
+            }
             for_all(ranges, |image| {
                 if i == j && image <= [0; 3] || apart(frame, at(i), at(j), image, sum) {
                     return;
@@ -139,7 +138,7 @@ fn around<const D: usize>(
     for v in (0..3).filter(|&v| frame.periodic[v]) {
         let margin = frame.lengths[v] * sum * (1.0 + 16.0 * U) + errors[v] + coupling[v] + 0.25;
         let (low, high) = ((fractions[v] - margin).ceil(), (fractions[v] + margin).floor());
-        if !(most < MOST && low > -2.0 * MOST && high < 2.0 * MOST) {
+        if !(most < MOST && low > -MOST && high < MOST) {
             let particle = if size(a) > size(b) { i } else { j } as u32;
             return Err(Refusal::Away { particle, vector: v, boxes: fractions[v] });
         }

@@ -230,7 +230,8 @@ fn no_box_is_ignored() {
     let words = |axes: &str| {
         format!(
             "p: the box repeats along {axes}, and here boundaries are open; give --open (in an \
-             experiment open = true) to leave out contacts across it, or take detect, verify or inspect, which know boxes"
+             experiment open = true) to leave out contacts across it, or take detect, verify or \
+             inspect, which know boxes"
         )
     };
     for (flags, axes) in [("pp ff ff", "x"), ("ff pp pp", "y and z"), ("pp pp pp", "x, y and z")] {

@@ -1,0 +1,205 @@
+//! Every detector finds the truth, in every arithmetic, whatever it searched before.
+
+use super::super::contacts::stored;
+use super::super::frame::Frame;
+use super::super::images::Images;
+use super::*;
+use crate::contact::{Bodies, any_bodies};
+use crate::probe::{Op, Silent};
+use crate::scene::{Stored, array};
+use crate::with_stored;
+
+/// What has been compared.
+#[derive(Debug, Default)]
+struct Seen {
+    answers: usize,
+    contacts: usize,
+    own_images: usize,
+    /// With an image beyond the next.
+    far_images: usize,
+    refused: usize,
+}
+
+fn agree<const D: usize>(seeds: std::ops::Range<u64>, seen: &mut Seen)
+where
+    AnyScene<'static>: From<Scene<'static, f64, D>>,
+{
+    let mut detectors: Vec<_> =
+        detectors().map(|entry| (entry.name, entry.make(OPTIONS))).collect();
+    for seed in seeds {
+        let bag = random::<D>(seed, [Numbers::Real, Numbers::Dyadic][seed as usize / 4 % 2]);
+        let periodic = bag.periodic();
+        for arithmetic in Arithmetic::SAFE {
+            let Ok(truth) = truth(&periodic, arithmetic, LIMIT) else {
+                assert!(arithmetic == Arithmetic::F32Cell, "{arithmetic}: {bag:?}");
+                continue;
+            };
+            for (name, detector) in &mut detectors {
+                match ask(&mut **detector, &periodic, arithmetic) {
+                    Ok(found) => assert_eq!(found, truth.pairs, "{name} in {arithmetic}: {bag:?}"),
+                    Err(refusal) => {
+                        let expected = matches!(refusal, Refusal::Domain { .. });
+                        assert!(expected, "{name} in {arithmetic}: {refusal}\n{bag:?}");
+                        seen.refused += 1;
+                    }
+                }
+                seen.answers += 1;
+            }
+            seen.contacts += truth.pairs.len();
+            for pair in &truth.pairs {
+                seen.own_images += usize::from(pair.i == pair.j);
+                seen.far_images += usize::from(pair.image.iter().any(|s| s.abs() > 1));
+            }
+        }
+    }
+}
+
+#[test]
+fn detectors_find_the_truth_in_the_plane() {
+    let mut seen = Seen::default();
+    agree::<2>(0..200, &mut seen);
+    assert!(seen.answers > 8000 && seen.contacts > 5000 && seen.refused == 0, "{seen:?}");
+    assert!(seen.own_images > 100 && seen.far_images > 500, "{seen:?}");
+}
+
+#[test]
+fn detectors_find_the_truth_in_space() {
+    let mut seen = Seen::default();
+    agree::<3>(0..200, &mut seen);
+    assert!(seen.answers > 8000 && seen.contacts > 5000 && seen.refused == 0, "{seen:?}");
+    assert!(seen.own_images > 100 && seen.far_images > 500, "{seen:?}");
+}
+
+/// The truth of a rounded arithmetic rests on the images that are made. Here are all of a generous
+/// number around the box, and the test finds no more contacts with them.
+#[test]
+fn no_further_image_touches_in_a_rounded_arithmetic() {
+    fn with_more<const D: usize>(bag: &Bag<D>, arithmetic: Arithmetic) -> usize
+    where
+        AnyScene<'static>: From<Scene<'static, f64, D>>,
+    {
+        let periodic = bag.periodic();
+        let frame = Frame::<D>::new(periodic.lattice()).unwrap();
+        let n = bag.centres.len();
+        let scene = Scene::new(
+            bag.centres.iter().copied().map(nalgebra::Point::from).collect::<Vec<_>>(),
+            bag.radii.clone(),
+        );
+        let scene = scene.unwrap();
+        let mut centres = Vec::new();
+        let (mut radii, mut names) = (Vec::new(), Vec::new());
+        let wraps: Vec<_> =
+            (0..n).map(|k| frame.wrap(k as u32, array(&scene.centres()[k])).unwrap()).collect();
+        let reach = 2.2 * scene.largest_radius() + 0.1;
+        let most: [i32; 3] = std::array::from_fn(|v| (frame.lengths[v] * reach).ceil() as i32 + 1);
+        let most: [i32; 3] = std::array::from_fn(|v| if bag.periodic[v] { most[v] } else { 0 });
+        let mut add = |k: usize, t: [i32; 3]| {
+            let image = std::array::from_fn(|v| wraps[k][v] + t[v]);
+            centres.push(nalgebra::Point::from(frame.place(array(&scene.centres()[k]), image)));
+            radii.push(scene.radius(k));
+            names.push((k as u32, image));
+        };
+        (0..n).for_each(|k| add(k, [0; 3]));
+        for k in 0..n {
+            for x in 0..=most[0] {
+                for y in -most[1]..=most[1] {
+                    for z in -most[2]..=most[2] {
+                        if [x, y, z] > [0; 3] {
+                            add(k, [x, y, z]);
+                        }
+                    }
+                }
+            }
+        }
+        let open = AnyScene::from(Scene::new(centres, Radii::Each(radii.into())).unwrap());
+        let Ok(open) = stored(&open, arithmetic) else { return 0 };
+        let mut found = Vec::new();
+        let pair = |a: u32, b: u32| {
+            let ((i, from), (j, to)) = (names[a as usize], names[b as usize]);
+            ImagePair::new(i, j, std::array::from_fn(|v| to[v] - from[v]))
+        };
+        fn all<T: crate::scene::Real, const D: usize>(
+            bodies: impl Bodies<T, D>,
+            n: usize,
+            mut touch: impl FnMut(u32, u32),
+        ) {
+            for a in 0..n as u32 {
+                for b in a + 1..bodies.len() as u32 {
+                    if bodies.touch(a, b, &mut Silent) {
+                        touch(a, b);
+                    }
+                }
+            }
+        }
+        let test = arithmetic.test();
+        match &open {
+            AnyScene::Plane(open) => with_stored!(open, scene => {
+                all(any_bodies(scene, test).unwrap(), n, |a, b| found.push(pair(a, b)));
+            }),
+            AnyScene::Space(open) => with_stored!(open, scene => {
+                all(any_bodies(scene, test).unwrap(), n, |a, b| found.push(pair(a, b)));
+            }),
+        }
+        found.sort_unstable();
+        let truth = truth(&periodic, arithmetic, LIMIT).unwrap().pairs;
+        assert_eq!(truth, found, "{arithmetic}: {bag:?}");
+        truth.len()
+    }
+    let mut contacts = 0;
+    for seed in 0..150 {
+        for arithmetic in [Arithmetic::F32, Arithmetic::F32Cell, Arithmetic::F64] {
+            contacts += with_more(&random::<2>(seed, Numbers::Real), arithmetic);
+            contacts += with_more(&random::<3>(seed, Numbers::Real), arithmetic);
+        }
+    }
+    assert!(contacts > 5000, "{contacts}");
+    // Couples that only rounding decides, through a face, far from the origin.
+    let random = &mut ChaCha8Rng::seed_from_u64(9);
+    let mut touching = 0;
+    for turn in 0..3000 {
+        let offset = [0.0, 100.0, 3000.0][turn % 3];
+        let edge = 2.0 + random.random::<f64>();
+        let mut at = || [offset + 0.1 + random.random::<f64>(), offset + 0.01];
+        let (a, mut b) = (at(), at());
+        let apart = (1.0 + 3e-7 * (1.0 + offset) * (random.random::<f64>() - 0.5)) * 0.5;
+        (b[0], b[1]) = (a[0], a[1] + edge - apart);
+        let bag = Bag {
+            centres: vec![a, b],
+            radii: Radii::Uniform(0.25),
+            vectors: [[edge, 0.0, 0.0], [0.0, edge, 0.0], [0.0; 3]],
+            periodic: [true, true, false],
+            origin: [offset; 3],
+        };
+        for arithmetic in [Arithmetic::F32, Arithmetic::F32Cell] {
+            touching += with_more(&bag, arithmetic);
+        }
+    }
+    assert!((1500..4500).contains(&touching), "{touching}");
+}
+
+/// Images are few where the box is large, and all are counted.
+#[test]
+fn images_are_made_near_the_faces_only() {
+    let random = &mut ChaCha8Rng::seed_from_u64(3);
+    let centres: Vec<[f64; 3]> =
+        (0..1000).map(|_| std::array::from_fn(|_| 20.0 * random.random::<f64>())).collect();
+    let bag = Bag {
+        centres,
+        radii: Radii::Uniform(0.5),
+        vectors: [[20.0, 0.0, 0.0], [0.0, 20.0, 0.0], [0.0, 0.0, 20.0]],
+        periodic: [true; 3],
+        origin: [0.0; 3],
+    };
+    let (periodic, mut detector) = (bag.periodic(), TABLE[5].make(OPTIONS));
+    let (digest, tally) = count(&periodic, &mut *detector, Arithmetic::Exact, LIMIT).unwrap();
+    // A layer of 1 around the box holds a third of the box's volume; half of it is made.
+    let ghosts = tally.get(Op::GhostMade);
+    assert!((120..220).contains(&ghosts), "{ghosts}");
+    let truth = truth(&periodic, Arithmetic::Exact, LIMIT).unwrap();
+    assert_eq!(digest, truth.digest);
+    assert!(tally.get(Op::ContactTest) > 0 && tally.get(Op::ExactTest) == 0);
+    let AnyScene::Space(Stored::F64(scene)) = periodic.scene() else { panic!("made in space") };
+    let (images, open) = Images::new(scene, periodic.lattice(), Arithmetic::Exact, LIMIT).unwrap();
+    assert_eq!((images.ghosts(), open.len() as u64), (ghosts, 1000 + ghosts));
+    assert!(images.slack().absolute > 0.0 && images.slack().absolute < 1e-13);
+}

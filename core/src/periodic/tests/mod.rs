@@ -1,0 +1,161 @@
+//! Detectors against the truth, the truth against what is known, and both against themselves.
+
+mod agreement;
+mod extremes;
+mod golden;
+mod predicate;
+mod relations;
+
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+use super::*;
+use crate::contact::Arithmetic;
+use crate::detect::any::AnyDetector;
+use crate::detect::table::{Entry, TABLE};
+use crate::detect::{Options, Refusal};
+use crate::scene::{Radii, Scene};
+
+const LIMIT: u64 = 1 << 28;
+/// Grids of more are not worth the time.
+const OPTIONS: Options = Options { memory_limit: 1 << 26, threads: 1 };
+
+/// A periodic scene in pieces.
+#[derive(Clone, Debug)]
+struct Bag<const D: usize> {
+    centres: Vec<[f64; D]>,
+    radii: Radii<'static, f64>,
+    vectors: [[f64; 3]; 3],
+    periodic: [bool; 3],
+    origin: [f64; 3],
+}
+
+impl<const D: usize> Bag<D>
+where
+    AnyScene<'static>: From<Scene<'static, f64, D>>,
+{
+    fn lattice(&self) -> Lattice {
+        Lattice::new(self.vectors, self.periodic, self.origin).unwrap()
+    }
+
+    fn periodic(&self) -> Periodic<'static> {
+        let centres: Vec<_> = self.centres.iter().copied().map(nalgebra::Point::from).collect();
+        let scene = Scene::new(centres, self.radii.clone()).unwrap();
+        Periodic::new(scene.into(), self.lattice()).unwrap()
+    }
+
+    /// S·H in full precision, where that is exact.
+    fn shift(&self, image: [i32; 3]) -> [f64; D] {
+        std::array::from_fn(|k| (0..3).map(|v| f64::from(image[v]) * self.vectors[v][k]).sum())
+    }
+
+    fn truth(&self) -> Vec<ImagePair> {
+        truth(&self.periodic(), Arithmetic::Exact, LIMIT).unwrap().pairs
+    }
+}
+
+fn detectors() -> impl Iterator<Item = &'static Entry> {
+    TABLE.iter().filter(|entry| entry.must_be_right())
+}
+
+fn ask(
+    detector: &mut dyn AnyDetector,
+    periodic: &Periodic<'_>,
+    arithmetic: Arithmetic,
+) -> Result<Vec<ImagePair>, Refusal> {
+    contacts(periodic, detector, arithmetic, LIMIT)
+}
+
+/// Every detector finds these contacts, exactly.
+fn all_find<const D: usize>(bag: &Bag<D>, expected: &[ImagePair])
+where
+    AnyScene<'static>: From<Scene<'static, f64, D>>,
+{
+    let periodic = bag.periodic();
+    for entry in detectors() {
+        let found = ask(&mut *entry.make(OPTIONS), &periodic, Arithmetic::Exact);
+        assert_eq!(found.as_deref(), Ok(expected), "{} on {bag:?}", entry.name);
+    }
+}
+
+/// How the numbers of a random box are made.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Numbers {
+    /// Any.
+    Real,
+    /// Multiples of 2^-8 and not large: sums and small multiples are exact.
+    Dyadic,
+}
+
+/// A random scene of up to some twenty particles: boxes of all shapes, from much smaller than the
+/// reach to larger, along axes, tilted and wild; particles in it and far from it.
+fn random<const D: usize>(seed: u64, numbers: Numbers) -> Bag<D> {
+    let random = &mut ChaCha8Rng::seed_from_u64(seed);
+    let tidy = |x: f64| if numbers == Numbers::Dyadic { (x * 256.0).round() / 256.0 } else { x };
+    let edge = [0.7, 1.5, 3.0, 6.0][random.random_range(0..4)];
+    let mut vectors = [[0.0; 3]; 3];
+    for (k, vector) in vectors.iter_mut().enumerate() {
+        let stretch = [1.0, 1.0, 0.5, 3.0][random.random_range(0..4)];
+        vector[k] = tidy(edge * stretch * (0.75 + 0.5 * random.random::<f64>()));
+    }
+    match seed % 4 {
+        0 => {}
+        // As simulation codes have it, and beyond.
+        1 => {
+            let most = [1.0, 1.0, 4.0][random.random_range(0..3)];
+            let diagonal = vectors[0][0];
+            vectors[1][0] = tidy(most * diagonal * random.random::<f64>());
+            if D == 3 {
+                vectors[2][0] = tidy(-most * diagonal * random.random::<f64>());
+                vectors[2][1] = tidy(most * vectors[1][1] * (random.random::<f64>() - 0.5));
+            }
+        }
+        // Any direction.
+        _ => {
+            for vector in &mut vectors[..D] {
+                for x in &mut vector[..D] {
+                    *x = tidy(*x + edge * (random.random::<f64>() - 0.5));
+                }
+            }
+        }
+    }
+    let mut periodic = std::array::from_fn(|_| random.random_bool(0.75));
+    if D == 2 {
+        periodic[2] = false;
+    }
+    let origin = std::array::from_fn(|_| tidy(4.0 * random.random::<f64>() - 2.0));
+    if Lattice::new(vectors, periodic, origin).is_err() {
+        return random_again(seed, numbers);
+    }
+    let most = if edge < 1.0 { 5 } else { 20 };
+    let n = random.random_range(0..=most);
+    let away = [0.0, 0.0, 3.0, 1000.0][random.random_range(0..4)];
+    let centres: Vec<[f64; D]> = (0..n)
+        .map(|_| {
+            let mut x = [0.0; D];
+            for (vector, periodic) in vectors[..D].iter().zip(periodic) {
+                let away = if periodic { away } else { 0.0 };
+                let part = random.random::<f64>() + (away * (random.random::<f64>() - 0.5)).round();
+                (0..D).for_each(|k| x[k] += part * vector[k]);
+            }
+            x.map(tidy)
+        })
+        .collect();
+    let size = [0.25, 0.5, 1.0][random.random_range(0..3)];
+    let radius = |random: &mut ChaCha8Rng| tidy(size * (0.2 + 0.8 * random.random::<f64>()));
+    let radii = match random.random_range(0..4) {
+        0 | 1 => Radii::Uniform(radius(random)),
+        2 => Radii::Each((0..n).map(|_| radius(random)).collect()),
+        _ => {
+            let mut radii: Vec<f64> = (0..n).map(|_| 0.125 * radius(random)).map(tidy).collect();
+            radii.iter_mut().take(1).for_each(|giant| *giant = 2.0 * size);
+            Radii::Each(radii.into())
+        }
+    };
+    Bag { centres, radii, vectors, periodic, origin }
+}
+
+/// Where the vectors were in a plane by chance.
+fn random_again<const D: usize>(seed: u64, numbers: Numbers) -> Bag<D> {
+    random(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(1), numbers)
+}

@@ -1,0 +1,206 @@
+//! The exact test with images against integers of any length, on couples that touch, or miss each
+//! other, by one unit in the last place.
+
+use std::cmp::Ordering;
+
+use num_bigint::BigInt;
+
+use super::*;
+use crate::contact::depth::depth_of_image;
+use crate::contact::image::{Shift, compare};
+
+/// A double in units of 2^-1074.
+fn integer(x: f64) -> BigInt {
+    let bits = x.to_bits();
+    let (field, fraction) = (bits >> 52 & 0x7ff, bits & ((1 << 52) - 1));
+    let magnitude = if field == 0 {
+        BigInt::from(fraction)
+    } else {
+        BigInt::from(fraction | 1 << 52) << (field - 1)
+    };
+    if x.is_sign_negative() { -magnitude } else { magnitude }
+}
+
+/// By a library that rounds nothing.
+fn truth_of<const D: usize>(
+    a: &[f64; D],
+    b: &[f64; D],
+    ra: f64,
+    rb: f64,
+    shift: Shift<'_, D>,
+) -> Ordering {
+    let mut distance = BigInt::ZERO;
+    for k in 0..D {
+        let mut d = integer(a[k]) - integer(b[k]);
+        for v in 0..3 {
+            d -= BigInt::from(shift.image[v]) * integer(shift.vectors[v][k]);
+        }
+        distance += &d * &d;
+    }
+    let sum = integer(ra) + integer(rb);
+    distance.cmp(&(&sum * &sum))
+}
+
+/// A couple and the box of which an image is meant.
+#[derive(Clone, Copy, Debug)]
+struct Couple {
+    a: [f64; 3],
+    b: [f64; 3],
+    radii: [f64; 2],
+    image: [i32; 3],
+    vectors: [[f64; 3]; 3],
+}
+
+/// Vectors whose lengths are whole numbers.
+const WHOLE: [([i64; 3], i64); 5] =
+    [([1, 2, 2], 3), ([2, 3, 6], 7), ([3, 4, 0], 5), ([0, 0, 1], 1), ([-4, 4, 7], 9)];
+
+/// Tangent through an image, by whole numbers that add up exactly, in units of a power of two; then
+/// one number is one step larger or smaller, or none is.
+fn couple(random: &mut ChaCha8Rng) -> Couple {
+    let unit = [1.0, 2f64.powi(-20), 2f64.powi(-900), 2f64.powi(900)][random.random_range(0..4)];
+    let bits = [3, 10, 20][random.random_range(0..3)];
+    let range = 1i64 << bits;
+    let most = [1, 3, 1 << 20, i32::MAX - 1][random.random_range(0..4)];
+    let image: [i32; 3] = std::array::from_fn(|_| random.random_range(-most..=most));
+    let whole = |random: &mut ChaCha8Rng| random.random_range(-range..=range);
+    let vectors: [[i64; 3]; 3] = std::array::from_fn(|_| std::array::from_fn(|_| whole(random)));
+    let (direction, length) = WHOLE[random.random_range(0..WHOLE.len())];
+    let scale = random.random_range(1..=range);
+    let b: [i64; 3] = std::array::from_fn(|_| whole(random));
+    let a: [i64; 3] = std::array::from_fn(|k| {
+        let shift: i64 = (0..3).map(|v| i64::from(image[v]) * vectors[v][k]).sum();
+        b[k] + shift + scale * direction[k]
+    });
+    let first = random.random_range(0..=length * scale);
+    let double = |x: i64| x as f64 * unit;
+    let mut couple = Couple {
+        a: a.map(double),
+        b: b.map(double),
+        radii: [double(first), double(length * scale - first)],
+        image,
+        vectors: vectors.map(|vector| vector.map(double)),
+    };
+    let up = random.random_bool(0.5);
+    let step = |x: &mut f64| *x = if up { x.next_up() } else { x.next_down() };
+    let k = random.random_range(0..3);
+    match random.random_range(0..5) {
+        0 => {}
+        1 => step(&mut couple.a[k]),
+        2 => step(&mut couple.b[k]),
+        3 => step(&mut couple.vectors[random.random_range(0..3)][k]),
+        _ => {
+            let radius = &mut couple.radii[k % 2];
+            *radius = if up { radius.next_up() } else { radius.next_down().max(0.0) };
+        }
+    }
+    couple
+}
+
+#[test]
+fn couples_one_step_from_tangency_through_an_image() {
+    let random = &mut ChaCha8Rng::seed_from_u64(11);
+    let mut seen = [0; 3];
+    for _ in 0..20_000 {
+        let c = couple(random);
+        let shift = Shift { image: c.image, vectors: &c.vectors };
+        let truth = truth_of(&c.a, &c.b, c.radii[0], c.radii[1], shift);
+        let [ra, rb] = c.radii;
+        assert_eq!(compare(&c.a, &c.b, ra, rb, shift), truth, "{c:?}");
+        // From the other side, and by any signs.
+        let back = Shift { image: c.image.map(|s| -s), vectors: &c.vectors };
+        assert_eq!(compare(&c.b, &c.a, rb, ra, back), truth, "{c:?}");
+        let depth = depth_of_image(&c.a, &c.b, ra, rb, shift);
+        assert_eq!(depth.partial_cmp(&0.0), Some(truth.reverse()), "{c:?}: {depth}");
+        // The same in the plane, without z.
+        let flat = |x: [f64; 3]| [x[0], x[1]];
+        let vectors = c.vectors.map(flat);
+        let shift = Shift { image: c.image, vectors: &vectors };
+        let (a, b) = (flat(c.a), flat(c.b));
+        assert_eq!(compare(&a, &b, ra, rb, shift), truth_of(&a, &b, ra, rb, shift), "{c:?}");
+        seen[(truth as i8 + 1) as usize] += 1;
+    }
+    assert!(seen.iter().all(|&count| count > 3000), "{seen:?}");
+}
+
+/// Any doubles at all, also subnormal and huge ones.
+#[test]
+fn couples_of_any_numbers() {
+    let random = &mut ChaCha8Rng::seed_from_u64(12);
+    let mut seen = [0; 3];
+    for turn in 0..4000 {
+        let mut any = || loop {
+            let x = f64::from_bits(random.random());
+            if x.is_finite() {
+                // Every other time of one order of magnitude.
+                break if turn % 2 == 0 { x } else { x.signum() * (1.0 + x.abs().fract()) };
+            }
+        };
+        let vectors: [[f64; 3]; 3] = std::array::from_fn(|_| std::array::from_fn(|_| any()));
+        let (a, b) = (std::array::from_fn(|_| any()), std::array::from_fn(|_| any()));
+        let (ra, rb) = (any().abs(), any().abs());
+        let image = if turn % 3 == 0 { [0, 1, -1] } else { random.random() };
+        let shift = Shift { image, vectors: &vectors };
+        let truth = truth_of(&a, &b, ra, rb, shift);
+        assert_eq!(compare(&a, &b, ra, rb, shift), truth, "{a:?} {b:?} {ra} {rb} {shift:?}");
+        seen[(truth as i8 + 1) as usize] += 1;
+    }
+    assert!(seen[0] > 200 && seen[2] > 200, "{seen:?}");
+}
+
+/// Whole detections: two particles in a box, with numbers that no double adds up, one step from
+/// tangency through an image.
+#[test]
+fn detectors_decide_couples_one_step_from_tangency() {
+    let random = &mut ChaCha8Rng::seed_from_u64(13);
+    let mut seen = [0; 3];
+    let detectors: Vec<_> = detectors().collect();
+    for turn in 0..6000 {
+        let edge = |random: &mut ChaCha8Rng| 2.0 + random.random::<f64>();
+        let mut vectors = [[0.0; 3]; 3];
+        (0..3).for_each(|v| vectors[v][v] = edge(random));
+        vectors[1][0] = random.random::<f64>();
+        vectors[2][1] = -random.random::<f64>();
+        let mut image: [i32; 3] = std::array::from_fn(|_| random.random_range(-2..=2));
+        if image == [0; 3] {
+            image = [0, 1, -40_000];
+        }
+        // On a grid, where tangency is exact, or anywhere; near the origin or far from it, where
+        // fractions along the vectors have few digits.
+        let exact = turn % 2 == 0;
+        let offset = [0.0, 3e3, -1e6][random.random_range(0..3)];
+        let mut b = [0.25, 0.5, 0.75].map(|x| x + offset);
+        if exact {
+            vectors = vectors.map(|vector| vector.map(|x| (x * 1024.0).round() / 1024.0));
+        } else {
+            b = b.map(|x| x + random.random::<f64>());
+        }
+        let (radii, origin) = (Radii::Uniform(0.5), [offset; 3]);
+        let mut bag = Bag { centres: vec![b, b], radii, vectors, periodic: [true; 3], origin };
+        let (direction, length) = WHOLE[random.random_range(0..WHOLE.len())];
+        let shift = bag.shift(image);
+        let scale = if exact { 0.125 } else { 0.7 * random.random::<f64>() / length as f64 };
+        for k in 0..3 {
+            bag.centres[0][k] += shift[k] + scale * direction[k] as f64;
+        }
+        let radius = 0.5 * scale * length as f64;
+        let steps = random.random_range(-1..=1);
+        bag.radii = Radii::Uniform(match steps {
+            -1 => radius.next_down(),
+            1 => radius.next_up(),
+            _ => radius,
+        });
+        let (Radii::Uniform(r), [a, b]) = (&bag.radii, [bag.centres[0], bag.centres[1]]) else {
+            panic!("made so")
+        };
+        let truth = truth_of(&a, &b, *r, *r, Shift { image, vectors: &bag.vectors });
+        let entry = detectors[turn % detectors.len()];
+        let detector = &mut *entry.make(OPTIONS);
+        let found = ask(detector, &bag.periodic(), Arithmetic::Exact).unwrap();
+        let pair = ImagePair::new(0, 1, image);
+        let what = format!("{}: {bag:?} {image:?} {truth:?}", entry.name);
+        assert_eq!(found.contains(&pair), truth.is_le(), "{what}");
+        seen[(truth as i8 + 1) as usize] += 1;
+    }
+    assert!(seen.iter().all(|&count| count > 800), "{seen:?}");
+}

@@ -1,0 +1,251 @@
+//! Metamorphic relations, exact on dyadic boxes: what a change of scene or box does to the set of
+//! contacts, without asking which contacts are right.
+
+use super::*;
+
+/// What becomes of every contact.
+type Becomes = Box<dyn Fn(ImagePair) -> Vec<ImagePair>>;
+
+/// A scene after a change; `None` where that does not apply.
+type Change<const D: usize> = Option<(Bag<D>, Becomes)>;
+
+/// A change.
+type Relation<const D: usize> = fn(&Bag<D>, &mut ChaCha8Rng) -> Change<D>;
+
+/// Holds each detector to a relation, in two and in three dimensions, on a few scenes each.
+fn hold(plane: Relation<2>, space: Relation<3>) {
+    let contacts = hold_in(plane) + hold_in(space);
+    assert!(contacts > 2000, "{contacts}");
+}
+
+fn hold_in<const D: usize>(relation: Relation<D>) -> usize
+where
+    AnyScene<'static>: From<Scene<'static, f64, D>>,
+{
+    let mut contacts = 0;
+    for seed in 0..20 {
+        for (k, entry) in detectors().enumerate() {
+            let seed = seed * 100 + k as u64;
+            let before = random::<D>(seed, Numbers::Dyadic);
+            let random = &mut ChaCha8Rng::seed_from_u64(seed ^ 0x5eed);
+            let Some((after, becomes)) = relation(&before, random) else { continue };
+            let detector = &mut *entry.make(OPTIONS);
+            let mut find = |bag: &Bag<D>| {
+                match ask(detector, &bag.periodic(), Arithmetic::Exact) {
+                    // Far away where the box is open.
+                    Err(Refusal::Memory { .. } | Refusal::Domain { .. }) => None,
+                    found => Some(found.unwrap()),
+                }
+            };
+            let (Some(earlier), Some(found)) = (find(&before), find(&after)) else { continue };
+            let mut expected: Vec<_> = earlier.into_iter().flat_map(becomes).collect();
+            expected.sort_unstable();
+            assert_eq!(found, expected, "{}: {before:?} and {after:?}", entry.name);
+            contacts += expected.len();
+        }
+    }
+    contacts
+}
+
+/// One contact for one.
+fn one<const D: usize>(
+    after: Bag<D>,
+    becomes: impl Fn(ImagePair) -> ImagePair + 'static,
+) -> Change<D> {
+    Some((after, Box::new(move |pair| vec![becomes(pair)])))
+}
+
+fn moved<const D: usize>(x: &[f64; D], by: [f64; D]) -> [f64; D] {
+    std::array::from_fn(|k| x[k] + by[k])
+}
+
+fn dyadic<const D: usize>(random: &mut ChaCha8Rng) -> [f64; D] {
+    std::array::from_fn(|_| f64::from(random.random_range(-5000..5000)) / 256.0)
+}
+
+/// Numbers of images, 0 where the box is open.
+fn numbers<const D: usize>(bag: &Bag<D>, most: i32, random: &mut ChaCha8Rng) -> [i32; 3] {
+    bag.periodic.map(|periodic| if periodic { random.random_range(-most..=most) } else { 0 })
+}
+
+#[test]
+fn translation_of_all_changes_nothing() {
+    fn relation<const D: usize>(bag: &Bag<D>, random: &mut ChaCha8Rng) -> Change<D>
+    where
+        AnyScene<'static>: From<Scene<'static, f64, D>>,
+    {
+        let by = dyadic(random);
+        let centres = bag.centres.iter().map(|x| moved(x, by)).collect();
+        one(Bag { centres, ..bag.clone() }, |pair| pair)
+    }
+    hold(relation::<2>, relation::<3>);
+}
+
+#[test]
+fn the_corner_of_the_box_decides_nothing() {
+    fn relation<const D: usize>(bag: &Bag<D>, random: &mut ChaCha8Rng) -> Change<D> {
+        one(Bag { origin: dyadic::<3>(random), ..bag.clone() }, |pair| pair)
+    }
+    hold(relation::<2>, relation::<3>);
+}
+
+#[test]
+fn whole_vectors_change_the_images_alone() {
+    fn relation<const D: usize>(bag: &Bag<D>, random: &mut ChaCha8Rng) -> Change<D>
+    where
+        AnyScene<'static>: From<Scene<'static, f64, D>>,
+    {
+        let most = [1, 5, 100_000][random.random_range(0..3)];
+        let by: Vec<[i32; 3]> = bag.centres.iter().map(|_| numbers(bag, most, random)).collect();
+        let centres = bag.centres.iter().zip(&by).map(|(x, &by)| moved(x, bag.shift(by))).collect();
+        let renamed = move |ImagePair { i, j, image }| {
+            let (a, b) = (by[i as usize], by[j as usize]);
+            ImagePair::new(i, j, std::array::from_fn(|v| image[v] + a[v] - b[v]))
+        };
+        one(Bag { centres, ..bag.clone() }, renamed)
+    }
+    hold(relation::<2>, relation::<3>);
+}
+
+/// Adding a multiple of one vector to another, or turning one around, leaves the lattice as it is.
+#[test]
+fn other_vectors_of_the_same_lattice_change_the_images_alone() {
+    fn relation<const D: usize>(bag: &Bag<D>, random: &mut ChaCha8Rng) -> Change<D> {
+        let open: Vec<usize> = (0..3).filter(|&v| bag.periodic[v]).collect();
+        let mut after = bag.clone();
+        let mut steps = Vec::new();
+        for _ in 0..random.random_range(1..3) {
+            let (a, b) =
+                (open.get(random.random_range(0..3))?, open[random.random_range(0..open.len())]);
+            let times = if *a == b { -2 } else { random.random_range(-1..=1) };
+            let add = after.vectors[b].map(|x| f64::from(times) * x);
+            after.vectors[*a] = moved(&after.vectors[*a], add);
+            steps.push((*a, b, times));
+        }
+        Lattice::new(after.vectors, after.periodic, after.origin).ok()?;
+        one(after, move |ImagePair { i, j, mut image }| {
+            for &(a, b, times) in &steps {
+                // Ha = H'a - times Hb; for a = b it is -H'a.
+                if a == b { image[a] = -image[a] } else { image[b] -= times * image[a] }
+            }
+            ImagePair::new(i, j, image)
+        })
+    }
+    hold(relation::<2>, relation::<3>);
+}
+
+/// `times` boxes side by side as one, along periodic vectors.
+pub fn supercell<const D: usize>(bag: &Bag<D>, times: [i32; 3]) -> Bag<D>
+where
+    AnyScene<'static>: From<Scene<'static, f64, D>>,
+{
+    let times: [i32; 3] = std::array::from_fn(|v| if bag.periodic[v] { times[v] } else { 1 });
+    let mut many = Bag { centres: Vec::new(), ..bag.clone() };
+    let (mut copies, mut radii) = (0, Vec::new());
+    for a in 0..times[0] {
+        for b in 0..times[1] {
+            for c in 0..times[2] {
+                let by = bag.shift([a, b, c]);
+                many.centres.extend(bag.centres.iter().map(|x| moved(x, by)));
+                copies += 1;
+            }
+        }
+    }
+    if let Radii::Each(each) = &bag.radii {
+        (0..copies).for_each(|_| radii.extend(each.iter().copied()));
+        many.radii = Radii::Each(radii.into());
+    }
+    many.vectors = std::array::from_fn(|v| bag.vectors[v].map(|x| f64::from(times[v]) * x));
+    many
+}
+
+#[test]
+fn a_box_repeated_has_each_contact_once_in_every_copy() {
+    fn relation<const D: usize>(bag: &Bag<D>, random: &mut ChaCha8Rng) -> Change<D>
+    where
+        AnyScene<'static>: From<Scene<'static, f64, D>>,
+    {
+        let n = bag.centres.len() as u32;
+        let times = bag.periodic.map(|repeats| if repeats { random.random_range(1..4) } else { 1 });
+        let copy = move |k: u32, place: [i32; 3]| {
+            let [a, b, c] = place.map(|x| x as u32);
+            let [_, y, z] = times.map(|x| x as u32);
+            ((a * y + b) * z + c) * n + k
+        };
+        let becomes = move |ImagePair { i, j, image }| {
+            let mut pairs = Vec::new();
+            for a in 0..times[0] {
+                for b in 0..times[1] {
+                    for c in 0..times[2] {
+                        let from = [a, b, c];
+                        let to: [i32; 3] = std::array::from_fn(|v| from[v] + image[v]);
+                        let place = std::array::from_fn(|v| to[v].rem_euclid(times[v]));
+                        let image = std::array::from_fn(|v| to[v].div_euclid(times[v]));
+                        pairs.push(ImagePair::new(copy(i, from), copy(j, place), image));
+                    }
+                }
+            }
+            pairs
+        };
+        Some((supercell(bag, times), Box::new(becomes)))
+    }
+    hold(relation::<2>, relation::<3>);
+}
+
+#[test]
+fn axes_and_vectors_may_be_exchanged() {
+    fn relation<const D: usize>(bag: &Bag<D>, random: &mut ChaCha8Rng) -> Change<D> {
+        let turn = random.random_range(1..D);
+        let axis = |k: usize| if k < D { (k + turn) % D } else { k };
+        // The vectors in another order than the axes.
+        let vector = |v: usize| if v < D { D - 1 - v } else { v };
+        let mut after = bag.clone();
+        after.centres = bag.centres.iter().map(|x| std::array::from_fn(|k| x[axis(k)])).collect();
+        after.vectors =
+            std::array::from_fn(|v| std::array::from_fn(|k| bag.vectors[vector(v)][axis(k)]));
+        after.periodic = std::array::from_fn(|v| bag.periodic[vector(v)]);
+        after.origin = std::array::from_fn(|k| bag.origin[axis(k)]);
+        one(after, move |ImagePair { i, j, image }| {
+            let vector = |v: usize| if v < D { D - 1 - v } else { v };
+            ImagePair::new(i, j, std::array::from_fn(|v| image[vector(v)]))
+        })
+    }
+    hold(relation::<2>, relation::<3>);
+}
+
+/// The contacts without an image along a vector are those of the box that is open along it; those
+/// without any, those of the open scene.
+#[test]
+fn a_box_has_the_contacts_of_boxes_that_are_more_open() {
+    fn relation<const D: usize>(bag: &Bag<D>, random: &mut ChaCha8Rng) -> Change<D> {
+        let periodic = bag.periodic.map(|flag| flag && random.random_bool(0.5));
+        let kept = move |pair: ImagePair| {
+            let open = (0..3).all(|v| periodic[v] || pair.image[v] == 0);
+            if open { vec![pair] } else { Vec::new() }
+        };
+        Some((Bag { periodic, ..bag.clone() }, Box::new(kept)))
+    }
+    hold(relation::<2>, relation::<3>);
+}
+
+#[test]
+fn a_box_that_repeats_nowhere_is_the_open_scene() {
+    let mut contacts = 0;
+    for seed in 0..200 {
+        let bag = Bag { periodic: [false; 3], ..random::<3>(seed, Numbers::Real) };
+        let periodic = bag.periodic();
+        for arithmetic in Arithmetic::SAFE {
+            let Ok(open) = crate::oracle::truth(periodic.scene(), arithmetic) else { continue };
+            let found = ask(&mut *TABLE[0].make(OPTIONS), &periodic, arithmetic);
+            let found = found.unwrap();
+            assert!(found.iter().all(|pair| pair.image == [0; 3]));
+            assert_eq!(found.iter().map(|p| [p.i, p.j]).collect::<Vec<_>>(), open.pairs);
+            let (digest, tally) =
+                count(&periodic, &mut *TABLE[0].make(OPTIONS), arithmetic, LIMIT).unwrap();
+            assert_eq!(digest, open.digest);
+            assert_eq!(tally.get(crate::probe::Op::GhostMade), 0);
+            contacts += found.len();
+        }
+    }
+    assert!(contacts > 500, "{contacts}");
+}
