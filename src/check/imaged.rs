@@ -1,8 +1,8 @@
 //! A contact list of another code in a box that repeats, compared with the exact truth.
 //!
 //! A list with images names each contact once, as (i, j, S). A list without them names pairs, and
-//! there are two kinds: each pair as often as images of it touch, or once. Both are taken, and it is
-//! said which; where all pairs touch through one image they are the same.
+//! there are two kinds: each pair as often as images of it touch, or once. Both are taken, and it
+//! is said which; where all pairs touch through one image they are the same.
 
 use std::collections::HashMap;
 
@@ -51,8 +51,8 @@ impl Verification {
             let open = |image: &[i32; 3]| (0..3).any(|k| image[k] != 0 && !axes[k]);
             if let Some(k) = images.iter().position(open) {
                 bail!(
-                    "pair {k} of the list (from 0) names the image {}, and the box repeats along {}; \
-                     give --periodic with all axes along which it repeats",
+                    "pair {k} of the list (from 0) names the image {}, and the box repeats along \
+                     {}; give --periodic with all axes along which it repeats",
                     images[k].map(|s| s.to_string()).join(","),
                     io::boxes::along(axes)
                 );
