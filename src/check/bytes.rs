@@ -21,7 +21,7 @@ use crate::check::{Wrong, as_csv};
 use crate::contact::{Arithmetic, exact};
 use crate::detect::table::TABLE;
 use crate::detect::{Options, Refusal};
-use crate::scene::{AnyScene, Radii, Scene, SceneError};
+use crate::scene::{AnyScene, Lattice, Radii, Scene, SceneError};
 use crate::{io, oracle};
 
 /// Particles at most.
@@ -350,7 +350,8 @@ pub fn fuzz_reader_of(reader: u8, data: &[u8]) {
 
 /// Reads the bytes as a particle file: the first says of which format, the second with which
 /// options; every sixteenth format is a contact list. Whatever they are, there is a scene or an
-/// error of one clear line, and a scene reads back from the CSV that is made of it.
+/// error of one clear line, a scene reads back from the CSV that is made of it, and a box encloses
+/// something.
 pub fn fuzz_reader(data: &[u8]) {
     let Some((&[kind, how], data)) = data.split_first_chunk() else { return };
     let frame = [io::Frame::Only, io::Frame::Last, io::Frame::Number(1), io::Frame::Number(0)]
@@ -379,12 +380,17 @@ pub fn fuzz_reader(data: &[u8]) {
         format,
         survey: kind & 16 != 0,
         columns: None,
+        boundaries: io::Boundaries { open: kind & 32 != 0, ..io::Boundaries::AS_DECLARED },
     };
     let ending = ["", "csv", "xyz", "txt"][usize::from(kind >> 6)];
-    let scene = match io::from(data, "bytes", ending, options) {
-        Ok(scene) => scene,
+    let read = io::load_from(data, "bytes", ending, options)
+        .and_then(|(particles, _)| particles.within("bytes", options.radius));
+    let (scene, lattice) = match read {
+        Ok(read) => read,
         Err(error) => return clear(error),
     };
+    let whole = |lattice: &Lattice| lattice.repeats() && (0..3).all(|k| lattice.height(k) > 0.0);
+    assert!(lattice.as_ref().is_none_or(whole), "{lattice:?} is no box");
     // An empty file has no place for the radius of all.
     if !scene.is_empty() {
         let again = io::from(as_csv(&scene).as_bytes(), "again", "csv", io::Options::default());

@@ -10,6 +10,7 @@ use crate::contact::Arithmetic;
 use crate::contact::depth::depth;
 use crate::io;
 use crate::oracle::{self, Errors};
+use crate::periodic::ImagePair;
 use crate::scene::{AnyScene, Real, array};
 use crate::sink::normalise;
 use crate::with_scene;
@@ -17,7 +18,7 @@ use crate::with_scene;
 /// So many pairs of a kind are kept.
 pub const WORST: usize = 100;
 /// Bytes for each pair of list and truth that other readings of a list take at most.
-const READING_BYTES: u64 = 128;
+pub(super) const READING_BYTES: u64 = 128;
 
 /// What the numbers of a list mean.
 #[derive(Clone, Debug)]
@@ -58,7 +59,21 @@ pub struct Terms {
 }
 
 /// A pair of the list, by the numbers that stand there.
-type Couple = [i64; 2];
+pub(super) type Couple = [i64; 2];
+
+/// What of a list is compared with what touches.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Taken {
+    /// Pairs: none touches through several images, or boundaries are open.
+    #[default]
+    Pairs,
+    /// Pairs with the images that are named.
+    Images,
+    /// Pairs, each as often as images of it touch.
+    Each,
+    /// Pairs, each once, through how many images it touches.
+    Once,
+}
 
 /// A list against the truth.
 #[derive(Clone, Debug)]
@@ -71,16 +86,18 @@ pub struct Verification {
     pub unknown: Vec<[i64; 2]>,
     /// Pairs that are not listed and their overlap in mean radii, the deepest first, at most
     /// [`WORST`].
-    pub missed: Vec<([u32; 2], f64)>,
+    pub missed: Vec<(ImagePair, f64)>,
     /// Pairs that are listed and do not touch, with their depth in mean radii, which is negative:
     /// the widest gap first, at most [`WORST`].
-    pub spurious: Vec<([u32; 2], f64)>,
+    pub spurious: Vec<(ImagePair, f64)>,
     /// Pairs of the list that are there from one side only, where both are expected.
     pub one_sided: Vec<[i64; 2]>,
     /// Pairs that do not touch and are within the skin.
     pub within_skin: u64,
     /// A better way to read the list, if there is one.
     pub reading: Option<Reading>,
+    /// What was compared.
+    pub taken: Taken,
 }
 
 impl Naming {
@@ -106,6 +123,17 @@ impl Naming {
         }
     }
 
+    /// The place of a particle in a file of so many, by its name.
+    pub(super) fn place(&self, name: i64, n: usize) -> Option<u32> {
+        match self {
+            Naming::Base(base) => name
+                .checked_sub(*base)
+                .and_then(|k| u32::try_from(k).ok())
+                .filter(|&k| (k as usize) < n),
+            Naming::Ids(ids) => ids.get(&name).copied(),
+        }
+    }
+
     /// Pairs of places in the file, and the pairs that name no particle. An error where there is
     /// no memory for them.
     pub(super) fn apply(
@@ -113,16 +141,9 @@ impl Naming {
         list: &[[i64; 2]],
         n: usize,
     ) -> anyhow::Result<(Vec<[u32; 2]>, Vec<Couple>)> {
-        let place = |name: i64| match self {
-            Naming::Base(base) => name
-                .checked_sub(*base)
-                .and_then(|k| u32::try_from(k).ok())
-                .filter(|&k| (k as usize) < n),
-            Naming::Ids(ids) => ids.get(&name).copied(),
-        };
         let (mut known, mut unknown) = (room_for(list.len())?, Vec::new());
         for &[i, j] in list {
-            match (place(i), place(j)) {
+            match (self.place(i, n), self.place(j, n)) {
                 (Some(i), Some(j)) => known.push([i, j]),
                 _ => {
                     io::room(&mut unknown)?;
@@ -172,6 +193,7 @@ impl Verification {
             one_sided,
             within_skin: (named - reported.len()) as u64,
             reading: None,
+            taken: Taken::Pairs,
         };
         drop(reported);
         // A hint is not worth all the memory there is.
@@ -190,7 +212,7 @@ impl Verification {
 }
 
 /// An empty list with room for so many.
-fn room_for<T>(count: usize) -> anyhow::Result<Vec<T>> {
+pub(super) fn room_for<T>(count: usize) -> anyhow::Result<Vec<T>> {
     let mut list = Vec::new();
     let room = list.try_reserve_exact(count);
     room.with_context(|| format!("no memory for {count} pairs; compare a part of the scene"))?;
@@ -199,7 +221,7 @@ fn room_for<T>(count: usize) -> anyhow::Result<Vec<T>> {
 
 /// The worst pairs of `these` that are not among `those`, both in order: the deepest overlap first,
 /// or the widest gap.
-fn only(scene: &AnyScene<'_>, these: &[[u32; 2]], those: &[[u32; 2]]) -> Vec<([u32; 2], f64)> {
+fn only(scene: &AnyScene<'_>, these: &[[u32; 2]], those: &[[u32; 2]]) -> Vec<(ImagePair, f64)> {
     let mut worst: Vec<([u32; 2], f64)> = Vec::new();
     let keep = |worst: &mut Vec<([u32; 2], f64)>| {
         worst.sort_by(|(_, a), (_, b)| b.abs().total_cmp(&a.abs()));
@@ -219,7 +241,8 @@ fn only(scene: &AnyScene<'_>, these: &[[u32; 2]], those: &[[u32; 2]]) -> Vec<([u
         }
     }
     keep(&mut worst);
-    worst
+    let unshifted = |([i, j], depth): ([u32; 2], f64)| (ImagePair::new(i, j, [0; 3]), depth);
+    worst.into_iter().map(unshifted).collect()
 }
 
 /// Of pairs from both sides, one each; and those that are there from one side only.

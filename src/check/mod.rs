@@ -15,6 +15,7 @@ mod cases;
 mod checker;
 pub mod contender;
 pub mod conversation;
+pub mod imaged;
 pub mod listed;
 pub mod numbers;
 pub mod process;

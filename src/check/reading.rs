@@ -31,6 +31,14 @@ pub struct Reading {
     pub deviation: Option<Deviation>,
     /// Lengths of a periodic box along the axes that pairs reach across; none along the others.
     pub periodic: Option<Vec<Option<f64>>>,
+    /// The box that the file declares repeats along these axes.
+    pub declared: Option<[bool; 3]>,
+    /// The images are those of the first particle, not of the second.
+    pub turned: bool,
+    /// The list knows no images: boundaries are open.
+    pub open: bool,
+    /// Pairs of the list, each once.
+    pub listed: u64,
     /// Pairs that differ all the same.
     pub wrong: u64,
 }
@@ -83,6 +91,10 @@ pub(super) fn explain(
         both_sides,
         deviation: None,
         periodic: None,
+        declared: None,
+        turned: false,
+        open: false,
+        listed: if both_sides { list.len() as u64 / 2 } else { list.len() as u64 },
         wrong,
     };
     if errors.missed + errors.spurious > 0 {
@@ -258,9 +270,22 @@ impl<'a> Differences<'a> {
             }
         }
         // In a shorter box more pairs would touch than are listed.
-        let length = |k: usize| across[k].then(|| lengths[k][1]);
+        let length = |k: usize| {
+            let [low, high] = lengths[k];
+            across[k].then(|| if declared(k).is_some() { high } else { short(low, high) })
+        };
         Some((0..dim).map(length).collect())
     }
+}
+
+/// The number in that range with the fewest digits, the largest of them.
+fn short(low: f64, high: f64) -> f64 {
+    let power = high.abs().log10().floor() as i32;
+    let rounded = |digits: i32| {
+        let step = 10f64.powi(power - digits);
+        format!("{:.*e}", digits as usize, (high / step).floor() * step).parse().unwrap_or(high)
+    };
+    (0..16).map(rounded).find(|&x| low <= x && x <= high).unwrap_or(high)
 }
 
 /// How far the centres reach along each axis.

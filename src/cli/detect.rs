@@ -13,9 +13,13 @@ use crate::cli::shared::scene::Source;
 use crate::cli::shared::values;
 use crate::contact::Arithmetic;
 use crate::crowd;
-use crate::detect::Options;
+use crate::detect::spec::DetectorSpec;
+use crate::detect::{Options, Refusal};
 use crate::experiment::detectors;
 use crate::io;
+use crate::io::boxes::along;
+use crate::periodic::{self, IMAGE_PAIR_BYTES, ImagePair, Periodic};
+use crate::probe::{Op, Tally};
 use crate::run::alloc;
 use crate::sink::normalise;
 
@@ -61,9 +65,12 @@ pub fn detect(options: &Detect) -> anyhow::Result<ExitCode> {
         io::write::format(path)?;
     }
     crate::cli::use_threads(threads);
-    let Some((name, given)) = options.source.get()? else {
+    let Some((name, (given, lattice))) = options.source.within()? else {
         bail!("name a particle file, or a scene such as packed:n=1000 (contactbench list scenes)");
     };
+    if let Some(lattice) = lattice {
+        return within(options, &spec, &name, Periodic::new(given, lattice)?);
+    }
     let scene = given
         .stored(options.arithmetic)
         .with_context(|| format!("{name} in {}", options.arithmetic.name()))?;
@@ -99,4 +106,82 @@ pub fn detect(options: &Detect) -> anyhow::Result<ExitCode> {
         options.arithmetic.name()
     );
     Ok(ExitCode::SUCCESS)
+}
+
+/// The same in a box that repeats: contacts with images of particles.
+fn within(
+    options: &Detect,
+    spec: &DetectorSpec,
+    name: &str,
+    periodic: Periodic<'_>,
+) -> anyhow::Result<ExitCode> {
+    let (scene, lattice) = (periodic.scene(), periodic.lattice());
+    let memory_limit = options.limit.bytes(scene.len());
+    let mut detector = spec.make(Options { memory_limit, threads: options.threads });
+    let started = Instant::now();
+    let ((result, tally), usage) = alloc::measure(|| {
+        let mut tally = Tally::default();
+        let found = collected(memory_limit, |contact| {
+            let arithmetic = options.arithmetic;
+            periodic::visit(
+                &periodic,
+                &mut *detector,
+                arithmetic,
+                memory_limit,
+                &mut tally,
+                contact,
+            )
+        });
+        (found, tally)
+    });
+    let seconds = started.elapsed().as_secs_f64();
+    let (mut pairs, found) = result.with_context(|| name.to_string())?;
+    if found > pairs.len() as u64 {
+        let particles = scene.len() as u64;
+        let refusal = Refusal::Pairs { found, particles, room: memory_limit };
+        return Err(refusal).with_context(|| name.to_string());
+    }
+    let bytes = pairs.capacity() as u64 * IMAGE_PAIR_BYTES;
+    let memory = usage.map(|usage| usage.live_bytes.saturating_sub(bytes));
+    pairs.sort_unstable();
+    match &options.output {
+        Some(path) => io::write::images_of(path, &pairs, scene, lattice)?,
+        None => {
+            let mut out = std::io::BufWriter::new(std::io::stdout().lock());
+            io::write::images_csv(&mut out, &pairs, scene.dim())
+                .and_then(|()| out.flush())
+                .context("cannot write the pairs to standard output")?;
+        }
+    }
+    let across = pairs.iter().filter(|pair| pair.image != [0; 3]).count();
+    eprintln!(
+        "{name}: N = {}, {}D, {} pairs, {across} of them across the box, which repeats along {} \
+         ({} images made), {:.3} ms, {} held by the detector, {}, {} arithmetic",
+        scene.len(),
+        scene.dim(),
+        pairs.len(),
+        along(lattice.periodic()),
+        tally.get(Op::GhostMade),
+        seconds * 1e3,
+        memory.map_or("memory not measured".into(), crate::cli::bytes),
+        spec,
+        options.arithmetic.name()
+    );
+    Ok(ExitCode::SUCCESS)
+}
+
+/// All contacts that are visited, as many as fit into so many bytes, and their number.
+fn collected(
+    limit: u64,
+    visit: impl FnOnce(&mut dyn FnMut(ImagePair)) -> Result<(), Refusal>,
+) -> Result<(Vec<ImagePair>, u64), Refusal> {
+    let (mut pairs, mut found) = (Vec::new(), 0u64);
+    let most = limit / IMAGE_PAIR_BYTES;
+    visit(&mut |pair| {
+        if found < most && found == pairs.len() as u64 && io::room(&mut pairs).is_ok() {
+            pairs.push(pair);
+        }
+        found += 1;
+    })?;
+    Ok((pairs, found))
 }

@@ -12,6 +12,7 @@ use crate::io::{self, About, Particles, RadiusSource};
 use crate::number::{number, wrap};
 use crate::scene::stats::stats;
 
+mod boxes;
 mod contacts;
 use contacts::Contacts;
 
@@ -40,12 +41,19 @@ pub fn inspect(options: &Inspect) -> anyhow::Result<ExitCode> {
     )?;
     let (mut lines, mut warnings) = (Vec::new(), Vec::new());
     of_file(options, &particles, &about, &mut lines, &mut warnings);
+    boxes::report(&particles, &about, &options.input, &mut lines);
     of_centres(&particles, &mut lines, &mut warnings);
     if about.radius != RadiusSource::Missing {
         let source = about.radius.clone();
-        let scene = particles.scene(&options.file.display().to_string(), options.input.radius)?;
+        // The box stays out of what follows, and that is said.
+        let (scene, lattice) =
+            particles.within(&options.file.display().to_string(), options.input.radius)?;
         let contacts = Contacts::new(&scene);
-        contacts::report(&scene, &source, &contacts, &mut lines, &mut warnings);
+        let within = lattice.is_some();
+        contacts::report(&scene, &source, within, &contacts, &mut lines, &mut warnings);
+        if let Some(lattice) = lattice {
+            boxes::reach(&scene, lattice, &mut lines, &mut warnings);
+        }
         if let Some(count) = contacts.exact() {
             let stats = stats(&scene, count);
             lines.push(Line(
@@ -147,11 +155,6 @@ fn of_file(
         text,
         vec![("radius_source", json!(kind)), ("radius_column", json!(column))],
     ));
-    if let Some(bounds) = &about.bounds {
-        let text: Vec<String> =
-            bounds.iter().map(|[lo, hi]| format!("{} to {}", number(*lo), number(*hi))).collect();
-        lines.push(Line("box in the file", text.join(", "), vec![("declared_box", json!(bounds))]));
-    }
     for note in &about.notes {
         warnings.push(note.clone());
     }

@@ -7,7 +7,8 @@ use std::process::ExitCode;
 use anyhow::{Context, bail, ensure};
 use serde_json::{Value, json};
 
-use crate::check::listed::{Allowed, Meaning, Naming, Terms, Verification, particle};
+use crate::check::imaged::Listed;
+use crate::check::listed::{Allowed, Meaning, Naming, Taken, Terms, Verification, particle};
 use crate::check::reading::{Deviation, Reading};
 use crate::cli::shared::arithmetic::arithmetic;
 use crate::cli::shared::input::{self, Input};
@@ -15,11 +16,13 @@ use crate::cli::shared::limit::Limit;
 use crate::cli::shared::terminal;
 use crate::contact::Arithmetic;
 use crate::io;
+use crate::io::boxes::along;
 use crate::io::{Frame, pairs};
 use crate::number::{number, plural, wrap};
 use crate::oracle::Errors;
+use crate::periodic::{ImagePair, Periodic};
 use crate::present::table::{Cell, Column, Table};
-use crate::scene::AnyScene;
+use crate::scene::{AnyScene, Lattice};
 
 /// So many pairs are shown of each kind.
 const SHOWN: usize = 5;
@@ -71,6 +74,11 @@ struct Verified<'a> {
     list: &'a pairs::List,
     naming: Meaning,
     scene: &'a AnyScene<'a>,
+    lattice: Option<&'a Lattice>,
+    /// The file declares a box with edges along the axes.
+    boxed: bool,
+    /// The file says that it repeats.
+    repeats: bool,
     found: Verification,
 }
 
@@ -116,17 +124,52 @@ pub fn verify(options: &Verify) -> anyhow::Result<ExitCode> {
             (Naming::Base(base), [Naming::Base(1 - base)].into_iter().chain(ids).collect())
         }
     };
-    let scene = particles.scene(&options.file.display().to_string(), options.input.radius)?;
+    let (scene, lattice) =
+        particles.within(&options.file.display().to_string(), options.input.radius)?;
     let terms = Terms {
         arithmetic: options.arithmetic,
         allowed: Allowed { both_sides: options.both_sides, skin: options.skin },
         memory_limit: options.limit.bytes(scene.len()),
     };
-    let bounds = about.bounds.as_deref();
-    let found = Verification::new(&scene, &list.pairs, &naming, &others, terms, bounds)?;
+    let meaning = naming.meaning();
+    let periodic;
+    let (scene, lattice, found) = match lattice {
+        Some(lattice) => {
+            periodic = Periodic::new(scene, lattice)?;
+            let listed = Listed { pairs: &list.pairs, images: list.images.as_deref() };
+            let found = Verification::within(&periodic, listed, &naming, &others, terms)
+                .with_context(|| options.pairs.display().to_string())?;
+            (periodic.scene(), Some(periodic.lattice()), found)
+        }
+        None => {
+            let images = list.images.as_deref().unwrap_or_default();
+            if let Some(k) = images.iter().position(|image| *image != [0; 3]) {
+                bail!(
+                    "{}: pair {k} (from 0) names an image in a box that repeats, {}, and \
+                     boundaries are open here; give --box LX,LY,LZ and --periodic xyz, or leave \
+                     out --open",
+                    options.pairs.display(),
+                    numbers(&images[k], ",")
+                );
+            }
+            let bounds = about.bounds.as_deref();
+            let mut found =
+                Verification::new(&scene, &list.pairs, &naming, &others, terms, bounds)?;
+            let boundaries = options.input.options().boundaries;
+            let left_out = boundaries.left_out(scene.dim(), about.declared.as_ref());
+            if let (false, Some(lattice)) = (found.is_same(), left_out) {
+                let periodic = Periodic::new(scene.clone(), lattice)?;
+                found.try_declared(&periodic, &list.pairs, &naming, &others, terms);
+            }
+            (&scene, None, found)
+        }
+    };
     let same = found.is_same();
-    let naming = naming.meaning();
-    let verified = Verified { options, list: &list, naming, scene: &scene, found };
+    let boxed = about.bounds.is_some() && options.input.edges.is_none();
+    let flags = about.declared.and_then(|declared| declared.periodic);
+    let repeats = flags.is_some_and(|flags| flags.contains(&true));
+    let verified =
+        Verified { options, list: &list, naming: meaning, scene, lattice, boxed, repeats, found };
     let mut out = std::io::stdout().lock();
     if options.json {
         writeln!(out, "{:#}", verified.json())?
@@ -141,6 +184,10 @@ fn words(meaning: Meaning) -> String {
         Meaning::Base(base) => format!("places in the file, from {base}"),
         Meaning::Ids => "the column 'id' of the particles".into(),
     }
+}
+
+fn numbers(numbers: &[i32], between: &str) -> String {
+    numbers.iter().map(i32::to_string).collect::<Vec<_>>().join(between)
 }
 
 fn flag(meaning: Meaning) -> String {
@@ -166,10 +213,13 @@ impl Verified<'_> {
         let Verified { options, list, found, .. } = self;
         writeln!(
             out,
-            "{}: {} particles, {} touching pairs ({} arithmetic)",
+            "{}: {} particles, {} touching pairs{} ({} arithmetic)",
             options.file.display(),
             self.scene.len(),
             found.contacts,
+            self.lattice.map_or(String::new(), |lattice| {
+                format!(" in a box that repeats along {}", along(lattice.periodic()))
+            }),
             options.arithmetic.name()
         )?;
         let both = if list.both_sides { ", each there from both sides and taken once" } else { "" };
@@ -185,6 +235,9 @@ impl Verified<'_> {
             list.format,
             words(self.naming)
         )?;
+        if let Some(compared) = self.compared() {
+            writeln!(out, "compared: {compared}")?;
+        }
         if found.within_skin > 0 {
             writeln!(out, "{} apart within the skin, allowed", pairs_of(found.within_skin))?;
         }
@@ -206,6 +259,17 @@ impl Verified<'_> {
         Ok(())
     }
 
+    /// What was compared, where it is not pairs as they are.
+    fn compared(&self) -> Option<&'static str> {
+        self.lattice?;
+        Some(match self.found.taken {
+            Taken::Pairs => "pairs; each touches through one image",
+            Taken::Images => "pairs with their images",
+            Taken::Each => "pairs without images, each as often as images of it touch",
+            Taken::Once => "pairs without images, each once, through how many it touches",
+        })
+    }
+
     /// The options with which the list would be read so.
     fn flags(&self, reading: &Reading) -> Vec<String> {
         let mut flags = Vec::new();
@@ -221,6 +285,27 @@ impl Verified<'_> {
             }
             Some(Deviation::Skin(gap)) => flags.push(format!("--skin {}", rounded_up(gap))),
             _ => {}
+        }
+        if reading.open {
+            flags.push("--open".into());
+        }
+        if let Some(axes) = reading.declared.filter(|_| !self.repeats) {
+            let names = ["x", "y", "z"].into_iter().zip(axes).filter(|(_, yes)| *yes);
+            flags.push(format!("--periodic {}", names.map(|(name, _)| name).collect::<String>()));
+        }
+        if let Some(lengths) = &reading.periodic {
+            let axes: String = lengths
+                .iter()
+                .zip(["x", "y", "z"])
+                .filter_map(|(length, axis)| length.map(|_| axis))
+                .collect();
+            if !self.boxed {
+                // The length of an axis that is open is not looked at.
+                let edges: Vec<String> =
+                    lengths.iter().map(|length| format!("{:?}", length.unwrap_or(0.0))).collect();
+                flags.push(format!("--box {}", edges.join(",")));
+            }
+            flags.push(format!("--periodic {axes}"));
         }
         flags
     }
@@ -268,24 +353,30 @@ impl Verified<'_> {
             let lengths: Vec<String> = along.filter_map(box_of).collect();
             with.push(format!("periodic images (a box of {})", lengths.join(", ")));
         }
+        if let Some(axes) = reading.declared {
+            with.push(format!("the file's box, repeating along {}", along(axes)));
+        }
+        if reading.turned {
+            with.push("images of i in the place of those of j (S with the other sign)".into());
+        }
+        if reading.open {
+            with.push("open boundaries (no contact across the box)".into());
+        }
         let result = match reading.wrong {
-            0 => format!("all {} agree", pairs_of(self.listed(reading))),
+            0 => format!("all {} agree", pairs_of(reading.listed)),
             wrong => format!("all but {} agree", pairs_of(wrong)),
         };
         let flags = self.flags(reading);
         let add =
             if flags.is_empty() { String::new() } else { format!(": add {}", flags.join(" ")) };
-        let open = match reading.periodic {
-            Some(_) => "; boundaries are open here: leave out the pairs across them",
-            None => "",
+        // What nobody need say is what the file says.
+        let instead = match reading.periodic.is_some() || reading.declared.is_some() {
+            true if self.options.input.open => ": leave out --open",
+            true if self.options.input.periodic.is_some() => ": leave out --periodic none",
+            _ => "",
         };
-        format!("with {}, {result}{add}{open}", with.join(", and "))
-    }
-
-    /// Pairs of the list, each once.
-    fn listed(&self, reading: &Reading) -> u64 {
-        let pairs = self.list.pairs.len() as u64;
-        if reading.both_sides { pairs / 2 } else { pairs }
+        let add = if instead.is_empty() { add } else { add.replacen(": add", ", and add", 1) };
+        format!("with {}, {result}{instead}{add}", with.join(", and "))
     }
 
     /// The worst of `count` pairs of a kind, with their particles.
@@ -294,7 +385,7 @@ impl Verified<'_> {
         out: &mut impl Write,
         kind: &str,
         measure: &str,
-        list: &[([u32; 2], f64)],
+        list: &[(ImagePair, f64)],
         count: u64,
     ) -> anyhow::Result<()> {
         if list.is_empty() {
@@ -304,8 +395,13 @@ impl Verified<'_> {
             format!("{kind}, the worst first (places in the file from 0; {measure} in mean radii)");
         writeln!(out, "\n{}", wrap(&head, terminal::width()).join("\n"))?;
         for (pair, depth) in list.iter().take(SHOWN) {
-            writeln!(out, "  {},{}  {measure} {}", pair[0], pair[1], number(depth.abs()))?;
-            for &k in pair {
+            let ImagePair { i, j, image } = pair;
+            let across = match image {
+                [0, 0, 0] => String::new(),
+                _ => format!("  image {}", numbers(&image[..self.scene.dim()], ",")),
+            };
+            writeln!(out, "  {i},{j}{across}  {measure} {}", number(depth.abs()))?;
+            for k in [*i, *j] {
                 let (centre, radius) = particle(self.scene, k);
                 let centre: Vec<String> = centre.iter().map(|x| format!("{x:?}")).collect();
                 let line = format!("{k}: {} r {radius:?}", centre.join(" "));
@@ -326,12 +422,14 @@ impl Verified<'_> {
             let (centre, radius) = particle(self.scene, k);
             json!({ "index": k, "centre": centre, "radius": radius })
         };
-        let couples = |list: &[([u32; 2], f64)]| -> Vec<Value> {
+        let couples = |list: &[(ImagePair, f64)]| -> Vec<Value> {
             let finite = |depth: f64| depth.clamp(-f64::MAX, f64::MAX);
-            list.iter()
-                .take(SHOWN)
-                .map(|(pair, depth)| json!({ "bodies": pair.map(body), "depth": finite(*depth) }))
-                .collect()
+            let couple = |(pair, depth): &(ImagePair, f64)| {
+                let bodies = [pair.i, pair.j].map(body);
+                let image = &pair.image[..self.scene.dim()];
+                json!({ "bodies": bodies, "image": image, "depth": finite(*depth) })
+            };
+            list.iter().take(SHOWN).map(couple).collect()
         };
         let hint = found.reading.as_ref().map(|it| self.flags(it).join(" "));
         json!({
@@ -342,6 +440,8 @@ impl Verified<'_> {
             "arithmetic": options.arithmetic.name(),
             "n": self.scene.len(),
             "contacts": found.contacts,
+            "periodic": self.lattice.map(|lattice| lattice.periodic()[..self.scene.dim()].to_vec()),
+            "compared": self.compared(),
             "reported": list.pairs.len(),
             "walls": list.walls,
             "both_sides": list.both_sides,

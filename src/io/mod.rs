@@ -15,9 +15,13 @@
 //!
 //! **Frames.** A file of several frames is refused unless the options say which one.
 //!
+//! **Boxes.** A box that repeats stays with the particles, and no open scene is made of them unless
+//! the options say so: see [`boxes`].
+//!
 //! **Memory.** Particles grow by a quarter, with the bytes that are there, whatever the file
 //! promises; nothing else is kept.
 
+pub mod boxes;
 mod chosen;
 mod counted;
 pub mod exchange;
@@ -34,6 +38,7 @@ use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 
 use anyhow::{Context, ensure};
+pub use boxes::{Boundaries, Declared};
 pub use chosen::Chosen;
 use formats::gzip::{self, Unpacking};
 pub use formats::{FORMATS, Format};
@@ -62,6 +67,8 @@ pub struct Options {
     pub survey: bool,
     /// Which columns of a text hold what; none lets their names decide.
     pub columns: Option<Chosen>,
+    /// The box, where it is not the file's.
+    pub boundaries: Boundaries,
 }
 
 impl Options {
@@ -74,6 +81,7 @@ impl Options {
         ids: false,
         survey: false,
         columns: None,
+        boundaries: Boundaries::AS_DECLARED,
     };
 }
 
@@ -104,13 +112,16 @@ pub struct About {
     pub frames: u64,
     /// The frame that was read.
     pub frame: u64,
-    /// The box that the file declares: least and largest coordinate along each axis.
+    /// The box that the file declares, where it has edges along the axes: least and largest
+    /// coordinate along each.
     pub bounds: Option<Vec<[f64; 2]>>,
+    /// The same as vectors, and whether it repeats.
+    pub declared: Option<Declared>,
     /// What else is worth saying.
     pub notes: Vec<String>,
 }
 
-/// Reads the particles of a file, in file order.
+/// Reads the particles of a file, in file order, as a scene with open boundaries.
 pub fn scene(path: &Path, options: Options) -> anyhow::Result<AnyScene<'static>> {
     let (particles, _) = load(path, options)?;
     particles.scene(&path.display().to_string(), options.radius)
@@ -164,6 +175,7 @@ pub fn load_from(
     if let Some(dim) = options.dim {
         ensure!(dim == 2 || dim == 3, "the dimension given is {dim}; it must be 2 or 3");
     }
+    options.boundaries.check()?;
     let unpacking = Unpacking::default();
     let mut reader = unpacking.file(reader);
     let head = head(&mut reader, name)?;
@@ -185,6 +197,8 @@ pub fn load_from(
         )?
     };
     particles.as_asked(name, options)?;
+    let (dim, declared) = (particles.dim(), about.declared.as_ref());
+    particles.lattice = options.boundaries.lattice(name, dim, declared, &mut about.notes)?;
     if let (RadiusSource::Missing, Some(_)) = (&about.radius, options.radius) {
         about.radius = RadiusSource::Given;
     }

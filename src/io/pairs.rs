@@ -24,6 +24,9 @@ pub struct List {
     pub format: &'static str,
     /// Couples of numbers, in file order.
     pub pairs: Vec<[i64; 2]>,
+    /// Which image of the second particle it is, for each, where the list says so: so many vectors
+    /// of the box are added to its place.
+    pub images: Option<Vec<[i32; 3]>>,
     /// Contacts with walls, which were left out.
     pub walls: u64,
     /// The numbers are those that the program gave its particles (LAMMPS), not places in a file.
@@ -130,33 +133,55 @@ fn cell(lines: &Lines<'_>, cells: &[&[u8]], k: usize) -> anyhow::Result<i64> {
 fn array(mut source: Source<'_>) -> anyhow::Result<List> {
     let header = npy::header(&mut source)?;
     let name = source.name;
-    ensure!(
-        header.columns == Some(2) && !header.fortran,
-        "{name}: the shape is ({}); pairs have the shape (pairs, 2), in C order",
-        header.shape
-    );
+    let columns = header.columns.filter(|columns| [2, 4, 5].contains(columns));
+    let Some(columns) = columns.filter(|_| !header.fortran) else {
+        bail!(
+            "{name}: the shape is ({}); pairs have the shape (pairs, 2), with images in a box \
+             (pairs, 4) for discs and (pairs, 5) for spheres, in C order",
+            header.shape
+        );
+    };
     let mut list = List { format: "npy", ..List::default() };
-    let mut first = 0;
-    header.values(&mut source, header.rows.saturating_mul(2), |k, value| {
+    list.images = (columns > 2).then(Vec::new);
+    let mut row = [0; 5];
+    header.values(&mut source, header.rows.saturating_mul(columns as u64), |k, value| {
+        let (pair, column) = (k / columns as u64, (k % columns as u64) as usize);
         ensure!(
             value.fract() == 0.0 && value.abs() < 9e15,
-            "{name}: pair {}: {value} is not the number of a particle",
-            k / 2
+            "{name}: pair {pair}: {value} is not the number of {}",
+            if column < 2 { "a particle" } else { "an image" }
         );
-        if k % 2 == 0 {
-            first = value as i64;
+        row[column] = value as i64;
+        if column + 1 < columns {
             return Ok(());
         }
-        push(&mut list, [first, value as i64])
+        if let Some(images) = &mut list.images {
+            room(images)?;
+            images.push(image([row[2], row[3], row[4]], || format!("{name}: pair {pair}"))?);
+        }
+        push(&mut list, [row[0], row[1]])
     })?;
     source.end(&header)?;
     Ok(list)
 }
 
-/// Two columns of whole numbers: the first two, or those that a header names `i,j`, or `columns`.
+/// Images are numbered in 32 bits.
+fn image(numbers: [i64; 3], place: impl Fn() -> String) -> anyhow::Result<[i32; 3]> {
+    let mut image = [0; 3];
+    for (image, number) in image.iter_mut().zip(numbers) {
+        *image = i32::try_from(number).ok().with_context(|| {
+            format!("{}: {number} is not the number of an image: below 2^31", place())
+        })?;
+    }
+    Ok(image)
+}
+
+/// Two columns of whole numbers: the first two, or those that a header names `i,j`, or `columns`;
+/// and those that it names `sx,sy[,sz]`, which are images.
 fn csv(mut lines: Lines<'_>, columns: Option<[&str; 2]>) -> anyhow::Result<List> {
     let mut list = List { format: "CSV", ..List::default() };
     let mut layout: Option<(Separator, [usize; 2])> = None;
+    let mut shifts: [Option<usize>; 3] = [None; 3];
     while lines.advance()? {
         let line = lines.line();
         if line.is_empty() || line.starts_with(b"#") {
@@ -186,7 +211,15 @@ fn csv(mut lines: Lines<'_>, columns: Option<[&str; 2]>) -> anyhow::Result<List>
                 "{}: which columns hold the numbers of a pair? Name them with --pairs-columns I,J",
                 lines.place()
             );
-            if !header {
+            if header {
+                shifts = ["sx", "sy", "sz"].map(named);
+                ensure!(
+                    shifts == [None; 3] || shifts[0].is_some() && shifts[1].is_some(),
+                    "{}: images need the columns sx and sy, and sz for spheres; name them",
+                    lines.place()
+                );
+                list.images = shifts[0].map(|_| Vec::new());
+            } else {
                 push(&mut list, [cell(&lines, &cells, 0)?, cell(&lines, &cells, 1)?])?;
             }
             layout = Some((separator, found));
@@ -194,6 +227,23 @@ fn csv(mut lines: Lines<'_>, columns: Option<[&str; 2]>) -> anyhow::Result<List>
         };
         let pair = [cell(&lines, &cells, i)?, cell(&lines, &cells, j)?];
         push(&mut list, pair)?;
+        if let Some(images) = &mut list.images {
+            let mut numbers = [0; 3];
+            for (number, k) in numbers.iter_mut().zip(shifts) {
+                let Some(k) = k else { continue };
+                let found = cells.get(k).copied().unwrap_or_default();
+                *number = whole(found).with_context(|| {
+                    format!(
+                        "{}: column {}: '{}' is not the number of an image",
+                        lines.place(),
+                        k + 1,
+                        shown(found)
+                    )
+                })?;
+            }
+            room(images)?;
+            images.push(image(numbers, || lines.place())?);
+        }
     }
     Ok(list)
 }

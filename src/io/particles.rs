@@ -4,10 +4,11 @@
 use anyhow::{Context, bail, ensure};
 use nalgebra::Point;
 
+use crate::io::boxes::along;
 use crate::io::lines::{number, short, shown};
 use crate::io::{About, Options, RadiusSource};
 use crate::memory;
-use crate::scene::{AnyScene, Radii, Scene};
+use crate::scene::{AnyScene, Lattice, Radii, Scene};
 
 /// Room for one more, a quarter at a time: a list doubled may be twice as large as needed, and this
 /// is where the memory goes.
@@ -35,13 +36,15 @@ pub struct Particles {
     pub(crate) radii: Option<Vec<f64>>,
     /// The file's own numbers of the particles, where they were asked for and are there.
     pub(crate) ids: Option<Vec<i64>>,
+    /// The box, where it repeats.
+    pub(crate) lattice: Option<Lattice>,
 }
 
 impl Particles {
     pub(crate) fn new(dim: usize, has_radii: bool) -> Particles {
         let centres =
             if dim == 2 { Centres::Plane(Vec::new()) } else { Centres::Space(Vec::new()) };
-        Particles { centres, radii: has_radii.then(Vec::new), ids: None }
+        Particles { centres, radii: has_radii.then(Vec::new), ids: None, lattice: None }
     }
 
     /// The number of particles.
@@ -70,6 +73,17 @@ impl Particles {
     /// The file's own numbers of the particles, if they were asked for and are there.
     pub fn ids(&self) -> Option<&[i64]> {
         self.ids.as_deref()
+    }
+
+    /// The box that repeats; none where boundaries are open, or taken as open.
+    pub fn lattice(&self) -> Option<&Lattice> {
+        self.lattice.as_ref()
+    }
+
+    /// Spheres of which all have the same z, 0?
+    pub fn is_flat(&self) -> bool {
+        matches!(&self.centres, Centres::Space(points)
+            if points.len() > 1 && points.iter().all(|point| point[2] == 0.0))
     }
 
     /// Coordinates of particle `k`; z is 0 in the plane.
@@ -122,7 +136,7 @@ impl Particles {
                 radii.len()
             );
         }
-        Ok(Particles { centres: Centres::Space(points), radii, ids: None })
+        Ok(Particles { centres: Centres::Space(points), radii, ids: None, lattice: None })
     }
 
     /// Turns spheres with z = 0 into discs, if that is asked for; refuses what cannot be had.
@@ -150,8 +164,30 @@ impl Particles {
         Ok(())
     }
 
-    /// The scene. Radii must be in the file or given.
+    /// The scene with open boundaries. Radii must be in the file or given.
+    ///
+    /// # Errors
+    /// A box that repeats, among others: whoever wants the particles without it says so in the
+    /// options ([`crate::io::Boundaries::open`]).
     pub fn scene(self, name: &str, radius: Option<f64>) -> anyhow::Result<AnyScene<'static>> {
+        if let Some(lattice) = &self.lattice {
+            bail!(
+                "{name}: the box repeats along {}, and here boundaries are open; give --open (in \
+                 an experiment open = true) to leave out contacts across it, or take detect, \
+                 verify or inspect, which know boxes",
+                along(lattice.periodic())
+            );
+        }
+        self.within(name, radius).map(|(scene, _)| scene)
+    }
+
+    /// The particles, and the box in which they repeat: none where boundaries are open. Radii must
+    /// be in the file or given.
+    pub fn within(
+        self,
+        name: &str,
+        radius: Option<f64>,
+    ) -> anyhow::Result<(AnyScene<'static>, Option<Lattice>)> {
         let radii = match (self.radii, radius) {
             (None, None) => bail!(
                 "{name} holds no radii; give --radius R (half the diameter; in an experiment \
@@ -163,14 +199,15 @@ impl Particles {
                 _ => Radii::Each(radii.into()),
             },
         };
-        Ok(match self.centres {
+        let scene = match self.centres {
             Centres::Plane(points) => AnyScene::from(
                 Scene::<f64, 2>::new(points, radii).with_context(|| name.to_string())?,
             ),
             Centres::Space(points) => AnyScene::from(
                 Scene::<f64, 3>::new(points, radii).with_context(|| name.to_string())?,
             ),
-        })
+        };
+        Ok((scene, self.lattice))
     }
 }
 

@@ -1,5 +1,6 @@
 //! Files out: pairs of touching particles as CSV with the header `i,j`, npy of shape (pairs, 2) in
-//! u32, or lines in VTK legacy; scenes as CSV, extended XYZ or npy.
+//! u32, or lines in VTK legacy; in a box that repeats with the image of j, as `i,j,sx,sy[,sz]`, npy
+//! of shape (pairs, 2 + dim) in i32, or lines to the image; scenes as CSV, extended XYZ or npy.
 //!
 //! Pairs are written as given: see [`crate::sink::normalise`] for the order in which lists are
 //! published. Numbers are the shortest that read back to the same bits.
@@ -8,10 +9,11 @@ use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
-use anyhow::{Context, bail};
+use anyhow::{Context, bail, ensure};
 
 use crate::io::formats::npy;
-use crate::scene::{AnyScene, Real, Scene, array};
+use crate::periodic::ImagePair;
+use crate::scene::{AnyScene, Lattice, Real, Scene, array};
 use crate::with_scene;
 
 /// What a file of pairs can be.
@@ -120,6 +122,55 @@ pub fn pairs_of(path: &Path, pairs: &[[u32; 2]], scene: &AnyScene<'_>) -> anyhow
     }
 }
 
+/// Writes contacts in a box to a file whose ending, `.csv`, `.npy` or `.vtk`, gives the format.
+pub fn images_of(
+    path: &Path,
+    pairs: &[ImagePair],
+    scene: &AnyScene<'_>,
+    lattice: &Lattice,
+) -> anyhow::Result<()> {
+    let dim = scene.dim();
+    match format(path)? {
+        PairFormat::Csv => create(path, |out| images_csv(out, pairs, dim)),
+        PairFormat::Npy => {
+            ensure!(
+                scene.len() <= i32::MAX as usize,
+                "{}: npy files of images are in i32, and there are {} particles; write .csv",
+                path.display(),
+                scene.len()
+            );
+            create(path, |out| images_npy(out, pairs, dim))
+        }
+        PairFormat::Vtk => {
+            create(path, |out| with_scene!(scene, scene => images_vtk(out, pairs, scene, lattice)))
+        }
+    }
+}
+
+/// The header `i,j,sx,sy` and `,sz` for spheres, then one contact per line: i touches the image
+/// of j that is shifted by sx, sy and sz vectors of the box.
+pub fn images_csv(out: &mut dyn Write, pairs: &[ImagePair], dim: usize) -> io::Result<()> {
+    out.write_all(if dim == 2 { b"i,j,sx,sy\n" } else { b"i,j,sx,sy,sz\n" })?;
+    for ImagePair { i, j, image: [x, y, z] } in pairs {
+        match dim {
+            2 => writeln!(out, "{i},{j},{x},{y}")?,
+            _ => writeln!(out, "{i},{j},{x},{y},{z}")?,
+        }
+    }
+    Ok(())
+}
+
+/// NumPy version 1.0, '<i4', C order.
+fn images_npy(out: &mut dyn Write, pairs: &[ImagePair], dim: usize) -> io::Result<()> {
+    npy::write_header(out, "<i4", pairs.len(), 2 + dim)?;
+    for ImagePair { i, j, image } in pairs {
+        out.write_all(&i.to_le_bytes())?;
+        out.write_all(&j.to_le_bytes())?;
+        image[..dim].iter().try_for_each(|s| out.write_all(&s.to_le_bytes()))?;
+    }
+    Ok(())
+}
+
 /// Writes a scene to a file whose ending, `.csv`, `.xyz` or `.npy`, gives the format.
 pub fn scene(path: &Path, scene: &AnyScene<'_>) -> anyhow::Result<()> {
     let format = scene_format(path)?;
@@ -219,4 +270,49 @@ fn vtk<T: Real, const D: usize>(
     }
     writeln!(out, "POINT_DATA {}\nSCALARS radius double 1\nLOOKUP_TABLE default", scene.len())?;
     (0..scene.len()).try_for_each(|k| writeln!(out, "{:?}", scene.radius(k).wide()))
+}
+
+/// Points with radii, and a line for each contact: to the image of j where it is one, which is a
+/// point of its own behind the particles, of radius 0, and with 1 for `image`.
+fn images_vtk<T: Real, const D: usize>(
+    out: &mut dyn Write,
+    pairs: &[ImagePair],
+    scene: &Scene<'_, T, D>,
+    lattice: &Lattice,
+) -> io::Result<()> {
+    let n = scene.len();
+    let across = || pairs.iter().filter(|pair| pair.image != [0; 3]);
+    let ghosts = across().count();
+    writeln!(
+        out,
+        "# vtk DataFile Version 3.0\ncontacts\nASCII\nDATASET POLYDATA\nPOINTS {} double",
+        n + ghosts
+    )?;
+    let centre = |k: usize| array(&scene.centres()[k]).map(|x| x.wide());
+    let flat = || (D == 2).then_some(0.0);
+    for k in 0..n {
+        line(out, centre(k).into_iter().chain(flat()), " ")?;
+    }
+    for pair in across() {
+        let mut place = centre(pair.j as usize);
+        for (vector, &times) in lattice.vectors().iter().zip(&pair.image) {
+            (0..D).for_each(|k| place[k] += f64::from(times) * vector[k]);
+        }
+        line(out, place.into_iter().chain(flat()), " ")?;
+    }
+    writeln!(out, "LINES {} {}", pairs.len(), 3 * pairs.len())?;
+    let mut ghost = n;
+    for ImagePair { i, j, image } in pairs {
+        if *image == [0; 3] {
+            writeln!(out, "2 {i} {j}")?;
+        } else {
+            writeln!(out, "2 {i} {ghost}")?;
+            ghost += 1;
+        }
+    }
+    writeln!(out, "POINT_DATA {}\nSCALARS radius double 1\nLOOKUP_TABLE default", n + ghosts)?;
+    (0..n).try_for_each(|k| writeln!(out, "{:?}", scene.radius(k).wide()))?;
+    (0..ghosts).try_for_each(|_| writeln!(out, "0.0"))?;
+    writeln!(out, "SCALARS image int 1\nLOOKUP_TABLE default")?;
+    (0..n + ghosts).try_for_each(|k| writeln!(out, "{}", u8::from(k >= n)))
 }

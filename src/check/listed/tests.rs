@@ -43,8 +43,9 @@ fn every_kind_of_difference_is_found() {
     let Errors { missed, spurious, duplicate, self_pairs, .. } = found.errors;
     assert_eq!((missed, spurious, duplicate, self_pairs, found.contacts), (1, 2, 1, 1, 2));
     assert_eq!((found.unknown.as_slice(), found.is_same()), (&[[1, 9]][..], false));
-    assert_eq!(found.missed, [([0, 1], 1.0)]);
-    assert_eq!(found.spurious, [([0, 4], -18.0), ([2, 3], -5.0)]);
+    let pair = |i, j| ImagePair::new(i, j, [0; 3]);
+    assert_eq!(found.missed, [(pair(0, 1), 1.0)]);
+    assert_eq!(found.spurious, [(pair(0, 4), -18.0), (pair(2, 3), -5.0)]);
     assert!(verified(&[[0, 1], [2, 1]], Naming::Base(0), &[]).is_same());
 }
 

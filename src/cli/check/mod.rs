@@ -42,6 +42,9 @@ pub struct Check {
     /// several times) instead of the scenes of the check
     #[arg(long, value_parser = values::SCENE, hide_possible_values = true)]
     scene: Vec<String>,
+    /// With --scene: boundaries are open, whatever the file says of its box
+    #[arg(long, requires = "scene")]
+    open: bool,
     /// Seeds to try at most
     #[arg(long, default_value_t = Limits::default().seeds, value_parser = values::whole::<u64>)]
     seeds: u64,
@@ -115,7 +118,7 @@ pub fn check(options: &Check) -> anyhow::Result<ExitCode> {
     for group in &groups {
         let Group { contenders, arithmetics } = group;
         for path in &options.scene {
-            let scene = Input::default().scene(path)?;
+            let scene = Input { open: options.open, ..Input::default() }.scene(path)?;
             let report = check::one_scene(&scene, path, contenders, arithmetics, &limits)?;
             reports.push(Checked { group, report, path: Some(path) });
         }

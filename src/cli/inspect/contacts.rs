@@ -106,10 +106,12 @@ where
     Contacts::Found { pairs, near, overlap: sum }
 }
 
-/// Prints radii, contacts, and what rounding would do.
+/// Prints radii, contacts, and what rounding would do. `within`: the box repeats, and contacts
+/// across it are not among them.
 pub(super) fn report(
     scene: &AnyScene<'static>,
     source: &RadiusSource,
+    within: bool,
     contacts: &Contacts,
     lines: &mut Vec<Line>,
     warnings: &mut Vec<String>,
@@ -153,9 +155,10 @@ pub(super) fn report(
         Contacts::Found { pairs, near, overlap } => {
             let (count, each) = (pairs.len(), 2.0 * pairs.len() as f64 / n as f64);
             let mean = if count == 0 { 0.0 } else { overlap / count as f64 };
+            let open = if within { "; open boundaries: none across the box" } else { "" };
             let text = format!(
-                "{count} (exact; bodies that just touch are in contact), {} per particle, mean \
-                 overlap {} radii",
+                "{count} (exact; bodies that just touch are in contact{open}), {} per particle, \
+                 mean overlap {} radii",
                 number(each),
                 number(mean)
             );
@@ -166,6 +169,7 @@ pub(super) fn report(
                     ("contacts", json!(count)),
                     ("coordination", json!(each)),
                     ("mean_overlap", json!(mean)),
+                    ("boundaries", json!("open")),
                 ],
             ));
             lines.push(Line(
@@ -175,7 +179,7 @@ pub(super) fn report(
                 ),
                 vec![("near_tangent", json!(near))],
             ));
-            if count == 0 && n > 1 {
+            if count == 0 && n > 1 && !within {
                 warnings.push(
                     "nothing touches: are the radii in the units of the coordinates, and not too \
                      small by a half?"

@@ -6,10 +6,11 @@ use anyhow::{bail, ensure};
 
 use crate::cli::shared::values;
 use crate::io;
-use crate::io::{Chosen, Format, Frame};
+use crate::io::boxes::{Axes, Edges, UNKNOWN};
+use crate::io::{Boundaries, Chosen, Format, Frame};
 use crate::nearest::{hint, nearest};
-use crate::scene::AnyScene;
 use crate::scene::spec::{GENERATORS, Spec};
+use crate::scene::{AnyScene, Lattice};
 
 /// What a file does not say.
 #[derive(clap::Args, Clone, Copy, Debug, Default, PartialEq)]
@@ -30,7 +31,24 @@ pub struct Input {
     /// The file's format (default: told by its content, then by its ending)
     #[arg(long, value_enum, hide_possible_values = true)]
     pub format: Option<Format>,
+    /// The box, in the place of the file's: LX,LY[,LZ], with the tilt of LAMMPS
+    /// LX,LY,LZ,XY,XZ,YZ, or its vectors one after the other (four numbers, or nine)
+    #[arg(long = "box", value_name = "NUMBERS", allow_hyphen_values = true)]
+    pub edges: Option<Edges>,
+    /// The axes along which the box repeats, whatever the file says: x, xy, xyz and so on, or none
+    #[arg(long, value_name = "AXES")]
+    pub periodic: Option<Axes>,
+    /// Boundaries are open, whatever the file says: contacts across its box are left out
+    #[arg(long)]
+    pub open: bool,
 }
+
+/// The options of [`Input`], for messages.
+pub const OPTIONS: &str =
+    "--radius, --dim, --frame, --columns, --format, --box, --periodic and --open";
+
+/// A scene, and the box in which it repeats.
+pub type Within = (AnyScene<'static>, Option<Lattice>);
 
 impl Input {
     /// The same for the readers.
@@ -42,6 +60,7 @@ impl Input {
             frame,
             format: self.format,
             columns: self.columns,
+            boundaries: Boundaries { edges: self.edges, periodic: self.periodic, open: self.open },
             ..io::Options::NONE
         }
     }
@@ -52,17 +71,30 @@ impl Input {
     }
 
     /// The scene of a file, or of a generator such as `packed:dim=3,n=1000`. What is there as a
-    /// file is a file.
+    /// file is a file. One with a box that repeats is refused.
     pub fn scene(&self, text: &str) -> anyhow::Result<AnyScene<'static>> {
+        self.make(text, |particles| Ok((particles.scene(text, self.radius)?, None)))
+            .map(|(scene, _)| scene)
+    }
+
+    /// The same with the box in which it repeats, for those who know what to do with one.
+    pub fn within(&self, text: &str) -> anyhow::Result<Within> {
+        self.make(text, |particles| particles.within(text, self.radius))
+    }
+
+    fn make(
+        &self,
+        text: &str,
+        of: impl FnOnce(io::Particles) -> anyhow::Result<Within>,
+    ) -> anyhow::Result<Within> {
         let generated =
             text.split_once(':').is_some_and(|(name, _)| is_generator(name)) || is_generator(text);
         if generated && !Path::new(text).exists() {
             ensure!(
                 !self.given(),
-                "--radius, --dim, --frame, --columns and --format belong to files; write dim=3 and \
-                 the like into the scene: {text}"
+                "{OPTIONS} belong to files; write dim=3 and the like into the scene: {text}"
             );
-            return Spec::parse(text)?.make();
+            return Ok((Spec::parse(text)?.make()?, None));
         }
         let path = Path::new(text);
         if !path.exists() {
@@ -76,8 +108,7 @@ impl Input {
                 );
             }
         }
-        let (particles, _) = load(path, self, self.options())?;
-        particles.scene(text, self.radius)
+        of(load(path, self, self.options())?.0)
     }
 }
 
@@ -99,6 +130,14 @@ pub fn load(
     if about.frames > 1 && input.frame.is_none() {
         let last = about.frames - 1;
         eprintln!("{text}: frame {last}, the last of 0 to {last}, is read (--frame)");
+    }
+    if options.boundaries.unknown(about.declared.as_ref()) {
+        eprintln!("{text}: {UNKNOWN}");
+    }
+    if particles.is_flat() && particles.lattice().is_some_and(|lattice| lattice.periodic()[2]) {
+        eprintln!(
+            "{text}: z is 0 for all, and the box repeats along z: if these are discs, give --dim 2"
+        );
     }
     Ok((particles, about))
 }

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use anyhow::ensure;
 
-use crate::cli::shared::input::Input;
+use crate::cli::shared::input::{Input, OPTIONS, Within};
 use crate::cli::shared::values;
 use crate::scene::AnyScene;
 
@@ -23,15 +23,23 @@ impl Source {
     /// Reads or makes it; its name and the scene, or none if none was named. A file goes before a
     /// generator of the same name.
     pub fn get(&self) -> anyhow::Result<Option<(String, AnyScene<'static>)>> {
+        self.named(|text| self.input.scene(text))
+    }
+
+    /// The same with the box in which it repeats, for those who know what to do with one.
+    pub fn within(&self) -> anyhow::Result<Option<(String, Within)>> {
+        self.named(|text| self.input.within(text))
+    }
+
+    fn named<T>(
+        &self,
+        make: impl FnOnce(&str) -> anyhow::Result<T>,
+    ) -> anyhow::Result<Option<(String, T)>> {
         let Some(text) = &self.scene else {
-            ensure!(
-                !self.input.given(),
-                "--radius, --dim, --frame, --columns and --format belong to a particle file, and \
-                 none is named"
-            );
+            ensure!(!self.input.given(), "{OPTIONS} belong to a particle file, and none is named");
             return Ok(None);
         };
-        let scene = self.input.scene(text)?;
+        let scene = make(text)?;
         // A file goes by its name without folders.
         let file = Path::new(text).file_name().filter(|_| Path::new(text).exists());
         Ok(Some((

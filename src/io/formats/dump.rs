@@ -2,20 +2,23 @@
 //! order.
 //!
 //! * Coordinates are `x y z`, else unwrapped `xu yu zu`, else scaled `xs ys zs` or `xsu ysu zsu`,
-//!   which the box bounds turn into lengths: lo + s (hi - lo), rounded three times. Scaled
-//!   coordinates of a tilted (triclinic) box are refused.
+//!   which the box turns into lengths: lo + s (hi - lo), rounded three times, or with the vectors
+//!   of a tilted (triclinic) box, lo + xs a + ys b + zs c, rounded at every step.
 //! * The size is a column `radius` or `diameter` (or `r`, `d`). Particles keep the order of the
 //!   file, whatever their ids are.
-//! * Boundaries are open here, whatever the box says.
+//! * The box is that of the header: `pp ff ff` says along which axes it repeats (dumps before 2010
+//!   do not), `xy xz yz` that it is tilted, and that the bounds are those of the box along the axes
+//!   around it; `abc origin` brings three vectors of any direction, and the corner.
 //!
-//! Format: <https://docs.lammps.org/dump.html>.
+//! Format: <https://docs.lammps.org/dump.html>, <https://docs.lammps.org/Howto_triclinic.html>.
 
 use anyhow::{Context, bail, ensure};
 
+use crate::io::boxes::letters;
 use crate::io::frames::{Frames, Step};
-use crate::io::lines::{Lines, Separator, Source, number, short, shown, words};
+use crate::io::lines::{Lines, Separator, Source, number, short, shown};
 use crate::io::particles::{Centres, Column, Columns, Particles, loaded};
-use crate::io::{About, Options};
+use crate::io::{About, Declared, Options};
 
 pub(crate) fn read(source: Source<'_>, options: Options) -> anyhow::Result<(Particles, About)> {
     let mut lines = Lines::new(source);
@@ -38,7 +41,7 @@ pub(crate) fn read(source: Source<'_>, options: Options) -> anyhow::Result<(Part
             next(&mut lines)?;
             n = Some(lines.count(lines.line(), "the number of atoms")?);
         } else if let Some(kind) = item.strip_prefix("BOX BOUNDS") {
-            bounds = Some(Bounds::read(&mut lines, kind)?);
+            bounds = Some(Bounds::read(&mut lines, kind, options)?);
         } else if let Some(names) = item.strip_prefix("ATOMS") {
             let place = lines.place();
             let n = n.take().with_context(|| {
@@ -113,7 +116,7 @@ fn section(
                 || lines.place(),
                 || " by ITEM: ATOMS".into(),
             )?;
-            if let Some(bounds) = &atoms.scaled {
+            if let (true, Some(bounds)) = (atoms.scaled, &atoms.bounds) {
                 bounds.scale_last(&mut atoms.particles);
             }
         }
@@ -122,7 +125,8 @@ fn section(
     atoms.finite(lines.source.name)?;
     let (particles, mut about) = loaded("LAMMPS dump", atoms.particles, atoms.columns.radius());
     about.notes = atoms.notes;
-    about.bounds = atoms.bounds;
+    about.bounds = atoms.bounds.as_ref().and_then(|bounds| bounds.ranges.map(Vec::from));
+    about.declared = atoms.bounds.map(|bounds| bounds.declared);
     Ok(Some((particles, about)))
 }
 
@@ -130,8 +134,8 @@ fn section(
 struct Atoms {
     columns: Columns,
     particles: Particles,
-    scaled: Option<Bounds>,
-    bounds: Option<Vec<[f64; 2]>>,
+    scaled: bool,
+    bounds: Option<Bounds>,
     notes: Vec<String>,
 }
 
@@ -173,48 +177,29 @@ impl Atoms {
             }
         }
         let particles = columns.particles(place, options)?;
-        let scaled = if kind.starts_with('s') {
-            let bounds = bounds.clone().with_context(|| {
-                format!(
-                    "{place}: the coordinates are scaled by the box (xs), but there is no 'ITEM: \
-                     BOX BOUNDS'; write x y z"
-                )
-            })?;
+        let scaled = kind.starts_with('s');
+        if scaled {
             ensure!(
-                !bounds.tilted,
-                "{place}: the coordinates are scaled (xs) by a tilted (triclinic) box, which is \
-                 not read; write x y z instead of xs ys zs"
+                bounds.is_some(),
+                "{place}: the coordinates are scaled by the box (xs), but there is no 'ITEM: BOX \
+                 BOUNDS'; write x y z"
             );
-            notes.push("coordinates scaled by the box (xs): turned into lengths".into());
-            Some(bounds)
-        } else {
-            None
-        };
+            notes.push(
+                "coordinates scaled by the box (xs): turned into lengths, which are rounded".into(),
+            );
+        }
         if kind.ends_with('u') {
             notes.push(
-                "unwrapped coordinates: bodies that touch across a periodic boundary do not touch \
-                 here"
+                "unwrapped coordinates: bodies may be outside the box, and where boundaries are \
+                 open those that touch across it do not touch"
                     .into(),
             );
         }
-        if bounds.as_ref().is_some_and(|bounds| bounds.periodic) {
-            notes.push(
-                "the box is periodic; boundaries are open here, and contacts across them are not \
-                 found"
-                    .into(),
-            );
-        }
-        Ok(Atoms {
-            columns,
-            particles,
-            scaled,
-            bounds: bounds.filter(|bounds| !bounds.tilted).map(|bounds| bounds.ranges.to_vec()),
-            notes,
-        })
+        Ok(Atoms { columns, particles, scaled, bounds, notes })
     }
 
     fn finite(&mut self, name: &str) -> anyhow::Result<()> {
-        if self.scaled.is_some() {
+        if self.scaled {
             let bad = (0..self.particles.len())
                 .find(|&k| self.particles.centre(k).iter().any(|x| !x.is_finite()));
             ensure!(
@@ -230,22 +215,36 @@ impl Atoms {
 /// The box of one frame.
 #[derive(Clone)]
 struct Bounds {
-    ranges: [[f64; 2]; 3],
-    tilted: bool,
-    periodic: bool,
+    /// From lo to hi, where it has edges along the axes.
+    ranges: Option<[[f64; 2]; 3]>,
+    declared: Declared,
 }
 
 impl Bounds {
-    fn read(lines: &mut Lines<'_>, kind: &str) -> anyhow::Result<Bounds> {
-        let flags: Vec<&str> = kind.split_whitespace().collect();
-        let tilted =
-            flags.iter().any(|flag| matches!(*flag, "xy" | "xz" | "yz" | "abc" | "origin"));
-        let periodic = flags.iter().any(|flag| flag.len() == 2 && flag.contains('p'));
-        let mut ranges = [[0.0; 2]; 3];
-        for range in &mut ranges {
+    fn read(lines: &mut Lines<'_>, kind: &str, options: Options) -> anyhow::Result<Bounds> {
+        let words: Vec<&str> = kind.split_whitespace().collect();
+        let (columns, flags) = match words[..] {
+            ["xy", "xz", "yz", ref flags @ ..] => (3, flags),
+            ["abc", "origin", ref flags @ ..] => (4, flags),
+            ref flags => (2, flags),
+        };
+        let overruled = options.boundaries.overrule();
+        let periodic = match letters(flags) {
+            Ok(periodic) => Some(periodic),
+            Err(_) if flags.is_empty() || overruled => None,
+            Err(why) => bail!(
+                "{}: the boundaries of the box are '{}': {why}; mend the line, or give --periodic \
+                 or --open",
+                lines.place(),
+                short(&flags.join(" "))
+            ),
+        };
+        let mut rows = [[0.0; 4]; 3];
+        for row in &mut rows {
             next(lines)?;
-            for (k, cell) in words(lines.line()).take(2).enumerate() {
-                range[k] = number(cell).filter(|x| x.is_finite()).with_context(|| {
+            let cells: Vec<&[u8]> = Separator::Blanks.cells(lines.line()).collect();
+            for (k, &cell) in cells.iter().take(columns).enumerate() {
+                row[k] = number(cell).filter(|x| x.is_finite()).with_context(|| {
                     format!(
                         "{}: column {}: '{}' is not a finite number; a bound of the box is \
                          expected",
@@ -255,27 +254,52 @@ impl Bounds {
                     )
                 })?;
             }
+            let expected = match columns {
+                2 => "two bounds of the box are expected, lo and hi",
+                3 => "three numbers of the tilted box are expected: lo, hi and tilt",
+                _ => "four numbers of the box are expected: a vector, and one of its corner",
+            };
+            ensure!(cells.len() >= columns, "{}: {expected}", lines.place());
             ensure!(
-                words(lines.line()).count() >= 2,
-                "{}: two bounds of the box are expected, lo and hi",
-                lines.place()
+                cells.len() == columns || overruled,
+                "{}: {} numbers of the box, and its header announces {columns}; a tilted box has \
+                 'xy xz yz' there: mend it, or give --open",
+                lines.place(),
+                cells.len()
             );
         }
-        Ok(Bounds { ranges, tilted, periodic })
+        let pairs = rows.map(|row| [row[0], row[1]]);
+        let third = rows.map(|row| row[2]);
+        let declared = match columns {
+            2 => Declared::between(&pairs, periodic),
+            3 => Declared::enclosed(pairs, third, periodic),
+            _ => Declared {
+                vectors: Some(rows.map(|row| [row[0], row[1], row[2]])),
+                origin: rows.map(|row| row[3]),
+                periodic,
+                rounded: false,
+            },
+        };
+        Ok(Bounds { ranges: (columns == 2).then_some(pairs), declared })
     }
 
     /// Turns the last particle's scaled coordinates into lengths.
     fn scale_last(&self, particles: &mut Particles) {
-        let scale = |s: f64, [lo, hi]: [f64; 2]| lo + s * (hi - lo);
+        let Declared { vectors: Some(vectors), origin, .. } = &self.declared else { return };
+        // Terms of 0 are left out: nothing is rounded there, and an overflow is no NaN.
+        let scale = |s: &[f64], k: usize| {
+            let terms = s.iter().zip(vectors).filter(|(_, vector)| vector[k] != 0.0);
+            terms.fold(origin[k], |sum, (s, vector)| sum + s * vector[k])
+        };
         match &mut particles.centres {
             Centres::Plane(points) => points
                 .last_mut()
                 .into_iter()
-                .for_each(|p| (0..2).for_each(|k| p[k] = scale(p[k], self.ranges[k]))),
+                .for_each(|p| *p = std::array::from_fn(|k| scale(&p.coords.data.0[0], k)).into()),
             Centres::Space(points) => points
                 .last_mut()
                 .into_iter()
-                .for_each(|p| (0..3).for_each(|k| p[k] = scale(p[k], self.ranges[k]))),
+                .for_each(|p| *p = std::array::from_fn(|k| scale(&p.coords.data.0[0], k)).into()),
         }
     }
 }

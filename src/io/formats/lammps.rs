@@ -5,13 +5,16 @@
 //! sphere`. In the styles of spheres the size is a *diameter*, which is halved; the others need a
 //! radius from the options. Without a style the number of columns must leave no doubt.
 //!
+//! The box is that of the header: `xlo xhi`, with `xy xz yz` where it is tilted, or the vectors
+//! `avec`, `bvec`, `cvec` with `abc origin`. A data file does not say whether it repeats.
+//!
 //! Format: <https://docs.lammps.org/read_data.html>.
 
 use anyhow::{Context, bail, ensure};
 
 use crate::io::lines::{Lines, Separator, Source, number, short, shown, words};
 use crate::io::particles::{Columns, Particles, loaded};
-use crate::io::{About, Options};
+use crate::io::{About, Declared, Options};
 
 /// The columns of each style; image flags may follow.
 const STYLES: [(&str, &str); 16] = [
@@ -46,28 +49,15 @@ fn is_count(line: &[u8]) -> Option<&[u8]> {
 
 pub(crate) fn read(source: Source<'_>, options: Options) -> anyhow::Result<(Particles, About)> {
     let mut lines = Lines::new(source);
-    let (mut n, mut ranges, mut tilted) = (None, Vec::new(), false);
+    let (mut n, mut header) = (None, Header::default());
     // The first line is a comment, whatever it holds.
     lines.advance()?;
     while lines.advance_over_blanks()? {
         let line = lines.line();
         if let Some(count) = is_count(line) {
             n = Some(lines.count(count, "the number of atoms")?);
-        } else if let [lo, hi, b"xlo" | b"ylo" | b"zlo", ..] = words(line).collect::<Vec<_>>()[..] {
-            let bound = |k: usize, cell: &[u8]| {
-                let place = || {
-                    format!(
-                        "{}: column {k}: '{}' is not a finite number; a bound of the box is \
-                         expected",
-                        lines.place(),
-                        shown(cell)
-                    )
-                };
-                number(cell).filter(|x| x.is_finite()).with_context(place)
-            };
-            ranges.push([bound(1, lo)?, bound(2, hi)?]);
-        } else if line.ends_with(b"xy xz yz") {
-            tilted = true;
+        } else if header.take(&lines)? {
+            continue;
         } else if words(line).next() == Some(b"Atoms") {
             let n = n.with_context(|| {
                 format!(
@@ -82,11 +72,70 @@ pub(crate) fn read(source: Source<'_>, options: Options) -> anyhow::Result<(Part
                 .filter(|style| !style.is_empty());
             let (particles, columns) = atoms(&mut lines, n, style, options)?;
             let (particles, mut about) = loaded("LAMMPS data", particles, columns.radius());
-            about.bounds = (ranges.len() == 3 && !tilted).then_some(ranges);
+            (about.bounds, about.declared) = header.bounds();
             return Ok((particles, about));
         }
     }
     bail!("{} has no section Atoms; is it a LAMMPS data file?", lines.source.name)
+}
+
+/// The lines of the header that make the box.
+#[derive(Default)]
+struct Header {
+    ranges: [Option<[f64; 2]>; 3],
+    tilt: Option<[f64; 3]>,
+    vectors: [Option<[f64; 3]>; 3],
+    origin: [f64; 3],
+}
+
+impl Header {
+    /// Takes the line, if it is one of them.
+    fn take(&mut self, lines: &Lines<'_>) -> anyhow::Result<bool> {
+        let line = lines.line().split(|&b| b == b'#').next().unwrap_or_default();
+        let words: Vec<&[u8]> = words(line).collect();
+        let numbers = |cells: &[&[u8]]| -> anyhow::Result<[f64; 3]> {
+            let mut values = [0.0; 3];
+            for (k, (value, cell)) in values.iter_mut().zip(cells).enumerate() {
+                *value = number(cell).filter(|x| x.is_finite()).with_context(|| {
+                    format!(
+                        "{}: column {}: '{}' is not a finite number; a bound of the box is \
+                         expected",
+                        lines.place(),
+                        k + 1,
+                        shown(cell)
+                    )
+                })?;
+            }
+            Ok(values)
+        };
+        match words[..] {
+            [lo, hi, axis @ (b"xlo" | b"ylo" | b"zlo"), ..] => {
+                let [lo, hi, _] = numbers(&[lo, hi])?;
+                self.ranges[usize::from(axis[0] - b'x')] = Some([lo, hi]);
+            }
+            [xy, xz, yz, b"xy", b"xz", b"yz"] => self.tilt = Some(numbers(&[xy, xz, yz])?),
+            [x, y, z, vector @ (b"avec" | b"bvec" | b"cvec")] => {
+                self.vectors[usize::from(vector[0] - b'a')] = Some(numbers(&[x, y, z])?);
+            }
+            [x, y, z, b"abc", b"origin"] => self.origin = numbers(&[x, y, z])?,
+            _ => return Ok(false),
+        }
+        Ok(true)
+    }
+
+    /// The bounds, where all edges are along the axes, and the box.
+    fn bounds(self) -> (Option<Vec<[f64; 2]>>, Option<Declared>) {
+        if let [Some(a), Some(b), Some(c)] = self.vectors {
+            let vectors = Some([a, b, c]);
+            return (None, Some(Declared { vectors, origin: self.origin, ..Declared::default() }));
+        }
+        let [Some(x), Some(y), Some(z)] = self.ranges else { return (None, None) };
+        let declared = Declared::between(&[x, y, z], None);
+        match self.tilt {
+            Some(tilt) => (None, Some(declared.tilted(tilt))),
+            None => (Some(vec![x, y, z]), Some(declared)),
+        }
+    }
 }
 
 fn atoms(

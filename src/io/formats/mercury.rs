@@ -10,7 +10,7 @@ use anyhow::{bail, ensure};
 use crate::io::frames::{Frames, Step};
 use crate::io::lines::{Lines, Separator, Source, number, words};
 use crate::io::particles::{Columns, Particles, loaded};
-use crate::io::{About, Options};
+use crate::io::{About, Declared, Options};
 
 const SPACE: &str = "x y z vx vy vz radius qx qy qz wx wy wz species";
 const PLANE: &str = "x y vx vy radius angle omega species";
@@ -88,6 +88,8 @@ pub(crate) fn read(source: Source<'_>, options: Options) -> anyhow::Result<(Part
             );
             about.bounds =
                 about.bounds.filter(|bounds| bounds.iter().flatten().all(|x| x.is_finite()));
+            // It stands in no data file whether the domain repeats.
+            about.declared = about.bounds.as_ref().map(|bounds| Declared::between(bounds, None));
             result = Some((particles, about));
         }
     }

@@ -3,8 +3,9 @@
 //!
 //! * Extended: the comment holds `Properties=species:S:1:pos:R:3:radius:R:1` (the value may be
 //!   quoted): names, types and numbers of columns. `pos` gives two or three coordinates; `r`,
-//!   `radius`, `d` or `diameter` the size; the rest is skipped, as are `Lattice` and `pbc`:
-//!   boundaries are open here.
+//!   `radius`, `d` or `diameter` the size; the rest is skipped.
+//! * The box: `Lattice="ax ay az bx by bz cx cy cz"`, of any direction, from the corner `Origin`;
+//!   it repeats along all three unless `pbc="T T F"` says otherwise, as for ASE and OVITO.
 //! * Plain: `species x y z`. What further columns mean, nobody knows: it may be a radius, a charge
 //!   or a velocity. So a plain file with more columns is refused, unless the options give the
 //!   radius: then the columns are skipped.
@@ -12,9 +13,9 @@
 use anyhow::{Context, bail, ensure};
 
 use crate::io::frames::{Frames, Step};
-use crate::io::lines::{Lines, Source, short, words};
+use crate::io::lines::{Lines, Source, number, short, words};
 use crate::io::particles::{Column, Columns, Particles};
-use crate::io::{About, Options};
+use crate::io::{About, Declared, Options};
 
 const MOST_COLUMNS: usize = 10_000;
 
@@ -41,6 +42,11 @@ pub(crate) fn read(source: Source<'_>, options: Options) -> anyhow::Result<(Part
             )
         };
         if step == Step::Keep {
+            let declared = match declared(&comment, options) {
+                // Nobody asks.
+                Err(_) if options.boundaries.open => None,
+                declared => declared.with_context(|| lines.place())?,
+            };
             let columns = columns(&comment).with_context(|| lines.place())?;
             let columns = columns.chosen(&lines.place(), options)?;
             let mut particles = columns.particles(&lines.place(), options)?;
@@ -68,7 +74,10 @@ pub(crate) fn read(source: Source<'_>, options: Options) -> anyhow::Result<(Part
                 )?;
             }
             let format = if columns.or_more { "XYZ" } else { "extended XYZ" };
-            result = Some(crate::io::particles::loaded(format, particles, columns.radius()));
+            let (particles, mut about) =
+                crate::io::particles::loaded(format, particles, columns.radius());
+            about.declared = declared;
+            result = Some((particles, about));
         } else {
             for k in 0..n {
                 if !lines.advance()? {
@@ -86,14 +95,62 @@ pub(crate) fn read(source: Source<'_>, options: Options) -> anyhow::Result<(Part
 
 /// The columns that the comment line announces, or those of a plain file.
 fn columns(comment: &str) -> anyhow::Result<Columns> {
-    match properties(comment) {
+    match value(comment, "Properties") {
         Some(text) => announced(&text).with_context(|| format!("Properties={}", short(&text))),
         None => Ok(Columns { or_more: true, ..Columns::named(["species", "x", "y", "z"]) }),
     }
 }
 
-/// The value of `Properties` in a comment of `key=value` and `key="some value"` pairs.
-fn properties(comment: &str) -> Option<String> {
+/// The box that the comment line declares. A lattice repeats along all vectors where nothing is
+/// said.
+fn declared(comment: &str, options: Options) -> anyhow::Result<Option<Declared>> {
+    let boundaries = options.boundaries;
+    let numbers = |key: &str, what: &str, count: usize| -> anyhow::Result<Option<Vec<f64>>> {
+        let Some(text) = value(comment, key) else { return Ok(None) };
+        let numbers: Option<Vec<f64>> =
+            words(text.as_bytes()).map(|word| number(word).filter(|x| x.is_finite())).collect();
+        let Some(numbers) = numbers.filter(|numbers| numbers.len() == count) else {
+            bail!("{key}=\"{}\" must be {what}; mend the line, or give --open", short(&text))
+        };
+        Ok(Some(numbers))
+    };
+    let lattice = match boundaries.edges {
+        None => numbers("Lattice", "nine finite numbers, one vector after the other", 9)?,
+        Some(_) => None,
+    };
+    let vectors = lattice.map(|n| [[n[0], n[1], n[2]], [n[3], n[4], n[5]], [n[6], n[7], n[8]]]);
+    let origin = numbers("Origin", "three finite numbers", 3)?;
+    let periodic = match value(comment, "pbc").filter(|_| boundaries.periodic.is_none()) {
+        Some(text) => Some(flags(&text).with_context(|| {
+            format!(
+                "pbc=\"{}\" must be T or F for each vector, as in pbc=\"T T F\"; mend the line, or \
+                 give --periodic or --open",
+                short(&text)
+            )
+        })?),
+        None => vectors.map(|_| [true; 3]),
+    };
+    let declared = vectors.is_some() || periodic.is_some() || origin.is_some();
+    let origin = origin.map_or([0.0; 3], |n| [n[0], n[1], n[2]]);
+    Ok(declared.then_some(Declared { vectors, origin, periodic, rounded: false }))
+}
+
+/// `T T F`, or `1 1 0`.
+fn flags(text: &str) -> Option<[bool; 3]> {
+    let mut flags = [false; 3];
+    let mut words = text.split_whitespace();
+    for flag in &mut flags {
+        *flag = match words.next()?.to_ascii_lowercase().as_str() {
+            "t" | "true" | "1" => true,
+            "f" | "false" | "0" => false,
+            _ => return None,
+        };
+    }
+    words.next().is_none().then_some(flags)
+}
+
+/// The value of a key in a comment of `key=value` and `key="some value"` pairs.
+fn value(comment: &str, wanted: &str) -> Option<String> {
     let mut rest = comment.trim_start();
     while !rest.is_empty() {
         let end = rest.find(|c: char| c == '=' || c.is_whitespace()).unwrap_or(rest.len());
@@ -105,7 +162,7 @@ fn properties(comment: &str) -> Option<String> {
             let end = value
                 .find(|c: char| quote.map_or(c.is_whitespace(), |quote| c == quote))
                 .unwrap_or(value.len());
-            if key.eq_ignore_ascii_case("properties") {
+            if key.eq_ignore_ascii_case(wanted) {
                 return Some(value[..end].to_string());
             }
             rest = &value[end..];

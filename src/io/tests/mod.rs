@@ -1,6 +1,7 @@
 //! The formats: what is read (`text`, `npy`), what is refused and in which words, and that no bytes
-//! make a reader panic (`refused`).
+//! make a reader panic (`refused`); and their boxes (`boxes`).
 
+mod boxes;
 mod npy;
 mod refused;
 mod text;

@@ -67,7 +67,7 @@ fn xyz_plain_and_extended() {
     assert_eq!(rows(&read(b"1\n\nAr 1 2 3 9 9 9\n", "dat", HALF).unwrap()), [[1.0, 2.0, 3.0, 0.5]]);
     for comment in [
         "Properties=species:S:1:pos:R:3:radius:R:1",
-        "Lattice=\"5 0 0 0 5 0 0 0 5\" pbc='T T F' properties=\"species:S:1:pos:R:3:radius:R:1\" \
+        "Lattice=\"5 0 0 0 5 0 0 0 5\" pbc='F F F' properties=\"species:S:1:pos:R:3:radius:R:1\" \
          energy=-1",
     ] {
         let text = format!("2\n{comment}\nAr 1 2 3 0.25\nNe 4 5 6 0.5\n");

@@ -63,6 +63,12 @@ pub const GENERATOR: Generator = Generator {
             default: [Preset::Absent; 2],
             meaning: "which column of a text holds what, as in x=3,y=4,z=5,r=6",
         },
+        Parameter {
+            name: "open",
+            kind: Kind::Yes,
+            default: [Preset::Absent; 2],
+            meaning: "true: boundaries are open, also where the file's box repeats",
+        },
     ],
     make: |inputs| {
         let path = Path::new(inputs.text("path")?);
@@ -92,6 +98,10 @@ pub const GENERATOR: Generator = Generator {
             frame,
             format,
             columns,
+            boundaries: io::Boundaries {
+                open: inputs.text("open").is_ok_and(|text| text == "true"),
+                ..io::Boundaries::AS_DECLARED
+            },
             ..io::Options::NONE
         };
         let scene = io::scene(path, options)?;

@@ -81,6 +81,8 @@ pub enum Kind {
     Count,
     /// 2 or 3.
     Dim,
+    /// true or false.
+    Yes,
     /// One of some words, for 2 and 3 dimensions.
     Word([&'static [&'static str]; 2]),
     /// Any text that is not empty.
@@ -205,6 +207,7 @@ impl Kind {
             Kind::Share => "a number from 0 to 1".into(),
             Kind::Count => "a whole number of at least 1".into(),
             Kind::Dim => "2 or 3".into(),
+            Kind::Yes => "true or false".into(),
             Kind::Word(words) => {
                 format!("{} in {dim} dimensions", words[usize::from(dim == 3)].join(" or "))
             }
@@ -235,6 +238,11 @@ impl Kind {
             Kind::Share => number(|x| (0.0..=1.0).contains(&x)),
             Kind::Count => whole(|k| k >= 1),
             Kind::Dim => whole(|k| k == 2 || k == 3),
+            // As a word, which is what records hold of parameters that are not numbers.
+            Kind::Yes => match value.as_bool() {
+                Some(yes) => Some(yes.to_string().into()),
+                None => text(&|text| ["true", "false"].contains(&text)),
+            },
             Kind::Word(words) => text(&|word| words[usize::from(dim == 3)].contains(&word)),
             Kind::Text => text(&|text| !text.is_empty()),
             Kind::Case => match scene::hard::find(value.as_str().unwrap_or_default()) {

@@ -50,12 +50,9 @@ fn errors_say_where() {
             "p:7: column 2: 'one' is not a finite number; a bound of the box is expected",
         ),
         (
-            scaled.replace(
-                "BOUNDS pp pp ff\n0 4\n-1 1\n0 10\n",
-                "BOUNDS xy xz yz pp pp pp\n0 4 0\n-1 1 0\n0 10 0\n",
-            ),
-            "p:9: the coordinates are scaled (xs) by a tilted (triclinic) box, which is not read; \
-             write x y z instead of xs ys zs",
+            scaled.replace("BOX BOUNDS pp pp ff\n0 4\n-1 1\n0 10\n", "TIME\n0.5\n"),
+            "p:7: the coordinates are scaled by the box (xs), but there is no 'ITEM: BOX BOUNDS'; \
+             write x y z",
         ),
         (
             DATA.replace("4 5 6", "4 5 a"),

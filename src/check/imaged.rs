@@ -1,0 +1,588 @@
+//! A contact list of another code in a box that repeats, compared with the exact truth.
+//!
+//! A list with images names each contact once, as (i, j, S). A list without them names pairs, and
+//! there are two kinds: each pair as often as images of it touch, or once. Both are taken, and it
+//! is said which; where all pairs touch through one image they are the same.
+
+use std::collections::HashMap;
+
+use anyhow::{Context, bail, ensure};
+
+use crate::check::listed::{
+    Allowed, Couple, Naming, READING_BYTES, Taken, Terms, Verification, WORST, room_for,
+};
+use crate::check::reading::{Deviation, Reading};
+use crate::contact::Arithmetic;
+use crate::contact::depth::depth_of_image;
+use crate::contact::image::Shift;
+use crate::detect::{Options, table};
+use crate::io;
+use crate::oracle::Errors;
+use crate::periodic::{self, ImagePair, Periodic};
+use crate::scene::{AnyScene, Lattice, Radii, Real, Scene, Stored, array};
+use crate::with_scene;
+
+/// Up to so many particles the truth tests all pairs; above, two detectors must agree.
+const BRUTE_FORCE: usize = 3000;
+/// Detectors that cope with sizes and places of every kind.
+const DETECTORS: [&str; 2] = ["bvh", "streamed-nbs"];
+
+/// A list as it was read: pairs, and the image of the second, if there is one.
+#[derive(Clone, Copy, Debug)]
+pub struct Listed<'a> {
+    /// By the numbers that stand there.
+    pub pairs: &'a [[i64; 2]],
+    /// Of each pair.
+    pub images: Option<&'a [[i32; 3]]>,
+}
+
+impl Verification {
+    /// As [`Verification::new`], in a box. An error also where the list names images along an axis
+    /// that is open.
+    pub fn within(
+        periodic: &Periodic<'_>,
+        list: Listed<'_>,
+        naming: &Naming,
+        others: &[Naming],
+        terms: Terms,
+    ) -> anyhow::Result<Verification> {
+        let axes = periodic.lattice().periodic();
+        if let Some(images) = list.images {
+            let open = |image: &[i32; 3]| (0..3).any(|k| image[k] != 0 && !axes[k]);
+            if let Some(k) = images.iter().position(open) {
+                bail!(
+                    "pair {k} of the list (from 0) names the image {}, and the box repeats along \
+                     {}; give --periodic with all axes along which it repeats",
+                    images[k].map(|s| s.to_string()).join(","),
+                    io::boxes::along(axes)
+                );
+            }
+        }
+        let scene = &scene_of(periodic)?;
+        let truth = truth(periodic, terms.arithmetic, terms.memory_limit)?;
+        let near = match terms.allowed.skin {
+            skin if skin > 0.0 => within_gap(periodic, scene, skin, terms.memory_limit)?,
+            _ => Vec::new(),
+        };
+        let view = View { scene, truth: &truth, near: &near };
+        let mut found = view.compare(list, naming, terms.allowed)?;
+        found.contacts = truth.len() as u64;
+        let small = (list.pairs.len() + truth.len()) as u64 * READING_BYTES <= terms.memory_limit;
+        if !found.is_same() && terms.allowed == Allowed::default() && small {
+            let namings: Vec<&Naming> = std::iter::once(naming).chain(others).collect();
+            found.reading = explain(periodic, scene, list, &namings, &truth, terms)?;
+        }
+        Ok(found)
+    }
+}
+
+impl Verification {
+    /// Where a list of an open scene differs: it may be right in the box that the file declares.
+    pub fn try_declared(
+        &mut self,
+        periodic: &Periodic<'_>,
+        pairs: &[[i64; 2]],
+        naming: &Naming,
+        others: &[Naming],
+        terms: Terms,
+    ) {
+        let small = pairs.len() as u64 * READING_BYTES <= terms.memory_limit;
+        let none = self.reading.as_ref().is_none_or(|reading| reading.wrong > 0)
+            || self.reading.as_ref().is_some_and(|reading| reading.periodic.is_some());
+        if terms.allowed != Allowed::default() || !small || !none {
+            return;
+        }
+        let list = Listed { pairs, images: None };
+        // A hint is not worth an error.
+        let Ok(found) = Verification::within(periodic, list, naming, others, terms) else { return };
+        let as_it_stands = Reading {
+            meaning: naming.meaning(),
+            both_sides: false,
+            deviation: None,
+            periodic: None,
+            declared: None,
+            turned: false,
+            open: false,
+            listed: pairs.len() as u64,
+            wrong: 0,
+        };
+        let reading = if found.is_same() { Some(as_it_stands) } else { found.reading };
+        if let Some(reading) = reading.filter(|reading| reading.wrong == 0 && !reading.open) {
+            let declared = Some(periodic.lattice().periodic());
+            self.reading = Some(Reading { declared, ..reading });
+        }
+    }
+}
+
+/// The scene and the box, as depths need them.
+struct InBox<'a> {
+    scene: &'a AnyScene<'a>,
+    lattice: &'a Lattice,
+}
+
+fn scene_of<'a>(periodic: &'a Periodic<'_>) -> anyhow::Result<InBox<'a>> {
+    let scene = periodic.scene();
+    // Periodic scenes are in f64.
+    ensure!(
+        matches!(scene, AnyScene::Plane(Stored::F64(_)) | AnyScene::Space(Stored::F64(_))),
+        "a scene with a box is in f64"
+    );
+    Ok(InBox { scene, lattice: periodic.lattice() })
+}
+
+impl InBox<'_> {
+    /// The overlap of a contact in mean radii; negative where they are apart.
+    fn depth(&self, pair: ImagePair) -> f64 {
+        match self.scene {
+            AnyScene::Plane(Stored::F64(scene)) => depth_in(scene, self.lattice, pair),
+            AnyScene::Space(Stored::F64(scene)) => depth_in(scene, self.lattice, pair),
+            // See `scene_of`.
+            _ => 0.0,
+        }
+    }
+
+    /// How far apart they are, in the units of the scene.
+    fn gap(&self, pair: ImagePair) -> f64 {
+        let radius = |k: u32| with_scene!(self.scene, scene => scene.radius(k as usize).wide());
+        -self.depth(pair) * 0.5 * (radius(pair.i) + radius(pair.j))
+    }
+
+    /// The image of j nearest to i, but for very skewed boxes; of a particle itself another one.
+    fn nearest(&self, [i, j]: [u32; 2]) -> ImagePair {
+        let [a, b] = [i, j].map(|k| super::listed::particle(self.scene, k).0);
+        let axes = self.lattice.periodic();
+        let about: [i32; 3] = std::array::from_fn(|v| {
+            let dual = self.lattice.dual(v);
+            let at: f64 = a.iter().zip(&b).zip(dual).map(|((a, b), dual)| (a - b) * dual).sum();
+            if axes[v] { at.round().clamp(-1e9, 1e9) as i32 } else { 0 }
+        });
+        let steps = |v: usize| if axes[v] { -1..=1 } else { 0..=0 };
+        let mut best = (f64::NEG_INFINITY, ImagePair::new(i, j, about));
+        for x in steps(0) {
+            for y in steps(1) {
+                for z in steps(2) {
+                    let pair = ImagePair::new(i, j, [about[0] + x, about[1] + y, about[2] + z]);
+                    let depth = self.depth(pair);
+                    if depth > best.0 && !(i == j && pair.image == [0; 3]) {
+                        best = (depth, pair);
+                    }
+                }
+            }
+        }
+        best.1
+    }
+}
+
+fn depth_in<const D: usize>(
+    scene: &Scene<'_, f64, D>,
+    lattice: &Lattice,
+    ImagePair { i, j, image }: ImagePair,
+) -> f64 {
+    let (i, j) = (i as usize, j as usize);
+    let (axes, rows) = (lattice.periodic(), lattice.vectors());
+    let vectors: [[f64; D]; 3] = std::array::from_fn(|v| std::array::from_fn(|k| rows[v][k]));
+    let image = std::array::from_fn(|v| if axes[v] { image[v] } else { 0 });
+    let [a, b] = [i, j].map(|k| array(&scene.centres()[k]));
+    let shift = Shift { image, vectors: &vectors };
+    let depth = depth_of_image(a, b, scene.radius(i), scene.radius(j), shift);
+    depth.clamp(-f64::MAX, f64::MAX)
+}
+
+fn by(
+    name: &str,
+    periodic: &Periodic<'_>,
+    arithmetic: Arithmetic,
+    limit: u64,
+) -> anyhow::Result<Vec<ImagePair>> {
+    let entry = table::find(name).with_context(|| format!("there is no {name}"))?;
+    let options = Options { memory_limit: limit, ..Options::default() };
+    Ok(periodic::contacts(periodic, &mut *entry.make(options), arithmetic, limit)?)
+}
+
+/// What touches: by all pairs, or where they are many by two detectors.
+fn truth(
+    periodic: &Periodic<'_>,
+    arithmetic: Arithmetic,
+    limit: u64,
+) -> anyhow::Result<Vec<ImagePair>> {
+    if periodic.scene().len() <= BRUTE_FORCE {
+        return Ok(periodic::truth(periodic, arithmetic, limit)?.pairs);
+    }
+    let [one, other] = DETECTORS;
+    let first = by(one, periodic, arithmetic, limit)?;
+    let second = by(other, periodic, arithmetic, limit)?;
+    ensure!(
+        first == second,
+        "{one} and {other} disagree about the contacts of this scene, which is an error of this \
+         program; please report it with the file"
+    );
+    Ok(first)
+}
+
+/// All pairs that are apart by no more than a length, in order.
+fn within_gap(
+    periodic: &Periodic<'_>,
+    scene: &InBox<'_>,
+    gap: f64,
+    limit: u64,
+) -> anyhow::Result<Vec<ImagePair>> {
+    let larger = |r: f64| ((r + gap / 2.0) * (1.0 + 1e-9)).min(f64::MAX);
+    let swollen: AnyScene<'static> = match scene.scene {
+        AnyScene::Plane(Stored::F64(scene)) => swell(scene, larger)?.into(),
+        AnyScene::Space(Stored::F64(scene)) => swell(scene, larger)?.into(),
+        // See `scene_of`.
+        _ => bail!("a scene with a box is in f64"),
+    };
+    let swollen = Periodic::new(swollen, *periodic.lattice())?;
+    let mut near = by(DETECTORS[0], &swollen, Arithmetic::Exact, limit)?;
+    near.retain(|&pair| scene.gap(pair) <= gap);
+    Ok(near)
+}
+
+fn swell<const D: usize>(
+    scene: &Scene<'_, f64, D>,
+    larger: impl Fn(f64) -> f64,
+) -> anyhow::Result<Scene<'static, f64, D>> {
+    let radii = match scene.radii() {
+        Radii::Uniform(r) => Radii::Uniform(larger(*r)),
+        Radii::Each(radii) => Radii::Each(radii.iter().map(|&r| larger(r)).collect()),
+    };
+    Ok(Scene::new(scene.centres().to_vec(), radii)?)
+}
+
+/// Against which a list is compared.
+struct View<'a> {
+    scene: &'a InBox<'a>,
+    truth: &'a [ImagePair],
+    /// What may be there, beside.
+    near: &'a [ImagePair],
+}
+
+impl View<'_> {
+    fn compare(
+        &self,
+        list: Listed<'_>,
+        naming: &Naming,
+        allowed: Allowed,
+    ) -> anyhow::Result<Verification> {
+        match list.images {
+            Some(images) => self.with_images(list.pairs, images, naming, allowed.both_sides),
+            None => self.without_images(list.pairs, naming, allowed.both_sides),
+        }
+    }
+
+    fn with_images(
+        &self,
+        pairs: &[Couple],
+        images: &[[i32; 3]],
+        naming: &Naming,
+        both_sides: bool,
+    ) -> anyhow::Result<Verification> {
+        let n = self.scene.scene.len();
+        let (mut known, mut unknown) = (room_for(pairs.len())?, Vec::new());
+        for (&[i, j], &image) in pairs.iter().zip(images) {
+            match (naming.place(i, n), naming.place(j, n)) {
+                (Some(a), Some(b)) => {
+                    let pair = ImagePair::new(a, b, image);
+                    // Of a particle with itself, unshifted, there is but one side.
+                    let forward = (pair.i, pair.j, pair.image) == (a, b, image);
+                    known.push((pair, forward, [i, j]));
+                }
+                _ => {
+                    io::room(&mut unknown)?;
+                    unknown.push([i, j]);
+                }
+            }
+        }
+        known.sort_unstable();
+        let (mut reported, mut one_sided) = (room_for(known.len())?, Vec::new());
+        for same in known.chunk_by(|a, b| a.0 == b.0) {
+            let forward = same.iter().filter(|(_, forward, _)| *forward).count();
+            let backward = same.len() - forward;
+            let count = if both_sides { forward.max(backward) } else { same.len() };
+            reported.extend(std::iter::repeat_n(same[0].0, count));
+            if both_sides && forward != backward {
+                io::room(&mut one_sided)?;
+                one_sided.push(same[0].2);
+            }
+        }
+        let mut errors = Errors::default();
+        let (mut missed, mut spurious) = (Worst::default(), Worst::default());
+        let mut within_skin = 0;
+        for same in reported.chunk_by(|a, b| a == b) {
+            let pair = same[0];
+            errors.duplicate += same.len() as u64 - 1;
+            if self.truth.binary_search(&pair).is_ok() {
+            } else if self.near.binary_search(&pair).is_ok() {
+                within_skin += 1;
+            } else if pair.i == pair.j && pair.image == [0; 3] {
+                errors.self_pairs += 1;
+            } else {
+                spurious.add(pair, self.scene.depth(pair));
+            }
+        }
+        for &pair in self.truth.iter().filter(|pair| reported.binary_search(pair).is_err()) {
+            missed.add(pair, self.scene.depth(pair));
+        }
+        Ok(verification(Taken::Images, errors, missed, spurious, unknown, one_sided, within_skin))
+    }
+
+    fn without_images(
+        &self,
+        pairs: &[Couple],
+        naming: &Naming,
+        both_sides: bool,
+    ) -> anyhow::Result<Verification> {
+        let (known, unknown) = naming.apply(pairs, self.scene.scene.len())?;
+        // How often a pair is there, as i,j and as j,i.
+        let mut counts: HashMap<[u32; 2], [usize; 2]> = HashMap::new();
+        counts.try_reserve(known.len()).context("no memory for the pairs; compare a part")?;
+        for [i, j] in known {
+            counts.entry([i.min(j), i.max(j)]).or_default()[usize::from(j < i)] += 1;
+        }
+        let (mut one_sided, mut reported) = (Vec::new(), Vec::new());
+        for (pair, [forward, backward]) in counts {
+            let count = match both_sides {
+                false => forward + backward,
+                // The image at the other side is listed as the same pair.
+                true if pair[0] == pair[1] => forward.div_ceil(2),
+                true => {
+                    if forward != backward {
+                        let [i, j] = pair.map(i64::from);
+                        io::room(&mut one_sided)?;
+                        one_sided.push(if forward > backward { [i, j] } else { [j, i] });
+                    }
+                    forward.max(backward)
+                }
+            };
+            io::room(&mut reported)?;
+            reported.push((pair, count));
+        }
+        reported.sort_unstable();
+        one_sided.sort_unstable();
+        let twice = |w: &[ImagePair]| (w[0].i, w[0].j) == (w[1].i, w[1].j);
+        let several = [self.truth, self.near].iter().any(|list| list.windows(2).any(twice));
+        let once = self.counted(&reported, true);
+        let best = if several {
+            let each = self.counted(&reported, false);
+            if once.0.wrong() < each.0.wrong() { (Taken::Once, once) } else { (Taken::Each, each) }
+        } else {
+            (Taken::Pairs, once)
+        };
+        let (taken, (errors, missed, spurious, within_skin)) = best;
+        Ok(verification(taken, errors, missed, spurious, unknown, one_sided, within_skin))
+    }
+
+    /// Against the pairs: each as often as images of it touch, or once.
+    fn counted(&self, reported: &[([u32; 2], usize)], once: bool) -> (Errors, Worst, Worst, u64) {
+        let of = |images: &[ImagePair]| -> HashMap<[u32; 2], Vec<ImagePair>> {
+            let mut of: HashMap<[u32; 2], Vec<ImagePair>> = HashMap::new();
+            images.iter().for_each(|&pair| of.entry([pair.i, pair.j]).or_default().push(pair));
+            of
+        };
+        let (mut touching, near) = (of(self.truth), of(self.near));
+        let (mut errors, mut within_skin) = (Errors::default(), 0);
+        let (mut missed, mut spurious) = (Worst::default(), Worst::default());
+        for &(pair, count) in reported {
+            let mut images = touching.remove(&pair).unwrap_or_default();
+            let beside = near.get(&pair).map_or(0, Vec::len).saturating_sub(images.len());
+            let (expected, may) = match once {
+                true => (images.len().min(1), usize::from(images.is_empty() && beside > 0)),
+                false => (images.len(), beside),
+            };
+            within_skin += count.saturating_sub(expected).min(may) as u64;
+            let more = count.saturating_sub(expected + may) as u64;
+            if expected + may == 0 && pair[0] == pair[1] {
+                errors.self_pairs += 1;
+                errors.duplicate += more - 1;
+            } else if expected + may == 0 {
+                let nearest = self.scene.nearest(pair);
+                spurious.add(nearest, self.scene.depth(nearest));
+                errors.duplicate += more - 1;
+            } else {
+                errors.duplicate += more;
+            }
+            // Which ones are there is not known: the deepest, to be fair.
+            images.sort_by(|a, b| self.scene.depth(*b).total_cmp(&self.scene.depth(*a)));
+            images.truncate(expected);
+            for &pair in images.iter().skip(count) {
+                missed.add(pair, self.scene.depth(pair));
+            }
+        }
+        for images in touching.values() {
+            let count = if once { 1 } else { images.len() };
+            for &pair in images.iter().take(count) {
+                missed.add(pair, self.scene.depth(pair));
+            }
+        }
+        errors.missed = missed.count;
+        errors.spurious = spurious.count;
+        (errors, missed, spurious, within_skin)
+    }
+}
+
+/// The worst of many pairs, and how many there are.
+#[derive(Default)]
+struct Worst {
+    pairs: Vec<(ImagePair, f64)>,
+    count: u64,
+    largest: f64,
+}
+
+impl Worst {
+    fn add(&mut self, pair: ImagePair, depth: f64) {
+        self.count += 1;
+        self.largest = self.largest.max(depth.abs());
+        self.pairs.push((pair, depth));
+        if self.pairs.len() == 2 * WORST {
+            self.keep();
+        }
+    }
+
+    fn keep(&mut self) {
+        self.pairs.sort_by(|(p, a), (q, b)| b.abs().total_cmp(&a.abs()).then(p.cmp(q)));
+        self.pairs.truncate(WORST);
+    }
+}
+
+fn verification(
+    taken: Taken,
+    errors: Errors,
+    mut missed: Worst,
+    mut spurious: Worst,
+    unknown: Vec<Couple>,
+    one_sided: Vec<Couple>,
+    within_skin: u64,
+) -> Verification {
+    missed.keep();
+    spurious.keep();
+    let errors = Errors {
+        missed: missed.count,
+        spurious: spurious.count,
+        deepest_miss: missed.largest,
+        widest_false: spurious.largest,
+        ..errors
+    };
+    Verification {
+        contacts: 0,
+        errors,
+        unknown,
+        missed: missed.pairs,
+        spurious: spurious.pairs,
+        one_sided,
+        within_skin,
+        reading: None,
+        taken,
+    }
+}
+
+/// The reading with the fewest pairs that differ, if it is better by half than the list as it
+/// stands.
+fn explain(
+    periodic: &Periodic<'_>,
+    scene: &InBox<'_>,
+    list: Listed<'_>,
+    namings: &[&Naming],
+    truth: &[ImagePair],
+    terms: Terms,
+) -> anyhow::Result<Option<Reading>> {
+    let limit = terms.memory_limit;
+    let wrong = |found: &Verification| {
+        found.errors.wrong() + (found.unknown.len() + found.one_sided.len()) as u64
+    };
+    let turned: Option<Vec<[i32; 3]>> =
+        list.images.map(|images| images.iter().map(|s| s.map(i32::wrapping_neg)).collect());
+    let view = View { scene, truth, near: &[] };
+    let mut best: Option<(u64, usize, bool, bool, Verification)> = None;
+    let mut given = None;
+    for (k, naming) in namings.iter().enumerate() {
+        for both_sides in [false, true] {
+            for turn in [false, true] {
+                let images = match (turn, &turned) {
+                    (false, _) => list.images,
+                    (true, Some(images)) => Some(images.as_slice()),
+                    (true, None) => continue,
+                };
+                let allowed = Allowed { both_sides, ..Allowed::default() };
+                let found = view.compare(Listed { images, ..list }, naming, allowed)?;
+                let wrong = wrong(&found);
+                given.get_or_insert(wrong);
+                if best.as_ref().is_none_or(|best| wrong < best.0) {
+                    best = Some((wrong, k, both_sides, turn, found));
+                }
+            }
+        }
+    }
+    let (Some(given), Some((mut least, k, both_sides, turned_round, found))) = (given, best) else {
+        return Ok(None);
+    };
+    let mut reading = Reading {
+        meaning: namings[k].meaning(),
+        both_sides,
+        deviation: None,
+        periodic: None,
+        declared: None,
+        turned: turned_round,
+        open: false,
+        listed: 0,
+        wrong: least,
+    };
+    let images = if turned_round { turned.as_deref() } else { list.images };
+    let list = Listed { images, ..list };
+    let allowed = Allowed { both_sides, ..Allowed::default() };
+    let mut consider = |truth: &[ImagePair], near: &[ImagePair], reading: Reading| {
+        let found = View { scene, truth, near }.compare(list, namings[k], allowed)?;
+        let wrong = wrong(&found);
+        let better = wrong < least;
+        least = least.min(wrong);
+        anyhow::Ok(better.then_some(Reading { wrong, ..reading }))
+    };
+    let mut chosen = None;
+    if reading.wrong > 0 {
+        let open: Vec<ImagePair> =
+            truth.iter().copied().filter(|pair| pair.image == [0; 3]).collect();
+        let unshifted = open.len() < truth.len();
+        if unshifted
+            && let Some(better) = consider(&open, &[], Reading { open: true, ..reading.clone() })?
+        {
+            chosen = Some(better);
+        }
+        let Errors { missed, spurious, .. } = found.errors;
+        let flat = |pairs: &[(ImagePair, f64)]| pairs.iter().all(|(_, depth)| *depth == 0.0);
+        if spurious == 0 && missed > 0 && flat(&found.missed) {
+            let strict: Vec<ImagePair> =
+                truth.iter().copied().filter(|&pair| scene.depth(pair) != 0.0).collect();
+            let deviation = Some(Deviation::Strict);
+            let read = Reading { deviation, ..reading.clone() };
+            chosen = consider(&strict, &[], read)?.or(chosen);
+        }
+        if terms.arithmetic == Arithmetic::Exact && missed + spurious > 0 {
+            for arithmetic in [Arithmetic::F64, Arithmetic::F32] {
+                let Ok(rounded) = self::truth(periodic, arithmetic, limit) else { continue };
+                let deviation = Some(Deviation::Rounded(arithmetic));
+                let read = Reading { deviation, ..reading.clone() };
+                chosen = consider(&rounded, &[], read)?.or(chosen);
+            }
+        }
+        if missed == 0 && spurious > 0 {
+            let gap = found.spurious.iter().map(|&(pair, _)| scene.gap(pair)).fold(0.0, f64::max);
+            if let Ok(near) = within_gap(periodic, scene, gap, limit) {
+                let deviation = Some(Deviation::Skin(gap));
+                let read = Reading { deviation, ..reading.clone() };
+                // All up to the gap must be there.
+                chosen = consider(&near, &[], read)?.or(chosen);
+            }
+        }
+    }
+    if let Some(better) = chosen {
+        reading = better;
+    }
+    reading.listed = list.pairs.len() as u64;
+    if reading.both_sides {
+        reading.listed = reading.listed.div_ceil(2);
+    }
+    Ok((reading.wrong < given.div_ceil(2)).then_some(reading))
+}
+
+#[cfg(test)]
+mod tests;

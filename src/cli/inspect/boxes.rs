@@ -1,0 +1,179 @@
+//! What the box says.
+
+use anyhow::Context;
+use serde_json::json;
+
+use crate::cli::inspect::Line;
+use crate::cli::shared::input::Input;
+use crate::contact::Arithmetic;
+use crate::detect::{Options, table};
+use crate::io::boxes::along;
+use crate::io::{About, Particles};
+use crate::number::{number, plural};
+use crate::periodic::{self, ImagePair, Periodic};
+use crate::scene::{AnyScene, Lattice, Real};
+use crate::with_scene;
+
+/// A particle is outside the box where it is farther out than this part of a vector: the corner
+/// and the coordinates in units of the vectors are rounded.
+const ROUNDED: f64 = 1e-9;
+/// Copes with sizes and places of every kind.
+const DETECTOR: &str = "bvh";
+
+/// Prints the box of the file, and the one that counts.
+pub(super) fn report(particles: &Particles, about: &About, input: &Input, lines: &mut Vec<Line>) {
+    if let Some(bounds) = &about.bounds {
+        let text: Vec<String> =
+            bounds.iter().map(|[lo, hi]| format!("{} to {}", number(*lo), number(*hi))).collect();
+        lines.push(Line("box in the file", text.join(", "), vec![("declared_box", json!(bounds))]));
+    } else if let Some(vectors) = about.declared.as_ref().and_then(|declared| declared.vectors) {
+        let values = vec![("declared_vectors", json!(vectors))];
+        lines.push(Line("box in the file", rows(&vectors), values));
+    }
+    let Some(lattice) = particles.lattice() else {
+        let declared = about.declared.as_ref();
+        let why = match declared.map(|declared| declared.periodic) {
+            _ if input.open => "open (--open)",
+            _ if input.periodic.is_some() => "open (--periodic none)",
+            Some(Some(_)) => "open, as the file says",
+            Some(None) if declared.is_some_and(|declared| declared.vectors.is_some()) => {
+                "taken as open: the file does not say whether its box repeats"
+            }
+            _ => "open: there is no box in the file",
+        };
+        let periodic = json!([false; 3][..particles.dim()]);
+        lines.push(Line("boundaries", why.into(), vec![("periodic", periodic)]));
+        return;
+    };
+    let dim = particles.dim();
+    let axes = lattice.periodic();
+    let source = match (input.edges, input.periodic) {
+        (Some(_), Some(_)) => " (--box, --periodic)",
+        (Some(_), None) => " (--box)",
+        (None, Some(_)) => " (--periodic)",
+        (None, None) => ", as the file says",
+    };
+    lines.push(Line(
+        "boundaries",
+        format!("the box repeats along {}{source}", along(axes)),
+        vec![("periodic", json!(axes[..dim]))],
+    ));
+    let vectors = &lattice.vectors()[..dim];
+    let lengths: Vec<f64> =
+        vectors.iter().map(|v| v.iter().map(|x| x * x).sum::<f64>().sqrt()).collect();
+    let heights: Vec<f64> = (0..dim).map(|k| lattice.height(k)).collect();
+    let origin = &lattice.origin()[..dim];
+    let shape = if lattice.is_tilted() { "tilted" } else { "edges along the axes" };
+    let vectors: Vec<&[f64]> = vectors.iter().map(|vector| &vector[..dim]).collect();
+    lines.push(Line(
+        "box",
+        format!(
+            "vectors {}, lengths {}, {shape}; corner {}",
+            rows(&vectors),
+            list(&lengths),
+            list(origin)
+        ),
+        vec![
+            ("box_vectors", json!(vectors)),
+            ("box_lengths", json!(lengths)),
+            ("box_tilted", json!(lattice.is_tilted())),
+            ("box_origin", json!(origin)),
+            ("box_heights", json!(heights)),
+        ],
+    ));
+    let outside = (0..particles.len()).filter(|&k| is_outside(lattice, particles.centre(k)));
+    let outside = outside.count();
+    let same = if outside == 0 { "" } else { "; it does not matter which image a file names" };
+    lines.push(Line(
+        "outside the box",
+        format!("{}{same}", plural(outside, "particle")),
+        vec![("outside", json!(outside))],
+    ));
+}
+
+/// Is the point beyond a face at which the box repeats?
+fn is_outside(lattice: &Lattice, point: [f64; 3]) -> bool {
+    let origin = lattice.origin();
+    (0..3).filter(|&vector| lattice.periodic()[vector]).any(|vector| {
+        let dual = lattice.dual(vector);
+        let at: f64 = (0..3).map(|k| dual[k] * (point[k] - origin[k])).sum();
+        !(-ROUNDED..=1.0 + ROUNDED).contains(&at)
+    })
+}
+
+/// Prints the distances of the box's faces against the farthest that two bodies touch, and the
+/// contacts in the box; warns of boxes so small that the nearest image is not all.
+pub(super) fn reach(
+    scene: &AnyScene<'_>,
+    lattice: Lattice,
+    lines: &mut Vec<Line>,
+    warnings: &mut Vec<String>,
+) {
+    let reach = 2.0 * with_scene!(scene, scene => scene.largest_radius().wide());
+    let periodic = (0..3).filter(|&k| lattice.periodic()[k]);
+    let heights: Vec<(&str, f64)> =
+        periodic.map(|k| (["x", "y", "z"][k], lattice.height(k))).collect();
+    let text: Vec<String> =
+        heights.iter().map(|(axis, height)| format!("{axis} {}", number(*height))).collect();
+    lines.push(Line(
+        "between faces",
+        format!("{}; bodies touch over {} at most", text.join(", "), number(reach)),
+        vec![("reach", json!(reach))],
+    ));
+    match contacts(scene, lattice) {
+        Err(error) => {
+            warnings.push(format!("contacts across the box were not looked for: {error:#}"));
+        }
+        Ok(pairs) => {
+            let across = pairs.iter().filter(|pair| pair.image != [0; 3]).count();
+            let each = 2.0 * pairs.len() as f64 / scene.len().max(1) as f64;
+            lines.push(Line(
+                "in the box",
+                format!(
+                    "{} contacts (exact), {across} of them across it, {} per particle",
+                    pairs.len(),
+                    number(each)
+                ),
+                vec![
+                    ("contacts_in_box", json!(pairs.len())),
+                    ("contacts_across", json!(across)),
+                    ("coordination_in_box", json!(each)),
+                ],
+            ));
+        }
+    }
+    // The last places of a height are rounded: nobody is warned wrongly for want of one.
+    let narrow = |times: f64| {
+        let axes = heights.iter().filter(|(_, height)| *height <= times * reach * (1.0 + 1e-12));
+        axes.map(|(axis, _)| *axis).collect::<Vec<_>>().join(", ")
+    };
+    match (narrow(1.0), narrow(2.0)) {
+        (own, _) if !own.is_empty() => warnings
+            .push(format!("the box is so small along {own} that a body may touch its own image")),
+        (_, several) if !several.is_empty() => warnings.push(format!(
+            "the box is so small along {several} that two bodies may touch through several images, \
+             of which codes that look at the nearest one see one"
+        )),
+        _ => {}
+    }
+}
+
+/// Numbers with blanks between.
+fn list(numbers: &[f64]) -> String {
+    numbers.iter().map(|&x| number(x)).collect::<Vec<_>>().join(" ")
+}
+
+/// Vectors in brackets.
+fn rows<V: AsRef<[f64]>>(vectors: &[V]) -> String {
+    let rows: Vec<String> = vectors.iter().map(|v| format!("({})", list(v.as_ref()))).collect();
+    rows.join(" ")
+}
+
+fn contacts(scene: &AnyScene<'_>, lattice: Lattice) -> anyhow::Result<Vec<ImagePair>> {
+    let periodic = Periodic::new(scene.clone(), lattice)?;
+    let entry = table::find(DETECTOR).with_context(|| format!("there is no {DETECTOR}"))?;
+    let options = Options::default();
+    let mut detector = entry.make(options);
+    let limit = options.memory_limit;
+    Ok(periodic::contacts(&periodic, &mut *detector, Arithmetic::Exact, limit)?)
+}
