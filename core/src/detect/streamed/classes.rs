@@ -20,7 +20,7 @@ pub(super) const MOST: usize = 32;
 /// Scenes with fewer bodies are one class.
 const FEWEST: usize = 64;
 /// What it takes to find a row of candidates, in contact tests: measured.
-const ROW: f64 = 20.0;
+const ROW: f64 = 30.0;
 /// What a class takes beside its bodies, in contact tests.
 const CLASS: f64 = 2000.0;
 
