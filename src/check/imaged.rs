@@ -6,26 +6,22 @@
 
 use std::collections::HashMap;
 
-use anyhow::{Context, bail, ensure};
+use anyhow::{Context, bail};
 
 use crate::check::listed::{
     Allowed, Couple, Naming, READING_BYTES, Taken, Terms, Verification, WORST, room_for,
 };
 use crate::check::reading::{Deviation, Reading};
 use crate::contact::Arithmetic;
-use crate::contact::depth::depth_of_image;
-use crate::contact::image::Shift;
 use crate::detect::{Options, table};
 use crate::io;
 use crate::oracle::Errors;
-use crate::periodic::{self, ImagePair, Periodic};
-use crate::scene::{AnyScene, Lattice, Radii, Real, Scene, Stored, array};
+use crate::periodic::{self, ImagePair, Periodic, depth};
+use crate::scene::{AnyScene, Radii, Real, Scene};
 use crate::with_scene;
 
-/// Up to so many particles the truth tests all pairs; above, two detectors must agree.
-const BRUTE_FORCE: usize = 3000;
-/// Detectors that cope with sizes and places of every kind.
-const DETECTORS: [&str; 2] = ["bvh", "streamed-nbs"];
+/// Copes with sizes and places of every kind.
+const DETECTOR: &str = "bvh";
 
 /// A list as it was read: pairs, and the image of the second, if there is one.
 #[derive(Clone, Copy, Debug)]
@@ -58,19 +54,18 @@ impl Verification {
                 );
             }
         }
-        let scene = &scene_of(periodic)?;
-        let truth = truth(periodic, terms.arithmetic, terms.memory_limit)?;
+        let truth = periodic::truth(periodic, terms.arithmetic, terms.memory_limit)?.pairs;
         let near = match terms.allowed.skin {
-            skin if skin > 0.0 => within_gap(periodic, scene, skin, terms.memory_limit)?,
+            skin if skin > 0.0 => within_gap(periodic, skin, terms.memory_limit)?,
             _ => Vec::new(),
         };
-        let view = View { scene, truth: &truth, near: &near };
+        let view = View { periodic, truth: &truth, near: &near };
         let mut found = view.compare(list, naming, terms.allowed)?;
         found.contacts = truth.len() as u64;
         let small = (list.pairs.len() + truth.len()) as u64 * READING_BYTES <= terms.memory_limit;
         if !found.is_same() && terms.allowed == Allowed::default() && small {
             let namings: Vec<&Naming> = std::iter::once(naming).chain(others).collect();
-            found.reading = explain(periodic, scene, list, &namings, &truth, terms)?;
+            found.reading = explain(periodic, list, &namings, &truth, terms)?;
         }
         Ok(found)
     }
@@ -114,45 +109,25 @@ impl Verification {
     }
 }
 
-/// The scene and the box, as depths need them.
-struct InBox<'a> {
-    scene: &'a AnyScene<'a>,
-    lattice: &'a Lattice,
-}
-
-fn scene_of<'a>(periodic: &'a Periodic<'_>) -> anyhow::Result<InBox<'a>> {
-    let scene = periodic.scene();
-    // Periodic scenes are in f64.
-    ensure!(
-        matches!(scene, AnyScene::Plane(Stored::F64(_)) | AnyScene::Space(Stored::F64(_))),
-        "a scene with a box is in f64"
-    );
-    Ok(InBox { scene, lattice: periodic.lattice() })
-}
-
-impl InBox<'_> {
-    /// The overlap of a contact in mean radii; negative where they are apart.
-    fn depth(&self, pair: ImagePair) -> f64 {
-        match self.scene {
-            AnyScene::Plane(Stored::F64(scene)) => depth_in(scene, self.lattice, pair),
-            AnyScene::Space(Stored::F64(scene)) => depth_in(scene, self.lattice, pair),
-            // See `scene_of`.
-            _ => 0.0,
-        }
-    }
-
-    /// How far apart they are, in the units of the scene.
-    fn gap(&self, pair: ImagePair) -> f64 {
-        let radius = |k: u32| with_scene!(self.scene, scene => scene.radius(k as usize).wide());
-        -self.depth(pair) * 0.5 * (radius(pair.i) + radius(pair.j))
-    }
-
+/// What is asked of a contact.
+trait Measure {
+    /// How far apart the particles are, in the units of the scene.
+    fn gap(&self, pair: ImagePair) -> f64;
     /// The image of j nearest to i, but for very skewed boxes; of a particle itself another one.
+    fn nearest(&self, pair: [u32; 2]) -> ImagePair;
+}
+
+impl Measure for Periodic<'_> {
+    fn gap(&self, pair: ImagePair) -> f64 {
+        let radius = |k: u32| with_scene!(self.scene(), scene => scene.radius(k as usize).wide());
+        -depth(self, pair) * 0.5 * (radius(pair.i) + radius(pair.j))
+    }
+
     fn nearest(&self, [i, j]: [u32; 2]) -> ImagePair {
-        let [a, b] = [i, j].map(|k| super::listed::particle(self.scene, k).0);
-        let axes = self.lattice.periodic();
+        let [a, b] = [i, j].map(|k| super::listed::particle(self.scene(), k).0);
+        let axes = self.lattice().periodic();
         let about: [i32; 3] = std::array::from_fn(|v| {
-            let dual = self.lattice.dual(v);
+            let dual = self.lattice().dual(v);
             let at: f64 = a.iter().zip(&b).zip(dual).map(|((a, b), dual)| (a - b) * dual).sum();
             if axes[v] { at.round().clamp(-1e9, 1e9) as i32 } else { 0 }
         });
@@ -162,7 +137,7 @@ impl InBox<'_> {
             for y in steps(1) {
                 for z in steps(2) {
                     let pair = ImagePair::new(i, j, [about[0] + x, about[1] + y, about[2] + z]);
-                    let depth = self.depth(pair);
+                    let depth = depth(self, pair);
                     if depth > best.0 && !(i == j && pair.image == [0; 3]) {
                         best = (depth, pair);
                     }
@@ -171,21 +146,6 @@ impl InBox<'_> {
         }
         best.1
     }
-}
-
-fn depth_in<const D: usize>(
-    scene: &Scene<'_, f64, D>,
-    lattice: &Lattice,
-    ImagePair { i, j, image }: ImagePair,
-) -> f64 {
-    let (i, j) = (i as usize, j as usize);
-    let (axes, rows) = (lattice.periodic(), lattice.vectors());
-    let vectors: [[f64; D]; 3] = std::array::from_fn(|v| std::array::from_fn(|k| rows[v][k]));
-    let image = std::array::from_fn(|v| if axes[v] { image[v] } else { 0 });
-    let [a, b] = [i, j].map(|k| array(&scene.centres()[k]));
-    let shift = Shift { image, vectors: &vectors };
-    let depth = depth_of_image(a, b, scene.radius(i), scene.radius(j), shift);
-    depth.clamp(-f64::MAX, f64::MAX)
 }
 
 fn by(
@@ -199,43 +159,16 @@ fn by(
     Ok(periodic::contacts(periodic, &mut *entry.make(options), arithmetic, limit)?)
 }
 
-/// What touches: by all pairs, or where they are many by two detectors.
-fn truth(
-    periodic: &Periodic<'_>,
-    arithmetic: Arithmetic,
-    limit: u64,
-) -> anyhow::Result<Vec<ImagePair>> {
-    if periodic.scene().len() <= BRUTE_FORCE {
-        return Ok(periodic::truth(periodic, arithmetic, limit)?.pairs);
-    }
-    let [one, other] = DETECTORS;
-    let first = by(one, periodic, arithmetic, limit)?;
-    let second = by(other, periodic, arithmetic, limit)?;
-    ensure!(
-        first == second,
-        "{one} and {other} disagree about the contacts of this scene, which is an error of this \
-         program; please report it with the file"
-    );
-    Ok(first)
-}
-
 /// All pairs that are apart by no more than a length, in order.
-fn within_gap(
-    periodic: &Periodic<'_>,
-    scene: &InBox<'_>,
-    gap: f64,
-    limit: u64,
-) -> anyhow::Result<Vec<ImagePair>> {
+fn within_gap(periodic: &Periodic<'_>, gap: f64, limit: u64) -> anyhow::Result<Vec<ImagePair>> {
     let larger = |r: f64| ((r + gap / 2.0) * (1.0 + 1e-9)).min(f64::MAX);
-    let swollen: AnyScene<'static> = match scene.scene {
-        AnyScene::Plane(Stored::F64(scene)) => swell(scene, larger)?.into(),
-        AnyScene::Space(Stored::F64(scene)) => swell(scene, larger)?.into(),
-        // See `scene_of`.
-        _ => bail!("a scene with a box is in f64"),
+    let swollen: AnyScene<'static> = match periodic.scene() {
+        AnyScene::Plane(scene) => swell(&scene.widened(), larger)?.into(),
+        AnyScene::Space(scene) => swell(&scene.widened(), larger)?.into(),
     };
     let swollen = Periodic::new(swollen, *periodic.lattice())?;
-    let mut near = by(DETECTORS[0], &swollen, Arithmetic::Exact, limit)?;
-    near.retain(|&pair| scene.gap(pair) <= gap);
+    let mut near = by(DETECTOR, &swollen, Arithmetic::Exact, limit)?;
+    near.retain(|&pair| periodic.gap(pair) <= gap);
     Ok(near)
 }
 
@@ -252,7 +185,7 @@ fn swell<const D: usize>(
 
 /// Against which a list is compared.
 struct View<'a> {
-    scene: &'a InBox<'a>,
+    periodic: &'a Periodic<'a>,
     truth: &'a [ImagePair],
     /// What may be there, beside.
     near: &'a [ImagePair],
@@ -278,7 +211,7 @@ impl View<'_> {
         naming: &Naming,
         both_sides: bool,
     ) -> anyhow::Result<Verification> {
-        let n = self.scene.scene.len();
+        let n = self.periodic.scene().len();
         let (mut known, mut unknown) = (room_for(pairs.len())?, Vec::new());
         for (&[i, j], &image) in pairs.iter().zip(images) {
             match (naming.place(i, n), naming.place(j, n)) {
@@ -318,11 +251,11 @@ impl View<'_> {
             } else if pair.i == pair.j && pair.image == [0; 3] {
                 errors.self_pairs += 1;
             } else {
-                spurious.add(pair, self.scene.depth(pair));
+                spurious.add(pair, depth(self.periodic, pair));
             }
         }
         for &pair in self.truth.iter().filter(|pair| reported.binary_search(pair).is_err()) {
-            missed.add(pair, self.scene.depth(pair));
+            missed.add(pair, depth(self.periodic, pair));
         }
         Ok(verification(Taken::Images, errors, missed, spurious, unknown, one_sided, within_skin))
     }
@@ -333,7 +266,7 @@ impl View<'_> {
         naming: &Naming,
         both_sides: bool,
     ) -> anyhow::Result<Verification> {
-        let (known, unknown) = naming.apply(pairs, self.scene.scene.len())?;
+        let (known, unknown) = naming.apply(pairs, self.periodic.scene().len())?;
         // How often a pair is there, as i,j and as j,i.
         let mut counts: HashMap<[u32; 2], [usize; 2]> = HashMap::new();
         counts.try_reserve(known.len()).context("no memory for the pairs; compare a part")?;
@@ -396,23 +329,23 @@ impl View<'_> {
                 errors.self_pairs += 1;
                 errors.duplicate += more - 1;
             } else if expected + may == 0 {
-                let nearest = self.scene.nearest(pair);
-                spurious.add(nearest, self.scene.depth(nearest));
+                let nearest = self.periodic.nearest(pair);
+                spurious.add(nearest, depth(self.periodic, nearest));
                 errors.duplicate += more - 1;
             } else {
                 errors.duplicate += more;
             }
             // Which ones are there is not known: the deepest, to be fair.
-            images.sort_by(|a, b| self.scene.depth(*b).total_cmp(&self.scene.depth(*a)));
+            images.sort_by(|a, b| depth(self.periodic, *b).total_cmp(&depth(self.periodic, *a)));
             images.truncate(expected);
             for &pair in images.iter().skip(count) {
-                missed.add(pair, self.scene.depth(pair));
+                missed.add(pair, depth(self.periodic, pair));
             }
         }
         for images in touching.values() {
             let count = if once { 1 } else { images.len() };
             for &pair in images.iter().take(count) {
-                missed.add(pair, self.scene.depth(pair));
+                missed.add(pair, depth(self.periodic, pair));
             }
         }
         errors.missed = missed.count;
@@ -480,7 +413,6 @@ fn verification(
 /// stands.
 fn explain(
     periodic: &Periodic<'_>,
-    scene: &InBox<'_>,
     list: Listed<'_>,
     namings: &[&Naming],
     truth: &[ImagePair],
@@ -492,7 +424,7 @@ fn explain(
     };
     let turned: Option<Vec<[i32; 3]>> =
         list.images.map(|images| images.iter().map(|s| s.map(i32::wrapping_neg)).collect());
-    let view = View { scene, truth, near: &[] };
+    let view = View { periodic, truth, near: &[] };
     let mut best: Option<(u64, usize, bool, bool, Verification)> = None;
     let mut given = None;
     for (k, naming) in namings.iter().enumerate() {
@@ -531,7 +463,7 @@ fn explain(
     let list = Listed { images, ..list };
     let allowed = Allowed { both_sides, ..Allowed::default() };
     let mut consider = |truth: &[ImagePair], near: &[ImagePair], reading: Reading| {
-        let found = View { scene, truth, near }.compare(list, namings[k], allowed)?;
+        let found = View { periodic, truth, near }.compare(list, namings[k], allowed)?;
         let wrong = wrong(&found);
         let better = wrong < least;
         least = least.min(wrong);
@@ -551,22 +483,23 @@ fn explain(
         let flat = |pairs: &[(ImagePair, f64)]| pairs.iter().all(|(_, depth)| *depth == 0.0);
         if spurious == 0 && missed > 0 && flat(&found.missed) {
             let strict: Vec<ImagePair> =
-                truth.iter().copied().filter(|&pair| scene.depth(pair) != 0.0).collect();
+                truth.iter().copied().filter(|&pair| depth(periodic, pair) != 0.0).collect();
             let deviation = Some(Deviation::Strict);
             let read = Reading { deviation, ..reading.clone() };
             chosen = consider(&strict, &[], read)?.or(chosen);
         }
         if terms.arithmetic == Arithmetic::Exact && missed + spurious > 0 {
             for arithmetic in [Arithmetic::F64, Arithmetic::F32] {
-                let Ok(rounded) = self::truth(periodic, arithmetic, limit) else { continue };
+                let Ok(rounded) = periodic::truth(periodic, arithmetic, limit) else { continue };
                 let deviation = Some(Deviation::Rounded(arithmetic));
                 let read = Reading { deviation, ..reading.clone() };
-                chosen = consider(&rounded, &[], read)?.or(chosen);
+                chosen = consider(&rounded.pairs, &[], read)?.or(chosen);
             }
         }
         if missed == 0 && spurious > 0 {
-            let gap = found.spurious.iter().map(|&(pair, _)| scene.gap(pair)).fold(0.0, f64::max);
-            if let Ok(near) = within_gap(periodic, scene, gap, limit) {
+            let gap =
+                found.spurious.iter().map(|&(pair, _)| periodic.gap(pair)).fold(0.0, f64::max);
+            if let Ok(near) = within_gap(periodic, gap, limit) {
                 let deviation = Some(Deviation::Skin(gap));
                 let read = Reading { deviation, ..reading.clone() };
                 // All up to the gap must be there.

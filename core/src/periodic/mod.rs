@@ -45,7 +45,7 @@ pub mod images;
 mod truth;
 
 pub use contacts::{contacts, count, visit};
-pub use truth::{Truth, compare, depth, truth};
+pub use truth::{BRUTE_FORCE, Truth, compare, depth, truth};
 
 use crate::scene::{AnyScene, Lattice, LatticeError};
 

@@ -9,8 +9,9 @@
 //! apart along one axis: there the computed xi - xj - S·H has an error of at most 8u times the sum
 //! of the magnitudes of its terms (five terms, products with one rounding more).
 //!
-//! Above [`BRUTE_FORCE`] particles two detectors must give the same contacts, and random particles
-//! are held against all others in this way, as in [`crate::oracle`].
+//! Above [`BRUTE_FORCE`] particles, fewer than in open scenes since a pair takes longer, two
+//! detectors must give the same contacts, and random particles are held against all others in this
+//! way, as in [`crate::oracle`].
 //!
 //! **Rounded.** What a rounded test says depends on rounded images, so those are given: the truth
 //! is that of the open scene of all bodies that detectors get ([`super::images`]), as stored.
@@ -23,10 +24,15 @@ use crate::contact::Arithmetic;
 use crate::contact::depth::depth_of_image;
 use crate::contact::image::Shift;
 use crate::detect::{Options, table};
-use crate::oracle::{self, BRUTE_FORCE, Errors, NoTruth, SAMPLE};
+use crate::oracle::{self, Errors, NoTruth, SAMPLE};
 use crate::refusal::Refusal;
 use crate::scene::{AnyScene, Scene, array};
 use crate::sink::{Digest, splitmix64};
+
+/// Up to this number of particles every pair is tested.
+pub const BRUTE_FORCE: usize = 3_000;
+/// Above it, random particles are tested against all others: as many as make about so many tests.
+const TESTS: usize = 20_000_000;
 
 /// The set of contacts.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -92,7 +98,7 @@ fn agreed(
     let n = periodic.scene().len();
     let options = Options { memory_limit: limit, ..Options::default() };
     let mut first: Option<(&'static str, Vec<ImagePair>)> = None;
-    for name in ["nbs", "sorting", "binary-tree", "kd-tree"] {
+    for name in ["bvh", "streamed-nbs", "nbs", "sorting"] {
         let Some(entry) = table::find(name) else { continue };
         let detector = &mut *entry.make(options);
         let pairs = match super::contacts(periodic, detector, Arithmetic::Exact, limit) {
@@ -109,7 +115,7 @@ fn agreed(
             return Err(NoTruth::Disagree { first: earlier, second: entry.name, a, b });
         }
         let mut chosen = vec![false; n];
-        for k in 0..SAMPLE as u64 {
+        for k in 0..(TESTS / n).clamp(16, SAMPLE) as u64 {
             chosen[(splitmix64(k) % n as u64) as usize] = true;
         }
         let of_chosen = |pair: &&ImagePair| chosen[pair.i as usize] || chosen[pair.j as usize];
