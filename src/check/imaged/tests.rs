@@ -1,4 +1,6 @@
 use super::*;
+use crate::periodic::BRUTE_FORCE;
+use crate::scene::Lattice;
 use crate::scene::spec::Spec;
 
 /// Discs in a box of these edges that repeats along both.
@@ -126,14 +128,13 @@ fn the_nearest_image_is_found() {
     let vectors = [[4.0, 0.0, 0.0], [3.0, 1.0, 0.0], [0.0, 0.0, 9.0]];
     let lattice = Lattice::new(vectors, [true, true, false], [0.0; 3]).unwrap();
     let periodic = Periodic::new(scene.unwrap().into(), lattice).unwrap();
-    let scene = scene_of(&periodic).unwrap();
     // By -3 of the second vector and 27 of the first, (1.25, 0) are left; by -4 and 28, (0.25, 1),
     // which is shorter, though the fractions of the difference are 27.3125 and -3.
-    let pair = scene.nearest([0, 1]);
+    let pair = periodic.nearest([0, 1]);
     assert_eq!((pair.i, pair.j, pair.image), (0, 1, [28, -4, 0]));
     let distance = (0.0625f64 + 1.0 + 0.25).sqrt();
-    assert!((scene.depth(pair) + 2.0 * (distance - 1.0)).abs() < 1e-14);
-    assert!((scene.gap(pair) - (distance - 1.0)).abs() < 1e-14);
+    assert!((depth(&periodic, pair) + 2.0 * (distance - 1.0)).abs() < 1e-14);
+    assert!((periodic.gap(pair) - (distance - 1.0)).abs() < 1e-14);
 }
 
 /// Beyond what is tested by all pairs, and against the guess of a list that knows no box.
