@@ -147,9 +147,15 @@ fn tested<const D: usize>(
     // A sphere is half of the box around it, of a skewed one far less; most pairs have none.
     let most = 8.0 * n as f64 * n as f64 + 16.0 * (limit / IMAGE_PAIR_BYTES) as f64;
     let (mut images, mut list) = (0.0, List::new(limit));
+    let few: Vec<usize> = match chosen {
+        Some(chosen) => (0..n).filter(|&j| chosen[j]).collect(),
+        None => Vec::new(),
+    };
     for i in 0..n {
         let all = chosen.is_none_or(|chosen| chosen[i]);
-        for j in (i..n).filter(|&j| all || chosen.is_some_and(|chosen| chosen[j])) {
+        // All later particles, or those of them that are chosen.
+        let few = if all { &[][..] } else { &few[few.partition_point(|&j| j < i)..] };
+        for j in (i..if all { n } else { i }).chain(few.iter().copied()) {
             let sum = scene.radius(i) + scene.radius(j);
             let ranges = around(frame, [i, j], at(i), at(j), sum)?;
             images += ranges.map(|[low, high]| f64::from(high - low + 1)).iter().product::<f64>();

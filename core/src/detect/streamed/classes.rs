@@ -13,10 +13,11 @@
 
 use super::grid::CELLS_PER_PARTICLE;
 use crate::contact::Bodies;
+use crate::detect::modern::crowd::CLASSES;
 use crate::scene::Real;
 
 /// Octaves that are told apart: what is smaller than 2^-31 of the largest body is in the last.
-pub(super) const MOST: usize = 32;
+pub(super) const MOST: usize = CLASSES;
 /// Scenes with fewer bodies are one class.
 const FEWEST: usize = 64;
 /// What it takes to find a row of candidates, in contact tests: measured.
@@ -28,6 +29,8 @@ const CLASS: f64 = 2000.0;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Class<const D: usize> {
     pub bodies: usize,
+    /// Octaves of radii that it has.
+    pub octaves: usize,
     /// The largest radius.
     pub largest: f64,
     /// The sum of all radii.
@@ -40,6 +43,7 @@ pub(super) struct Class<const D: usize> {
 impl<const D: usize> Class<D> {
     const EMPTY: Class<D> = Class {
         bodies: 0,
+        octaves: 0,
         largest: 0.0,
         sum: 0.0,
         low: [f64::INFINITY; D],
@@ -56,12 +60,14 @@ impl<const D: usize> Class<D> {
         self.largest = if radius > self.largest { radius } else { self.largest };
         self.sum += radius;
         self.bodies += 1;
+        self.octaves = 1;
     }
 
     /// Both together.
     pub fn with(&self, other: &Class<D>) -> Class<D> {
         Class {
             bodies: self.bodies + other.bodies,
+            octaves: self.octaves + other.octaves,
             largest: self.largest.max(other.largest),
             sum: self.sum + other.sum,
             low: std::array::from_fn(|k| self.low[k].min(other.low[k])),
@@ -116,7 +122,7 @@ pub(super) struct Classes<const D: usize> {
 }
 
 impl<const D: usize> Classes<D> {
-    /// Those of a scene, if there are several.
+    /// Those of a scene, if there is more than one octave of radii.
     pub fn of<T: Real>(bodies: &impl Bodies<T, D>) -> Option<Classes<D>> {
         let n = bodies.len() as u32;
         if bodies.uniform().is_some() || bodies.len() < FEWEST {
@@ -128,7 +134,7 @@ impl<const D: usize> Classes<D> {
             least = if radius < least { radius } else { least };
             largest = if radius > largest { radius } else { largest };
         }
-        if octave(largest, least) == 0 {
+        if least == largest || octave(largest, least) == 0 {
             return None;
         }
         let mut octaves = [const { Class::EMPTY }; MOST];
@@ -136,8 +142,7 @@ impl<const D: usize> Classes<D> {
             let radius = bodies.radius(id);
             octaves[octave(largest, radius)].take(bodies.position(id), radius);
         }
-        let classes = Classes::best(largest, &octaves);
-        (classes.count > 1).then_some(classes)
+        Some(Classes::best(largest, &octaves))
     }
 
     /// The partition of the octaves that takes least.

@@ -39,7 +39,7 @@ pub(super) const STEPS_OFF: f64 = 2.1;
 /// lose more than loose ones gain.
 pub(super) const CELLS_PER_PARTICLE: f64 = 3.0;
 /// So few particles that a crowd does not matter.
-const FEW: usize = 4096;
+pub(super) const FEW: usize = 4096;
 /// 2^52: added to a number below it, it leaves the nearest whole number in the lowest bits.
 const WHOLE: f64 = (1u64 << 52) as f64;
 
@@ -149,7 +149,8 @@ impl<const D: usize> Domain<D> {
         // Points without extent touch only where they coincide (or underflow): any larger cell will
         // do.
         let points = if points {
-            self.lengths[D - 1] / libm::pow(self.bodies.max(1) as f64, 1.0 / D as f64)
+            self.lengths.iter().copied().fold(0.0, f64::max)
+                / libm::pow(self.bodies.max(1) as f64, 1.0 / D as f64)
         } else {
             0.0
         };
@@ -242,7 +243,7 @@ fn edge_for<const D: usize>(lengths: [f64; D], reach: f64, n: usize) -> f64 {
         return reach;
     }
     // Between the reach and the longest axis; an axis shorter than the edge has one cell.
-    let (mut small, mut large) = (reach, lengths[D - 1].max(reach));
+    let (mut small, mut large) = (reach, lengths.iter().copied().fold(reach, f64::max));
     while large / small > 1.02 {
         let middle = small.sqrt() * large.sqrt();
         if cells(middle) <= most { large = middle } else { small = middle }

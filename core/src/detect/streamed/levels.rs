@@ -3,7 +3,7 @@
 
 use super::classes::{Class, Classes, MOST};
 use super::dense::{Bundles, grow};
-use super::grid::{Domain, Grid, axes};
+use super::grid::{Domain, FEW, Grid, axes};
 use super::kernel::Bounds;
 use super::lists::Lists;
 use super::pair_sink::Deliver;
@@ -17,6 +17,10 @@ use crate::detect::{Declare, Detector, Refusal, within};
 use crate::probe::{Op, Probe};
 use crate::scene::Real;
 use crate::sink::Sink;
+
+/// Grids of two classes with as many steps of one in a step of the other, or more, are not
+/// compared: squares of distances, up to 2^124 then, must fit the floats of the kernel.
+const FINEST: f64 = (1u64 << 40) as f64;
 
 /// A class with its grid.
 #[derive(Clone, Copy)]
@@ -47,6 +51,9 @@ impl<const D: usize> Streamed<D> {
             self.formula = Declare::formula_bytes(&self.crowded);
             return result.map_err(|refusal| refusal.of(NAME));
         };
+        if classes.all().len() == 1 {
+            return self.sweep(bodies, probe, sink);
+        }
         let Streamed { options, level, workers, each, formula, .. } = self;
         let count = classes.all().len();
         let all = || levels.iter().flatten();
@@ -100,7 +107,7 @@ impl<const D: usize> Streamed<D> {
     }
 
     /// The grid of each class; none if the cells of one cannot be numbered, or its bodies crowd in
-    /// them.
+    /// them, or grids are so different that distances do not fit both.
     fn levels<T: Real>(
         &self,
         classes: &Classes<D>,
@@ -114,10 +121,24 @@ impl<const D: usize> Streamed<D> {
             let reach = bodies.slack().reach(class.largest, class.largest);
             let domain = Domain::along(axes, (class.low, class.high), reach, class.bodies);
             let Some((grid, crowd)) = domain.dense() else { return Ok(None) };
+            // Cells as wide as the reach are not crowded, unless that is the reach of few.
+            let crowd = crowd || class.octaves > 1 && class.bodies > FEW;
             may_crowd |= crowd;
             let bounds = Bounds::of(bodies.slack(), reach, &grid, None);
             let plan = Plan::new(&grid, class.bodies);
             *level = Some(Level { class: *class, grid, plan, bounds, may_crowd: crowd });
+        }
+        let all = || levels.iter().flatten();
+        let too_far = |(k, host): (usize, &Level<D>)| {
+            all().take(k).any(|larger| {
+                let shift = host.grid.origin_of(&larger.grid);
+                let finite = shift.iter().all(|x| x.is_finite());
+                // Also where the quotient is no number.
+                !(finite && host.grid.finer_than(&larger.grid) < FINEST)
+            })
+        };
+        if all().enumerate().any(too_far) {
+            return Ok(None);
         }
         if may_crowd && self.form.is_none() {
             let place = |id| {
@@ -126,7 +147,7 @@ impl<const D: usize> Streamed<D> {
             };
             let company = company(bodies.len(), place, |number| classes.all()[number].bodies);
             let crowded = |(of, &company): (&Level<D>, _)| of.may_crowd && company > CROWD;
-            if levels.iter().flatten().zip(&company).any(crowded) {
+            if all().zip(&company).any(crowded) {
                 return Ok(None);
             }
         }

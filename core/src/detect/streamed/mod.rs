@@ -35,7 +35,8 @@
 //! * Refuses scenes of 2^31 cells and more along an axis in the sparse form, extents
 //!   that overflow, and more than 2^31 - 1 particles.
 //! * Threads: in the dense form, from 20,000 particles on; one where there are classes of sizes.
-//! * In `textbook` arithmetic its filters are as safe as in f64: the book prints none for it.
+//! * In `textbook` arithmetic its filters are as safe as in f64, but for classes that are left to
+//!   [`HGrid`]: the book prints none for it.
 
 mod classes;
 mod dense;

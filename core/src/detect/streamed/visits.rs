@@ -22,7 +22,9 @@
 //! pair that touches has |Qj - Qi| <= ρ, the reach in steps, computed with a relative error below
 //! 2^-49. So |qj - v| <= R = ρ + 2 + 2m + (ρ + m·p + |c|)2^-46, with the largest of m·p + |c| over
 //! all axes. Distances of v from the borders of cells are rounded by less than what R has to spare.
-//! Where a number overflows, or is none, all cells of the axis are looked at.
+//! Where m would be 2^40 or more, or c is not finite, classes do not visit each other
+//! ([`super::levels`]): so squares are at most 2^124, and fit f32 as well. A visitor so far away
+//! that its margin overflows is beyond the grid.
 //!
 //! **Distances** are decided as in [`super::kernel`]. Coordinates are off by at most 1.01 + 1.01m
 //! along each axis, and by (m·p + |c|)2^-47; along x both have 24 bits; along the others v minus

@@ -32,6 +32,9 @@ fn classes(radii: Vec<f64>, edge: f64) -> Vec<usize> {
     let scene = scene::<3>(radii, edge);
     let bodies = any_bodies(&scene, Test::Exact).unwrap();
     let Some(classes) = Classes::of(&bodies) else { return Vec::new() };
+    if classes.all().len() == 1 {
+        return Vec::new();
+    }
     let mut found = vec![0; classes.all().len()];
     for id in 0..bodies.len() as u32 {
         let class = &classes.all()[classes.number(bodies.radius(id))];
@@ -60,7 +63,7 @@ fn classes_are_those_that_save_work() {
 
 fn assert_right(scene: &AnyScene<'_>, what: &str) -> u64 {
     let mut contacts = 0;
-    for arithmetic in Arithmetic::ALL {
+    for arithmetic in Arithmetic::SAFE {
         let Ok(truth) = oracle::truth(scene, arithmetic) else { continue };
         let stored = scene.stored(arithmetic).unwrap();
         for (way, threads) in [
@@ -72,9 +75,12 @@ fn assert_right(scene: &AnyScene<'_>, what: &str) -> u64 {
         ] {
             let spec = table::parse(&format!("streamed-nbs:{way}")).unwrap();
             let mut pairs = Vec::new();
-            spec.make(Options { threads, ..Options::default() })
-                .list(&stored, arithmetic.test(), &mut pairs)
-                .unwrap();
+            let mut detector = spec.make(Options { threads, ..Options::default() });
+            match detector.list(&stored, arithmetic.test(), &mut pairs) {
+                Ok(()) => {}
+                Err(Refusal::Extent { .. } | Refusal::Domain { .. }) => continue,
+                Err(refusal) => panic!("{what} {spec} {arithmetic:?}: {refusal}"),
+            }
             let found = Digest::from_pairs(&pairs);
             assert_eq!(found, truth.digest, "{what} {spec} {arithmetic:?}");
             contacts += found.contacts;
@@ -156,4 +162,77 @@ fn a_giant_costs_what_is_around_it() {
         assert!(more.abs() <= 1.3 * around + 0.1 * without, "{giant}: {more} of {around}");
         assert!(count(&[giant], Op::LevelProbe) > 0.0);
     }
+}
+
+/// Dust so much smaller than a ball, or numbers so large or small, that squares of distances
+/// overflow in f32, or in f64.
+#[test]
+fn sizes_at_the_ends_of_doubles_lose_and_add_nothing() {
+    for (dust, space, ball, x) in [
+        (1e80, 1e82, 1e110, 1e110),
+        (1e98, 1e100, 1e125, 1e125),
+        (1e-45, 1e-43, 1e110, 0.5e110),
+        (1e-203, 1e-200, 1e110, 0.5e110),
+        (1e-5, 1e-3, 1e20, 1e20),
+    ] {
+        let mut random = ChaCha8Rng::seed_from_u64(7);
+        let near = |_| Point::from([(); 3].map(|()| space * (2.0 * random.random::<f64>() - 1.0)));
+        let mut centres: Vec<Point<f64, 3>> = (0..200).map(near).collect();
+        centres.push(Point::from([x, 0.0, 0.0]));
+        let radii: Vec<f64> = (0..200).map(|_| dust).chain([ball]).collect();
+        let scene = Scene::new(centres, Radii::Each(radii.into())).unwrap();
+        assert!(assert_right(&scene.into(), &format!("dust {dust:e}, ball {ball:e}")) > 0);
+    }
+}
+
+#[test]
+fn doubles_of_any_exponent_are_decided() {
+    let mut contacts = 0;
+    for seed in 0..60 {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let span = f64::from(random.random_range(1..300));
+        let mut any = || 10f64.powf(span * (2.0 * random.random::<f64>() - 1.0));
+        let radii: Vec<f64> = (0..120).map(|_| any()).collect();
+        let centres: Vec<_> = (0..120).map(|_| Point::from([any(), -any(), any()])).collect();
+        let scene = Scene::new(centres, Radii::Each(radii.into())).unwrap();
+        contacts += assert_right(&scene.into(), &format!("seed {seed}"));
+    }
+    assert!(contacts > 10_000, "{contacts}");
+}
+
+fn streamed(scene: &AnyScene<'_>) -> (Tally, Digest, u64) {
+    let (mut tally, mut digest) = (Tally::default(), Digest::default());
+    let mut detector = table::find("streamed-nbs").unwrap().make(Options::default());
+    detector.count(scene, Test::Exact, &mut tally, &mut digest).unwrap();
+    (tally, digest, detector.formula_bytes())
+}
+
+/// A class that is flat along the longest axis of the scene has cells by its own lengths.
+#[test]
+fn dust_on_the_floor_of_a_tall_hall_takes_no_more_memory() {
+    let mut random = ChaCha8Rng::seed_from_u64(3);
+    let mut on_floor =
+        |_| Point::from([1000.0 * random.random::<f64>(), 1000.0 * random.random::<f64>(), 0.0]);
+    let mut centres: Vec<_> = (0..5000).map(&mut on_floor).collect();
+    centres.extend([[50.0, 50.0, 30.0], [20.0, 70.0, 190.0]].map(Point::from));
+    let radii: Vec<f64> = (0..5000).map(|_| 0.01).chain([30.0; 2]).collect();
+    let scene: AnyScene<'_> = Scene::new(centres, Radii::Each(radii.into())).unwrap().into();
+    let (_, digest, bytes) = streamed(&scene);
+    assert!(bytes < 200 * 5002, "{bytes}");
+    assert_eq!(digest, oracle::truth(&scene, Arithmetic::Exact).unwrap().digest);
+}
+
+/// A heap of dust among balls, which to the model is dust everywhere: it crowds, and is left to
+/// another grid.
+#[test]
+fn a_heap_of_dust_is_not_tested_against_itself() {
+    let mut random = ChaCha8Rng::seed_from_u64(4);
+    let mut within = |edge: f64| Point::from([(); 3].map(|()| edge * random.random::<f64>()));
+    let mut centres: Vec<_> = (0..6000).map(|_| within(2.0)).collect();
+    centres.extend((0..200).map(|_| within(80.0)));
+    let radii: Vec<f64> = (0..6200).map(|k| if k < 6000 { 0.01 } else { 1.0 }).collect();
+    let scene: AnyScene<'_> = Scene::new(centres, Radii::Each(radii.into())).unwrap().into();
+    let (tally, digest, _) = streamed(&scene);
+    assert!(tally.get(Op::ContactTest) < 100 * 6200, "{}", tally.get(Op::ContactTest));
+    assert_eq!(digest, oracle::truth(&scene, Arithmetic::Exact).unwrap().digest);
 }
