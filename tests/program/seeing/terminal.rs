@@ -48,7 +48,7 @@ fn the_verbs_write_what_they_say() {
         ),
         (
             &["draw", "packed:n=2", "--radius", "1"],
-            "--radius, --dim, --frame, --columns and --format belong to files",
+            "--columns, --format, --box, --periodic and --open belong to files",
         ),
         (&["trace", "nbs", "packed:n=100"], "100 particles; the steps of at most 60"),
         (&["trace", "nbs", "-o", "a<b>.csv/t"], "cannot write to a<b>.csv/t"),
