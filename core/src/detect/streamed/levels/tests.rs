@@ -212,7 +212,7 @@ fn streamed(scene: &AnyScene<'_>) -> (Tally, Digest, u64) {
 fn dust_on_the_floor_of_a_tall_hall_takes_no_more_memory() {
     let mut random = ChaCha8Rng::seed_from_u64(3);
     let mut on_floor =
-        |_| Point::from([1000.0 * random.random::<f64>(), 1000.0 * random.random::<f64>(), 0.0]);
+        |_| Point::from([100.0 * random.random::<f64>(), 100.0 * random.random::<f64>(), 0.0]);
     let mut centres: Vec<_> = (0..5000).map(&mut on_floor).collect();
     centres.extend([[50.0, 50.0, 30.0], [20.0, 70.0, 190.0]].map(Point::from));
     let radii: Vec<f64> = (0..5000).map(|_| 0.01).chain([30.0; 2]).collect();
