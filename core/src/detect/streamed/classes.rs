@@ -9,7 +9,7 @@
 //! ([`Class::work`], [`Class::visits`]). Since larger bodies visit finer classes one by one, the
 //! work in a class and of its visitors depends on where the class begins and ends alone, and the
 //! best partition is found octave by octave. Most scenes whose sizes differ by a small factor are
-//! one class, and are swept as if there were none.
+//! one class, and once that is known are swept as if there were none.
 
 use super::grid::CELLS_PER_PARTICLE;
 use crate::contact::Bodies;
