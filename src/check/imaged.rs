@@ -20,9 +20,6 @@ use crate::periodic::{self, ImagePair, Periodic, depth};
 use crate::scene::{AnyScene, Radii, Real, Scene};
 use crate::with_scene;
 
-/// Copes with sizes and places of every kind.
-const DETECTOR: &str = "bvh";
-
 /// A list as it was read: pairs, and the image of the second, if there is one.
 #[derive(Clone, Copy, Debug)]
 pub struct Listed<'a> {
@@ -148,15 +145,12 @@ impl Measure for Periodic<'_> {
     }
 }
 
-fn by(
-    name: &str,
-    periodic: &Periodic<'_>,
-    arithmetic: Arithmetic,
-    limit: u64,
-) -> anyhow::Result<Vec<ImagePair>> {
-    let entry = table::find(name).with_context(|| format!("there is no {name}"))?;
+/// All contacts in exact arithmetic, by a detector that copes with sizes and places of every kind;
+/// they and the images may take so many bytes each.
+pub fn contacts(periodic: &Periodic<'_>, limit: u64) -> anyhow::Result<Vec<ImagePair>> {
+    let entry = table::find("bvh").context("there is no bvh")?;
     let options = Options { memory_limit: limit, ..Options::default() };
-    Ok(periodic::contacts(periodic, &mut *entry.make(options), arithmetic, limit)?)
+    Ok(periodic::contacts(periodic, &mut *entry.make(options), Arithmetic::Exact, limit)?)
 }
 
 /// All pairs that are apart by no more than a length, in order.
@@ -167,7 +161,7 @@ fn within_gap(periodic: &Periodic<'_>, gap: f64, limit: u64) -> anyhow::Result<V
         AnyScene::Space(scene) => swell(&scene.widened(), larger)?.into(),
     };
     let swollen = Periodic::new(swollen, *periodic.lattice())?;
-    let mut near = by(DETECTOR, &swollen, Arithmetic::Exact, limit)?;
+    let mut near = contacts(&swollen, limit)?;
     near.retain(|&pair| periodic.gap(pair) <= gap);
     Ok(near)
 }

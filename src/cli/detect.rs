@@ -13,12 +13,12 @@ use crate::cli::shared::scene::Source;
 use crate::cli::shared::values;
 use crate::contact::Arithmetic;
 use crate::crowd;
+use crate::detect::Options;
 use crate::detect::spec::DetectorSpec;
-use crate::detect::{Options, Refusal};
 use crate::experiment::detectors;
 use crate::io;
 use crate::io::boxes::along;
-use crate::periodic::{self, IMAGE_PAIR_BYTES, ImagePair, Periodic};
+use crate::periodic::{self, IMAGE_PAIR_BYTES, List, Periodic};
 use crate::probe::{Op, Tally};
 use crate::run::alloc;
 use crate::sink::normalise;
@@ -119,31 +119,17 @@ fn within(
     let memory_limit = options.limit.bytes(scene.len());
     let mut detector = spec.make(Options { memory_limit, threads: options.threads });
     let started = Instant::now();
-    let ((result, tally), usage) = alloc::measure(|| {
-        let mut tally = Tally::default();
-        let found = collected(memory_limit, |contact| {
-            let arithmetic = options.arithmetic;
-            periodic::visit(
-                &periodic,
-                &mut *detector,
-                arithmetic,
-                memory_limit,
-                &mut tally,
-                contact,
-            )
-        });
-        (found, tally)
+    let mut list = List::new(memory_limit);
+    let mut tally = Tally::default();
+    let (result, usage) = alloc::measure(|| {
+        let mut push = |pair| list.push(pair);
+        let arithmetic = options.arithmetic;
+        periodic::visit(&periodic, &mut *detector, arithmetic, memory_limit, &mut tally, &mut push)
     });
     let seconds = started.elapsed().as_secs_f64();
-    let (mut pairs, found) = result.with_context(|| name.to_string())?;
-    if found > pairs.len() as u64 {
-        let particles = scene.len() as u64;
-        let refusal = Refusal::Pairs { found, particles, room: memory_limit };
-        return Err(refusal).with_context(|| name.to_string());
-    }
+    let pairs = result.and_then(|()| list.end(scene.len())).with_context(|| name.to_string())?;
     let bytes = pairs.capacity() as u64 * IMAGE_PAIR_BYTES;
     let memory = usage.map(|usage| usage.live_bytes.saturating_sub(bytes));
-    pairs.sort_unstable();
     match &options.output {
         Some(path) => io::write::images_of(path, &pairs, scene, lattice)?,
         None => {
@@ -168,20 +154,4 @@ fn within(
         options.arithmetic.name()
     );
     Ok(ExitCode::SUCCESS)
-}
-
-/// All contacts that are visited, as many as fit into so many bytes, and their number.
-fn collected(
-    limit: u64,
-    visit: impl FnOnce(&mut dyn FnMut(ImagePair)) -> Result<(), Refusal>,
-) -> Result<(Vec<ImagePair>, u64), Refusal> {
-    let (mut pairs, mut found) = (Vec::new(), 0u64);
-    let most = limit / IMAGE_PAIR_BYTES;
-    visit(&mut |pair| {
-        if found < most && found == pairs.len() as u64 && io::room(&mut pairs).is_ok() {
-            pairs.push(pair);
-        }
-        found += 1;
-    })?;
-    Ok((pairs, found))
 }

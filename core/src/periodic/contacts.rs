@@ -110,27 +110,29 @@ pub(super) fn stored(
     open.stored(arithmetic).map_err(|error| Refusal::Stored { arithmetic: arithmetic_name, error })
 }
 
-/// A list that ends at a limit and then only counts.
-pub(super) struct List {
+/// A list of contacts that ends at a limit and then only counts.
+pub struct List {
     pairs: Vec<ImagePair>,
     found: u64,
-    most: usize,
+    /// In bytes.
+    limit: u64,
 }
 
 impl List {
     /// Of so many bytes.
     pub fn new(limit: u64) -> List {
-        let most = usize::try_from(limit / IMAGE_PAIR_BYTES).unwrap_or(usize::MAX);
-        List { pairs: Vec::new(), found: 0, most }
+        List { pairs: Vec::new(), found: 0, limit }
     }
 
+    /// One more.
     pub fn push(&mut self, pair: ImagePair) {
         self.found += 1;
         if self.found != self.pairs.len() as u64 + 1 {
             return;
         }
         if self.pairs.len() == self.pairs.capacity() {
-            let more = self.pairs.len().max(4).min(self.most - self.pairs.len());
+            let most = usize::try_from(self.limit / IMAGE_PAIR_BYTES).unwrap_or(usize::MAX);
+            let more = self.pairs.len().max(4).min(most.saturating_sub(self.pairs.len()));
             if more == 0 || self.pairs.try_reserve_exact(more).is_err() {
                 self.pairs = Vec::new();
                 return;
@@ -139,13 +141,16 @@ impl List {
         self.pairs.push(pair);
     }
 
-    /// In ascending order.
+    /// In ascending order, of a scene of so many particles.
+    ///
+    /// # Errors
+    /// [`Refusal::Pairs`] if there were more than fit.
     pub fn end(mut self, particles: usize) -> Result<Vec<ImagePair>, Refusal> {
         if self.found != self.pairs.len() as u64 {
             return Err(Refusal::Pairs {
                 found: self.found,
                 particles: particles as u64,
-                room: (self.most as u64).saturating_mul(IMAGE_PAIR_BYTES),
+                room: self.limit,
             });
         }
         self.pairs.sort_unstable();

@@ -44,8 +44,8 @@ mod frame;
 pub mod images;
 mod truth;
 
-pub use contacts::{contacts, count, visit};
-pub use truth::{BRUTE_FORCE, Truth, compare, depth, truth};
+pub use contacts::{List, contacts, count, visit};
+pub use truth::{BRUTE_FORCE, Truth, depth, truth};
 
 use crate::scene::{AnyScene, Lattice, LatticeError};
 

@@ -24,7 +24,7 @@ use crate::contact::Arithmetic;
 use crate::contact::depth::depth_of_image;
 use crate::contact::image::Shift;
 use crate::detect::{Options, table};
-use crate::oracle::{self, Errors, NoTruth, SAMPLE};
+use crate::oracle::{self, NoTruth, SAMPLE};
 use crate::refusal::Refusal;
 use crate::scene::{AnyScene, Scene, array};
 use crate::sink::{Digest, splitmix64};
@@ -237,36 +237,6 @@ fn for_all([x, y, z]: [[i32; 2]; 3], mut call: impl FnMut([i32; 3])) {
             }
         }
     }
-}
-
-/// What a list of contacts misses and adds against the truth, both in ascending order, as
-/// [`crate::oracle::compare`] does: depths are those of the scene as given. A particle named as
-/// touching itself, not an image of it, counts as a self-pair.
-pub fn compare(reported: &[ImagePair], truth: &[ImagePair], periodic: &Periodic<'_>) -> Errors {
-    let (mut errors, mut last) = (Errors::default(), None);
-    let mut miss = |pair: ImagePair| {
-        errors.missed += 1;
-        errors.deepest_miss = errors.deepest_miss.max(depth(periodic, pair));
-    };
-    let mut truth = truth.iter().copied().peekable();
-    for &pair in reported {
-        if last.replace(pair) == Some(pair) {
-            errors.duplicate += 1;
-            continue;
-        }
-        while let Some(missed) = truth.next_if(|&t| t < pair) {
-            miss(missed);
-        }
-        if truth.next_if_eq(&pair).is_some() {
-        } else if pair.i == pair.j && pair.image == [0; 3] {
-            errors.self_pairs += 1;
-        } else {
-            errors.spurious += 1;
-            errors.widest_false = errors.widest_false.max(-depth(periodic, pair));
-        }
-    }
-    truth.for_each(miss);
-    errors
 }
 
 /// See [`depth_of_image`]; within the range of doubles. 0 for particles that the scene does not

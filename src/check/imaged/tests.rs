@@ -150,7 +150,8 @@ fn many_particles_are_compared_with_what_two_detectors_say() {
     });
     let cube = Lattice::along_axes(edges, [true; 3]).unwrap();
     let periodic = Periodic::new(pack, cube).unwrap();
-    let truth = by("kd-tree", &periodic, Arithmetic::Exact, 1 << 28).unwrap();
+    let mut other = table::find("kd-tree").unwrap().make(Options::default());
+    let truth = periodic::contacts(&periodic, &mut *other, Arithmetic::Exact, 1 << 28).unwrap();
     let listed = |pairs: &[ImagePair]| -> (Vec<[i64; 2]>, Vec<[i32; 3]>) {
         let names = pairs.iter().map(|pair| [pair.i, pair.j].map(i64::from));
         (names.collect(), pairs.iter().map(|pair| pair.image).collect())

@@ -1,24 +1,21 @@
 //! What the box says.
 
-use anyhow::Context;
 use serde_json::json;
 
+use crate::check::imaged;
 use crate::cli::inspect::Line;
 use crate::cli::shared::input::Input;
-use crate::contact::Arithmetic;
-use crate::detect::{Options, table};
+use crate::detect::Options;
 use crate::io::boxes::along;
 use crate::io::{About, Particles};
 use crate::number::{number, plural};
-use crate::periodic::{self, ImagePair, Periodic};
+use crate::periodic::{ImagePair, Periodic};
 use crate::scene::{AnyScene, Lattice, Real};
 use crate::with_scene;
 
 /// A particle is outside the box where it is farther out than this part of a vector: the corner
 /// and the coordinates in units of the vectors are rounded.
 const ROUNDED: f64 = 1e-9;
-/// Copes with sizes and places of every kind.
-const DETECTOR: &str = "bvh";
 
 /// Prints the box of the file, and the one that counts.
 pub(super) fn report(particles: &Particles, about: &About, input: &Input, lines: &mut Vec<Line>) {
@@ -171,9 +168,5 @@ fn rows<V: AsRef<[f64]>>(vectors: &[V]) -> String {
 
 fn contacts(scene: &AnyScene<'_>, lattice: Lattice) -> anyhow::Result<Vec<ImagePair>> {
     let periodic = Periodic::new(scene.clone(), lattice)?;
-    let entry = table::find(DETECTOR).with_context(|| format!("there is no {DETECTOR}"))?;
-    let options = Options::default();
-    let mut detector = entry.make(options);
-    let limit = options.memory_limit;
-    Ok(periodic::contacts(&periodic, &mut *detector, Arithmetic::Exact, limit)?)
+    imaged::contacts(&periodic, Options::default().memory_limit)
 }

@@ -156,7 +156,7 @@ impl<const D: usize> HGrid<D> {
         for id in 0..n as u32 {
             let class = self.levels.class(bodies.radius(id));
             let (level, cells) = self.levels.at(class);
-            let (first, _) = Level::strip(cells, bodies.position(id), probe);
+            let first = Level::strip(cells, bodies.position(id), probe);
             let slots = &mut self.slots[level.slots.clone()];
             let mut slot = level.slot(first);
             let is_new = loop {
@@ -166,7 +166,7 @@ impl<const D: usize> HGrid<D> {
                     break true;
                 }
                 probe.count(Op::KeyCompare);
-                if Level::strip(cells, bodies.position(other), probe).0 == first {
+                if Level::strip(cells, bodies.position(other), probe) == first {
                     break false;
                 }
                 slot = (slot + 1) & (slots.len() - 1);
@@ -195,7 +195,7 @@ impl<const D: usize> HGrid<D> {
                 (&mut self.strips[level.strips.clone()], &mut self.slots[level.slots.clone()]);
             let taken = slots.iter().zip(0..).filter(|(id, _)| **id != FREE);
             for (strip, (&id, slot)) in strips.iter_mut().zip(taken) {
-                strip.first = Level::strip(cells, bodies.position(id), probe).0;
+                strip.first = Level::strip(cells, bodies.position(id), probe);
                 // Until it is sorted, it has no records.
                 strip.starts[0] = slot;
             }

@@ -58,19 +58,6 @@ pub(super) struct Host<'a, const D: usize> {
     pub lists: &'a Lists<D, f32>,
 }
 
-/// From the coordinates of one grid to those of another, in steps.
-struct Passage<const D: usize> {
-    /// Steps of the other grid in one of this.
-    scale: f64,
-    shift: [f64; D],
-}
-
-impl<const D: usize> Passage<D> {
-    fn new(from: &Grid<D>, to: &Grid<D>) -> Passage<D> {
-        Passage { scale: to.finer_than(from), shift: to.origin_of(from) }
-    }
-}
-
 /// A body of one class against those of a bundle of another.
 struct Visitor<const D: usize> {
     /// In steps of the bundle's grid.
@@ -126,28 +113,28 @@ impl<const D: usize> Kernel for Visit<'_, D> {
             |radius: f64| (radius + largest) * (1.0 + slack.relative) * (1.0 + EPSILON) + absolute;
         let (mut found, mut counts) = (0, [0; 2]);
         for from in self.larger.iter().flatten() {
-            let Passage { scale, shift } = Passage::new(from.grid, grid);
+            // From its steps to those of the bundle's grid.
+            let (scale, shift) = (grid.finer_than(from.grid), grid.origin_of(from.grid));
             // The bundles of those who may reach this one.
-            let far = reach_of(scale * from.grid.length(from.largest));
-            let spare = 8.0 + 8.0 * scale + (far + shift[D - 1].abs() + layers[1]) * EPSILON;
+            let most = reach_of(scale * from.grid.length(from.largest));
+            let spare = 8.0 + 8.0 * scale + (most + shift[D - 1].abs() + layers[1]) * EPSILON;
             let back = |z: f64| (z - shift[D - 1]) / scale;
-            let (low, high) = (back(layers[0] - far - spare), back(layers[1] + far + spare));
+            let (low, high) = (back(layers[0] - most - spare), back(layers[1] + most + spare));
             if high < 0.0 {
                 continue;
             }
+            // As whole numbers, before anything is computed of a body. Casts saturate; what is no
+            // number is the least for the one and the most for the other.
+            let (low, high) = (low as u64, if high.is_nan() { u64::MAX } else { high as u64 });
             let bundle = from.grid.bits + from.plan.layers;
             let end = from.plan.slabs as u64 - 1;
-            // Casts saturate, and what is no number is the first bundle.
-            let first = ((low as u64) >> bundle).min(end);
-            let last = if high.is_nan() { end } else { ((high as u64) >> bundle).min(end) };
-            // The same as whole numbers, before anything is computed of a body.
-            let near = low as u64..=if high.is_nan() { u64::MAX } else { high as u64 };
+            let (first, last) = ((low >> bundle).min(end), (high >> bundle).min(end));
             for number in first..=last {
                 for record in from.lists.blocks(number as usize).flatten() {
                     // Along the last axis, the bundle has the highest bits.
                     let in_bundle = u64::from(record.at[D - 1]) & ((1 << bundle) - 1);
                     let z = number << bundle | in_bundle;
-                    if !near.contains(&z) {
+                    if !(low..=high).contains(&z) {
                         continue;
                     }
                     let p: [f64; D] = std::array::from_fn(|k| {

@@ -80,17 +80,12 @@ impl<const D: usize> Level<D> {
         self.bodies += 1;
     }
 
-    /// The first cell of the strip that holds a point, and which of its cells does.
+    /// The first cell of the strip that holds a point.
     #[inline(always)]
-    pub fn strip(
-        cells: &Cells<D>,
-        position: [f64; D],
-        probe: &mut impl Probe,
-    ) -> ([u32; D], usize) {
+    pub fn strip(cells: &Cells<D>, position: [f64; D], probe: &mut impl Probe) -> [u32; D] {
         let mut cell: [u32; D] = std::array::from_fn(|k| cells.index(position[k], k, probe));
-        let at = cell[0] % STRIP;
-        cell[0] -= at;
-        (cell, at as usize)
+        cell[0] -= cell[0] % STRIP;
+        cell
     }
 
     /// Where the search for a strip begins, in the level's part of the slots.
