@@ -62,6 +62,16 @@ impl<'a> PairList<'a> {
         PairList::behind(Vec::new(), allowance)
     }
 
+    /// How many pairs were there before.
+    pub fn before(&self) -> usize {
+        self.before
+    }
+
+    /// How many pairs have been found, whether there was room for them or not.
+    pub fn found(&self) -> u64 {
+        self.lost + (self.pairs.len() - self.before) as u64
+    }
+
     /// Puts the list into `pairs`.
     ///
     /// # Errors
@@ -123,9 +133,8 @@ fn refused(lists: &[PairList<'_>], particles: usize) -> Result<(), Refusal> {
     if lists.iter().all(|list| list.lost == 0) {
         return Ok(());
     }
-    let found = |list: &PairList<'_>| list.lost + (list.pairs.len() - list.before) as u64;
     Err(Refusal::Pairs {
-        found: lists.iter().map(found).sum(),
+        found: lists.iter().map(PairList::found).sum(),
         particles: particles as u64,
         room: lists.iter().map(|list| list.pairs.capacity() as u64 * PAIR_BYTES).sum(),
     })

@@ -18,8 +18,8 @@ use crate::detect::spec::DetectorSpec;
 use crate::experiment::detectors;
 use crate::io;
 use crate::io::boxes::along;
-use crate::periodic::{self, IMAGE_PAIR_BYTES, List, Periodic};
-use crate::probe::{Op, Tally};
+use crate::pair_list::PAIR_BYTES;
+use crate::periodic::{Contacts, Finder, IMAGE_PAIR_BYTES, Periodic};
 use crate::run::alloc;
 use crate::sink::normalise;
 
@@ -119,16 +119,15 @@ fn within(
     let memory_limit = options.limit.bytes(scene.len());
     let mut detector = spec.make(Options { memory_limit, threads: options.threads });
     let started = Instant::now();
-    let mut list = List::new(memory_limit);
-    let mut tally = Tally::default();
+    let (mut contacts, mut finder) = (Contacts::default(), Finder::new(memory_limit));
     let (result, usage) = alloc::measure(|| {
-        let mut push = |pair| list.push(pair);
-        let arithmetic = options.arithmetic;
-        periodic::visit(&periodic, &mut *detector, arithmetic, memory_limit, &mut tally, &mut push)
+        finder.list(&periodic, &mut *detector, options.arithmetic, &mut contacts)
     });
     let seconds = started.elapsed().as_secs_f64();
-    let pairs = result.and_then(|()| list.end(scene.len())).with_context(|| name.to_string())?;
-    let bytes = pairs.capacity() as u64 * IMAGE_PAIR_BYTES;
+    result.with_context(|| name.to_string())?;
+    let bytes = contacts.plain.capacity() as u64 * PAIR_BYTES
+        + contacts.shifted.capacity() as u64 * IMAGE_PAIR_BYTES;
+    let pairs = contacts.sorted();
     let memory = usage.map(|usage| usage.live_bytes.saturating_sub(bytes));
     match &options.output {
         Some(path) => io::write::images_of(path, &pairs, scene, lattice)?,
@@ -147,7 +146,7 @@ fn within(
         scene.dim(),
         pairs.len(),
         along(lattice.periodic()),
-        tally.get(Op::GhostMade),
+        finder.images(),
         seconds * 1e3,
         memory.map_or("memory not measured".into(), crate::cli::bytes),
         spec,

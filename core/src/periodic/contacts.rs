@@ -1,118 +1,107 @@
-//! The contacts of a periodic scene, by any detector.
+//! Lists of the contacts of a periodic scene.
 
-use super::images::Images;
+use super::finder::Finder;
 use super::{IMAGE_PAIR_BYTES, ImagePair, Periodic};
-use crate::contact::{Approximate, Arithmetic};
+use crate::contact::Arithmetic;
 use crate::detect::any::AnyDetector;
-use crate::probe::{Op, Probe, Tally};
+use crate::pair_list::PairList;
 use crate::refusal::Refusal;
-use crate::scene::{AnyScene, Scene};
-use crate::sink::{Digest, Visit};
-
-/// Hands every contact to `contact`, each once, in any order, and counts every operation, the
-/// images that are made among them. They may take `limit` bytes.
-///
-/// # Errors
-/// What the detector refuses for the scene with its images, and what [`Images::new`] does;
-/// [`Refusal::Stored`] if a rounded arithmetic cannot hold it.
-pub fn visit(
-    periodic: &Periodic<'_>,
-    detector: &mut dyn AnyDetector,
-    arithmetic: Arithmetic,
-    limit: u64,
-    tally: &mut Tally,
-    contact: &mut dyn FnMut(ImagePair),
-) -> Result<(), Refusal> {
-    match periodic.scene() {
-        AnyScene::Plane(scene) => {
-            let scene = scene.widened();
-            Search { periodic, detector, arithmetic, limit, tally, contact }.among(&scene)
-        }
-        AnyScene::Space(scene) => {
-            let scene = scene.widened();
-            Search { periodic, detector, arithmetic, limit, tally, contact }.among(&scene)
-        }
-    }
-}
+use crate::sink::Digest;
 
 /// All contacts, in ascending order. Images may take `limit` bytes, and the list as many.
 ///
 /// # Errors
-/// As [`visit`], and [`Refusal::Pairs`] if there are more contacts than that.
+/// As [`Finder::list`]; [`Refusal::Pairs`] if there are more contacts than that.
 pub fn contacts(
     periodic: &Periodic<'_>,
     detector: &mut dyn AnyDetector,
     arithmetic: Arithmetic,
     limit: u64,
 ) -> Result<Vec<ImagePair>, Refusal> {
-    let mut list = List::new(limit);
-    let mut push = |pair| list.push(pair);
-    visit(periodic, detector, arithmetic, limit, &mut Tally::default(), &mut push)?;
-    list.end(periodic.scene().len())
-}
-
-/// The number of contacts, their fingerprint, and the operations that it took to find them.
-///
-/// # Errors
-/// As [`visit`].
-pub fn count(
-    periodic: &Periodic<'_>,
-    detector: &mut dyn AnyDetector,
-    arithmetic: Arithmetic,
-    limit: u64,
-) -> Result<(Digest, Tally), Refusal> {
-    let (mut digest, mut tally) = (Digest::default(), Tally::default());
-    let mut add = |ImagePair { i, j, image }| digest.image(i, j, image);
-    visit(periodic, detector, arithmetic, limit, &mut tally, &mut add)?;
-    Ok((digest, tally))
-}
-
-struct Search<'a> {
-    periodic: &'a Periodic<'a>,
-    detector: &'a mut dyn AnyDetector,
-    arithmetic: Arithmetic,
-    limit: u64,
-    tally: &'a mut Tally,
-    contact: &'a mut dyn FnMut(ImagePair),
-}
-
-impl Search<'_> {
-    fn among<const D: usize>(self, scene: &Scene<'_, f64, D>) -> Result<(), Refusal>
-    where
-        AnyScene<'static>: From<Scene<'static, f64, D>>,
-    {
-        let Search { periodic, detector, arithmetic, limit, tally, contact } = self;
-        let (images, open) = Images::new(scene, periodic.lattice(), arithmetic, limit)?;
-        let open = AnyScene::from(open);
-        tally.add(Op::GhostMade, images.ghosts());
-        let mut sink = Visit(|a, b| {
-            if let Some(pair) = images.pair(a, b) {
-                contact(pair);
-            }
-        });
-        if arithmetic == Arithmetic::Exact {
-            let decide = |a, b| images.touch(a, b);
-            let (slack, owners) = (images.slack(), scene.len() as u32);
-            let bodies = Approximate { scene: &open, slack, owners, decide: &decide };
-            return detector.approximate(bodies, tally, &mut sink);
-        }
-        let stored = stored(&open, arithmetic)?;
-        detector.count(&stored, arithmetic.test(), tally, &mut sink)
+    let mut contacts = Contacts::default();
+    Finder::new(limit).list(periodic, detector, arithmetic, &mut contacts)?;
+    let (found, particles) = (contacts.len(), periodic.scene().len() as u64);
+    if found > limit / IMAGE_PAIR_BYTES {
+        return Err(Refusal::Pairs { found, particles, room: limit });
     }
+    Ok(contacts.sorted())
 }
 
-/// The scene with its images as a rounded arithmetic stores it.
-pub(super) fn stored(
-    open: &AnyScene<'_>,
-    arithmetic: Arithmetic,
-) -> Result<AnyScene<'static>, Refusal> {
-    let arithmetic_name = arithmetic.name();
-    open.stored(arithmetic).map_err(|error| Refusal::Stored { arithmetic: arithmetic_name, error })
+/// The contacts of a periodic scene as they are listed.
+#[derive(Clone, Debug, Default)]
+pub struct Contacts {
+    /// Without a shift: S = 0.
+    pub plain: Vec<[u32; 2]>,
+    /// Through a face of the box: S is not 0.
+    pub shifted: Vec<ImagePair>,
+}
+
+impl Contacts {
+    /// Removes all, and keeps the room.
+    pub fn clear(&mut self) {
+        self.plain.clear();
+        self.shifted.clear();
+    }
+
+    /// How many there are.
+    pub fn len(&self) -> u64 {
+        self.plain.len() as u64 + self.shifted.len() as u64
+    }
+
+    /// True if there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Their number and fingerprint.
+    pub fn digest(&self) -> Digest {
+        let mut digest = Digest::from_pairs(&self.plain);
+        self.shifted.iter().for_each(|&ImagePair { i, j, image }| digest.image(i, j, image));
+        digest
+    }
+
+    /// All, in ascending order.
+    pub fn sorted(&self) -> Vec<ImagePair> {
+        let plain = self.plain.iter().map(|&[i, j]| ImagePair::new(i, j, [0; 3]));
+        let mut pairs: Vec<_> = plain.chain(self.shifted.iter().copied()).collect();
+        pairs.sort_unstable();
+        pairs
+    }
+
+    /// Takes lists that were taken from it, with what has been found; without it on an error.
+    pub(super) fn end(
+        &mut self,
+        plain: PairList<'_>,
+        shifted: List,
+        particles: usize,
+        result: Result<(), Refusal>,
+    ) -> Result<(), Refusal> {
+        let (before, found) = ([plain.before(), shifted.before], plain.found() + shifted.found);
+        let all = plain.end(particles, &mut self.plain);
+        let complete = all.is_ok() && shifted.is_complete();
+        let room = shifted.limit;
+        self.shifted = shifted.pairs;
+        let listed = match all {
+            _ if complete => Ok(()),
+            Err(Refusal::Pairs { room, .. }) => {
+                Err(Refusal::Pairs { found, particles: particles as u64, room })
+            }
+            _ => Err(Refusal::Pairs { found, particles: particles as u64, room }),
+        };
+        let result = result.and(listed);
+        if result.is_err() {
+            self.plain.truncate(before[0]);
+            self.shifted.truncate(before[1]);
+        }
+        result
+    }
 }
 
 /// A list of contacts that ends at a limit and then only counts.
 pub struct List {
     pairs: Vec<ImagePair>,
+    /// Of them, those that were there before.
+    before: usize,
     found: u64,
     /// In bytes.
     limit: u64,
@@ -121,20 +110,33 @@ pub struct List {
 impl List {
     /// Of so many bytes.
     pub fn new(limit: u64) -> List {
-        List { pairs: Vec::new(), found: 0, limit }
+        List::behind(Vec::new(), limit)
+    }
+
+    /// Goes on behind these.
+    pub fn behind(pairs: Vec<ImagePair>, limit: u64) -> List {
+        List { before: pairs.len(), pairs, found: 0, limit }
+    }
+
+    fn is_complete(&self) -> bool {
+        self.found == (self.pairs.len() - self.before) as u64
     }
 
     /// One more.
     pub fn push(&mut self, pair: ImagePair) {
+        let complete = self.is_complete();
         self.found += 1;
-        if self.found != self.pairs.len() as u64 + 1 {
+        if !complete {
             return;
         }
         if self.pairs.len() == self.pairs.capacity() {
             let most = usize::try_from(self.limit / IMAGE_PAIR_BYTES).unwrap_or(usize::MAX);
             let more = self.pairs.len().max(4).min(most.saturating_sub(self.pairs.len()));
             if more == 0 || self.pairs.try_reserve_exact(more).is_err() {
-                self.pairs = Vec::new();
+                if self.before == 0 {
+                    self.pairs = Vec::new();
+                }
+                self.pairs.truncate(self.before);
                 return;
             }
         }
@@ -146,7 +148,7 @@ impl List {
     /// # Errors
     /// [`Refusal::Pairs`] if there were more than fit.
     pub fn end(mut self, particles: usize) -> Result<Vec<ImagePair>, Refusal> {
-        if self.found != self.pairs.len() as u64 {
+        if !self.is_complete() {
             return Err(Refusal::Pairs {
                 found: self.found,
                 particles: particles as u64,

@@ -40,11 +40,13 @@
 //! ```
 
 mod contacts;
+mod finder;
 mod frame;
 pub mod images;
 mod truth;
 
-pub use contacts::{List, contacts, count, visit};
+pub use contacts::{Contacts, List, contacts};
+pub use finder::Finder;
 pub use truth::{BRUTE_FORCE, Truth, depth, truth};
 
 use crate::scene::{AnyScene, Lattice, LatticeError};

@@ -16,7 +16,8 @@
 //! **Rounded.** What a rounded test says depends on rounded images, so those are given: the truth
 //! is that of the open scene of all bodies that detectors get ([`super::images`]), as stored.
 
-use super::contacts::{List, stored};
+use super::contacts::List;
+use super::finder::stored;
 use super::frame::{Frame, MOST, U};
 use super::images::{Images, touches};
 use super::{IMAGE_PAIR_BYTES, ImagePair, Periodic};

@@ -1,6 +1,6 @@
 //! Every detector finds the truth, in every arithmetic, whatever it searched before.
 
-use super::super::contacts::stored;
+use super::super::finder::stored;
 use super::super::frame::Frame;
 use super::super::images::Images;
 use super::*;
@@ -191,7 +191,7 @@ fn images_are_made_near_the_faces_only() {
         origin: [0.0; 3],
     };
     let (periodic, mut detector) = (bag.periodic(), TABLE[5].make(OPTIONS));
-    let (digest, tally) = count(&periodic, &mut *detector, Arithmetic::Exact, LIMIT).unwrap();
+    let (digest, tally) = count(&mut *detector, &periodic, Arithmetic::Exact);
     // A layer of 1 around the box holds a third of the box's volume; half of it is made.
     let ghosts = tally.get(Op::GhostMade);
     assert!((120..220).contains(&ghosts), "{ghosts}");

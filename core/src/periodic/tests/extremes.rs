@@ -2,8 +2,6 @@
 //! anything else.
 
 use super::*;
-use crate::probe::Tally;
-use crate::sink::Digest;
 
 fn of(centres: &[[f64; 3]], radius: f64, vectors: [[f64; 3]; 3]) -> Bag<3> {
     let radii = Radii::Uniform(radius);
@@ -88,7 +86,7 @@ fn depths_and_digests_are_those_of_images() {
     let mut digest = Digest::default();
     truth.iter().for_each(|pair| digest.image(pair.j, pair.i, pair.image.map(|s| -s)));
     let mut detector = TABLE[3].make(OPTIONS);
-    let counted = count(&periodic, &mut *detector, Arithmetic::Exact, LIMIT).unwrap();
+    let counted = count(&mut *detector, &periodic, Arithmetic::Exact);
     assert!(counted.0 == digest && counted.1 != Tally::default());
 }
 

@@ -14,7 +14,9 @@ use crate::contact::Arithmetic;
 use crate::detect::any::AnyDetector;
 use crate::detect::table::{Entry, TABLE};
 use crate::detect::{Options, Refusal};
+use crate::probe::Tally;
 use crate::scene::{Radii, Scene};
+use crate::sink::Digest;
 
 const LIMIT: u64 = 1 << 28;
 /// Grids of more are not worth the time.
@@ -64,6 +66,18 @@ fn ask(
     arithmetic: Arithmetic,
 ) -> Result<Vec<ImagePair>, Refusal> {
     contacts(periodic, detector, arithmetic, LIMIT)
+}
+
+/// The contacts and what it took to find them.
+fn count(
+    detector: &mut dyn AnyDetector,
+    periodic: &Periodic<'_>,
+    arithmetic: Arithmetic,
+) -> (Digest, Tally) {
+    let (mut tally, mut contacts) = (Tally::default(), Contacts::default());
+    let mut finder = Finder::new(LIMIT);
+    finder.count(periodic, detector, arithmetic, &mut tally, &mut contacts).unwrap();
+    (contacts.digest(), tally)
 }
 
 /// Every detector finds these contacts, exactly.
