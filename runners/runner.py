@@ -1,4 +1,4 @@
-"""The runner protocol, version 2 (docs/PROTOCOL.md), for libraries with a Python interface.
+"""The runner protocol, version 3 (docs/PROTOCOL.md), for libraries with a Python interface.
 
 A library is a function that is given a scene and returns a function without arguments: one
 detection, from raw coordinates to the array of pairs. That array is one of shape (pairs, 2) or two
@@ -6,6 +6,10 @@ of indices; i and j of a pair stand in any order, each pair once. A detection th
 buffers for the next one has an attribute `reset`, a function that drops it: a sample is passes over
 the trajectory, and each pass begins with a reset. These runners take scenes at rest, trajectories
 of one frame.
+
+In a box that repeats (`serve(..., boxes=True)`) a detection returns three arrays, i, j and the images
+S, (contacts, dim): i touches the image of j at x_j + S @ vectors. A library that names no images
+returns two, and the nearest image of each pair is taken for it, outside the clock.
 """
 
 import json
@@ -47,17 +51,45 @@ class Refusal(Exception):
     """The library will not work on this scene: one sentence."""
 
 
+class Box:
+    """The vectors of a box that repeats (dim, dim), one per row, whether it does along each of them,
+    and its corner."""
+
+    def __init__(self, vectors, periodic, origin):
+        self.vectors, self.periodic = np.array(vectors), np.array(periodic)
+        self.origin = np.array(origin)
+
+    def edges(self):
+        """Its edges, if it is not tilted."""
+        if np.count_nonzero(self.vectors - np.diag(np.diag(self.vectors))):
+            raise Refusal("the library knows no tilted boxes")
+        return np.diag(self.vectors)
+
+    def wrapped(self, centres):
+        """Centres in the box, from its corner, and the whole numbers of vectors they were moved by."""
+        places = centres - self.origin
+        moved = np.where(self.periodic, np.floor(places @ np.linalg.inv(self.vectors)), 0.0)
+        return places - moved @ self.vectors, moved.astype(np.int64)
+
+    def nearest(self, centres, i, j):
+        """Of each pair the image of j that is nearest to i, but for tilted boxes smaller than twice
+        the distance."""
+        apart = (centres[i] - centres[j]) @ np.linalg.inv(self.vectors)
+        return np.where(self.periodic, np.rint(apart), 0.0).astype(np.int64)
+
+
 class Scene:
     """Centres (n, dim), the radius of all or None, radii (n,), and the largest distance at which two
-    particles touch."""
+    particles touch; and the box in which they repeat, or None."""
 
-    def __init__(self, path, dim, n, radius):
+    def __init__(self, path, dim, n, radius, box=None):
         data = np.load(path)
         if data.shape != (n, dim + (radius is None)):
             raise ValueError(f"{path} has the shape {data.shape}, not {n} particles in {dim}D")
         self.dim, self.n, self.radius = dim, n, radius
         self.centres = np.ascontiguousarray(data[:, :dim])
         self.radii = np.ascontiguousarray(data[:, dim]) if radius is None else None
+        self.box = box and Box(**box)
         self.reach = 2.0 * (radius if radius is not None else float(self.radii.max(initial=0.0)))
 
     def in_space(self):
@@ -65,29 +97,52 @@ class Scene:
         clock."""
         return np.pad(self.centres, ((0, 0), (0, 3 - self.dim)))
 
-    def touching(self, i, j):
+    def touching(self, i, j, images=None):
         """Of candidates, those that touch by radii: only for scenes with different ones."""
         difference = self.centres[i] - self.centres[j]
+        if self.box:
+            images = self.box.nearest(self.centres, i, j) if images is None else images
+            difference -= images @ self.box.vectors
         sums = self.radii[i] + self.radii[j]
         keep = np.einsum("ij,ij->i", difference, difference) <= sums * sums
-        return i[keep], j[keep]
+        return (i[keep], j[keep]) if images is None else (i[keep], j[keep], images[keep])
+
+    def columns(self, found):
+        """Pairs as two arrays of 64 bits, in a box with a third of their images."""
+        i, j, *images = (found[:, 0], found[:, 1]) if isinstance(found, np.ndarray) else found
+        if self.box:
+            images = images or [self.box.nearest(self.centres, i, j)]
+        return [i.astype(np.uint64), j.astype(np.uint64), *(image.astype(np.int64) for image in images)]
 
 
-def columns(pairs):
-    """Pairs as two arrays of 64 bits."""
-    i, j = (pairs[:, 0], pairs[:, 1]) if isinstance(pairs, np.ndarray) else pairs
-    return i.astype(np.uint64), j.astype(np.uint64)
+def splitmix64(x):
+    z = x + np.uint64(0x9E3779B97F4A7C15)
+    z = (z ^ (z >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
+    z = (z ^ (z >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
+    return z ^ (z >> np.uint64(31))
 
 
-def digest(pairs):
-    """Number and fingerprint of pairs; outside the clock."""
-    i, j = columns(pairs)
+def digest(i, j, images=None):
+    """Number and fingerprint of contacts; outside the clock."""
     with np.errstate(over="ignore"):
-        z = (np.minimum(i, j) << np.uint64(32) | np.maximum(i, j)) + np.uint64(0x9E3779B97F4A7C15)
-        z = (z ^ (z >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
-        z = (z ^ (z >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
-        total = int((z ^ (z >> np.uint64(31))).sum(dtype=np.uint64))
+        hashes = splitmix64(np.minimum(i, j) << np.uint64(32) | np.maximum(i, j))
+        if images is not None:
+            x, y, z = named(i, j, images)
+            word = np.uint64(0xFFFFFFFF)
+            x, y, z = (part.astype(np.uint64) & word for part in (x, y, z))
+            through = splitmix64(splitmix64(hashes ^ (x << np.uint64(32) | y)) ^ z)
+            hashes = np.where(images.any(axis=1), through, hashes)
+        total = int(hashes.sum(dtype=np.uint64))
     return {"contacts": len(i), "digest": f"{total:#018x}"}
+
+
+def named(i, j, images):
+    """Three columns of S as the contact is named: of (i, j, S) and (j, i, -S) the one with i < j, and
+    of a particle with itself the one whose first number that is not 0 is positive."""
+    images = np.pad(images, ((0, 0), (0, 3 - images.shape[1])))
+    first = images[np.arange(len(images)), (images != 0).argmax(axis=1)]
+    turn = (j < i) | ((i == j) & (first < 0))
+    return np.where(turn[:, None], -images, images).T
 
 
 def timed(detect, passes):
@@ -101,19 +156,21 @@ def timed(detect, passes):
     return time.perf_counter_ns() - start, pairs
 
 
-def at_rest(frames, dim, n, radius):
+def at_rest(frames, dim, n, radius, box, boxes):
     """The scene of a trajectory of one frame."""
     if len(frames) != 1:
         raise Refusal(f"this runner takes scenes at rest, trajectories of one frame; this one has {len(frames)}")
-    return Scene(frames[0], dim, n, radius)
+    if box and not boxes:
+        raise Refusal("this runner knows no boxes that repeat")
+    return Scene(frames[0], dim, n, radius, box)
 
 
-def serve(name, version, prepare, arithmetic="exact"):
+def serve(name, version, prepare, arithmetic="exact", boxes=False):
     """Answers requests until `quit`. `prepare(scene)` is outside the clock: for what does not depend
     on coordinates, and for conversions."""
     build = {"python": platform.python_version(), "numpy": np.__version__}
-    say("hello", protocol=2, detector=name, arithmetic=arithmetic, version=version, build=build)
-    detect, calls = None, None
+    say("hello", protocol=3, detector=name, arithmetic=arithmetic, version=version, build=build)
+    scene, detect, calls = None, None, None
     for line in sys.stdin:
         request = json.loads(line)
         asked = request.get("request")
@@ -122,7 +179,8 @@ def serve(name, version, prepare, arithmetic="exact"):
                 return
             if asked == "load":
                 detect, calls = None, None
-                detect = prepare(at_rest(*(request[key] for key in ("frames", "dim", "n", "radius"))))
+                scene = at_rest(*(request.get(key) for key in ("frames", "dim", "n", "radius", "box")), boxes)
+                detect = prepare(scene)
                 say("loaded")
             elif asked in ("count", "memory"):
                 say("unsupported")
@@ -141,9 +199,10 @@ def serve(name, version, prepare, arithmetic="exact"):
                     calls = min(10 * calls, max(calls + 1, least * calls // max(elapsed, 1)))
                     elapsed, pairs = timed(detect, calls)
                 each = (elapsed + calls // 2) // calls
-                say("sample", time_ns=each, calls=calls, elapsed_ns=elapsed, step_ns=[each], first_ns=first, **digest(pairs))
+                say("sample", time_ns=each, calls=calls, elapsed_ns=elapsed, step_ns=[each], first_ns=first, **digest(*scene.columns(pairs)))
             elif asked == "pairs":
-                pairs = np.stack(columns(timed(detect, 1)[1]), axis=1).astype("<u4")
+                i, j, *images = scene.columns(timed(detect, 1)[1])
+                pairs = np.column_stack([i, j, *images]).astype("<i4" if scene.box else "<u4")
                 with open(request["path"], "wb") as file:
                     np.lib.format.write_array(file, pairs, version=(1, 0))
                 say("pairs", contacts=len(pairs))

@@ -306,11 +306,22 @@ impl<T: Real, const D: usize> WithBodies<T, D> for Rows {
 /// What a detector's pairs miss and add. Both lists are in the order of [`normalise`], and nothing
 /// is copied; depths are those of `scene`.
 pub fn compare(reported: &[[u32; 2]], truth: &[[u32; 2]], scene: &AnyScene<'_>) -> Errors {
+    compare_by(reported, truth, |[i, j]| i == j, |pair| depth_of(scene, pair))
+}
+
+/// As [`compare`], of contacts of any kind: which of them are of a particle with itself, and how
+/// deep they are.
+pub fn compare_by<C: Copy + Ord>(
+    reported: &[C],
+    truth: &[C],
+    is_self: impl Fn(C) -> bool,
+    depth: impl Fn(C) -> f64,
+) -> Errors {
     debug_assert!(reported.is_sorted() && truth.is_sorted());
     let (mut errors, mut last) = (Errors::default(), None);
-    let mut miss = |pair: [u32; 2]| {
+    let mut miss = |pair: C| {
         errors.missed += 1;
-        errors.deepest_miss = errors.deepest_miss.max(depth_of(scene, pair));
+        errors.deepest_miss = errors.deepest_miss.max(depth(pair));
     };
     let mut truth = truth.iter().copied().peekable();
     for &pair in reported {
@@ -322,11 +333,11 @@ pub fn compare(reported: &[[u32; 2]], truth: &[[u32; 2]], scene: &AnyScene<'_>) 
             miss(missed);
         }
         if truth.next_if_eq(&pair).is_some() {
-        } else if pair[0] == pair[1] {
+        } else if is_self(pair) {
             errors.self_pairs += 1;
         } else {
             errors.spurious += 1;
-            errors.widest_false = errors.widest_false.max(-depth_of(scene, pair));
+            errors.widest_false = errors.widest_false.max(-depth(pair));
         }
     }
     truth.for_each(miss);

@@ -111,7 +111,7 @@ impl<'a> Checker<'a> {
                     };
                     self.scene(
                         "hard cases",
-                        scene,
+                        &scene.scene,
                         || format!("hard case {} in {dim}D{step}", case.name),
                         arithmetics,
                     )?;

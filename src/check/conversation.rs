@@ -13,7 +13,7 @@ use crate::record::row::Outcome;
 use crate::run::client::Client;
 use crate::run::protocol::{Reply, Request};
 use crate::run::trajectory::Trajectory;
-use crate::scene::{AnyScene, Radii, Scene};
+use crate::scene::{Given, Radii, Scene};
 use crate::sink::Digest;
 
 /// What a conversation showed.
@@ -40,7 +40,7 @@ pub fn hold(foreign: &Foreign, deadline: Duration) -> anyhow::Result<Manners> {
     let folder = tempfile::tempdir()
         .context("cannot make a temporary folder for scenes; set TMPDIR to a writable place")?;
     let row = [0.0, 1.0, 2.0, 10.0].map(|x| nalgebra::Point::from([x, 0.0]));
-    let scene = AnyScene::from(Scene::<f64, 2>::new(row.to_vec(), Radii::Uniform(0.5))?);
+    let scene = Given::from(Scene::<f64, 2>::new(row.to_vec(), Radii::Uniform(0.5))?);
     let right = Digest::from_pairs(&[[0, 1], [1, 2]]);
     let row = Trajectory::write_at_rest(&folder.path().join("row.npy"), &scene)?;
     let mut talk = Talk { foreign, deadline, client: None, manners: Manners::default() };
@@ -119,7 +119,8 @@ impl Talk<'_> {
     /// Requests that cannot be done: an error, and life goes on.
     fn early(&mut self, missing: &Path) -> anyhow::Result<()> {
         let frames = vec![missing.to_path_buf()];
-        let nowhere = Request::Load(Trajectory { frames, dim: 2, n: 4, radius: Some(0.5) });
+        let nowhere =
+            Request::Load(Trajectory { frames, dim: 2, n: 4, radius: Some(0.5), bounds: None });
         for (when, request) in [
             ("asked for a sample before any scene", Request::Sample { min_ns: 1 }),
             ("given a file that is not there", nowhere),

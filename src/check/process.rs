@@ -226,7 +226,10 @@ impl Process {
 
     fn answer(&mut self, question: &Question<'_>) -> Result<Answer, Stop> {
         let Question { given, stored, truth, arithmetic, .. } = question;
-        let scene = Trajectory::write_at_rest(&self.folder.path().join("scene.npy"), given)?;
+        let scene = Trajectory::write_at_rest(
+            &self.folder.path().join("scene.npy"),
+            &(*given).clone().into(),
+        )?;
         self.used = true;
         match self.request(&Request::Load(scene))? {
             Reply::Loaded => {}

@@ -10,6 +10,7 @@ use crate::cli::shared::input::{self, Input};
 use crate::cli::shared::terminal;
 use crate::io::{self, About, Particles, RadiusSource};
 use crate::number::{number, wrap};
+use crate::scene::Given;
 use crate::scene::stats::stats;
 
 mod boxes;
@@ -55,7 +56,7 @@ pub fn inspect(options: &Inspect) -> anyhow::Result<ExitCode> {
             boxes::reach(&scene, lattice, &mut lines, &mut warnings);
         }
         if let Some(count) = contacts.exact() {
-            let stats = stats(&scene, count);
+            let stats = stats(&Given { scene, lattice }, count);
             lines.push(Line(
                 "packing fraction",
                 format!("{:.4} of the box around the bodies", stats.packing_fraction),

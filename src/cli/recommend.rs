@@ -13,6 +13,7 @@ use crate::cli::shared::limit::Limit;
 use crate::cli::shared::scene::Source;
 use crate::cli::shared::{terminal, values};
 use crate::contact::Arithmetic;
+use crate::io::boxes::along;
 use crate::number::plural;
 use crate::present::document::indented;
 use crate::present::recommendation;
@@ -20,7 +21,7 @@ use crate::recommend::race::{self, Question};
 use crate::recommend::verdict::Verdict;
 use crate::record::row::Outcome;
 use crate::run::interrupt;
-use crate::scene::AnyScene;
+use crate::scene::Given;
 use crate::scene::spec::Spec;
 
 /// Options of `recommend`.
@@ -49,19 +50,20 @@ pub fn recommend(options: &Recommend) -> anyhow::Result<ExitCode> {
     let (seconds, threads) = (options.seconds, options.threads);
     ensure!((0.1..1e6).contains(&seconds), "--seconds {seconds}: give a number from 0.1 to 10^6");
     ensure!((1..=1024).contains(&threads), "--threads {threads}: give a number from 1 to 1024");
-    let Some((name, scene)) = options.source.get()? else {
+    let Some((name, (scene, lattice))) = options.source.within()? else {
         bail!("name a particle file, or a scene such as packed:n=20000 (contactbench list scenes)");
     };
     ensure!(!scene.is_empty(), "{name}: the scene has no particles; there is nothing to recommend");
+    let given = Given { scene, lattice };
     let history = history(&name)?;
     interrupt::end_runners_too().context("cannot listen to Ctrl-C")?;
     let program =
         std::env::current_exe().context("cannot find this program to start it as runner")?;
     let time = Duration::from_secs_f64(seconds);
     let Recommend { arithmetic, limit, .. } = *options;
-    let memory_limit = limit.bytes(scene.len());
+    let memory_limit = limit.bytes(given.scene.len());
     let question = Question {
-        scene: &scene,
+        given: &given,
         history: &history,
         arithmetic,
         threads,
@@ -78,6 +80,7 @@ pub fn recommend(options: &Recommend) -> anyhow::Result<ExitCode> {
     let race = race::run(&question, &mut note)?;
     note("");
     let verdict = Verdict::new(&race);
+    let scene = &given.scene;
     let n = scene.len();
     let mut out = std::io::stdout().lock();
     if options.json {
@@ -98,11 +101,15 @@ pub fn recommend(options: &Recommend) -> anyhow::Result<ExitCode> {
         writeln!(out, "{}", serde_json::to_string_pretty(&value)?)?;
     } else {
         let what = if scene.dim() == 2 { "discs" } else { "spheres" };
+        let within = match &given.lattice {
+            Some(lattice) => format!(" repeating along {}", along(lattice.periodic())),
+            None => String::new(),
+        };
         let (contacts, decided) = (race.contacts, arithmetic.name());
         let threads = plural(threads, "thread");
         writeln!(
             out,
-            "{name}: {n} {what}, {contacts} contacts, {decided} arithmetic, {threads}, {} blocks",
+            "{name}: {n} {what}{within}, {contacts} contacts, {decided} arithmetic, {threads}, {} blocks",
             race.blocks
         )?;
         write!(
@@ -133,7 +140,7 @@ pub fn recommend(options: &Recommend) -> anyhow::Result<ExitCode> {
 }
 
 /// Scenes that come before, where a hard case has some: a file has none.
-fn history(name: &str) -> anyhow::Result<Vec<AnyScene<'static>>> {
+fn history(name: &str) -> anyhow::Result<Vec<Given>> {
     if Path::new(name).exists() {
         Ok(Vec::new())
     } else {

@@ -115,6 +115,17 @@ impl FromStr for Edges {
     }
 }
 
+/// As it is read.
+impl std::fmt::Display for Axes {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        if self.0 == [false; 3] {
+            return f.write_str("none");
+        }
+        let axes = ["x", "y", "z"].into_iter().zip(self.0);
+        axes.filter(|(_, yes)| *yes).try_for_each(|(axis, _)| f.write_str(axis))
+    }
+}
+
 /// Along which axes, or vectors, a box repeats: `xyz`, `xy`, `z`, `none`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Axes(pub [bool; 3]);

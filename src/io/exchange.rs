@@ -5,13 +5,14 @@ use std::fs::File;
 use std::io::{BufReader, BufWriter, Write};
 use std::path::Path;
 
-use anyhow::{Context, ensure};
+use anyhow::{Context, bail, ensure};
 
 use crate::io::formats::gzip::Unpacking;
 use crate::io::formats::npy;
 use crate::io::lines::Source;
 use crate::io::particles::room;
 use crate::io::scalars::Kind;
+use crate::periodic::{Contacts, ImagePair};
 use crate::scene::{AnyScene, Radii, Real, Scene, array};
 use crate::{io, with_scene};
 
@@ -63,24 +64,61 @@ pub fn read_scene(
     Ok(scene)
 }
 
+/// Reads pairs as a runner writes them: npy, `<u4`, shape (pairs, 2), C order. In a box of `dim`
+/// dimensions: `<i4`, shape (pairs, 2 + dim), the image of the second in the columns that follow.
+pub fn read_contacts(path: &Path, within: Option<usize>) -> anyhow::Result<Contacts> {
+    let Some(dim) = within else {
+        let plain = read_pairs(path)?;
+        return Ok(Contacts { plain, shifted: Vec::new() });
+    };
+    let name = path.display().to_string();
+    let columns = 2 + dim;
+    let mut contacts = Contacts::default();
+    let mut row = [0i32; 5];
+    let form = format!("contacts in a box are '<i4' of the shape (pairs, {columns}), in C order");
+    read(path, &name, Kind::I32, columns, &form, |k, value| {
+        let at = (k % columns as u64) as usize;
+        // Every i32 is a double.
+        row[at] = value as i32;
+        if at + 1 < columns {
+            return Ok(());
+        }
+        let [i, j] = [row[0], row[1]].map(u32::try_from);
+        let (Ok(i), Ok(j)) = (i, j) else {
+            bail!("{name} has the pair {},{}; particles are numbered from 0", row[0], row[1]);
+        };
+        let mut image = [0; 3];
+        image[..dim].copy_from_slice(&row[2..columns]);
+        if image == [0; 3] {
+            room(&mut contacts.plain)?;
+            contacts.plain.push([i, j]);
+        } else {
+            room(&mut contacts.shifted)?;
+            contacts.shifted.push(ImagePair::new(i, j, image));
+        }
+        Ok(())
+    })?;
+    Ok(contacts)
+}
+
+/// Writes them so.
+pub fn write_contacts(
+    path: &Path,
+    contacts: &Contacts,
+    within: Option<usize>,
+) -> anyhow::Result<()> {
+    match within {
+        None => io::write::pairs(path, &contacts.plain),
+        Some(dim) => io::write::images(path, &contacts.sorted(), dim),
+    }
+}
+
 /// Reads pairs as a runner writes them: npy, `<u4`, shape (pairs, 2), C order.
 pub fn read_pairs(path: &Path) -> anyhow::Result<Vec<[u32; 2]>> {
     let name = path.display().to_string();
-    let file = File::open(path).with_context(|| format!("cannot read the pairs {name}"))?;
-    let unpacking = Unpacking::default();
-    let input = &mut BufReader::new(file);
-    let mut source = Source { input, name: &name, unpacking: &unpacking };
-    let header = npy::header(&mut source)?;
-    let kind = header.kind == Kind::U32 && !header.big && !header.fortran;
-    ensure!(
-        kind && header.columns == Some(2),
-        "{name} holds {} of the shape ({}){}; pairs are '<u4' of the shape (pairs, 2), in C order",
-        header.descr,
-        header.shape,
-        if header.fortran { " in Fortran order" } else { "" }
-    );
     let (mut pairs, mut first) = (Vec::new(), 0);
-    header.values(&mut source, header.rows.saturating_mul(2), |k, value| {
+    let form = "pairs are '<u4' of the shape (pairs, 2), in C order";
+    read(path, &name, Kind::U32, 2, form, |k, value| {
         // Every u32 is a double.
         if k % 2 == 0 {
             first = value as u32;
@@ -90,8 +128,33 @@ pub fn read_pairs(path: &Path) -> anyhow::Result<Vec<[u32; 2]>> {
         }
         Ok(())
     })?;
-    source.end(&header)?;
     Ok(pairs)
+}
+
+/// Hands over the numbers of an array of this kind and number of columns, row by row.
+fn read(
+    path: &Path,
+    name: &str,
+    kind: Kind,
+    columns: usize,
+    form: &str,
+    number: impl FnMut(u64, f64) -> anyhow::Result<()>,
+) -> anyhow::Result<()> {
+    let file = File::open(path).with_context(|| format!("cannot read the pairs {name}"))?;
+    let unpacking = Unpacking::default();
+    let input = &mut BufReader::new(file);
+    let mut source = Source { input, name, unpacking: &unpacking };
+    let header = npy::header(&mut source)?;
+    let kind = header.kind == kind && !header.big && !header.fortran;
+    ensure!(
+        kind && header.columns == Some(columns),
+        "{name} holds {} of the shape ({}){}; {form}",
+        header.descr,
+        header.shape,
+        if header.fortran { " in Fortran order" } else { "" }
+    );
+    header.values(&mut source, header.rows.saturating_mul(columns as u64), number)?;
+    source.end(&header)
 }
 
 #[cfg(test)]

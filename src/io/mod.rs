@@ -48,7 +48,7 @@ use lines::Source;
 pub use particles::Particles;
 pub(crate) use particles::room;
 
-use crate::scene::AnyScene;
+use crate::scene::{AnyScene, Given};
 
 /// What the file does not say.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -125,6 +125,13 @@ pub struct About {
 pub fn scene(path: &Path, options: Options) -> anyhow::Result<AnyScene<'static>> {
     let (particles, _) = load(path, options)?;
     particles.scene(&path.display().to_string(), options.radius)
+}
+
+/// As [`scene`], in the box in which it repeats.
+pub fn given(path: &Path, options: Options) -> anyhow::Result<Given> {
+    let (particles, _) = load(path, options)?;
+    let (scene, lattice) = particles.within(&path.display().to_string(), options.radius)?;
+    Ok(Given { scene, lattice })
 }
 
 /// Reads particles from a stream; `name` stands in messages, `ending` is the file name's, in lower

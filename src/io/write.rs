@@ -147,6 +147,11 @@ pub fn images_of(
     }
 }
 
+/// Writes contacts in a box of so many dimensions to an npy file.
+pub fn images(path: &Path, pairs: &[ImagePair], dim: usize) -> anyhow::Result<()> {
+    create(path, |out| images_npy(out, pairs, dim))
+}
+
 /// The header `i,j,sx,sy` and `,sz` for spheres, then one contact per line: i touches the image
 /// of j that is shifted by sx, sy and sz vectors of the box.
 pub fn images_csv(out: &mut dyn Write, pairs: &[ImagePair], dim: usize) -> io::Result<()> {

@@ -29,7 +29,7 @@ use crate::run::passes::{self, SHORTEST_SAMPLE_NS, load_all};
 use crate::run::processors;
 use crate::run::protocol::{Reply, Request};
 use crate::run::trajectory::Trajectory;
-use crate::scene::AnyScene;
+use crate::scene::Given;
 use crate::stats::interval::{Blocks, Interval, median, ratio};
 
 /// A probe may take so many times as long as the fastest one.
@@ -63,9 +63,9 @@ const FIRST: [&str; 9] = [
 /// What is asked.
 pub struct Question<'a> {
     /// The scene.
-    pub scene: &'a AnyScene<'static>,
+    pub given: &'a Given,
     /// Scenes that detectors are given before, as some hard cases want it.
-    pub history: &'a [AnyScene<'static>],
+    pub history: &'a [Given],
     /// How contacts are decided.
     pub arithmetic: Arithmetic,
     /// For detectors that can use several.
@@ -121,22 +121,22 @@ pub fn run(question: &Question<'_>, note: &mut dyn FnMut(&str)) -> anyhow::Resul
     let folder = tempfile::tempdir()
         .context("cannot make a temporary folder for scenes; set TMPDIR to a writable place")?;
     note("finding the true pairs");
-    let mut judge = Judge::new(question.scene, question.memory_limit);
+    let mut judge = Judge::new(question.given, question.memory_limit)?;
     let arithmetic = question.arithmetic;
     if let Some(reason) = judge.hopeless(arithmetic)? {
         bail!("{reason}");
     }
-    let Some(contacts) = judge.truth(arithmetic)?.map(|truth| truth.digest.contacts) else {
+    let Some(contacts) = judge.contacts(arithmetic)? else {
         bail!(
             "in {} arithmetic no answer could be checked: {}; choose another with --arithmetic",
             arithmetic.name(),
-            judge.why_none(arithmetic)
+            judge.why_none(arithmetic)?
         );
     };
-    let scenes = question.history.iter().chain([question.scene]).enumerate();
+    let scenes = question.history.iter().chain([question.given]).enumerate();
     let loads = scenes
-        .map(|(k, scene)| {
-            Trajectory::write_at_rest(&folder.path().join(format!("scene-{k}.npy")), scene)
+        .map(|(k, given)| {
+            Trajectory::write_at_rest(&folder.path().join(format!("scene-{k}.npy")), given)
         })
         .collect::<anyhow::Result<Vec<_>>>()?;
     let mut course =
@@ -216,14 +216,14 @@ impl Course<'_> {
     }
 
     fn entered(&self, entry: &'static Entry) -> Standing {
-        let Question { scene, arithmetic, memory_limit, program, .. } = self.question;
+        let Question { given, arithmetic, memory_limit, program, .. } = self.question;
         let threads = if entry.threads { self.question.threads } else { 1 };
         let start = Start {
             command: contender::own(program, entry.name, *arithmetic, threads, *memory_limit),
             install: String::new(),
             time_limit: self.question.time.max(SHORTEST_PROBE),
             memory_limit: contender::address_space(*memory_limit, threads)
-                .saturating_add(contender::room(scene.len() as u64, self.contacts)),
+                .saturating_add(contender::room(given.scene.len() as u64, self.contacts)),
             processor: None,
         };
         Standing {
@@ -301,7 +301,8 @@ impl Course<'_> {
             }
         };
         let path = self.folder.join("pairs.npy");
-        let fetch = || client.pairs(&path);
+        let within = self.loads.last().and_then(Trajectory::within);
+        let fetch = || client.pairs(&path, within);
         let (name, arithmetic) = (standing.entry.name, self.question.arithmetic);
         let said = (sample.contacts, &*sample.digest);
         let judged = self.judge.judge(name, arithmetic, said, fetch)?;

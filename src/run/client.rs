@@ -12,6 +12,7 @@ use std::time::{Duration, Instant};
 use serde_json::Value;
 
 use crate::io::exchange;
+use crate::periodic::Contacts;
 use crate::record::row::Outcome;
 use crate::run::client::output::Line;
 use crate::run::possible::{self, Asked};
@@ -233,13 +234,14 @@ impl Client {
         reply
     }
 
-    /// The pairs of the last frame, by way of a file. `Err` says why they cannot be had.
-    pub fn pairs(&mut self, path: &Path) -> Result<Vec<[u32; 2]>, String> {
+    /// The contacts of the last frame, by way of a file; in a box of so many dimensions, if there
+    /// is one. `Err` says why they cannot be had.
+    pub fn pairs(&mut self, path: &Path, within: Option<usize>) -> Result<Contacts, String> {
         // What another runner wrote there is not this one's answer; mostly there is nothing to
         // remove.
         let _ = std::fs::remove_file(path);
         self.ask(&Request::Pairs { path: path.to_path_buf() }).map_err(|failure| failure.reason)?;
-        exchange::read_pairs(path).map_err(|e| e.to_string())
+        exchange::read_contacts(path, within).map_err(|e| e.to_string())
     }
 
     fn receive(&mut self, limit: Duration) -> Result<Reply, Failure> {

@@ -1,46 +1,53 @@
 //! The judge: whether an answer is right, lossy or wrong, and why, is decided here and nowhere
 //! else.
 
-use std::collections::HashMap;
-use std::rc::Rc;
+mod open;
+mod within;
 
-use crate::contact::{Arithmetic, Test};
-use crate::oracle::{self, Causes, Errors, NoTruth, Truth};
+use std::collections::HashMap;
+
+use open::Open;
+use within::Within;
+
+use crate::contact::Arithmetic;
+use crate::oracle::{Causes, Errors, NoTruth, Truth};
+use crate::periodic::Contacts;
 use crate::record::row::Outcome;
 use crate::run::protocol;
-use crate::scene::AnyScene;
-use crate::sink::{Digest, normalise};
+use crate::scene::{AnyScene, Given};
+use crate::sink::Digest;
 
 /// Judges the answers about one scene. What is true is found when it is first needed.
 pub(crate) struct Judge<'a> {
-    scene: &'a AnyScene<'a>,
-    /// For a list of pairs, in bytes.
-    memory_limit: u64,
-    truths: HashMap<Arithmetic, Known>,
+    of: Of<'a>,
     /// Answers judged before, by who gave them: timed samples repeat the same answer.
     seen: HashMap<(Arithmetic, String, u64, u64), Judged>,
 }
 
-/// What is known of a scene in one arithmetic.
-#[derive(Clone)]
-enum Known {
-    Truths(Truths),
-    /// Nothing, for this reason; whether nobody can answer, since the pairs of the scene are too
-    /// many.
-    Nothing {
-        reason: String,
-        hopeless: bool,
-    },
+/// What is known of a scene.
+enum Of<'a> {
+    Open(Open<'a>),
+    InBox(Within),
 }
 
-/// What is true in one arithmetic. Arithmetics that store the scene alike share.
+/// Why nothing is known of a scene in an arithmetic.
 #[derive(Clone)]
-struct Truths {
-    stored: Rc<AnyScene<'static>>,
-    /// By the arithmetic's own contact test.
-    rounded: Rc<Truth>,
-    /// By exact decisions on the scene as stored.
-    exact: Rc<Truth>,
+struct Nothing {
+    reason: String,
+    /// Nobody can answer: the contacts of the scene are too many, or its box makes no sense.
+    hopeless: bool,
+}
+
+impl Nothing {
+    /// A defect of this program is an error.
+    fn new(reason: NoTruth) -> anyhow::Result<Nothing> {
+        let hopeless = match &reason {
+            NoTruth::Refused(refusal) => refusal.is_of_scene(),
+            NoTruth::Stored(_) | NoTruth::TooLarge { .. } => false,
+            _ => return Err(reason.into()),
+        };
+        Ok(Nothing { reason: reason.to_string(), hopeless })
+    }
 }
 
 /// The judgement on an answer.
@@ -52,7 +59,7 @@ pub(crate) struct Judged {
     pub reason: String,
     /// Against exact decisions on the scene as given. `None` where the pairs are not known.
     pub errors: Option<Errors>,
-    /// The same by cause.
+    /// The same by cause; in a box they are not told apart, since what is stored are images.
     pub causes: Option<Causes>,
 }
 
@@ -60,31 +67,58 @@ impl Judged {
     fn without_pairs(outcome: Outcome, reason: String) -> Judged {
         Judged { outcome, reason, errors: None, causes: None }
     }
+
+    /// The answer is not the right one, and nobody can see in what.
+    fn unseen(why: &str) -> Judged {
+        let reason = format!("the pairs differ from the truth, and could not be read: {why}");
+        Judged::without_pairs(Outcome::Wrong, reason)
+    }
+
+    /// By the errors against the truth in an arithmetic.
+    fn by(own: &Errors, arithmetic: Arithmetic) -> Judged {
+        let outcome = outcome(own, arithmetic);
+        let reason = match outcome {
+            Outcome::Ok => String::new(),
+            _ => format!("against the true pairs in {}: {own}", arithmetic.name()),
+        };
+        Judged::without_pairs(outcome, reason)
+    }
 }
 
-/// What pairs are worth against the truth in an arithmetic: `ok`; `lossy`, if contacts are missing
-/// and nothing else is wrong, where the arithmetic allows it; or `wrong`. The pairs are in order.
+/// What errors against the truth in an arithmetic are worth: `ok`; `lossy`, if contacts are missing
+/// and nothing else is wrong, where the arithmetic allows it; or `wrong`.
+fn outcome(errors: &Errors, arithmetic: Arithmetic) -> Outcome {
+    if errors.wrong() == 0 {
+        Outcome::Ok
+    } else if errors.wrong() == errors.missed && !arithmetic.is_safe() {
+        Outcome::Lossy
+    } else {
+        Outcome::Wrong
+    }
+}
+
+/// The same of pairs of an open scene, in order.
 pub(crate) fn verdict(
     pairs: &[[u32; 2]],
     truth: &Truth,
     stored: &AnyScene<'_>,
     arithmetic: Arithmetic,
 ) -> (Outcome, Errors) {
-    let errors = compare(pairs, truth, stored);
-    let outcome = if errors.wrong() == 0 {
-        Outcome::Ok
-    } else if errors.wrong() == errors.missed && !arithmetic.is_safe() {
-        Outcome::Lossy
-    } else {
-        Outcome::Wrong
-    };
-    (outcome, errors)
+    let errors = open::compare(pairs, truth, stored);
+    (outcome(&errors, arithmetic), errors)
 }
 
 impl<'a> Judge<'a> {
-    /// A judge who knows nothing yet. A list of pairs may take so many bytes.
-    pub fn new(scene: &'a AnyScene<'a>, memory_limit: u64) -> Judge<'a> {
-        Judge { scene, memory_limit, truths: HashMap::new(), seen: HashMap::new() }
+    /// A judge who knows nothing yet. A list of contacts may take so many bytes.
+    ///
+    /// # Errors
+    /// A box that does not suit the scene.
+    pub fn new(given: &'a Given, memory_limit: u64) -> anyhow::Result<Judge<'a>> {
+        let of = match given.periodic()? {
+            None => Of::Open(Open::new(&given.scene, memory_limit)),
+            Some(periodic) => Of::InBox(Within::new(periodic, memory_limit)),
+        };
+        Ok(Judge { of, seen: HashMap::new() })
     }
 
     /// Judges the answer of a contender in its arithmetic: the number and the digest of its pairs.
@@ -95,15 +129,12 @@ impl<'a> Judge<'a> {
         contender: &str,
         arithmetic: Arithmetic,
         (contacts, digest): (u64, &str),
-        fetch: impl FnOnce() -> Result<Vec<[u32; 2]>, String>,
+        fetch: impl FnOnce() -> Result<Contacts, String>,
     ) -> anyhow::Result<Judged> {
-        let truths = match self.known(arithmetic)? {
-            Known::Truths(truths) => truths.clone(),
-            Known::Nothing { reason, .. } => {
-                let reason = format!("the answer cannot be checked: {reason}");
-                return Ok(Judged::without_pairs(Outcome::Refused, reason));
-            }
-        };
+        if let Err(Nothing { reason, .. }) = self.truth(arithmetic)? {
+            let reason = format!("the answer cannot be checked: {reason}");
+            return Ok(Judged::without_pairs(Outcome::Refused, reason));
+        }
         let said = match protocol::digest(contacts, digest) {
             Ok(said) => said,
             Err(reason) => return Ok(Judged::without_pairs(Outcome::Wrong, reason)),
@@ -112,148 +143,60 @@ impl<'a> Judge<'a> {
         if let Some(judged) = self.seen.get(&key) {
             return Ok(judged.clone());
         }
-        let fetched;
-        let pairs = if said == truths.rounded.digest {
-            &truths.rounded.pairs
-        } else {
-            let answer = fetch().and_then(|pairs| {
-                let same = Digest::from_pairs(&pairs) == said;
-                if same { Ok(pairs) } else { Err("asked for them, it gave others".into()) }
-            });
-            fetched = match answer {
-                Ok(mut pairs) => {
-                    normalise(&mut pairs);
-                    pairs
-                }
-                Err(why) => {
-                    let reason =
-                        format!("the pairs differ from the truth, and could not be read: {why}");
-                    return Ok(Judged::without_pairs(Outcome::Wrong, reason));
-                }
-            };
-            &fetched
+        let fetch = || {
+            let contacts = fetch()?;
+            let same = contacts.digest() == said;
+            if same { Ok(contacts) } else { Err("asked for them, it gave others".into()) }
         };
-        let (outcome, own) = verdict(pairs, &truths.rounded, &truths.stored, arithmetic);
-        let reason = if outcome == Outcome::Ok {
-            String::new()
-        } else {
-            format!("against the true pairs in {}: {own}", arithmetic.name())
-        };
-        let mut judged = Judged::without_pairs(outcome, reason);
-        let scene = self.scene;
-        if let Known::Truths(given) = self.known(Arithmetic::Exact)? {
-            judged.errors = Some(compare(pairs, &given.exact, scene));
-            judged.causes = Some(Causes {
-                representation: compare(&truths.exact.pairs, &given.exact, scene),
-                predicate: compare(&truths.rounded.pairs, &truths.exact, &truths.stored),
-                search: own,
-                stored: compare(pairs, &truths.exact, &truths.stored),
-            });
+        let judged = match &mut self.of {
+            Of::Open(open) => open.judge(arithmetic, said, fetch),
+            Of::InBox(within) => within.judge(arithmetic, said, fetch),
+        }?;
+        if judged.errors.is_some() {
+            self.seen.insert(key, judged.clone());
         }
-        self.seen.insert(key, judged.clone());
         Ok(judged)
     }
 
-    /// What the arithmetic's own contact test gives for all pairs. `None` where no truth is known.
-    pub fn truth(&mut self, arithmetic: Arithmetic) -> anyhow::Result<Option<&Truth>> {
-        Ok(match self.known(arithmetic)? {
-            Known::Truths(truths) => Some(&truths.rounded),
-            Known::Nothing { .. } => None,
-        })
+    /// How many contacts there are by the arithmetic's own contact test. `None` where no truth is
+    /// known.
+    pub fn contacts(&mut self, arithmetic: Arithmetic) -> anyhow::Result<Option<u64>> {
+        Ok(self.truth(arithmetic)?.ok().map(|digest| digest.contacts))
     }
 
-    /// Why nobody can answer, if the scene has too many pairs.
-    pub fn hopeless(&mut self, arithmetic: Arithmetic) -> anyhow::Result<Option<&str>> {
-        Ok(match self.known(arithmetic)? {
-            Known::Nothing { reason, hopeless: true } => Some(reason),
-            _ => None,
-        })
+    /// Why nobody can answer, if nobody can.
+    pub fn hopeless(&mut self, arithmetic: Arithmetic) -> anyhow::Result<Option<String>> {
+        Ok(self.truth(arithmetic)?.err().filter(|nothing| nothing.hopeless).map(|it| it.reason))
     }
 
-    /// Why no truth is known in `arithmetic`; empty where one is, or nobody has asked for it.
-    pub fn why_none(&self, arithmetic: Arithmetic) -> &str {
-        match self.truths.get(&arithmetic) {
-            Some(Known::Nothing { reason, .. }) => reason,
-            _ => "",
+    /// Why no truth is known in `arithmetic`; empty where one is.
+    pub fn why_none(&mut self, arithmetic: Arithmetic) -> anyhow::Result<String> {
+        Ok(self.truth(arithmetic)?.err().map_or_else(String::new, |nothing| nothing.reason))
+    }
+
+    /// The fingerprint of the right answer.
+    fn truth(&mut self, arithmetic: Arithmetic) -> anyhow::Result<Result<Digest, Nothing>> {
+        match &mut self.of {
+            Of::Open(open) => open.truth(arithmetic),
+            Of::InBox(within) => within.truth(arithmetic),
         }
-    }
-
-    fn known(&mut self, arithmetic: Arithmetic) -> anyhow::Result<&Known> {
-        if !self.truths.contains_key(&arithmetic) {
-            let known = match arithmetic {
-                Arithmetic::Textbook => self.known(Arithmetic::F64)?.clone(),
-                Arithmetic::F64 => match self.known(Arithmetic::Exact)?.clone() {
-                    Known::Truths(exact) => {
-                        let found = self.truth_of(&exact.stored, Test::Rounded);
-                        Known::new(found.map(|rounded| Truths { rounded, ..exact }))?
-                    }
-                    nothing => nothing,
-                },
-                _ => Known::new(self.find(arithmetic))?,
-            };
-            self.truths.insert(arithmetic, known);
-        }
-        Ok(&self.truths[&arithmetic])
-    }
-
-    fn find(&self, arithmetic: Arithmetic) -> Result<Truths, NoTruth> {
-        let stored = Rc::new(self.scene.stored(arithmetic)?);
-        let exact = self.truth_of(&stored, Test::Exact)?;
-        let rounded = match arithmetic.test() {
-            Test::Exact => exact.clone(),
-            test => match self.truth_of(&stored, test)? {
-                same if same.digest == exact.digest => exact.clone(),
-                rounded => rounded,
-            },
-        };
-        Ok(Truths { stored, rounded, exact })
-    }
-
-    /// What is true in a test. Lists that are the same are kept once.
-    fn truth_of(&self, stored: &AnyScene<'_>, test: Test) -> Result<Rc<Truth>, NoTruth> {
-        let found = oracle::truth_as_stored(stored, test, self.memory_limit)?;
-        let known = self.truths.values().filter_map(|known| match known {
-            Known::Truths(truths) => Some([&truths.exact, &truths.rounded]),
-            Known::Nothing { .. } => None,
-        });
-        let same = known.flatten().find(|known| known.digest == found.digest).cloned();
-        Ok(same.unwrap_or_else(|| Rc::new(found)))
-    }
-}
-
-impl Known {
-    /// A defect of this program is an error.
-    fn new(found: Result<Truths, NoTruth>) -> anyhow::Result<Known> {
-        match found {
-            Ok(truths) => Ok(Known::Truths(truths)),
-            Err(reason @ (NoTruth::Refused(_) | NoTruth::Stored(_) | NoTruth::TooLarge { .. })) => {
-                let hopeless =
-                    matches!(&reason, NoTruth::Refused(refusal) if refusal.is_of_scene());
-                Ok(Known::Nothing { reason: reason.to_string(), hopeless })
-            }
-            Err(defect) => Err(defect.into()),
-        }
-    }
-}
-
-/// Most answers are right: their pairs need not be sorted.
-fn compare(reported: &[[u32; 2]], truth: &Truth, scene: &AnyScene<'_>) -> Errors {
-    if Digest::from_pairs(reported) == truth.digest {
-        Errors::default()
-    } else {
-        oracle::compare(reported, &truth.pairs, scene)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Radii, Scene};
+    use crate::periodic::ImagePair;
+    use crate::scene::{Lattice, Radii, Scene, Stored};
 
     /// Four unit discs in a row, of which neighbours touch.
-    fn row() -> AnyScene<'static> {
+    fn row() -> Given {
         let centres = [0.0, 2.0, 4.0, 6.0].map(|x| nalgebra::Point::from([x, 0.0]));
         Scene::<f64, 2>::new(centres.to_vec(), Radii::Uniform(1.0)).unwrap().into()
+    }
+
+    fn seen(pairs: &[[u32; 2]]) -> Contacts {
+        Contacts { plain: pairs.to_vec(), ..Contacts::default() }
     }
 
     const RIGHT: [[u32; 2]; 3] = [[0, 1], [1, 2], [2, 3]];
@@ -261,9 +204,9 @@ mod tests {
     fn judged(arithmetic: Arithmetic, said: &[[u32; 2]], shown: Option<&[[u32; 2]]>) -> Judged {
         let scene = row();
         let digest = Digest::from_pairs(said);
-        let fetch = || shown.map(<[_]>::to_vec).ok_or_else(|| "it has gone".into());
+        let fetch = || shown.map(seen).ok_or_else(|| "it has gone".into());
         let answer = (digest.contacts, &*digest.hex());
-        Judge::new(&scene, 1 << 20).judge("one", arithmetic, answer, fetch).unwrap()
+        Judge::new(&scene, 1 << 20).unwrap().judge("one", arithmetic, answer, fetch).unwrap()
     }
 
     #[test]
@@ -304,9 +247,37 @@ mod tests {
         let scene = row();
         let upper = Digest::from_pairs(&RIGHT).hex().to_uppercase();
         let judged = Judge::new(&scene, 1 << 20)
-            .judge("one", Arithmetic::Exact, (3, &upper), || Ok(RIGHT.to_vec()))
+            .unwrap()
+            .judge("one", Arithmetic::Exact, (3, &upper), || Ok(seen(&RIGHT)))
             .unwrap();
         assert_eq!(judged.outcome, Outcome::Wrong);
         assert!(judged.reason.contains("16 lower-case hexadecimal digits"), "{}", judged.reason);
+    }
+
+    #[test]
+    fn contacts_in_a_box_have_their_images() {
+        use Outcome::{Ok, Wrong};
+        let AnyScene::Plane(Stored::F64(scene)) = row().scene else { panic!("discs") };
+        let edges = Lattice::along_axes([8.0, 8.0, 1.0], [true, false, false]).unwrap();
+        let given = Given::within(scene.into(), edges).unwrap();
+        let mut judge = Judge::new(&given, 1 << 20).unwrap();
+        assert_eq!(judge.contacts(Arithmetic::Exact).unwrap(), Some(4));
+        let through = |image: i32| {
+            let shifted = vec![ImagePair::new(0, 3, [image, 0, 0])];
+            Contacts { plain: RIGHT.to_vec(), shifted }
+        };
+        for (arithmetic, contacts, outcome, missed, spurious) in [
+            (Arithmetic::Exact, through(-1), Ok, 0, 0),
+            (Arithmetic::F64, through(-1), Ok, 0, 0),
+            (Arithmetic::Exact, through(1), Wrong, 1, 1),
+            (Arithmetic::F32, seen(&RIGHT), Wrong, 1, 0),
+        ] {
+            let digest = contacts.digest();
+            let said = (digest.contacts, &*digest.hex());
+            let judged = judge.judge("one", arithmetic, said, || Result::Ok(contacts)).unwrap();
+            assert_eq!(judged.outcome, outcome, "{}", judged.reason);
+            let errors = judged.errors.unwrap();
+            assert_eq!((errors.missed, errors.spurious), (missed, spurious));
+        }
     }
 }

@@ -81,7 +81,7 @@ fn can_be_made(spec: &Spec) -> anyhow::Result<()> {
         std::fs::File::open(path).with_context(|| format!("cannot read {path}"))?;
         return Ok(());
     }
-    Spec { n: spec.n.min(TRIED), ..spec.clone() }.make().map(drop)
+    Spec { n: spec.n.min(TRIED), ..spec.clone() }.given().map(drop)
 }
 
 /// Is there room for the record in `folder`, and for the scenes among the temporary files?

@@ -13,7 +13,7 @@ use crate::sink::Digest;
 
 /// The version of the protocol that this program speaks as a runner; a runner names its own in its
 /// first line.
-pub const VERSION: u32 = 2;
+pub const VERSION: u32 = 3;
 /// The oldest version that the harness speaks to a runner.
 pub const OLDEST: u32 = 1;
 
@@ -34,7 +34,7 @@ pub enum Request {
     /// Measure the memory of one pass with fresh buffers.
     Memory,
     /// Reset, go through one pass, and write the pairs of its last frame to a file: npy, `<u4`,
-    /// shape (pairs, 2).
+    /// shape (pairs, 2); in a box `<i4`, shape (pairs, 2 + dim), with the image of the second.
     Pairs {
         /// Where to.
         path: PathBuf,
@@ -47,6 +47,14 @@ impl Request {
     /// The message for a runner that speaks `version`; or why it cannot be said in that version.
     pub fn message(&self, version: u32) -> Result<Value, String> {
         let mut message = serde_json::to_value(self).map_err(|e| format!("no message: {e}"))?;
+        if let Request::Load(Trajectory { bounds: Some(_), .. }) = self
+            && version < 3
+        {
+            return Err(format!(
+                "the runner speaks protocol {version}, which knows no boxes that repeat; let it \
+                 speak protocol 3, or take the scene with open boundaries"
+            ));
+        }
         if let (Request::Load(Trajectory { frames, .. }), 1, Some(fields)) =
             (self, version, message.as_object_mut())
         {
@@ -186,6 +194,7 @@ mod tests {
             dim: 2,
             n: 4,
             radius: Some(0.5),
+            bounds: None,
         })
     }
 

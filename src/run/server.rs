@@ -12,29 +12,101 @@ use std::io::{BufRead, Write};
 use std::time::Instant;
 
 use crate::contact::Arithmetic;
-use crate::detect::Options;
 use crate::detect::any::AnyDetector;
 use crate::detect::table::DetectorSpec;
-use crate::io::write;
+use crate::detect::{Options, Refusal};
+use crate::io::exchange;
 use crate::pair_list::{Allowance, PairList};
+use crate::periodic::{Contacts, Finder, Periodic};
 use crate::probe::Tally;
 use crate::record::provenance;
 use crate::run::alloc;
 use crate::run::possible::MOST_CALLS;
 use crate::run::protocol::{Reply, Request, VERSION};
 use crate::run::trajectory::Trajectory;
-use crate::scene::AnyScene;
-use crate::sink::Digest;
+use crate::scene::{AnyScene, Given};
 
 /// A detector, its scene and its buffers.
 pub struct Server {
     spec: DetectorSpec,
     arithmetic: Arithmetic,
     options: Options,
-    detector: Box<dyn AnyDetector>,
-    scene: Option<AnyScene<'static>>,
-    pairs: Vec<[u32; 2]>,
+    searcher: Searcher,
+    scene: Option<Loaded>,
+    contacts: Contacts,
     calls: Option<u64>,
+}
+
+/// A scene as detectors get it.
+enum Loaded {
+    /// As the arithmetic stores it.
+    Open(AnyScene<'static>),
+    /// As given.
+    InBox(Periodic<'static>),
+}
+
+/// A detector, and what finds its contacts in boxes.
+struct Searcher {
+    detector: Box<dyn AnyDetector>,
+    finder: Finder,
+}
+
+impl Searcher {
+    fn new(spec: &DetectorSpec, options: Options) -> Searcher {
+        Searcher { detector: spec.make(options), finder: Finder::new(options.memory_limit) }
+    }
+
+    /// One detection, into lists that are empty before.
+    #[inline]
+    fn list(
+        &mut self,
+        scene: &Loaded,
+        arithmetic: Arithmetic,
+        contacts: &mut Contacts,
+    ) -> Result<(), Refusal> {
+        contacts.clear();
+        match scene {
+            Loaded::Open(scene) => {
+                self.detector.list(scene, arithmetic.test(), &mut contacts.plain)
+            }
+            Loaded::InBox(scene) => {
+                self.finder.list(scene, &mut *self.detector, arithmetic, contacts)
+            }
+        }
+    }
+
+    /// The same, counted; lists may take so many bytes.
+    fn count(
+        &mut self,
+        scene: &Loaded,
+        arithmetic: Arithmetic,
+        contacts: &mut Contacts,
+        limit: u64,
+    ) -> Result<Tally, Refusal> {
+        let mut tally = Tally::default();
+        contacts.clear();
+        match scene {
+            Loaded::Open(scene) => {
+                let allowance = Allowance::new(limit);
+                let pairs = std::mem::take(&mut contacts.plain);
+                let mut list = PairList::behind(pairs, &allowance);
+                let counted = self.detector.count(scene, arithmetic.test(), &mut tally, &mut list);
+                list.end(scene.len(), &mut contacts.plain).and(counted)?;
+            }
+            Loaded::InBox(scene) => {
+                self.finder.count(scene, &mut *self.detector, arithmetic, &mut tally, contacts)?;
+            }
+        }
+        Ok(tally)
+    }
+
+    fn formula_bytes(&self, scene: &Loaded) -> u64 {
+        let images = match scene {
+            Loaded::Open(_) => 0,
+            Loaded::InBox(_) => self.finder.formula_bytes(),
+        };
+        self.detector.formula_bytes() + images
+    }
 }
 
 /// Either an answer or the reason why there is none.
@@ -44,12 +116,12 @@ impl Server {
     /// A server without a scene.
     pub fn new(spec: DetectorSpec, arithmetic: Arithmetic, options: Options) -> Server {
         Server {
-            detector: spec.make(options),
+            searcher: Searcher::new(&spec, options),
             spec,
             arithmetic,
             options,
             scene: None,
-            pairs: Vec::new(),
+            contacts: Contacts::default(),
             calls: None,
         }
     }
@@ -102,22 +174,24 @@ impl Server {
             Request::Load(trajectory) => self.load(&trajectory),
             Request::Sample { min_ns } => self.sample(min_ns),
             Request::Count => {
-                let (mut tally, test) = (Tally::default(), self.arithmetic.test());
-                let scene = loaded(&self.scene)?;
-                self.pairs.clear();
-                let allowance = Allowance::new(self.options.memory_limit);
-                let mut list = PairList::behind(std::mem::take(&mut self.pairs), &allowance);
-                let counted = self.detector.count(scene, test, &mut tally, &mut list);
-                list.end(scene.len(), &mut self.pairs).and(counted).map_err(refused)?;
-                let digest = Digest::from_pairs(&self.pairs);
+                let (scene, limit) = (loaded(&self.scene)?, self.options.memory_limit);
+                let tally = self
+                    .searcher
+                    .count(scene, self.arithmetic, &mut self.contacts, limit)
+                    .map_err(refused)?;
+                let digest = self.contacts.digest();
                 let counts = tally.iter().map(|(op, count)| (op.name().into(), count)).collect();
                 Ok(Reply::Count { counts, contacts: digest.contacts, digest: digest.hex() })
             }
             Request::Memory => self.memory(),
             Request::Pairs { path } => {
                 self.detect()?;
-                write::pairs(&path, &self.pairs).map_err(error)?;
-                Ok(Reply::Pairs { contacts: self.pairs.len() as u64 })
+                let within = match loaded(&self.scene)? {
+                    Loaded::Open(_) => None,
+                    Loaded::InBox(scene) => Some(scene.scene().dim()),
+                };
+                exchange::write_contacts(&path, &self.contacts, within).map_err(error)?;
+                Ok(Reply::Pairs { contacts: self.contacts.len() })
             }
             Request::Quit => Ok(Reply::Loaded),
         }
@@ -134,19 +208,23 @@ impl Server {
             );
             return Err(Reply::Refused { reason });
         };
-        let scene = trajectory.read_frame(path).map_err(error)?;
-        self.scene = Some(scene.stored(self.arithmetic).map_err(|e| Reply::Refused {
-            reason: format!("in {}: {e}", self.arithmetic.name()),
-        })?);
+        let given = trajectory.read_frame(path).map_err(error)?;
+        self.scene = Some(match given.periodic().map_err(error)? {
+            Some(periodic) => Loaded::InBox(periodic),
+            None => {
+                let Given { scene, .. } = given;
+                Loaded::Open(scene.stored(self.arithmetic).map_err(|e| Reply::Refused {
+                    reason: format!("in {}: {e}", self.arithmetic.name()),
+                })?)
+            }
+        });
         Ok(Reply::Loaded)
     }
 
     /// One detection into the list of pairs.
     fn detect(&mut self) -> Result<(), Reply> {
-        self.pairs.clear();
-        self.detector
-            .list(loaded(&self.scene)?, self.arithmetic.test(), &mut self.pairs)
-            .map_err(refused)
+        let scene = loaded(&self.scene)?;
+        self.searcher.list(scene, self.arithmetic, &mut self.contacts).map_err(refused)
     }
 
     fn sample(&mut self, min_ns: u64) -> Answer {
@@ -166,7 +244,7 @@ impl Server {
                 }
             },
         };
-        let digest = Digest::from_pairs(&self.pairs);
+        let digest = self.contacts.digest();
         let time_ns = (elapsed_ns + calls / 2) / calls;
         Ok(Reply::Sample {
             time_ns,
@@ -191,14 +269,15 @@ impl Server {
         }
     }
 
-    /// Nanoseconds of so many detections, each into the same list of pairs: the timed loop.
+    /// Nanoseconds of so many detections, each into the same lists: the timed loop.
     fn repeat(&mut self, calls: u64) -> Result<u64, Reply> {
-        let (scene, test) = (loaded(&self.scene)?, self.arithmetic.test());
+        let (scene, arithmetic) = (loaded(&self.scene)?, self.arithmetic);
         let start = Instant::now();
         for _ in 0..calls {
-            self.pairs.clear();
-            self.detector.list(black_box(scene), test, &mut self.pairs).map_err(refused)?;
-            black_box(&self.pairs);
+            self.searcher
+                .list(black_box(scene), arithmetic, &mut self.contacts)
+                .map_err(refused)?;
+            black_box(&self.contacts);
         }
         Ok(start.elapsed().as_nanos() as u64)
     }
@@ -210,24 +289,23 @@ impl Server {
         self.detect()?;
         // The buffers of the detector at hand must not count against the limit of the one that is
         // measured.
-        self.detector = self.spec.make(self.options);
-        let (scene, test, pairs) = (loaded(&self.scene)?, self.arithmetic.test(), &mut self.pairs);
-        pairs.clear();
-        let ((result, mut detector), cold) = alloc::measure(|| {
-            let mut detector = self.spec.make(self.options);
-            (detector.list(scene, test, pairs), detector)
+        self.searcher = Searcher::new(&self.spec, self.options);
+        let (scene, arithmetic) = (loaded(&self.scene)?, self.arithmetic);
+        let contacts = &mut self.contacts;
+        let ((result, mut searcher), cold) = alloc::measure(|| {
+            let mut searcher = Searcher::new(&self.spec, self.options);
+            (searcher.list(scene, arithmetic, contacts), searcher)
         });
         result.map_err(refused)?;
-        let digest = Digest::from_pairs(pairs);
-        pairs.clear();
+        let digest = contacts.digest();
         // A library declares no formula.
-        let formula_bytes = self.spec.entry.is_ours().then(|| detector.formula_bytes());
-        let (again, warm) = alloc::measure(|| detector.list(scene, test, pairs));
+        let formula_bytes = self.spec.entry.is_ours().then(|| searcher.formula_bytes(scene));
+        let (again, warm) = alloc::measure(|| searcher.list(scene, arithmetic, contacts));
         again.map_err(refused)?;
         let (Some(cold), Some(warm)) = (cold, warm) else { return Ok(Reply::Unsupported) };
         // The detector itself is one allocation of a few hundred bytes: its box is not part of the
         // algorithm.
-        let frame = std::mem::size_of_val(&*detector) as u64;
+        let frame = std::mem::size_of_val(&*searcher.detector) as u64;
         let boxed = u64::from(frame > 0);
         Ok(Reply::Memory {
             peak_bytes: cold.peak_bytes - frame,
@@ -249,13 +327,13 @@ fn more(min_ns: u64, calls: u64, elapsed: u64) -> u64 {
     (wanted as u64).clamp(calls + 1, (calls * 10).min(MOST_CALLS))
 }
 
-fn loaded<'a>(scene: &'a Option<AnyScene<'static>>) -> Result<&'a AnyScene<'static>, Reply> {
+fn loaded(scene: &Option<Loaded>) -> Result<&Loaded, Reply> {
     scene
         .as_ref()
         .ok_or_else(|| Reply::Error { reason: "no scene is loaded; send load first".into() })
 }
 
-fn refused(refusal: crate::detect::Refusal) -> Reply {
+fn refused(refusal: Refusal) -> Reply {
     Reply::Refused { reason: refusal.to_string() }
 }
 

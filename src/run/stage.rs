@@ -32,7 +32,7 @@ use crate::run::trajectory::Trajectory;
 use crate::scene::generate::hard;
 use crate::scene::spec::Spec;
 use crate::scene::stats::Stats;
-use crate::scene::{AnyScene, SceneError, stats};
+use crate::scene::{Given, SceneError, stats};
 use crate::sink::splitmix64;
 
 /// Hears how far a run has come.
@@ -64,16 +64,16 @@ impl Stage<'_> {
         let blocks = self.experiment.all_blocks(self.job.quick);
         let contenders =
             contenders(self.experiment, &self.job.program, self.job.against.as_deref());
-        let scene = match self.spec.make() {
-            Ok(scene) => scene,
+        let given = match self.spec.given() {
+            Ok(given) => given,
             Err(error) => return self.invalid(&contenders, error),
         };
         interrupt::check()?;
-        if self.is_complete(&contenders, &scene)? {
+        if self.is_complete(&contenders, &given)? {
             return Ok(());
         }
-        let mut judge = Judge::new(&scene, self.experiment.memory_limit_mib << 20);
-        let running = self.enter_all(contenders, &scene, &mut judge)?;
+        let mut judge = Judge::new(&given, self.experiment.memory_limit_mib << 20)?;
+        let running = self.enter_all(contenders, &given, &mut judge)?;
         self.blocks(running, blocks, &mut judge)
     }
 
@@ -81,16 +81,16 @@ impl Stage<'_> {
     fn enter_all(
         &mut self,
         contenders: Vec<Contender>,
-        scene: &AnyScene<'_>,
+        given: &Given,
         judge: &mut Judge<'_>,
     ) -> anyhow::Result<Vec<Running>> {
-        let contacts = judge.truth(Arithmetic::Exact)?.map_or(0, |truth| truth.digest.contacts);
-        let stats = stats::stats(scene, contacts);
+        let contacts = judge.contacts(Arithmetic::Exact)?.unwrap_or(0);
+        let (scene, stats) = (&given.scene, stats::stats(given, contacts));
         let mut loads = Vec::new();
         let history = self.spec.history()?;
-        for (k, scene) in history.iter().chain([scene]).enumerate() {
+        for (k, given) in history.iter().chain([given]).enumerate() {
             let path = self.folder.join(format!("scene-{k}.npy"));
-            loads.push(Trajectory::write_at_rest(&path, scene)?);
+            loads.push(Trajectory::write_at_rest(&path, given)?);
         }
         let loads = loads.into();
         let mut running = Vec::new();
@@ -101,7 +101,7 @@ impl Stage<'_> {
                 continue;
             }
             if let Some(reason) = judge.hopeless(Arithmetic::Exact)? {
-                let failure = Failure { outcome: Outcome::Refused, reason: reason.into() };
+                let failure = Failure { outcome: Outcome::Refused, reason };
                 self.fail(&blank, failure, &Pass::ALL)?;
             } else {
                 running.extend(self.enter(contender, blank, &loads, judge)?);
@@ -173,15 +173,15 @@ impl Stage<'_> {
 
     /// Everything of the contenders on this scene is in the record; an error if the record is of
     /// another scene.
-    fn is_complete(&self, contenders: &[Contender], scene: &AnyScene<'_>) -> anyhow::Result<bool> {
+    fn is_complete(&self, contenders: &[Contender], given: &Given) -> anyhow::Result<bool> {
         let blank = |contender: &Contender| {
-            contender.blank(self.experiment, self.spec, Some(scene), &Stats::default())
+            contender.blank(self.experiment, self.spec, Some(&given.scene), &Stats::default())
         };
         if let Some(one) = contenders.first() {
             let before = self.index.scene_hash(&blank(one));
             // Only where the record has rows of it: fingerprints of large scenes take a while.
             if before.is_some() {
-                plan::same_scene(&stats::scene_hash(scene), before)?;
+                plan::same_scene(&stats::hash(given), before)?;
             }
         }
         Ok(contenders.iter().all(|contender| self.complete(contender, &blank(contender))))

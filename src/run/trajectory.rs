@@ -1,12 +1,13 @@
 //! What a runner loads: a trajectory, that is the same particles in frame after frame, each frame
-//! in a file. A scene at rest is a trajectory of one frame.
+//! in a file, and the box in which they repeat. A scene at rest is a trajectory of one frame.
 
 use std::path::{Path, PathBuf};
 
+use anyhow::ensure;
 use serde::{Deserialize, Serialize};
 
 use crate::io::exchange;
-use crate::scene::AnyScene;
+use crate::scene::{Given, Lattice};
 
 /// The files of a trajectory. A runner opens one after the other: it never holds them all.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -21,22 +22,72 @@ pub struct Trajectory {
     pub n: u64,
     /// The radius of all particles, or null.
     pub radius: Option<f64>,
+    /// The box in which they repeat; absent where boundaries are open.
+    #[serde(default, rename = "box", skip_serializing_if = "Option::is_none")]
+    pub bounds: Option<Bounds>,
+}
+
+/// A box in a message: `dim` vectors of `dim` numbers.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Bounds {
+    /// One per row.
+    pub vectors: Vec<Vec<f64>>,
+    /// Along which of them the scene repeats.
+    pub periodic: Vec<bool>,
+    /// The corner from which they start.
+    pub origin: Vec<f64>,
+}
+
+impl Bounds {
+    fn new(lattice: &Lattice, dim: usize) -> Bounds {
+        let vectors = &lattice.vectors()[..dim];
+        Bounds {
+            vectors: vectors.iter().map(|vector| vector[..dim].to_vec()).collect(),
+            periodic: lattice.periodic()[..dim].to_vec(),
+            origin: lattice.origin()[..dim].to_vec(),
+        }
+    }
+
+    fn lattice(&self, dim: usize) -> anyhow::Result<Lattice> {
+        let Bounds { vectors, periodic, origin } = self;
+        let all = vectors.iter().chain([origin]).all(|numbers| numbers.len() == dim);
+        ensure!(
+            all && vectors.len() == dim && periodic.len() == dim,
+            "the box has not {dim} vectors of {dim} numbers, and as many flags and origins"
+        );
+        let of = |numbers: &[f64]| std::array::from_fn(|k| numbers.get(k).copied().unwrap_or(0.0));
+        let none = [0.0; 3];
+        let vectors = std::array::from_fn(|k| vectors.get(k).map_or(none, |vector| of(vector)));
+        let periodic = std::array::from_fn(|k| periodic.get(k).copied().unwrap_or(false));
+        Ok(Lattice::new(vectors, periodic, of(origin))?)
+    }
 }
 
 impl Trajectory {
     /// Writes a scene at rest to a file, the only frame.
-    pub fn write_at_rest(path: &Path, scene: &AnyScene<'_>) -> anyhow::Result<Trajectory> {
+    pub fn write_at_rest(path: &Path, given: &Given) -> anyhow::Result<Trajectory> {
+        let Given { scene, lattice } = given;
         let radius = exchange::write_scene(path, scene)?;
         Ok(Trajectory {
             frames: vec![path.to_path_buf()],
             dim: scene.dim() as u32,
             n: scene.len() as u64,
             radius,
+            bounds: lattice.as_ref().map(|lattice| Bounds::new(lattice, scene.dim())),
         })
     }
 
+    /// The dimensions of its box, if it has one: then contacts have images.
+    pub fn within(&self) -> Option<usize> {
+        self.bounds.as_ref().map(|_| self.dim as usize)
+    }
+
     /// Reads one of the files.
-    pub fn read_frame(&self, path: &Path) -> anyhow::Result<AnyScene<'static>> {
-        exchange::read_scene(path, self.dim, self.n, self.radius)
+    pub fn read_frame(&self, path: &Path) -> anyhow::Result<Given> {
+        let scene = exchange::read_scene(path, self.dim, self.n, self.radius)?;
+        match &self.bounds {
+            None => Ok(scene.into()),
+            Some(bounds) => Given::within(scene, bounds.lattice(self.dim as usize)?),
+        }
     }
 }

@@ -2,12 +2,14 @@
 //! turned out to be.
 
 pub mod generate;
+mod given;
 pub mod hard;
 pub mod order;
 pub mod spec;
 pub mod stats;
 
 pub use contactbench_core::scene::*;
+pub use given::Given;
 
 #[cfg(test)]
 mod tests {

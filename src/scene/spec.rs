@@ -7,11 +7,11 @@ use anyhow::{Context, bail, ensure};
 use serde_json::Value;
 
 use crate::nearest::hint;
-use crate::scene::AnyScene;
 pub use crate::scene::generate::table::{GENERATORS, Generator, Kind, Parameter, Preset};
 use crate::scene::generate::{Inputs, file, table};
 pub use crate::scene::order::Order;
 use crate::scene::order::{morton, shuffled};
+use crate::scene::{AnyScene, Given};
 
 /// A scene to be made.
 #[derive(Clone, Debug, PartialEq)]
@@ -108,22 +108,30 @@ impl Spec {
         Spec::new(name, dim, n, seed, order, &params)
     }
 
-    /// Makes the scene.
+    /// Makes the scene, for those who know no boxes.
+    ///
+    /// # Errors
+    /// It repeats, or cannot be made.
     pub fn make(&self) -> anyhow::Result<AnyScene<'static>> {
-        Ok(self.ordered(self.given(|generator, inputs| (generator.make)(inputs))?))
+        self.given()?.open(&self.name)
+    }
+
+    /// Makes the scene, with the box in which it repeats.
+    pub fn given(&self) -> anyhow::Result<Given> {
+        Ok(self.ordered(self.by(|generator, inputs| (generator.make)(inputs))?))
     }
 
     /// Makes the scenes that a detector is to be given before the one of [`Spec::make`], in order:
     /// none, but for hard cases of several steps. A detector may refuse them.
-    pub fn history(&self) -> anyhow::Result<Vec<AnyScene<'static>>> {
+    pub fn history(&self) -> anyhow::Result<Vec<Given>> {
         Ok(self
-            .given(|generator, inputs| (generator.history)(inputs))?
+            .by(|generator, inputs| (generator.history)(inputs))?
             .into_iter()
-            .map(|scene| self.ordered(scene))
+            .map(|given| self.ordered(given))
             .collect())
     }
 
-    fn given<O>(
+    fn by<O>(
         &self,
         then: impl FnOnce(&Generator, &Inputs<'_>) -> anyhow::Result<O>,
     ) -> anyhow::Result<O> {
@@ -134,12 +142,13 @@ impl Spec {
         then(generator, &inputs).with_context(|| format!("cannot make the scene '{}'", self.name))
     }
 
-    fn ordered(&self, scene: AnyScene<'static>) -> AnyScene<'static> {
-        match self.order {
+    fn ordered(&self, Given { scene, lattice }: Given) -> Given {
+        let scene = match self.order {
             Order::Generated => scene,
             Order::Shuffled => scene.reordered(&shuffled(scene.len(), self.seed)),
             Order::Morton => scene.reordered(&morton(&scene)),
-        }
+        };
+        Given { scene, lattice }
     }
 }
 
@@ -157,7 +166,7 @@ fn json(value: &toml::Value) -> Value {
 /// A value of the command line: whole number, number or text; paths and names of cases are text
 /// whatever they look like.
 fn scalar(key: &str, value: &str) -> toml::Value {
-    if ["path", "case", "frame", "format", "columns"].contains(&key) {
+    if ["path", "case", "frame", "format", "columns", "box"].contains(&key) {
         value.into()
     } else if let Ok(whole) = value.parse::<i64>() {
         whole.into()
@@ -200,6 +209,10 @@ mod tests {
             (0, &"a,b.csv".into(), &2.into())
         );
         assert_eq!(Spec::parse("loose").unwrap().n, 1000);
+        for (text, axes) in [("true", "xy"), ("xy", "xy"), ("y", "y"), ("false", "none")] {
+            let spec = Spec::parse(&format!("packed:periodic={text}")).unwrap();
+            assert_eq!(spec.params["periodic"], axes);
+        }
         let exponents = Spec::parse("clustered:n=1e3,seed=2e0,per-cluster=1e1").unwrap();
         assert_eq!(exponents, Spec::parse("clustered:n=1000,seed=2,per-cluster=10").unwrap());
     }
@@ -223,7 +236,7 @@ mod tests {
             (
                 "loose:spacing=1",
                 "loose: there is no parameter 'spacing'; the parameters are: diameter, offset, \
-                 size-ratio, sizes, exponent, share, giants, fraction",
+                 size-ratio, sizes, exponent, share, giants, periodic, tilt, fraction",
             ),
             ("loose:fraction=0", "loose: fraction is 0; it must be a finite number over 0"),
             ("loose:fraction=nan", "loose: fraction is \"nan\"; it must be a finite number over 0"),
@@ -260,6 +273,26 @@ mod tests {
             (
                 "clustered:background=1.1",
                 "clustered: background is 1.1; it must be a number from 0 to 1",
+            ),
+            (
+                "packed:periodic=xz",
+                "packed: periodic is \"xz\"; it must be true, none, or the axes along which the box \
+                 repeats: x, y, xy",
+            ),
+            (
+                "loose:tilt=0.5",
+                "cannot make the scene 'loose': a tilt belongs to a box that repeats: add \
+                 periodic=true",
+            ),
+            (
+                "loose:tilt=0.5,periodic=x",
+                "cannot make the scene 'loose': a tilt moves images along y, and the box does not \
+                 repeat along y",
+            ),
+            (
+                "loose:periodic=true",
+                "loose: the scene repeats along x and y, and here boundaries are open; take it \
+                 without its box, or detect, verify, inspect, draw, check or run, which know boxes",
             ),
             ("pack-c:s=-1", "pack-c: s is -1; it must be a finite number of at least 0"),
             ("file", "file: the parameter 'path' is missing (the file's name)"),

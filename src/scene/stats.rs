@@ -7,22 +7,23 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::scene::{AnyScene, Radii, Real, Scene, array};
+use crate::scene::{AnyScene, Given, Lattice, Radii, Real, Scene, array};
 use crate::sink::splitmix64;
 use crate::with_scene;
 
 /// What the scene turned out to be.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Stats {
-    /// Volume of the bodies over the volume of the box around them; overlaps count twice.
+    /// Volume of the bodies over the volume of the box in which the scene repeats along all axes,
+    /// or else of the box around the bodies; overlaps count twice.
     pub packing_fraction: f64,
     /// Contacts per particle: twice the number of touching pairs over the number of particles.
     /// Exact arithmetic.
     pub coordination: f64,
     /// Largest over smallest radius; 1 when all are equal, absent when the smallest is zero.
     pub radius_ratio: Option<f64>,
-    /// Edges of the box around the centres, in units of the largest diameter; absent when that is
-    /// zero.
+    /// Edges of the box around the centres, and where the scene repeats lengths of its vectors, in
+    /// units of the largest diameter; absent when that is zero.
     pub box_diameters: Option<Vec<f64>>,
     /// Fingerprint of the exact coordinates and radii, in order: `0x` and 16 hexadecimal digits.
     pub scene_hash: String,
@@ -35,6 +36,19 @@ impl Stats {
     }
 }
 
+/// The fingerprint of [`scene_hash`]; with a box the chain goes on with it: its vectors and its
+/// corner, as bits of doubles, and 0 or 1 for each vector along which it does not repeat or does.
+pub fn hash(given: &Given) -> String {
+    let hash = chained_hash(&given.scene);
+    let numbers = |lattice: &Lattice| {
+        let origin = lattice.origin();
+        let numbers = lattice.vectors().as_flattened().iter().chain(&origin).copied();
+        let flags = lattice.periodic().map(u64::from);
+        numbers.map(f64::to_bits).chain(flags).fold(hash, |hash, v| splitmix64(hash ^ v))
+    };
+    format!("{:#018x}", given.lattice.as_ref().map_or(hash, numbers))
+}
+
 /// A fingerprint of dimension, number, coordinates and radii, to the bit and in order: `0x` and 16
 /// hexadecimal digits.
 ///
@@ -43,6 +57,10 @@ impl Stats {
 /// radius or one per particle, and the bits of the radius or radii. An f32 scene has the
 /// fingerprint of the equal f64 scene; 0.0 and -0.0 differ.
 pub fn scene_hash(scene: &AnyScene<'_>) -> String {
+    format!("{:#018x}", chained_hash(scene))
+}
+
+fn chained_hash(scene: &AnyScene<'_>) -> u64 {
     fn chained<T: Real, const D: usize>(scene: &Scene<'_, T, D>) -> u64 {
         let mut hash = 0;
         let mut chain = |value: u64| hash = splitmix64(hash ^ value);
@@ -63,26 +81,36 @@ pub fn scene_hash(scene: &AnyScene<'_>) -> String {
         }
         hash
     }
-    format!("{:#018x}", with_scene!(scene, scene => chained(scene)))
+    with_scene!(scene, scene => chained(scene))
 }
 
 /// The statistics of a scene in which `contacts` pairs touch.
-pub fn stats(scene: &AnyScene<'_>, contacts: u64) -> Stats {
-    let n = scene.len();
-    let (packing_fraction, box_diameters) =
-        with_scene!(scene, scene => (packing_fraction(scene), box_diameters(scene)));
+pub fn stats(given: &Given, contacts: u64) -> Stats {
+    let Given { scene, lattice } = given;
+    let (n, lattice) = (scene.len(), lattice.as_ref());
+    let (packing_fraction, box_diameters) = with_scene!(scene, scene => {
+        (packing_fraction(scene, lattice), box_diameters(scene, lattice))
+    });
     Stats {
         packing_fraction,
         coordination: if n == 0 { 0.0 } else { 2.0 * contacts as f64 / n as f64 },
         radius_ratio: with_scene!(scene, scene => radius_ratio(scene)),
         box_diameters,
-        scene_hash: scene_hash(scene),
+        scene_hash: hash(given),
     }
 }
 
-/// Volume of the bodies over the volume of the box around them; 0 where the box has none.
-fn packing_fraction<T: Real, const D: usize>(scene: &Scene<'_, T, D>) -> f64 {
-    let half = half_edges(scene, |k| scene.radius(k).wide());
+/// Volume of the bodies over the volume of the box; 0 where the box has none.
+fn packing_fraction<T: Real, const D: usize>(
+    scene: &Scene<'_, T, D>,
+    lattice: Option<&Lattice>,
+) -> f64 {
+    // Of a box that repeats along all axes, the edges of one along the axes with its volume.
+    let repeats = lattice.and_then(|lattice| half_volume(lattice, D));
+    let half = match repeats {
+        Some(half) => std::array::from_fn(|k| half[k]),
+        None => half_edges(scene, |k| scene.radius(k).wide()),
+    };
     let most = half.iter().fold(0.0, |a: f64, &b| a.max(b));
     let shape = if D == 2 { std::f64::consts::PI } else { std::f64::consts::PI * 4.0 / 3.0 };
     let volume: f64 = (0..scene.len())
@@ -92,12 +120,44 @@ fn packing_fraction<T: Real, const D: usize>(scene: &Scene<'_, T, D>) -> f64 {
     if fraction.is_finite() { fraction } else { 0.0 }
 }
 
-/// Edges of the box around the centres in largest diameters; absent where the diameter is zero or
-/// the quotient overflows.
-fn box_diameters<T: Real, const D: usize>(scene: &Scene<'_, T, D>) -> Option<Vec<f64>> {
+/// Half the edges of a box with the volume of one that repeats along all of its vectors: the parts
+/// of each that are at right angles to those before it.
+fn half_volume(lattice: &Lattice, dim: usize) -> Option<[f64; 3]> {
+    let vectors = *lattice.vectors();
+    lattice.periodic()[..dim].iter().all(|&repeats| repeats).then(|| {
+        let (mut half, mut before) = ([0.0; 3], Vec::<[f64; 3]>::new());
+        for k in 0..dim {
+            let mut left = vectors[k].map(|x| 0.5 * x);
+            for direction in &before {
+                let part: f64 = left.iter().zip(direction).map(|(x, d)| x * d).sum();
+                left = std::array::from_fn(|k| left[k] - part * direction[k]);
+            }
+            half[k] = length(left);
+            before.push(left.map(|x| x / half[k]));
+        }
+        half
+    })
+}
+
+fn length([x, y, z]: [f64; 3]) -> f64 {
+    libm::hypot(libm::hypot(x, y), z)
+}
+
+/// Edges of the box around the centres, or lengths of vectors where the scene repeats, in largest
+/// diameters; absent where the diameter is zero or the quotient overflows.
+fn box_diameters<T: Real, const D: usize>(
+    scene: &Scene<'_, T, D>,
+    lattice: Option<&Lattice>,
+) -> Option<Vec<f64>> {
     let radius = scene.largest_radius().wide();
+    let mut half = half_edges(scene, |_| 0.0);
+    if let Some(lattice) = lattice {
+        for k in (0..D).filter(|&k| lattice.periodic()[k]) {
+            half[k] = 0.5 * length(lattice.vectors()[k]);
+        }
+    }
     // Half an edge over a radius is an edge over a diameter.
-    let edges: Vec<f64> = half_edges(scene, |_| 0.0).iter().map(|half| half / radius).collect();
+    let edges: Vec<f64> = half.iter().map(|half| half / radius).collect();
     (radius > 0.0 && edges.iter().all(|edge| edge.is_finite())).then_some(edges)
 }
 
@@ -148,7 +208,7 @@ mod tests {
     #[test]
     fn two_discs_side_by_side_by_hand() {
         let scene = plane(&[[0.0, 0.0], [2.0, 0.0]], Radii::Uniform(1.0));
-        let stats = stats(&scene, 1);
+        let stats = stats(&scene.into(), 1);
         assert!(
             (stats.packing_fraction - std::f64::consts::PI / 4.0).abs() < 1e-15,
             "{}",
@@ -159,7 +219,7 @@ mod tests {
             (1.0, Some(1.0), Some(vec![1.0, 0.0]))
         );
         let scene = plane(&[[0.0, 0.0], [3.0, 0.0]], Radii::Each(vec![1.0, 2.0].into()));
-        let stats = super::stats(&scene, 1);
+        let stats = super::stats(&scene.into(), 1);
         assert!(
             (stats.packing_fraction - 5.0 * std::f64::consts::PI / 24.0).abs() < 1e-15,
             "{}",
@@ -173,7 +233,7 @@ mod tests {
         let scene = AnyScene::from(
             Scene::<f64, 3>::new(vec![Point::from([1.0, 2.0, 3.0])], Radii::Uniform(0.5)).unwrap(),
         );
-        let stats = stats(&scene, 0);
+        let stats = stats(&scene.into(), 0);
         assert!(
             (stats.packing_fraction - std::f64::consts::PI / 6.0).abs() < 1e-15,
             "{}",
@@ -196,7 +256,7 @@ mod tests {
             (vec![[tiny, 0.0], [0.0, tiny]], Radii::Uniform(tiny)),
             (vec![[0.0, 0.0], [1.0, 0.0]], Radii::Each(vec![0.0, 1.0].into())),
         ] {
-            let stats = stats(&plane(&points, radii), 3);
+            let stats = stats(&plane(&points, radii).into(), 3);
             let edges = stats.box_diameters.clone().unwrap_or_default();
             assert!(
                 edges

@@ -112,6 +112,19 @@ fn the_transcript_holds_every_request_and_every_reply_of_the_program() {
 
 #[test]
 fn the_digests_of_the_page_are_those_of_the_program() {
+    let lines = block("digests in a box");
+    assert!(lines.len() >= 5);
+    for line in lines {
+        let (contacts, digest) = line.split_once(' ').unwrap();
+        let numbers = contacts.split(|c: char| !c.is_ascii_digit() && c != '-');
+        let numbers = numbers.filter(|piece| !piece.is_empty());
+        let numbers: Vec<i32> = numbers.map(|piece| piece.parse().unwrap()).collect();
+        let mut found = Digest::default();
+        for contact in numbers.chunks_exact(5) {
+            found.image(contact[0] as u32, contact[1] as u32, [contact[2], contact[3], contact[4]]);
+        }
+        assert_eq!(found.hex(), digest, "{line}");
+    }
     let lines = block("digests");
     assert!(lines.len() >= 5);
     for line in lines {

@@ -10,7 +10,7 @@ use crate::io::boxes::{Axes, Edges, UNKNOWN};
 use crate::io::{Boundaries, Chosen, Format, Frame};
 use crate::nearest::{hint, nearest};
 use crate::scene::spec::{GENERATORS, Spec};
-use crate::scene::{AnyScene, Lattice};
+use crate::scene::{AnyScene, Given, Lattice};
 
 /// What a file does not say.
 #[derive(clap::Args, Clone, Copy, Debug, Default, PartialEq)]
@@ -73,8 +73,9 @@ impl Input {
     /// The scene of a file, or of a generator such as `packed:dim=3,n=1000`. What is there as a
     /// file is a file. One with a box that repeats is refused.
     pub fn scene(&self, text: &str) -> anyhow::Result<AnyScene<'static>> {
-        self.make(text, |particles| Ok((particles.scene(text, self.radius)?, None)))
-            .map(|(scene, _)| scene)
+        let of_file = |particles: io::Particles| Ok((particles.scene(text, self.radius)?, None));
+        let (scene, lattice) = self.make(text, of_file)?;
+        Given { scene, lattice }.open(text)
     }
 
     /// The same with the box in which it repeats, for those who know what to do with one.
@@ -94,7 +95,8 @@ impl Input {
                 !self.given(),
                 "{OPTIONS} belong to files; write dim=3 and the like into the scene: {text}"
             );
-            return Ok((Spec::parse(text)?.make()?, None));
+            let Given { scene, lattice } = Spec::parse(text)?.given()?;
+            return Ok((scene, lattice));
         }
         let path = Path::new(text);
         if !path.exists() {

@@ -20,7 +20,7 @@
 //! So neighbours that should be D apart are exactly D apart, at the very border of the closed
 //! contact test.
 
-use crate::scene::AnyScene;
+use crate::scene::Given;
 use crate::scene::generate::table::{Generator, Kind, Parameter, Preset, no_history};
 use crate::scene::generate::{DIAMETER, Inputs, assemble};
 
@@ -87,10 +87,7 @@ const S: Parameter = Parameter {
     meaning: "S/D, the spacing in diameters",
 };
 
-fn pack(
-    inputs: &Inputs<'_>,
-    site: impl Fn(f64, f64) -> [f64; 2],
-) -> anyhow::Result<AnyScene<'static>> {
+fn pack(inputs: &Inputs<'_>, site: impl Fn(f64, f64) -> [f64; 2]) -> anyhow::Result<Given> {
     let root = inputs.n.isqrt();
     let columns = if root * root < inputs.n { root + 1 } else { root.max(1) };
     let centres = (0..inputs.n).map(|k| site((k % columns) as f64, (k / columns) as f64));

@@ -18,11 +18,12 @@
 //! larger and its packing fraction somewhat smaller than asked. In generated order the clusters
 //! come first, one after the other, then the background.
 
+use crate::scene::generate::boxes::{PERIODIC, TILT, boxed};
 use crate::scene::generate::draw::Draw;
 use crate::scene::generate::sizes::{EXPONENT, GIANTS, SHARE, SIZE_RATIO, SIZES, unit_radii};
 use crate::scene::generate::table::{Generator, Kind, Parameter, Preset, no_history};
 use crate::scene::generate::{DIAMETER, Inputs, OFFSET, assemble, box_edge};
-use crate::scene::{AnyScene, Scene};
+use crate::scene::{AnyScene, Given, Scene};
 
 /// The table line.
 pub const GENERATOR: Generator = Generator {
@@ -38,6 +39,8 @@ pub const GENERATOR: Generator = Generator {
         EXPONENT,
         SHARE,
         GIANTS,
+        PERIODIC,
+        TILT,
         Parameter {
             name: "per-cluster",
             kind: Kind::Count,
@@ -63,17 +66,14 @@ pub const GENERATOR: Generator = Generator {
             meaning: "volume of the bodies over the volume of the box",
         },
     ],
-    make: |inputs| {
-        Ok(if inputs.dim == 2 {
-            AnyScene::from(make::<2>(inputs)?)
-        } else {
-            AnyScene::from(make::<3>(inputs)?)
-        })
-    },
+    make: |inputs| if inputs.dim == 2 { make::<2>(inputs) } else { make::<3>(inputs) },
     history: no_history,
 };
 
-fn make<const D: usize>(inputs: &Inputs<'_>) -> anyhow::Result<Scene<'static, f64, D>> {
+fn make<const D: usize>(inputs: &Inputs<'_>) -> anyhow::Result<Given>
+where
+    AnyScene<'static>: From<Scene<'static, f64, D>>,
+{
     let mut draw = Draw::new(inputs.seed);
     let radii = unit_radii(inputs, &mut draw)?;
     let (n, per_cluster, width) =
@@ -90,5 +90,5 @@ fn make<const D: usize>(inputs: &Inputs<'_>) -> anyhow::Result<Scene<'static, f6
         }
         cluster.map(|x| x + width * draw.normal())
     });
-    assemble(inputs, centres, radii)
+    boxed(inputs, assemble(inputs, centres, radii)?, [edge; D])
 }

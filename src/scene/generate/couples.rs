@@ -23,7 +23,7 @@ use crate::contact::exact;
 use crate::scene::generate::draw::Draw;
 use crate::scene::generate::table::{Generator, Kind, Parameter, Preset, no_history};
 use crate::scene::generate::{DIAMETER, Inputs, room};
-use crate::scene::{AnyScene, Radii, Scene};
+use crate::scene::{Radii, Scene};
 
 /// The table line.
 pub const GENERATOR: Generator = Generator {
@@ -41,11 +41,7 @@ pub const GENERATOR: Generator = Generator {
         },
     ],
     make: |inputs| {
-        Ok(if inputs.dim == 2 {
-            AnyScene::from(make::<2>(inputs)?)
-        } else {
-            AnyScene::from(make::<3>(inputs)?)
-        })
+        Ok(if inputs.dim == 2 { make::<2>(inputs)?.into() } else { make::<3>(inputs)?.into() })
     },
     history: no_history,
 };

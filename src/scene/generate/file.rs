@@ -64,6 +64,19 @@ pub const GENERATOR: Generator = Generator {
             meaning: "which column of a text holds what, as in x=3,y=4,z=5,r=6",
         },
         Parameter {
+            name: "box",
+            kind: Kind::Text,
+            default: [Preset::Absent; 2],
+            meaning: "the box, in the place of the file's: LX,LY,LZ or with a tilt LX,LY,LZ,XY,XZ,YZ",
+        },
+        Parameter {
+            name: "periodic",
+            kind: Kind::Axes,
+            default: [Preset::Absent; 2],
+            meaning: "the box repeats along these axes, whatever the file says: true, x, xy and so on, \
+                      none",
+        },
+        Parameter {
             name: "open",
             kind: Kind::Yes,
             default: [Preset::Absent; 2],
@@ -91,6 +104,13 @@ pub const GENERATOR: Generator = Generator {
             ),
             Err(_) => None,
         };
+        let edges = match inputs.text("box") {
+            Ok(text) => Some(
+                text.parse().map_err(|must| anyhow::anyhow!("file: box is '{text}'; {must}"))?,
+            ),
+            Err(_) => None,
+        };
+        let periodic = inputs.text("periodic").ok().and_then(|text| text.parse().ok());
         let dim = inputs.whole("file-dim").ok().map(|dim| dim as u32);
         let options = io::Options {
             radius: inputs.number("radius").ok(),
@@ -99,19 +119,20 @@ pub const GENERATOR: Generator = Generator {
             format,
             columns,
             boundaries: io::Boundaries {
+                edges,
+                periodic,
                 open: inputs.text("open").is_ok_and(|text| text == "true"),
-                ..io::Boundaries::AS_DECLARED
             },
             ..io::Options::NONE
         };
-        let scene = io::scene(path, options)?;
-        let (n, found) = (inputs.n, scene.len());
+        let given = io::given(path, options)?;
+        let (n, found) = (inputs.n, given.scene.len());
         ensure!(
             n == 0 || n == found as u64,
             "{} holds {found} particles, but n = {n} was asked for; leave n out",
             path.display()
         );
-        Ok(scene)
+        Ok(given)
     },
     history: no_history,
 };

@@ -13,7 +13,7 @@ use anyhow::ensure;
 
 use crate::scene::generate::Inputs;
 use crate::scene::generate::table::{Generator, Kind, Parameter, Preset};
-use crate::scene::{AnyScene, hard};
+use crate::scene::{Given, hard};
 
 /// The name under which the program knows hard cases.
 pub const NAME: &str = "hard";
@@ -33,15 +33,15 @@ pub const GENERATOR: Generator = Generator {
     make: |inputs| {
         let mut steps = steps(inputs)?;
         // Every case has a last step.
-        let Some(scene) = steps.pop() else {
+        let Some(given) = steps.pop() else {
             anyhow::bail!("the hard case '{}' has no steps", inputs.text("case")?)
         };
-        let (n, found) = (inputs.n, scene.len());
+        let (n, found) = (inputs.n, given.scene.len());
         ensure!(
             n == 0 || n == found as u64,
             "the case has {found} particles, but n = {n} was asked for; leave n out"
         );
-        Ok(scene)
+        Ok(given)
     },
     history: |inputs| {
         let mut steps = steps(inputs)?;
@@ -50,6 +50,6 @@ pub const GENERATOR: Generator = Generator {
     },
 };
 
-fn steps(inputs: &Inputs<'_>) -> anyhow::Result<Vec<AnyScene<'static>>> {
+fn steps(inputs: &Inputs<'_>) -> anyhow::Result<Vec<Given>> {
     hard::find(inputs.text("case")?)?.steps(inputs.dim)
 }

@@ -13,11 +13,12 @@
 //! is the volume of all bodies over `fraction`. Overlaps are kept, so that about 4·fraction·n/2
 //! (2D) or 8·fraction·n/2 (3D) pairs touch.
 
+use crate::scene::generate::boxes::{PERIODIC, TILT, boxed};
 use crate::scene::generate::draw::Draw;
 use crate::scene::generate::sizes::{EXPONENT, GIANTS, SHARE, SIZE_RATIO, SIZES, unit_radii};
 use crate::scene::generate::table::{Generator, Kind, Parameter, Preset, no_history};
 use crate::scene::generate::{DIAMETER, Inputs, OFFSET, assemble, box_edge};
-use crate::scene::{AnyScene, Scene};
+use crate::scene::{AnyScene, Given, Scene};
 
 /// The table line.
 pub const GENERATOR: Generator = Generator {
@@ -33,6 +34,8 @@ pub const GENERATOR: Generator = Generator {
         EXPONENT,
         SHARE,
         GIANTS,
+        PERIODIC,
+        TILT,
         Parameter {
             name: "fraction",
             kind: Kind::Positive,
@@ -40,20 +43,17 @@ pub const GENERATOR: Generator = Generator {
             meaning: "volume of the bodies over the volume of the box",
         },
     ],
-    make: |inputs| {
-        Ok(if inputs.dim == 2 {
-            AnyScene::from(make::<2>(inputs)?)
-        } else {
-            AnyScene::from(make::<3>(inputs)?)
-        })
-    },
+    make: |inputs| if inputs.dim == 2 { make::<2>(inputs) } else { make::<3>(inputs) },
     history: no_history,
 };
 
-fn make<const D: usize>(inputs: &Inputs<'_>) -> anyhow::Result<Scene<'static, f64, D>> {
+fn make<const D: usize>(inputs: &Inputs<'_>) -> anyhow::Result<Given>
+where
+    AnyScene<'static>: From<Scene<'static, f64, D>>,
+{
     let mut draw = Draw::new(inputs.seed);
     let radii = unit_radii(inputs, &mut draw)?;
     let edge = box_edge::<D>(inputs.n, radii.as_deref(), inputs.number("fraction")?);
     let centres = (0..inputs.n).map(|_| [(); D].map(|()| edge * draw.unit()));
-    assemble(inputs, centres, radii)
+    boxed(inputs, assemble(inputs, centres, radii)?, [edge; D])
 }

@@ -8,6 +8,7 @@
 //! of the machine's own mathematical library. Overlaps are allowed everywhere.
 
 pub mod book;
+pub mod boxes;
 pub mod clustered;
 pub mod couples;
 pub mod draw;

@@ -12,12 +12,19 @@
 //! ± `jitter`. At the defaults about 58% of the lattice neighbours touch: 3.5 contacts per particle
 //! in 2D and 6.9 in 3D, as in a dense granular pack. Square and cubic sites without jitter are
 //! exactly i·spacing·diameter (one rounding each, none where spacing and diameter are dyadic).
+//!
+//! With `periodic` the lattice goes on through the faces of the box: hexagonal and fcc lattices
+//! have an even number of rows and layers then. Sites after the last particle stay empty: none in
+//! fcc if n = 4·k³, cubic if n = k³, square if n = k².
 
+use std::f64::consts::FRAC_1_SQRT_2;
+
+use crate::scene::generate::boxes::{PERIODIC, TILT, boxed};
 use crate::scene::generate::draw::Draw;
 use crate::scene::generate::sizes::{EXPONENT, GIANTS, SHARE, SIZE_RATIO, SIZES, unit_radii};
 use crate::scene::generate::table::{Generator, Kind, Parameter, Preset, no_history};
 use crate::scene::generate::{DIAMETER, Inputs, OFFSET, assemble};
-use crate::scene::{AnyScene, Scene};
+use crate::scene::{AnyScene, Given, Scene};
 
 /// The table line.
 pub const GENERATOR: Generator = Generator {
@@ -33,6 +40,8 @@ pub const GENERATOR: Generator = Generator {
         EXPONENT,
         SHARE,
         GIANTS,
+        PERIODIC,
+        TILT,
         Parameter {
             name: "lattice",
             kind: Kind::Word([&["hexagonal", "square"], &["fcc", "cubic"]]),
@@ -53,10 +62,15 @@ pub const GENERATOR: Generator = Generator {
         },
     ],
     make: |inputs| {
-        Ok(match (inputs.dim, inputs.text("lattice")?) {
-            (2, lattice) => AnyScene::from(make(inputs, plane(lattice, inputs.n))?),
-            (_, lattice) => AnyScene::from(make(inputs, space(lattice, inputs.n))?),
-        })
+        let (lattice, n) = (inputs.text("lattice")?, inputs.n);
+        let repeats = inputs.params.contains_key(PERIODIC.name);
+        if inputs.dim == 2 {
+            let (site, period) = plane(lattice, n);
+            make(inputs, site, period)
+        } else {
+            let (site, period) = space(lattice, n, repeats);
+            make(inputs, site, period)
+        }
     },
     history: no_history,
 };
@@ -64,41 +78,53 @@ pub const GENERATOR: Generator = Generator {
 fn make<const D: usize>(
     inputs: &Inputs<'_>,
     site: impl Fn(u64) -> [f64; D],
-) -> anyhow::Result<Scene<'static, f64, D>> {
+    period: [f64; D],
+) -> anyhow::Result<Given>
+where
+    AnyScene<'static>: From<Scene<'static, f64, D>>,
+{
     let mut draw = Draw::new(inputs.seed);
     let radii = unit_radii(inputs, &mut draw)?;
     let (spacing, jitter) = (inputs.number("spacing")?, inputs.number("jitter")?);
     let centres = (0..inputs.n).map(|k| site(k).map(|x| x * spacing + jitter * draw.symmetric()));
-    assemble(inputs, centres, radii)
+    let scene = assemble(inputs, centres, radii)?;
+    boxed(inputs, scene, period.map(|edge| edge * spacing))
 }
 
-/// Site k of a plane lattice, for a spacing of 1.
-fn plane(lattice: &str, n: u64) -> impl Fn(u64) -> [f64; 2] + use<> {
+/// Site k of a plane lattice, for a spacing of 1, and how far it goes until it repeats.
+fn plane(lattice: &str, n: u64) -> (impl Fn(u64) -> [f64; 2] + use<>, [f64; 2]) {
     let square = lattice == "square";
     let pitch = if square { 1.0 } else { 3f64.sqrt() / 2.0 };
     let columns = ((n as f64 * pitch).sqrt().ceil() as u64).max(1);
-    move |k| {
+    let rows = n.div_ceil(columns).max(1).next_multiple_of(if square { 1 } else { 2 });
+    let site = move |k| {
         let (column, row) = (k % columns, k / columns);
         let shift = if square || row % 2 == 0 { 0.0 } else { 0.5 };
         [column as f64 + shift, row as f64 * pitch]
-    }
+    };
+    (site, [columns as f64, rows as f64 * pitch])
 }
 
-/// Site k of a space lattice, for a spacing of 1. The fcc sites are the points of a cubic lattice
-/// of edge 1/√2 whose three indices have an even sum.
-fn space(lattice: &str, n: u64) -> impl Fn(u64) -> [f64; 3] + use<> {
+/// Site k of a space lattice, for a spacing of 1, and how far it goes until it repeats. The fcc
+/// sites are the points of a cubic lattice of edge 1/√2 whose three indices have an even sum; one
+/// that repeats has an even number of them along each axis.
+fn space(lattice: &str, n: u64, repeats: bool) -> (impl Fn(u64) -> [f64; 3] + use<>, [f64; 3]) {
     let cubic = lattice == "cubic";
+    let even = if cubic { 1 } else { 2 };
     let rows = if cubic { root(n) } else { root(2 * n) };
+    let rows = if repeats { rows.next_multiple_of(even) } else { rows };
     let columns = if cubic { rows } else { rows.div_ceil(2) };
-    move |k| {
+    let layers = n.div_ceil(columns * rows).max(1).next_multiple_of(even);
+    let site = move |k| {
         let (column, row, layer) = (k % columns, k / columns % rows, k / columns / rows);
         if cubic {
             [column as f64, row as f64, layer as f64]
         } else {
-            [2 * column + (row + layer) % 2, row, layer]
-                .map(|i| i as f64 * std::f64::consts::FRAC_1_SQRT_2)
+            [2 * column + (row + layer) % 2, row, layer].map(|i| i as f64 * FRAC_1_SQRT_2)
         }
-    }
+    };
+    let edge = if cubic { 1.0 } else { FRAC_1_SQRT_2 };
+    (site, [columns * even, rows, layers].map(|i| i as f64 * edge))
 }
 
 /// The smallest whole number >= 1 whose cube is at least `n` <= 2^33. In integers, as a rounded

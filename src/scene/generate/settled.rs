@@ -20,11 +20,11 @@
 
 use anyhow::ensure;
 
+use crate::scene::Scene;
 use crate::scene::generate::draw::Draw;
 use crate::scene::generate::sizes::{EXPONENT, GIANTS, SHARE, SIZE_RATIO, SIZES, unit_radii};
 use crate::scene::generate::table::{Generator, Kind, Parameter, Preset, no_history};
 use crate::scene::generate::{DIAMETER, Inputs, OFFSET, assemble, box_edge, room};
-use crate::scene::{AnyScene, Scene};
 
 /// The table line.
 pub const GENERATOR: Generator = Generator {
@@ -54,11 +54,7 @@ pub const GENERATOR: Generator = Generator {
         },
     ],
     make: |inputs| {
-        Ok(if inputs.dim == 2 {
-            AnyScene::from(make::<2>(inputs)?)
-        } else {
-            AnyScene::from(make::<3>(inputs)?)
-        })
+        Ok(if inputs.dim == 2 { make::<2>(inputs)?.into() } else { make::<3>(inputs)?.into() })
     },
     history: no_history,
 };

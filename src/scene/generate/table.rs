@@ -6,11 +6,12 @@ use std::collections::BTreeMap;
 use anyhow::{bail, ensure};
 use serde_json::Value;
 
+use crate::io::boxes::Axes;
 use crate::nearest::hint;
 use crate::scene::generate::{
     Inputs, book, clustered, couples, file, hard, loose, packed, settled,
 };
-use crate::scene::{self, AnyScene};
+use crate::scene::{self, Given};
 
 /// All generators.
 pub static GENERATORS: [Generator; 11] = [
@@ -41,13 +42,13 @@ pub struct Generator {
     /// Its parameters.
     pub params: &'static [Parameter],
     /// Makes the scene, in generated order.
-    pub make: fn(&Inputs<'_>) -> anyhow::Result<AnyScene<'static>>,
+    pub make: fn(&Inputs<'_>) -> anyhow::Result<Given>,
     /// Makes the scenes that a detector is to be given before it, in generated order.
-    pub history: fn(&Inputs<'_>) -> anyhow::Result<Vec<AnyScene<'static>>>,
+    pub history: fn(&Inputs<'_>) -> anyhow::Result<Vec<Given>>,
 }
 
 /// For generators whose scenes stand alone.
-pub fn no_history(_: &Inputs<'_>) -> anyhow::Result<Vec<AnyScene<'static>>> {
+pub fn no_history(_: &Inputs<'_>) -> anyhow::Result<Vec<Given>> {
     Ok(Vec::new())
 }
 
@@ -83,6 +84,8 @@ pub enum Kind {
     Dim,
     /// true or false.
     Yes,
+    /// Axes along which a box repeats, or true for all, or none.
+    Axes,
     /// One of some words, for 2 and 3 dimensions.
     Word([&'static [&'static str]; 2]),
     /// Any text that is not empty.
@@ -208,6 +211,10 @@ impl Kind {
             Kind::Count => "a whole number of at least 1".into(),
             Kind::Dim => "2 or 3".into(),
             Kind::Yes => "true or false".into(),
+            Kind::Axes => {
+                let all = if dim == 2 { "x, y, xy" } else { "x, y, z, xy, xz, yz, xyz" };
+                format!("true, none, or the axes along which the box repeats: {all}")
+            }
             Kind::Word(words) => {
                 format!("{} in {dim} dimensions", words[usize::from(dim == 3)].join(" or "))
             }
@@ -243,6 +250,25 @@ impl Kind {
                 Some(yes) => Some(yes.to_string().into()),
                 None => text(&|text| ["true", "false"].contains(&text)),
             },
+            Kind::Axes => {
+                let all = if dim == 2 { "xy" } else { "xyz" };
+                let text = match value.as_bool() {
+                    Some(yes) => {
+                        if yes {
+                            all
+                        } else {
+                            "none"
+                        }
+                    }
+                    None => match value.as_str().unwrap_or_default() {
+                        "true" => all,
+                        "false" => "none",
+                        text => text,
+                    },
+                };
+                let axes = text.parse::<Axes>().ok().filter(|axes| dim == 3 || !axes.0[2]);
+                axes.map(|axes| axes.to_string().into())
+            }
             Kind::Word(words) => text(&|word| words[usize::from(dim == 3)].contains(&word)),
             Kind::Text => text(&|text| !text.is_empty()),
             Kind::Case => match scene::hard::find(value.as_str().unwrap_or_default()) {

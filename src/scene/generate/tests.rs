@@ -1,5 +1,6 @@
 //! Every generator: number, bits, geometry.
 
+use crate::contact::Arithmetic;
 use crate::scene::spec::{GENERATORS, Spec};
 use crate::scene::stats::{scene_hash, stats};
 use crate::scene::{AnyScene, Radii, Real, Stored, array};
@@ -29,8 +30,9 @@ fn couples(scene: &AnyScene<'_>) -> Vec<[f64; 2]> {
     })
 }
 
-fn coordination(scene: &AnyScene<'_>) -> f64 {
-    stats(scene, couples(scene).iter().filter(|[d, r]| d <= r).count() as u64).coordination
+fn coordination(scene: &AnyScene<'static>) -> f64 {
+    let contacts = couples(scene).iter().filter(|[d, r]| d <= r).count() as u64;
+    stats(&scene.clone().into(), contacts).coordination
 }
 
 // The hashes were computed once, on x86-64 Linux. A change means that published scenes are no
@@ -157,7 +159,7 @@ fn loose_and_clustered_fill_the_box_as_asked() {
             let scene = make(&format!(
                 "loose:n=20000,dim={dim},fraction=0.05,size-ratio={ratio},diameter=3"
             ));
-            let fraction = stats(&scene, 0).packing_fraction;
+            let fraction = stats(&scene.into(), 0).packing_fraction;
             assert!((0.045..0.0501).contains(&fraction), "{dim}D, ratio {ratio}: {fraction}");
         }
         // Twice 5% or 2.5%: half the couples that would touch twice, 4 or 8 times the fraction
@@ -174,6 +176,49 @@ fn loose_and_clustered_fill_the_box_as_asked() {
         coordination(&make("clustered:n=3000,dim=3"))
     );
     assert!(loose < 0.06 && tight > 1.3, "{loose} {tight}");
+}
+
+/// Lattices go on through the faces of their boxes, and random places have the contacts of an
+/// endless scene.
+#[test]
+fn boxes_repeat() {
+    let found = |text: &str| {
+        let given = Spec::parse(text).unwrap().given().unwrap();
+        let periodic = given.periodic().unwrap().unwrap();
+        let truth = crate::periodic::truth(&periodic, Arithmetic::Exact, 1 << 30).unwrap();
+        (truth.digest.contacts, stats(&given, truth.digest.contacts))
+    };
+    for (text, neighbours, fraction) in [
+        ("packed:n=32,dim=3", 12, std::f64::consts::PI / 18f64.sqrt()),
+        ("packed:n=27,dim=3,lattice=cubic", 6, std::f64::consts::PI / 6.0),
+        ("packed:n=30", 6, std::f64::consts::PI / 12f64.sqrt()),
+        ("packed:n=25,lattice=square,diameter=3,offset=7", 4, std::f64::consts::PI / 4.0),
+    ] {
+        let text = format!("{text},periodic=true,jitter=0,spacing=0.99");
+        let (contacts, stats) = found(&text);
+        let n = Spec::parse(&text).unwrap().n;
+        assert_eq!(contacts, n * neighbours / 2, "{text}");
+        let dim = if text.contains("dim=3") { 3 } else { 2 };
+        let expected = fraction / 0.99f64.powi(dim);
+        assert!((stats.packing_fraction / expected - 1.0).abs() < 1e-12, "{text}");
+    }
+    for tilt in [0.0, 0.3, -7.5] {
+        let (_, stats) = found(&format!(
+            "loose:dim=3,n=2000,fraction=0.2,periodic=true,tilt={tilt}"
+        ));
+        assert!((stats.packing_fraction - 0.2).abs() < 1e-12);
+        assert!((stats.coordination / 1.6 - 1.0).abs() < 0.1, "{}", stats.coordination);
+    }
+    // Through the sheared faces of a lattice, too; along x alone the last rows have no images.
+    let (contacts, _) = found("packed:n=30,periodic=true,tilt=1,jitter=0");
+    assert_eq!(contacts, 90);
+    let (contacts, _) = found("packed:n=30,periodic=x,jitter=0");
+    assert_eq!(contacts, 90 - 2 * 6);
+    let hash = |text: &str| {
+        crate::scene::stats::hash(&Spec::parse(text).unwrap().given().unwrap())
+    };
+    assert_ne!(hash("loose:n=9,periodic=true"), hash("loose:n=9,periodic=x"));
+    assert_eq!(hash("loose:n=9,periodic=none"), hash("loose:n=9"));
 }
 
 #[test]

@@ -3,10 +3,10 @@
 use nalgebra::Point;
 
 use crate::scene::hard::Expect;
-use crate::scene::{AnyScene, Radii, Scene, SceneError};
+use crate::scene::{Given, Lattice, Radii, Scene, SceneError};
 
 /// The steps of a case, or why there is no such scene.
-pub type Steps = Result<Vec<AnyScene<'static>>, SceneError>;
+pub type Steps = anyhow::Result<Vec<Given>>;
 
 /// A centre.
 pub type Place = [f64; 3];
@@ -22,9 +22,15 @@ pub fn each(dim: u32, bodies: &[(Place, f64)]) -> Steps {
     Ok(vec![scene(dim, bodies.iter().map(|(place, _)| place), Radii::Each(radii.into()))?])
 }
 
+/// The same steps in a box that repeats along some of its vectors, with its corner at the origin.
+pub fn within(steps: Steps, vectors: [Place; 3], periodic: [bool; 3]) -> Steps {
+    let lattice = Lattice::new(vectors, periodic, [0.0; 3])?;
+    steps?.into_iter().map(|step| Given::within(step.scene, lattice)).collect()
+}
+
 /// The steps of all parts, in order.
 pub fn history(parts: impl IntoIterator<Item = Steps>) -> Steps {
-    let parts = parts.into_iter().collect::<Result<Vec<_>, _>>()?;
+    let parts = parts.into_iter().collect::<anyhow::Result<Vec<_>>>()?;
     Ok(parts.into_iter().flatten().collect())
 }
 
@@ -32,7 +38,7 @@ fn scene<'a>(
     dim: u32,
     places: impl Iterator<Item = &'a Place>,
     radii: Radii<'static, f64>,
-) -> Result<AnyScene<'static>, SceneError> {
+) -> Result<Given, SceneError> {
     Ok(if dim == 2 {
         Scene::new(places.map(|&[x, y, _]| Point::from([x, y])).collect::<Vec<_>>(), radii)?.into()
     } else {

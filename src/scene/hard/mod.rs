@@ -11,6 +11,7 @@
 //! same bits on every machine.
 
 mod borders;
+mod boxes;
 mod build;
 mod clusters;
 mod crowds;
@@ -27,10 +28,10 @@ mod tangent;
 use anyhow::{anyhow, ensure};
 use build::Steps;
 
-use crate::scene::AnyScene;
+use crate::scene::Given;
 
 /// The cases of each file, in the order of the groups.
-static FILES: [&[Case]; 12] = [
+static FILES: [&[Case]; 13] = [
     borders::CASES,
     tangent::CASES,
     signs::CASES,
@@ -43,6 +44,7 @@ static FILES: [&[Case]; 12] = [
     crowds::CASES,
     clusters::CASES,
     state::CASES,
+    boxes::CASES,
 ];
 
 /// All cases, group by group.
@@ -74,7 +76,7 @@ pub struct Case {
 pub enum Expect {
     /// This number of contacts in 2D and in 3D, known by construction.
     Contacts([u64; 2]),
-    /// What [`crate::oracle::truth`] says.
+    /// What [`crate::oracle::truth`] says, or in a box [`crate::periodic::truth()`].
     Oracle,
     /// There is no scene: it is refused with a [`crate::scene::SceneError`] that names the
     /// particle.
@@ -117,11 +119,13 @@ pub enum Group {
     Clusters,
     /// What an earlier detection left behind.
     State,
+    /// Boxes that repeat.
+    Boxes,
 }
 
 impl Group {
     /// All groups, in the order of the catalogue.
-    pub const ALL: [Group; 12] = [
+    pub const ALL: [Group; 13] = [
         Group::Borders,
         Group::Tangent,
         Group::Signs,
@@ -134,6 +138,7 @@ impl Group {
         Group::Crowds,
         Group::Clusters,
         Group::State,
+        Group::Boxes,
     ];
 
     /// The name in lists.
@@ -151,6 +156,7 @@ impl Group {
             Group::Crowds => "crowds",
             Group::Clusters => "clusters",
             Group::State => "state",
+            Group::Boxes => "boxes",
         }
     }
 }
@@ -172,7 +178,7 @@ impl Case {
 
     /// The scenes that one detector is given one after the other: at least one. An invalid case
     /// gives an error that holds the [`crate::scene::SceneError`].
-    pub fn steps(&self, dim: u32) -> anyhow::Result<Vec<AnyScene<'static>>> {
+    pub fn steps(&self, dim: u32) -> anyhow::Result<Vec<Given>> {
         let dims = || {
             self.dims
                 .iter()
@@ -186,7 +192,7 @@ impl Case {
             self.name,
             dims()
         );
-        Ok((self.make)(dim)?)
+        (self.make)(dim)
     }
 }
 

@@ -1,0 +1,73 @@
+//! The judge of scenes in boxes: contacts are of particles and images, and what rounded arithmetics
+//! decide depends on how images are made.
+
+use std::collections::HashMap;
+use std::rc::Rc;
+
+use crate::contact::Arithmetic;
+use crate::oracle::{Errors, compare_by};
+use crate::periodic::{self, Contacts, ImagePair, Periodic, Truth, depth};
+use crate::run::judge::open::or_nothing;
+use crate::run::judge::{Judged, Nothing};
+use crate::sink::Digest;
+
+/// What is true of a scene in its box.
+pub(super) struct Within {
+    periodic: Periodic<'static>,
+    /// For a list of contacts, in bytes.
+    memory_limit: u64,
+    known: HashMap<Arithmetic, Result<Rc<Truth>, Nothing>>,
+}
+
+impl Within {
+    pub fn new(periodic: Periodic<'static>, memory_limit: u64) -> Within {
+        Within { periodic, memory_limit, known: HashMap::new() }
+    }
+
+    /// The fingerprint of what the arithmetic's own contact test gives.
+    pub fn truth(&mut self, arithmetic: Arithmetic) -> anyhow::Result<Result<Digest, Nothing>> {
+        Ok(self.known(arithmetic)?.map(|truth| truth.digest))
+    }
+
+    pub fn judge(
+        &mut self,
+        arithmetic: Arithmetic,
+        said: Digest,
+        fetch: impl FnOnce() -> Result<Contacts, String>,
+    ) -> anyhow::Result<Judged> {
+        let truth = match self.known(arithmetic)? {
+            Ok(truth) => truth,
+            Err(Nothing { reason, .. }) => return Ok(Judged::unseen(&reason)),
+        };
+        let fetched;
+        let pairs = if said == truth.digest {
+            &truth.pairs
+        } else {
+            fetched = match fetch() {
+                Ok(contacts) => contacts.sorted(),
+                Err(why) => return Ok(Judged::unseen(&why)),
+            };
+            &fetched
+        };
+        let mut judged = Judged::by(&self.compare(pairs, &truth), arithmetic);
+        if let Ok(exact) = self.known(Arithmetic::Exact)? {
+            judged.errors = Some(self.compare(pairs, &exact));
+        }
+        Ok(judged)
+    }
+
+    fn known(&mut self, arithmetic: Arithmetic) -> anyhow::Result<Result<Rc<Truth>, Nothing>> {
+        if let Some(known) = self.known.get(&arithmetic) {
+            return Ok(known.clone());
+        }
+        let found = periodic::truth(&self.periodic, arithmetic, self.memory_limit);
+        let found = or_nothing(found.map(Rc::new))?;
+        self.known.insert(arithmetic, found.clone());
+        Ok(found)
+    }
+
+    fn compare(&self, pairs: &[ImagePair], truth: &Truth) -> Errors {
+        let is_self = |pair: ImagePair| pair.i == pair.j && pair.image == [0; 3];
+        compare_by(pairs, &truth.pairs, is_self, |pair| depth(&self.periodic, pair))
+    }
+}

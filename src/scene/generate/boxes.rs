@@ -1,0 +1,60 @@
+//! Boxes of generated scenes.
+//!
+//! The generators that draw places in a square or cube can let it repeat, along all axes or some of
+//! them: `periodic=true`, `periodic=xy`. Particles that are thrown out of it stay where they are.
+//! With a `tilt` the box is sheared as by Lees and Edwards (1972, doi:10.1088/0022-3719/5/15/006):
+//! the images above and below are moved along x, so that the vectors are
+//!
+//! ```text
+//! (lx, 0, 0), (tilt·lx, ly, 0), (0, 0, lz).
+//! ```
+
+use anyhow::ensure;
+
+use crate::io::boxes::Axes;
+use crate::scene::generate::table::{Kind, Parameter, Preset};
+use crate::scene::generate::{DIAMETER, Inputs, OFFSET};
+use crate::scene::{AnyScene, Given, Lattice};
+
+/// Along which axes the box repeats.
+pub const PERIODIC: Parameter = Parameter {
+    name: "periodic",
+    kind: Kind::Axes,
+    default: [Preset::Absent; 2],
+    meaning: "the box repeats: true, or along these axes: x, xy and so on, none",
+};
+
+/// The shear.
+pub const TILT: Parameter = Parameter {
+    name: "tilt",
+    kind: Kind::Finite,
+    default: [Preset::Absent; 2],
+    meaning: "the images along y are moved along x by this, in edges of the box along x",
+};
+
+/// The scene in its box, if it has one. `edges` are in diameters.
+pub fn boxed<const D: usize>(
+    inputs: &Inputs<'_>,
+    scene: impl Into<AnyScene<'static>>,
+    edges: [f64; D],
+) -> anyhow::Result<Given> {
+    let tilt = inputs.number(TILT.name).ok();
+    let Ok(text) = inputs.text(PERIODIC.name) else {
+        ensure!(tilt.is_none(), "a tilt belongs to a box that repeats: add periodic=true");
+        return Ok(Given::from(scene));
+    };
+    let Axes(axes) = text.parse().map_err(anyhow::Error::msg)?;
+    let diameter = inputs.number(DIAMETER.name)?;
+    let mut vectors = [[0.0; 3]; 3];
+    for (k, edge) in edges.into_iter().enumerate() {
+        vectors[k][k] = edge * diameter;
+    }
+    if let Some(tilt) = tilt {
+        ensure!(axes[1], "a tilt moves images along y, and the box does not repeat along y");
+        vectors[1][0] = tilt * vectors[0][0];
+    }
+    let corner = inputs.number(OFFSET.name).unwrap_or(0.0) * diameter;
+    let mut origin = [0.0; 3];
+    origin[..D].fill(corner);
+    Given::within(scene.into(), Lattice::new(vectors, axes, origin)?)
+}

@@ -1,0 +1,57 @@
+//! A scene as a simulation has it: particles, and the box in which they repeat, if they do.
+
+use anyhow::bail;
+
+use crate::io::boxes::along;
+use crate::periodic::Periodic;
+use crate::scene::{AnyScene, Lattice};
+
+/// A scene with its boundaries.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Given {
+    /// The particles.
+    pub scene: AnyScene<'static>,
+    /// The box in which they repeat; none where boundaries are open.
+    pub lattice: Option<Lattice>,
+}
+
+impl<S: Into<AnyScene<'static>>> From<S> for Given {
+    fn from(scene: S) -> Given {
+        Given { scene: scene.into(), lattice: None }
+    }
+}
+
+impl Given {
+    /// The scene in its box; one that repeats along no axis is none.
+    ///
+    /// # Errors
+    /// A box of discs that leaves their plane.
+    pub fn within(scene: AnyScene<'static>, lattice: Lattice) -> anyhow::Result<Given> {
+        let (scene, lattice) = Periodic::new(scene, lattice)?.into_parts();
+        Ok(Given { scene, lattice: lattice.repeats().then_some(lattice) })
+    }
+
+    /// The particles, for those who know no boxes; `name` is that of the scene.
+    ///
+    /// # Errors
+    /// There is one.
+    pub fn open(self, name: &str) -> anyhow::Result<AnyScene<'static>> {
+        match self.lattice {
+            None => Ok(self.scene),
+            Some(lattice) => bail!(
+                "{name}: the scene repeats along {}, and here boundaries are open; take it without \
+                 its box, or detect, verify, inspect, draw, check or run, which know boxes",
+                along(lattice.periodic())
+            ),
+        }
+    }
+
+    /// As the core takes it, if there is a box.
+    ///
+    /// # Errors
+    /// As [`Given::within`].
+    pub fn periodic(&self) -> anyhow::Result<Option<Periodic<'static>>> {
+        let within = |lattice: &Lattice| Periodic::new(self.scene.clone(), *lattice);
+        Ok(self.lattice.as_ref().map(within).transpose()?)
+    }
+}
