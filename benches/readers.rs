@@ -28,7 +28,7 @@ fn main() -> anyhow::Result<()> {
     );
     for ending in ["csv", "npy", "xyz"] {
         let path = folder.path().join(format!("scene.{ending}"));
-        write::scene(&path, &scene)?;
+        write::scene(&path, &scene.clone().into())?;
         let size = std::fs::metadata(&path)?.len();
         for _ in 0..2 {
             let started = Instant::now();

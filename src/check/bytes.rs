@@ -15,13 +15,15 @@
 //! Then each particle takes a byte that says how its place is found, and what that needs. Where the
 //! bytes end, so does the scene.
 
+use crate::check::checker::truth;
 use crate::check::contender::{Answer, Expected, answer};
 use crate::check::numbers::Numbers;
 use crate::check::{Wrong, as_csv};
 use crate::contact::{Arithmetic, exact};
-use crate::detect::table::TABLE;
+use crate::detect::table::{Entry, TABLE};
 use crate::detect::{Options, Refusal};
-use crate::scene::{AnyScene, Lattice, Radii, Scene, SceneError};
+use crate::run::searcher::{Loaded, Searcher};
+use crate::scene::{AnyScene, Given, Lattice, Radii, Scene, SceneError};
 use crate::{io, oracle};
 
 /// Particles at most.
@@ -240,32 +242,61 @@ pub fn fuzz_one(data: &[u8]) {
         let others = scenes[0].reordered(&(n / 3..n).rev().collect::<Vec<_>>());
         scenes = vec![some, scenes[0].clone(), others, scenes[0].clone()];
     }
-    let mut detectors: Vec<_> = TABLE
-        .iter()
-        .filter(|entry| entry.must_be_right())
-        .map(|entry| (entry, entry.make(OPTIONS)))
-        .collect();
-    for scene in &scenes {
+    let scenes: Vec<Given> = scenes.into_iter().map(Given::from).collect();
+    hold(&scenes, keep);
+}
+
+/// The same in a box, which the first four bytes say: along which vectors it repeats, its edges in
+/// halves of a diameter, some of them a last bit longer or shorter, and a tilt in eighths of an
+/// edge. The others say the scene.
+pub fn fuzz_box(data: &[u8]) {
+    let Some((&[flags, x, y, z], data)) = data.split_first_chunk() else { return };
+    let Some(scene) = scene_from_bytes(data) else { return };
+    let diameter = Some(2.0 * scene.largest_radius()).filter(|&d| d.is_normal()).unwrap_or(1.0);
+    let edge = |byte: u8| {
+        let edge = diameter * 0.5 * f64::from(1 + (byte & 15));
+        nudged(edge, i32::from(byte >> 4 & 3) - 1)
+    };
+    let tilt = |byte: u8| edge(x) * f64::from(i32::from(byte >> 6) - 1) * 0.125;
+    let vectors = [[edge(x), 0.0, 0.0], [tilt(y), edge(y), 0.0], [tilt(z), tilt(x), edge(z)]];
+    let periodic = [flags & 1 != 0, flags & 2 != 0, flags & 4 != 0];
+    let Ok(lattice) = Lattice::new(vectors, periodic, [0.0; 3]) else { return };
+    let Ok(given) = Given::within(scene, lattice) else { return };
+    hold(&[given], false);
+}
+
+/// Holds every detector to the truth, with what those before have left in its buffers if they are
+/// kept.
+fn hold(scenes: &[Given], keep: bool) {
+    let fresh = |entry: &'static Entry| Searcher::new(&entry.into(), OPTIONS);
+    let entries = TABLE.iter().filter(|entry| entry.must_be_right());
+    let mut detectors: Vec<_> = entries.map(|entry| (entry, fresh(entry))).collect();
+    for given in scenes {
+        let shown = || match &given.lattice {
+            Some(lattice) => format!("{lattice:?}\n{}", as_csv(&given.scene)),
+            None => as_csv(&given.scene),
+        };
         for arithmetic in Arithmetic::ALL {
-            let Ok(stored) = scene.stored(arithmetic) else { continue };
-            let truth = oracle::truth_as_stored(&stored, arithmetic.test(), OPTIONS.memory_limit);
-            for (entry, detector) in &mut detectors {
+            let Ok(stored) = Loaded::new(given, arithmetic) else { continue };
+            let truth = truth(&stored, arithmetic, OPTIONS.memory_limit);
+            for (entry, searcher) in &mut detectors {
                 if !keep {
-                    *detector = entry.make(OPTIONS);
+                    *searcher = fresh(entry);
                 }
                 let expected = truth.as_ref().map_or(Expected::default(), Expected::from);
-                let answer = answer(&mut **detector, &stored, arithmetic.test(), expected);
+                let answer = answer(searcher, &stored, arithmetic, expected);
                 if let (Answer::Refused(refusal, _), Ok(_)) = (&answer, &truth) {
-                    let promised = matches!(
-                        refusal,
-                        Refusal::Domain { .. } | Refusal::Extent { .. } | Refusal::Memory { .. }
-                    ) || !entry.is_ours();
-                    assert!(
-                        promised && entry.name != "direct",
-                        "{} refuses: {refusal}\n{}",
-                        entry.name,
-                        as_csv(scene)
-                    );
+                    let promised = match refusal {
+                        Refusal::Domain { .. }
+                        | Refusal::Extent { .. }
+                        | Refusal::Memory { .. } => entry.name != "direct",
+                        // What the truth does without images.
+                        Refusal::Images { .. } | Refusal::Away { .. } | Refusal::Range => {
+                            given.lattice.is_some()
+                        }
+                        _ => !entry.is_ours(),
+                    };
+                    assert!(promised, "{} refuses: {refusal}\n{}", entry.name, shown());
                 }
                 let wrong = match (answer, &truth) {
                     (answer, Ok(truth)) => answer
@@ -278,7 +309,7 @@ pub fn fuzz_one(data: &[u8]) {
                             "{} with {} arithmetic answers, but {error}:\n{}",
                             entry.name,
                             arithmetic.name(),
-                            as_csv(scene)
+                            shown()
                         )
                     }
                 };
@@ -287,7 +318,7 @@ pub fn fuzz_one(data: &[u8]) {
                         "{} with {} arithmetic: {wrong}\n{}",
                         entry.name,
                         arithmetic.name(),
-                        as_csv(scene)
+                        shown()
                     );
                 }
             }

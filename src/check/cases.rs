@@ -11,6 +11,7 @@ pub(super) struct Case {
     pub(super) dims: &'static [u32],
     params: &'static [(&'static str, f64)],
     lattice: [&'static str; 2],
+    periodic: bool,
 }
 
 const fn case(
@@ -18,7 +19,7 @@ const fn case(
     dims: &'static [u32],
     params: &'static [(&'static str, f64)],
 ) -> Case {
-    Case { generator, dims, params, lattice: [""; 2] }
+    Case { generator, dims, params, lattice: [""; 2], periodic: false }
 }
 
 /// Lattices at spacing 1 without jitter have neighbours exactly one diameter apart, or as near to
@@ -44,6 +45,17 @@ pub(super) const CASES: &[Case] = &[
     case("pack-b", &[2], &[("s", 1.0)]),
     case("pack-c", &[2], &[("s", 1.0), ("diameter", 0.3)]),
     case("pack-d", &[2], &[("s", 3.0)]),
+    Case {
+        lattice: ["square", "cubic"],
+        periodic: true,
+        ..case("packed", &[2, 3], &[("spacing", 1.0), ("jitter", 0.0)])
+    },
+    // With few particles, boxes are smaller than the reach.
+    Case { periodic: true, ..case("loose", &[2, 3], &[("fraction", 0.9), ("tilt", -0.375)]) },
+    Case {
+        periodic: true,
+        ..case("clustered", &[2, 3], &[("per-cluster", 20.0), ("size-ratio", 5.0)])
+    },
 ];
 
 /// Small numbers of particles, the smallest included.
@@ -58,6 +70,9 @@ impl Case {
                 name.into(),
                 if whole { toml::Value::Integer(value as i64) } else { toml::Value::Float(value) },
             );
+        }
+        if self.periodic {
+            params.insert("periodic".into(), true.into());
         }
         let lattice = self.lattice[dim as usize - 2];
         if !lattice.is_empty() {

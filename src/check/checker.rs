@@ -15,8 +15,10 @@ use super::{Failure, Limits, MOST_BYTES, Report, Wrong, bytes};
 use crate::contact::Arithmetic;
 use crate::detect::Options;
 use crate::io;
-use crate::oracle::{self, NoTruth, Truth};
-use crate::scene::{AnyScene, hard};
+use crate::oracle::{self, NoTruth};
+use crate::periodic::{self, Truth, without_shift};
+use crate::run::searcher::Loaded;
+use crate::scene::{AnyScene, Given, hard};
 
 /// Scenes that were once got wrong: see `tests/regressions`.
 const REGRESSIONS: [(&str, &str); 4] = [
@@ -89,7 +91,7 @@ impl<'a> Checker<'a> {
                             params()
                         )
                     };
-                    self.scene("generated", &spec.make()?, name, arithmetics)?;
+                    self.scene("generated", &spec.given()?, name, arithmetics)?;
                 }
             }
         }
@@ -103,7 +105,7 @@ impl<'a> Checker<'a> {
                     return Ok(());
                 }
                 let steps = case.steps(dim)?;
-                for (k, scene) in steps.iter().enumerate() {
+                for (k, given) in steps.iter().enumerate() {
                     let step = if steps.len() == 1 {
                         String::new()
                     } else {
@@ -111,7 +113,7 @@ impl<'a> Checker<'a> {
                     };
                     self.scene(
                         "hard cases",
-                        &scene.scene,
+                        given,
                         || format!("hard case {} in {dim}D{step}", case.name),
                         arithmetics,
                     )?;
@@ -127,7 +129,12 @@ impl<'a> Checker<'a> {
                 break;
             }
             let scene = io::from(text.as_bytes(), name, "csv", io::Options::default())?;
-            self.scene("regressions", &scene, || format!("tests/regressions/{name}"), arithmetics)?;
+            self.scene(
+                "regressions",
+                &scene.into(),
+                || format!("tests/regressions/{name}"),
+                arithmetics,
+            )?;
         }
         Ok(())
     }
@@ -148,7 +155,7 @@ impl<'a> Checker<'a> {
             if let Some(scene) = bytes::scene_from_bytes(&data) {
                 self.scene(
                     "random bytes",
-                    &scene,
+                    &scene.into(),
                     || format!("random bytes, seed {seed}, number {k}"),
                     arithmetics,
                 )?;
@@ -160,35 +167,37 @@ impl<'a> Checker<'a> {
     pub(super) fn scene(
         &mut self,
         source: &'static str,
-        scene: &AnyScene<'static>,
+        given: &Given,
         name: impl Fn() -> String,
         arithmetics: &[Arithmetic],
     ) -> anyhow::Result<()> {
         *self.report.scenes.entry(source).or_default() += 1;
         for &arithmetic in arithmetics {
-            let (stored, truth) = match truth(scene, arithmetic, self.limits) {
-                Ok(found) => found,
-                Err(error @ (NoTruth::Refused(_) | NoTruth::Stored(_))) => {
-                    *self
-                        .report
-                        .refused
-                        .entry(format!("{}: {error}", arithmetic.name()))
-                        .or_default() += 1;
+            let limit = self.limits.options.memory_limit;
+            let known = match Loaded::new(given, arithmetic) {
+                Err(error) => Err(format!("{error:#}")),
+                Ok(stored) => match truth(&stored, arithmetic, limit) {
+                    Ok(truth) => Ok((Arc::new(stored), truth)),
+                    Err(error @ (NoTruth::Refused(_) | NoTruth::Stored(_))) => {
+                        Err(error.to_string())
+                    }
+                    Err(error) => return Err(error.into()),
+                },
+            };
+            let (stored, truth) = match known {
+                Ok(known) => known,
+                Err(error) => {
+                    let reason = format!("{}: {error}", arithmetic.name());
+                    *self.report.refused.entry(reason).or_default() += 1;
                     continue;
                 }
-                Err(error) => return Err(error.into()),
             };
             for (contender, respondent) in &mut self.contenders {
                 if self.report.failures.iter().any(|failure| failure.detector == contender.name()) {
                     continue;
                 }
-                let question = Question {
-                    given: scene,
-                    stored: &stored,
-                    arithmetic,
-                    fresh: false,
-                    truth: &truth,
-                };
+                let question =
+                    Question { given, stored: &stored, arithmetic, fresh: false, truth: &truth };
                 let answer = respondent.ask(&question)?;
                 if let Some(reason) = answer.refusal() {
                     *self
@@ -201,14 +210,14 @@ impl<'a> Checker<'a> {
                 }
                 if let Some(found) = answer.wrong(&truth) {
                     let (smallest, wrong) =
-                        simplest(contender, arithmetic, scene, &found, self.limits)?;
+                        simplest(contender, arithmetic, given, &found, self.limits)?;
                     let detector = contender.name().to_string();
                     self.report.failures.push(Failure {
                         detector,
                         arithmetic,
                         found_on: name(),
                         found,
-                        scene: scene.clone(),
+                        given: given.clone(),
                         smallest,
                         wrong,
                     });
@@ -219,15 +228,16 @@ impl<'a> Checker<'a> {
     }
 }
 
-/// The scene as the arithmetic stores it, and the pairs to be found.
-fn truth(
-    scene: &AnyScene<'_>,
-    arithmetic: Arithmetic,
-    limits: &Limits,
-) -> Result<(Arc<AnyScene<'static>>, Truth), NoTruth> {
-    let stored = Arc::new(scene.stored(arithmetic)?);
-    let truth = oracle::truth_as_stored(&stored, arithmetic.test(), limits.options.memory_limit)?;
-    Ok((stored, truth))
+/// The contacts to be found.
+pub(super) fn truth(scene: &Loaded, arithmetic: Arithmetic, limit: u64) -> Result<Truth, NoTruth> {
+    match scene {
+        Loaded::InBox(periodic) => periodic::truth(periodic, arithmetic, limit),
+        Loaded::Open(stored) => {
+            let found = oracle::truth_as_stored(stored, arithmetic.test(), limit)?;
+            let pairs = without_shift(&found.pairs).collect();
+            Ok(Truth { pairs, digest: found.digest })
+        }
+    }
 }
 
 /// A contender that hangs is given up, and after some of them the shrinking, since each leaves a
@@ -239,31 +249,36 @@ const SHRINKING_HANGS: u32 = 2;
 fn simplest(
     contender: &Contender,
     arithmetic: Arithmetic,
-    scene: &AnyScene<'static>,
+    given: &Given,
     found: &Wrong,
     limits: &Limits,
-) -> anyhow::Result<(AnyScene<'static>, Option<Wrong>)> {
+) -> anyhow::Result<(Given, Option<Wrong>)> {
     if matches!(found, Wrong::Hangs(_)) {
-        return Ok((scene.clone(), Some(found.clone())));
+        return Ok((given.clone(), Some(found.clone())));
     }
+    // The box stays as it is.
+    let within = |scene: AnyScene<'static>| Given { scene, lattice: given.lattice };
     let wrong = |respondent: &mut dyn Respondent,
-                 scene: &AnyScene<'static>,
+                 given: &Given,
                  fresh: bool|
      -> anyhow::Result<Option<Wrong>> {
-        let Ok((stored, truth)) = truth(scene, arithmetic, limits) else { return Ok(None) };
-        let question = Question { given: scene, stored: &stored, arithmetic, fresh, truth: &truth };
+        let Ok(stored) = Loaded::new(given, arithmetic) else { return Ok(None) };
+        let limit = limits.options.memory_limit;
+        let Ok(truth) = truth(&stored, arithmetic, limit) else { return Ok(None) };
+        let stored = Arc::new(stored);
+        let question = Question { given, stored: &stored, arithmetic, fresh, truth: &truth };
         Ok(respondent.ask(&question)?.wrong(&truth))
     };
     let mut patient = contender.respondent(limits.options, limits.deadline)?;
-    let Some(first) = wrong(&mut *patient, scene, true)? else { return Ok((scene.clone(), None)) };
+    let Some(first) = wrong(&mut *patient, given, true)? else { return Ok((given.clone(), None)) };
     let options =
         Options { memory_limit: limits.options.memory_limit.min(MOST_BYTES), ..limits.options };
     let mut respondent = contender.respondent(options, limits.deadline.min(SHRINKING_DEADLINE))?;
     let mut hangs = 0;
     let mut smaller = |fresh: bool| {
-        shrink(scene, limits.effort, |scene| {
+        within(shrink(&given.scene, limits.effort, |scene| {
             hangs < SHRINKING_HANGS
-                && match wrong(&mut *respondent, scene, fresh) {
+                && match wrong(&mut *respondent, &within(scene.clone()), fresh) {
                     Ok(Some(Wrong::Hangs(_))) | Err(_) => {
                         hangs += 1;
                         false
@@ -273,7 +288,7 @@ fn simplest(
                         wrong.is_some_and(|wrong| discriminant(&wrong) == discriminant(&first))
                     }
                 }
-        })
+        }))
     };
     if contender.is_slow_to_make() {
         // Most runners forget the scene before, and are a hundred times faster if they need not be

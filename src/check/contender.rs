@@ -16,12 +16,12 @@ use anyhow::Context;
 
 use crate::check::process::{Foreign, Process};
 use crate::check::{Differences, Wrong};
-use crate::contact::{Arithmetic, Test};
-use crate::detect::any::AnyDetector;
+use crate::contact::Arithmetic;
 use crate::detect::table::DetectorSpec;
 use crate::detect::{Options, Refusal};
-use crate::oracle::Truth;
-use crate::scene::AnyScene;
+use crate::periodic::{Contacts, ImagePair, Truth};
+use crate::run::searcher::{Loaded, Searcher};
+use crate::scene::Given;
 use crate::sink::{Digest, Sink};
 
 /// The name of the threads: panics in them are findings, not defects of the check.
@@ -79,9 +79,9 @@ impl Contender {
 /// What is asked.
 pub struct Question<'a> {
     /// The scene.
-    pub given: &'a AnyScene<'static>,
+    pub given: &'a Given,
     /// The same as the arithmetic stores it.
-    pub stored: &'a Arc<AnyScene<'static>>,
+    pub stored: &'a Arc<Loaded>,
     /// How contacts are decided.
     pub arithmetic: Arithmetic,
     /// Asked of a detector without a history.
@@ -101,7 +101,7 @@ pub enum Answer {
     /// Right, or lossy where the arithmetic allows it.
     Right,
     /// Pairs as reported.
-    Pairs(Vec<[u32; 2]>),
+    Pairs(Vec<ImagePair>),
     /// It refused the scene, after so many reported pairs.
     Refused(Refusal, u64),
     /// It panicked, with this message.
@@ -128,7 +128,6 @@ impl Answer {
     pub fn wrong(self, truth: &Truth) -> Option<Wrong> {
         match self {
             Answer::Right => None,
-            Answer::Pairs(pairs) if Digest::from_pairs(&pairs) == truth.digest => None,
             Answer::Pairs(pairs) => Some(Wrong::Pairs(Differences::new(pairs, &truth.pairs))),
             Answer::Refused(_, 0) | Answer::Declined(_) => None,
             Answer::Wrong(wrong) => Some(wrong),
@@ -163,23 +162,32 @@ impl Sink for Kept {
 /// What a detector says in this thread, asked twice: counted, where a detector that reports without
 /// end does no harm, and if that is right, as it is timed, which is other code to the compiler.
 pub fn answer(
-    detector: &mut dyn AnyDetector,
-    scene: &AnyScene<'_>,
-    test: Test,
+    searcher: &mut Searcher,
+    scene: &Loaded,
+    arithmetic: Arithmetic,
     expected: Expected,
 ) -> Answer {
-    let mut kept = Kept { pairs: Vec::new(), most: expected.most, reported: 0 };
+    let mut contacts = Contacts::default();
+    let mut reported = 0;
     let both = || {
-        detector.visit(scene, test, &mut kept)?;
-        if Digest::from_pairs(&kept.pairs) == expected.digest {
-            kept.pairs.clear();
-            detector.list(scene, test, &mut kept.pairs)?;
+        match scene {
+            Loaded::Open(scene) => {
+                let mut kept = Kept { pairs: Vec::new(), most: expected.most, reported: 0 };
+                let visited = searcher.detector_mut().visit(scene, arithmetic.test(), &mut kept);
+                (contacts.plain, reported) = (kept.pairs, kept.reported);
+                visited?;
+            }
+            Loaded::InBox(_) => drop(searcher.count(scene, arithmetic, &mut contacts)?),
+        }
+        if contacts.digest() == expected.digest {
+            searcher.list(scene, arithmetic, &mut contacts)?;
         }
         Ok(())
     };
     match catch_unwind(AssertUnwindSafe(both)) {
-        Ok(Ok(())) => Answer::Pairs(kept.pairs),
-        Ok(Err(refusal)) => Answer::Refused(refusal, kept.reported),
+        Ok(Ok(())) if contacts.digest() == expected.digest => Answer::Right,
+        Ok(Ok(())) => Answer::Pairs(contacts.sorted()),
+        Ok(Err(refusal)) => Answer::Refused(refusal, reported),
         Err(cause) => {
             Answer::Panicked(match (cause.downcast_ref::<&str>(), cause.downcast_ref::<String>()) {
                 (Some(text), _) => text.to_string(),
@@ -206,8 +214,8 @@ impl From<&Truth> for Expected {
 }
 
 struct Job {
-    scene: Arc<AnyScene<'static>>,
-    test: Test,
+    scene: Arc<Loaded>,
+    arithmetic: Arithmetic,
     fresh: bool,
     expected: Expected,
 }
@@ -238,8 +246,7 @@ impl Thread {
 impl Respondent for Thread {
     fn ask(&mut self, question: &Question<'_>) -> anyhow::Result<Answer> {
         let Question { stored, arithmetic, fresh, truth, .. } = *question;
-        let job =
-            Job { scene: stored.clone(), test: arithmetic.test(), fresh, expected: truth.into() };
+        let job = Job { scene: stored.clone(), arithmetic, fresh, expected: truth.into() };
         // If the thread is gone, there will be no answer either.
         let _ = self.jobs.send(job);
         let lost = match self.answers.recv_timeout(self.deadline) {
@@ -254,19 +261,19 @@ impl Respondent for Thread {
 
 /// The thread: serves until nobody asks any more.
 fn serve(spec: &DetectorSpec, options: Options, jobs: &Receiver<Job>, answers: &Sender<Answer>) {
-    let mut detector = None;
+    let mut searcher = None;
     for job in jobs {
         if job.fresh {
-            detector = None;
+            searcher = None;
         }
         let answer = answer(
-            &mut **detector.get_or_insert_with(|| spec.make(options)),
+            searcher.get_or_insert_with(|| Searcher::new(spec, options)),
             &job.scene,
-            job.test,
+            job.arithmetic,
             job.expected,
         );
         if matches!(answer, Answer::Panicked(_)) {
-            detector = None;
+            searcher = None;
         }
         if answers.send(answer).is_err() {
             return;

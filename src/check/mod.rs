@@ -36,7 +36,7 @@ pub use wrong::{Differences, Wrong};
 use crate::contact::Arithmetic;
 use crate::detect::Options;
 use crate::detect::table::Entry;
-use crate::scene::AnyScene;
+use crate::scene::Given;
 
 /// No scene of the battery needs more than this if it is not to be refused, and a small machine has
 /// it. To fill much more takes as long as a hang.
@@ -96,10 +96,10 @@ pub struct Failure {
     /// In which way, there.
     pub found: Wrong,
     /// That scene.
-    pub scene: AnyScene<'static>,
+    pub given: Given,
     /// The smallest scene found on which a fresh detector is still wrong; the one it was noticed
     /// on, if a fresh one is right or hangs.
-    pub smallest: AnyScene<'static>,
+    pub smallest: Given,
     /// In which way, there; `None` if a fresh detector is right there: what earlier scenes left in
     /// its buffers makes it wrong.
     pub wrong: Option<Wrong>,
@@ -148,7 +148,7 @@ pub fn battery(
 /// Checks `detectors` in the given arithmetics on one scene. An arithmetic that cannot hold it
 /// counts as a refusal.
 pub fn check_scene(
-    scene: &AnyScene<'static>,
+    scene: &Given,
     name: &str,
     detectors: &[&'static Entry],
     arithmetics: &[Arithmetic],
@@ -160,7 +160,7 @@ pub fn check_scene(
 
 /// The same of any contenders.
 pub fn one_scene(
-    scene: &AnyScene<'static>,
+    scene: &Given,
     name: &str,
     contenders: &[Contender],
     arithmetics: &[Arithmetic],

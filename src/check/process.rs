@@ -15,12 +15,15 @@ use crate::check::contender::{Answer, Question, Respondent};
 use crate::check::{Differences, Wrong};
 use crate::contact::Arithmetic;
 use crate::io::exchange;
+use crate::oracle;
+use crate::periodic::{Contacts, ImagePair};
 use crate::record::row::Outcome;
 use crate::run::client::{self, Client, NO_REPLY, Start};
-use crate::run::judge::verdict;
+use crate::run::judge::outcome;
 use crate::run::protocol::{self, Reply, Request};
 use crate::run::trajectory::Trajectory;
-use crate::sink::{Digest, normalise};
+use crate::scene::Given;
+use crate::sink::Digest;
 
 /// Address space of a runner under test, in bytes: enough for an interpreter and its libraries.
 const ADDRESS_SPACE: u64 = 8 << 30;
@@ -194,7 +197,9 @@ impl Process {
     }
 
     /// The pairs that it writes; none if it does not.
-    fn pairs(&mut self, n: usize) -> Result<Option<Vec<[u32; 2]>>, Stop> {
+    fn pairs(&mut self, given: &Given) -> Result<Option<Contacts>, Stop> {
+        let n = given.scene.len();
+        let within = given.lattice.map(|_| given.scene.dim());
         let path: PathBuf = self.folder.path().join("pairs.npy");
         // What was written before is not the answer; mostly there is nothing to remove.
         let _ = std::fs::remove_file(&path);
@@ -203,33 +208,32 @@ impl Process {
             Reply::Unsupported | Reply::Error { .. } => return Ok(None),
             other => return Err(astray("pairs", &other)),
         };
-        let pairs = exchange::read_pairs(&path).map_err(|error| {
+        let found = exchange::read_contacts(&path, within).map_err(|error| {
             // The name of a temporary file would say nothing.
             let why = format!("{error:#}").replace(&path.display().to_string(), "pairs.npy");
             breaks(format!("the file of its pairs: {why}"))
         })?;
-        if pairs.len() as u64 != contacts {
+        if found.len() != contacts {
             return Err(breaks(format!(
                 "it says that it has written {contacts} pairs, and its file holds {}",
-                pairs.len()
+                found.len()
             )));
         }
-        if let Some([i, j]) = pairs.iter().find(|pair| pair.iter().any(|&id| id as usize >= n)) {
+        let named = |&[i, j]: &[u32; 2]| i.max(j) as usize >= n;
+        let shifted = found.shifted.iter().map(|pair| [pair.i, pair.j]);
+        if let Some([i, j]) = found.plain.iter().copied().chain(shifted).find(named) {
             return Err(breaks(format!(
                 "it reports the pair {i},{j} in a scene of {n} particles: they are numbered from \
                  0 to {}",
                 n as i64 - 1
             )));
         }
-        Ok(Some(pairs))
+        Ok(Some(found))
     }
 
     fn answer(&mut self, question: &Question<'_>) -> Result<Answer, Stop> {
-        let Question { given, stored, truth, arithmetic, .. } = question;
-        let scene = Trajectory::write_at_rest(
-            &self.folder.path().join("scene.npy"),
-            &(*given).clone().into(),
-        )?;
+        let Question { given, truth, arithmetic, .. } = question;
+        let scene = Trajectory::write_at_rest(&self.folder.path().join("scene.npy"), given)?;
         self.used = true;
         match self.request(&Request::Load(scene))? {
             Reply::Loaded => {}
@@ -240,14 +244,14 @@ impl Process {
             other => return Err(astray("sample", &other)),
         };
         let right = said == truth.digest;
-        if right && given.len() > SMALL {
+        if right && given.scene.len() > SMALL {
             return Ok(Answer::Right);
         }
-        let Some(mut pairs) = self.pairs(given.len())? else {
+        let Some(contacts) = self.pairs(given)? else {
             let counts = Wrong::Counts { said, truth: truth.digest };
             return if right { Ok(Answer::Right) } else { Err(counts.into()) };
         };
-        let own = Digest::from_pairs(&pairs);
+        let own = contacts.digest();
         let as_text = |digest: Digest| format!("{} contacts and {}", digest.contacts, digest.hex());
         if own != said && own == truth.digest {
             return Err(breaks(format!(
@@ -257,14 +261,17 @@ impl Process {
             )));
         }
         if own != said && right {
-            let differences = Differences::new(pairs, &truth.pairs);
+            let differences = Differences::new(contacts.sorted(), &truth.pairs);
             return Err(breaks(format!(
                 "its sample is right, but not the pairs that it writes: {differences}"
             )));
         }
-        normalise(&mut pairs);
-        let (outcome, _) = verdict(&pairs, truth, stored, *arithmetic);
-        Ok(if outcome.is_good() { Answer::Right } else { Answer::Pairs(pairs) })
+        let pairs = contacts.sorted();
+        let of_itself = |pair: ImagePair| pair.i == pair.j && pair.image == [0; 3];
+        // How deep they are is nobody's question here.
+        let errors = oracle::compare_by(&pairs, &truth.pairs, of_itself, |_| 0.0);
+        let good = outcome(&errors, *arithmetic).is_good();
+        Ok(if good { Answer::Right } else { Answer::Pairs(pairs) })
     }
 }
 

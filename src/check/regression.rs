@@ -1,10 +1,11 @@
 //! Regression files: a scene as CSV, with a comment that says on what it was found and how to see
-//! it again.
+//! it again; with a box as extended XYZ.
 
 use std::path::Path;
 
 use crate::check::Failure;
 use crate::check::numbers::Numbers;
+use crate::io::write::{self, SceneFormat};
 use crate::scene::AnyScene;
 
 /// A scene as CSV with a header, in numbers that read back to the same bits.
@@ -36,6 +37,18 @@ pub fn file(failure: &Failure, path: &Path, who: &str) -> String {
         "{detector}, {arithmetic} arithmetic: {how}\nfound on {found_on}\ncontactbench check \
          --scene {name} {who}"
     );
+    if smallest.lattice.is_some() {
+        // There is no place for a comment.
+        let mut text = Vec::new();
+        // Nothing fails in memory.
+        let _ = write::scene_to(&mut text, SceneFormat::Xyz, smallest);
+        return String::from_utf8_lossy(&text).into_owned();
+    }
     let comment: String = comment.lines().map(|line| format!("# {line}\n")).collect();
-    comment + &as_csv(smallest)
+    comment + &as_csv(&smallest.scene)
+}
+
+/// What it ends in.
+pub fn ending(failure: &Failure) -> &'static str {
+    if failure.smallest.lattice.is_some() { ".xyz" } else { ".csv" }
 }

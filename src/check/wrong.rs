@@ -3,7 +3,8 @@
 use std::fmt;
 use std::time::Duration;
 
-use crate::sink::{Digest, key, normalise};
+use crate::periodic::ImagePair;
+use crate::sink::Digest;
 
 /// In which way a detector is wrong.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,17 +35,18 @@ pub enum Wrong {
     },
 }
 
-/// What is wrong with a list of pairs. The smaller index stands first.
+/// What is wrong with a list of contacts. The smaller index stands first; in open scenes images are
+/// 0.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Differences {
     /// Touching pairs not reported.
-    pub missed: Vec<[u32; 2]>,
+    pub missed: Vec<ImagePair>,
     /// Reported pairs that do not touch.
-    pub spurious: Vec<[u32; 2]>,
+    pub spurious: Vec<ImagePair>,
     /// Particles reported with themselves.
-    pub selves: Vec<[u32; 2]>,
+    pub selves: Vec<ImagePair>,
     /// Pairs reported again, once for each time.
-    pub duplicate: Vec<[u32; 2]>,
+    pub duplicate: Vec<ImagePair>,
 }
 
 /// This many pairs of a kind are shown.
@@ -53,18 +55,17 @@ const SHOWN: usize = 4;
 impl Differences {
     /// Compares what was reported, in any order, with the true pairs, each once and in ascending
     /// order.
-    pub fn new(mut reported: Vec<[u32; 2]>, truth: &[[u32; 2]]) -> Differences {
-        normalise(&mut reported);
-        let duplicate: Vec<[u32; 2]> =
+    pub fn new(mut reported: Vec<ImagePair>, truth: &[ImagePair]) -> Differences {
+        reported.sort_unstable();
+        let duplicate: Vec<ImagePair> =
             reported.windows(2).filter(|pair| pair[0] == pair[1]).map(|pair| pair[0]).collect();
         reported.dedup();
-        let without = |pairs: &[[u32; 2]], others: &[[u32; 2]]| {
-            let absent = |[i, j]: &[u32; 2]| {
-                others.binary_search_by_key(&key(*i, *j), |&[i, j]| key(i, j)).is_err()
-            };
+        let without = |pairs: &[ImagePair], others: &[ImagePair]| {
+            let absent = |pair: &ImagePair| others.binary_search(pair).is_err();
             pairs.iter().copied().filter(absent).collect::<Vec<_>>()
         };
-        let (selves, spurious) = without(&reported, truth).into_iter().partition(|[i, j]| i == j);
+        let of_itself = |pair: &ImagePair| pair.i == pair.j && pair.image == [0; 3];
+        let (selves, spurious) = without(&reported, truth).into_iter().partition(of_itself);
         Differences { missed: without(truth, &reported), spurious, selves, duplicate }
     }
 }
@@ -90,7 +91,7 @@ impl fmt::Display for Differences {
         ] {
             if !pairs.is_empty() {
                 let shown: Vec<String> =
-                    pairs.iter().take(SHOWN).map(|[i, j]| format!("{i},{j}")).collect();
+                    pairs.iter().take(SHOWN).map(ImagePair::to_string).collect();
                 write!(
                     f,
                     "; {kind} {}{}",

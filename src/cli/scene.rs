@@ -9,6 +9,7 @@ use anyhow::Context;
 use crate::cli::shared::input::Input;
 use crate::cli::shared::values;
 use crate::io::write;
+use crate::scene::Given;
 
 /// Options of `scene`.
 #[derive(clap::Args)]
@@ -20,7 +21,7 @@ pub struct Scene {
     #[command(flatten)]
     input: Input,
     /// Where the scene goes: a .csv, .xyz (extended XYZ) or .npy file (default: CSV to standard
-    /// output)
+    /// output); with a box that repeats .xyz, which holds one
     #[arg(short, long)]
     output: Option<PathBuf>,
 }
@@ -30,15 +31,21 @@ pub fn scene(options: &Scene) -> anyhow::Result<ExitCode> {
     if let Some(path) = &options.output {
         write::scene_format(path)?;
     }
-    let scene = options.input.scene(&options.scene)?;
+    let (scene, lattice) = options.input.within(&options.scene)?;
+    let given = Given { scene, lattice };
     match &options.output {
         Some(path) => {
-            write::scene(path, &scene)?;
+            write::scene(path, &given)?;
+            let scene = &given.scene;
             eprintln!("{}: N = {}, {}D", path.display(), scene.len(), scene.dim());
         }
         None => {
             let mut out = std::io::BufWriter::new(std::io::stdout().lock());
-            write::scene_to(&mut out, write::SceneFormat::Csv, &scene)
+            let format = match given.lattice {
+                None => write::SceneFormat::Csv,
+                Some(_) => write::SceneFormat::Xyz,
+            };
+            write::scene_to(&mut out, format, &given)
                 .and_then(|()| out.flush())
                 .context("cannot write the scene to standard output")?;
         }

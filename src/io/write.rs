@@ -13,7 +13,7 @@ use anyhow::{Context, bail, ensure};
 
 use crate::io::formats::npy;
 use crate::periodic::ImagePair;
-use crate::scene::{AnyScene, Lattice, Real, Scene, array};
+use crate::scene::{AnyScene, Given, Lattice, Real, Scene, array};
 use crate::with_scene;
 
 /// What a file of pairs can be.
@@ -176,17 +176,24 @@ fn images_npy(out: &mut dyn Write, pairs: &[ImagePair], dim: usize) -> io::Resul
     Ok(())
 }
 
-/// Writes a scene to a file whose ending, `.csv`, `.xyz` or `.npy`, gives the format.
-pub fn scene(path: &Path, scene: &AnyScene<'_>) -> anyhow::Result<()> {
+/// Writes a scene to a file whose ending, `.csv`, `.xyz` or `.npy`, gives the format. Only extended
+/// XYZ holds a box.
+pub fn scene(path: &Path, given: &Given) -> anyhow::Result<()> {
     let format = scene_format(path)?;
-    create(path, |out| scene_to(out, format, scene))
+    ensure!(
+        given.lattice.is_none() || format == SceneFormat::Xyz,
+        "{}: the scene has a box that repeats, and only .xyz files hold one; write .xyz",
+        path.display()
+    );
+    create(path, |out| scene_to(out, format, given))
 }
 
-/// Writes a scene.
-pub fn scene_to(out: &mut dyn Write, format: SceneFormat, scene: &AnyScene<'_>) -> io::Result<()> {
-    with_scene!(scene, scene => match format {
+/// Writes a scene; a box is left out but in extended XYZ.
+pub fn scene_to(out: &mut dyn Write, format: SceneFormat, given: &Given) -> io::Result<()> {
+    let lattice = given.lattice.as_ref();
+    with_scene!(&given.scene, scene => match format {
         SceneFormat::Csv => scene_csv(out, scene),
-        SceneFormat::Xyz => scene_xyz(out, scene),
+        SceneFormat::Xyz => scene_xyz(out, scene, lattice),
         SceneFormat::Npy => scene_npy(out, scene),
     })
 }
@@ -234,8 +241,18 @@ fn scene_csv<T: Real, const D: usize>(
 fn scene_xyz<T: Real, const D: usize>(
     out: &mut dyn Write,
     scene: &Scene<'_, T, D>,
+    lattice: Option<&Lattice>,
 ) -> io::Result<()> {
-    writeln!(out, "{}\nProperties=species:S:1:pos:R:{D}:radius:R:1", scene.len())?;
+    writeln!(out, "{}", scene.len())?;
+    if let Some(lattice) = lattice {
+        let text = |numbers: &[f64]| {
+            numbers.iter().map(|x| format!("{x:?}")).collect::<Vec<_>>().join(" ")
+        };
+        let flags = lattice.periodic().map(|yes| if yes { "T" } else { "F" }).join(" ");
+        let (vectors, origin) = (text(lattice.vectors().as_flattened()), text(&lattice.origin()));
+        write!(out, "Lattice=\"{vectors}\" pbc=\"{flags}\" Origin=\"{origin}\" ")?;
+    }
+    writeln!(out, "Properties=species:S:1:pos:R:{D}:radius:R:1")?;
     (0..scene.len()).try_for_each(|k| {
         out.write_all(b"X ")?;
         line(out, row(scene, k), " ")

@@ -10,11 +10,11 @@ use open::Open;
 use within::Within;
 
 use crate::contact::Arithmetic;
-use crate::oracle::{Causes, Errors, NoTruth, Truth};
+use crate::oracle::{Causes, Errors, NoTruth};
 use crate::periodic::Contacts;
 use crate::record::row::Outcome;
 use crate::run::protocol;
-use crate::scene::{AnyScene, Given};
+use crate::scene::Given;
 use crate::sink::Digest;
 
 /// Judges the answers about one scene. What is true is found when it is first needed.
@@ -87,7 +87,7 @@ impl Judged {
 
 /// What errors against the truth in an arithmetic are worth: `ok`; `lossy`, if contacts are missing
 /// and nothing else is wrong, where the arithmetic allows it; or `wrong`.
-fn outcome(errors: &Errors, arithmetic: Arithmetic) -> Outcome {
+pub(crate) fn outcome(errors: &Errors, arithmetic: Arithmetic) -> Outcome {
     if errors.wrong() == 0 {
         Outcome::Ok
     } else if errors.wrong() == errors.missed && !arithmetic.is_safe() {
@@ -95,17 +95,6 @@ fn outcome(errors: &Errors, arithmetic: Arithmetic) -> Outcome {
     } else {
         Outcome::Wrong
     }
-}
-
-/// The same of pairs of an open scene, in order.
-pub(crate) fn verdict(
-    pairs: &[[u32; 2]],
-    truth: &Truth,
-    stored: &AnyScene<'_>,
-    arithmetic: Arithmetic,
-) -> (Outcome, Errors) {
-    let errors = open::compare(pairs, truth, stored);
-    (outcome(&errors, arithmetic), errors)
 }
 
 impl<'a> Judge<'a> {
@@ -187,7 +176,7 @@ impl<'a> Judge<'a> {
 mod tests {
     use super::*;
     use crate::periodic::ImagePair;
-    use crate::scene::{Lattice, Radii, Scene, Stored};
+    use crate::scene::{AnyScene, Lattice, Radii, Scene, Stored};
 
     /// Four unit discs in a row, of which neighbours touch.
     fn row() -> Given {

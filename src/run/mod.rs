@@ -19,6 +19,7 @@ pub mod plan;
 pub mod possible;
 pub(crate) mod processors;
 pub mod protocol;
+pub mod searcher;
 pub mod server;
 pub mod stage;
 pub mod trajectory;

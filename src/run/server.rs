@@ -12,19 +12,16 @@ use std::io::{BufRead, Write};
 use std::time::Instant;
 
 use crate::contact::Arithmetic;
-use crate::detect::any::AnyDetector;
 use crate::detect::table::DetectorSpec;
 use crate::detect::{Options, Refusal};
 use crate::io::exchange;
-use crate::pair_list::{Allowance, PairList};
-use crate::periodic::{Contacts, Finder, Periodic};
-use crate::probe::Tally;
+use crate::periodic::Contacts;
 use crate::record::provenance;
 use crate::run::alloc;
 use crate::run::possible::MOST_CALLS;
 use crate::run::protocol::{Reply, Request, VERSION};
+use crate::run::searcher::{Loaded, Searcher};
 use crate::run::trajectory::Trajectory;
-use crate::scene::{AnyScene, Given};
 
 /// A detector, its scene and its buffers.
 pub struct Server {
@@ -35,78 +32,6 @@ pub struct Server {
     scene: Option<Loaded>,
     contacts: Contacts,
     calls: Option<u64>,
-}
-
-/// A scene as detectors get it.
-enum Loaded {
-    /// As the arithmetic stores it.
-    Open(AnyScene<'static>),
-    /// As given.
-    InBox(Periodic<'static>),
-}
-
-/// A detector, and what finds its contacts in boxes.
-struct Searcher {
-    detector: Box<dyn AnyDetector>,
-    finder: Finder,
-}
-
-impl Searcher {
-    fn new(spec: &DetectorSpec, options: Options) -> Searcher {
-        Searcher { detector: spec.make(options), finder: Finder::new(options.memory_limit) }
-    }
-
-    /// One detection, into lists that are empty before.
-    #[inline]
-    fn list(
-        &mut self,
-        scene: &Loaded,
-        arithmetic: Arithmetic,
-        contacts: &mut Contacts,
-    ) -> Result<(), Refusal> {
-        contacts.clear();
-        match scene {
-            Loaded::Open(scene) => {
-                self.detector.list(scene, arithmetic.test(), &mut contacts.plain)
-            }
-            Loaded::InBox(scene) => {
-                self.finder.list(scene, &mut *self.detector, arithmetic, contacts)
-            }
-        }
-    }
-
-    /// The same, counted; lists may take so many bytes.
-    fn count(
-        &mut self,
-        scene: &Loaded,
-        arithmetic: Arithmetic,
-        contacts: &mut Contacts,
-        limit: u64,
-    ) -> Result<Tally, Refusal> {
-        let mut tally = Tally::default();
-        contacts.clear();
-        match scene {
-            Loaded::Open(scene) => {
-                let allowance = Allowance::new(limit);
-                let pairs = std::mem::take(&mut contacts.plain);
-                let mut list = PairList::behind(pairs, &allowance);
-                let counted = self.detector.count(scene, arithmetic.test(), &mut tally, &mut list);
-                list.end(scene.len(), &mut contacts.plain).and(counted)?;
-            }
-            Loaded::InBox(scene) => {
-                self.finder.count(scene, &mut *self.detector, arithmetic, &mut tally, contacts)?;
-            }
-        }
-        Ok(tally)
-    }
-
-    fn formula_bytes(&self, scene: &Loaded) -> u64 {
-        let images = match scene {
-            Loaded::Open(_) => 0,
-            Loaded::InBox(_) => self.finder.formula_bytes(),
-        };
-        self.detector.formula_bytes() + images
-    }
 }
 
 /// Either an answer or the reason why there is none.
@@ -174,10 +99,10 @@ impl Server {
             Request::Load(trajectory) => self.load(&trajectory),
             Request::Sample { min_ns } => self.sample(min_ns),
             Request::Count => {
-                let (scene, limit) = (loaded(&self.scene)?, self.options.memory_limit);
+                let scene = loaded(&self.scene)?;
                 let tally = self
                     .searcher
-                    .count(scene, self.arithmetic, &mut self.contacts, limit)
+                    .count(scene, self.arithmetic, &mut self.contacts)
                     .map_err(refused)?;
                 let digest = self.contacts.digest();
                 let counts = tally.iter().map(|(op, count)| (op.name().into(), count)).collect();
@@ -186,10 +111,7 @@ impl Server {
             Request::Memory => self.memory(),
             Request::Pairs { path } => {
                 self.detect()?;
-                let within = match loaded(&self.scene)? {
-                    Loaded::Open(_) => None,
-                    Loaded::InBox(scene) => Some(scene.scene().dim()),
-                };
+                let within = loaded(&self.scene)?.within();
                 exchange::write_contacts(&path, &self.contacts, within).map_err(error)?;
                 Ok(Reply::Pairs { contacts: self.contacts.len() })
             }
@@ -209,15 +131,10 @@ impl Server {
             return Err(Reply::Refused { reason });
         };
         let given = trajectory.read_frame(path).map_err(error)?;
-        self.scene = Some(match given.periodic().map_err(error)? {
-            Some(periodic) => Loaded::InBox(periodic),
-            None => {
-                let Given { scene, .. } = given;
-                Loaded::Open(scene.stored(self.arithmetic).map_err(|e| Reply::Refused {
-                    reason: format!("in {}: {e}", self.arithmetic.name()),
-                })?)
-            }
-        });
+        let refused = |e: anyhow::Error| Reply::Refused {
+            reason: format!("in {}: {e}", self.arithmetic.name()),
+        };
+        self.scene = Some(Loaded::new(&given, self.arithmetic).map_err(refused)?);
         Ok(Reply::Loaded)
     }
 
@@ -305,7 +222,7 @@ impl Server {
         let (Some(cold), Some(warm)) = (cold, warm) else { return Ok(Reply::Unsupported) };
         // The detector itself is one allocation of a few hundred bytes: its box is not part of the
         // algorithm.
-        let frame = std::mem::size_of_val(&*searcher.detector) as u64;
+        let frame = std::mem::size_of_val(searcher.detector()) as u64;
         let boxed = u64::from(frame > 0);
         Ok(Reply::Memory {
             peak_bytes: cold.peak_bytes - frame,

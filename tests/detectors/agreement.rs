@@ -72,7 +72,7 @@ fn every_generator_with_seeds() {
             failure.detector,
             failure.arithmetic,
             failure.found_on,
-            check::as_csv(&failure.smallest)
+            check::as_csv(&failure.smallest.scene)
         );
     }
     assert!(report.failures.is_empty() && report.cases > 8_000, "{} cases", report.cases);

@@ -3,7 +3,9 @@
 
 use std::path::Path;
 
-use contactbench::check::bytes::{fuzz_one, fuzz_reader, fuzz_reader_of, reader, scene_from_bytes};
+use contactbench::check::bytes::{
+    fuzz_box, fuzz_one, fuzz_reader, fuzz_reader_of, reader, scene_from_bytes,
+};
 use contactbench::contact::Arithmetic;
 use contactbench::oracle;
 use rand::{Rng, RngExt, SeedableRng};
@@ -55,6 +57,11 @@ fn inputs(target: &str, count: u32) -> impl Iterator<Item = Vec<u8>> {
 #[test]
 fn detectors_are_right_on_any_bytes() {
     inputs("scenes", 3000).for_each(|bytes| fuzz_one(&bytes));
+}
+
+#[test]
+fn detectors_are_right_on_any_bytes_in_a_box() {
+    inputs("boxes", 1000).for_each(|bytes| fuzz_box(&bytes));
 }
 
 #[test]

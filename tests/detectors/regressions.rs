@@ -45,9 +45,14 @@ fn all_detectors_are_right_on_all_files() {
             path.display()
         );
         let name = path.display().to_string();
-        let report =
-            check::check_scene(&scene(&path), &name, &detectors, &Arithmetic::SAFE, &limits())
-                .unwrap();
+        let report = check::check_scene(
+            &scene(&path).into(),
+            &name,
+            &detectors,
+            &Arithmetic::SAFE,
+            &limits(),
+        )
+        .unwrap();
         for failure in &report.failures {
             println!(
                 "{} with {} arithmetic on {name}: {}",

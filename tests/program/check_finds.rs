@@ -130,7 +130,7 @@ fn failure(way: u8) -> Failure {
 
 /// The significant bits of all coordinates and radii.
 fn total_bits(failure: &Failure) -> u32 {
-    Numbers::new(&failure.smallest).values.iter().map(|&x| bits(x)).sum()
+    Numbers::new(&failure.smallest.scene).values.iter().map(|&x| bits(x)).sum()
 }
 
 /// Pairs missed, added, repeated, and of a particle with itself.
@@ -149,7 +149,7 @@ fn wrong_pairs_are_found_and_shrunk_to_the_simplest_numbers() {
     ] {
         let failure = failure(way);
         assert_eq!(
-            (check::as_csv(&failure.smallest).as_str(), differences(&failure)),
+            (check::as_csv(&failure.smallest.scene).as_str(), differences(&failure)),
             (scene, wrong),
             "mutant {way}"
         );
@@ -165,7 +165,7 @@ fn a_tangent_pair_stays_tangent_and_gets_simple() {
         &[Arithmetic::Exact],
         Duration::from_secs(20),
     );
-    let scene = check::as_csv(&failure.smallest);
+    let scene = check::as_csv(&failure.smallest.scene);
     assert!(
         ["x,y,r\n2.0,0.0,1.0\n0.0,0.0,1.0\n", "x,y,r\n0.0,0.0,1.0\n2.0,0.0,1.0\n"]
             .contains(&&*scene),
@@ -186,7 +186,7 @@ fn a_pair_lost_to_rounding_keeps_its_last_bits_only() {
     for name in ["nbs", "sorting", "screening"] {
         let entry = table::find(name).unwrap();
         let mut report = check::check_scene(
-            &scene,
+            &scene.clone().into(),
             "43 discs",
             &[entry],
             &[Arithmetic::Textbook],
@@ -194,9 +194,9 @@ fn a_pair_lost_to_rounding_keeps_its_last_bits_only() {
         )
         .unwrap();
         let failure = report.failures.remove(0);
-        let scene = check::as_csv(&failure.smallest);
+        let scene = check::as_csv(&failure.smallest.scene);
         assert_eq!(
-            (failure.smallest.len(), differences(&failure)),
+            (failure.smallest.scene.len(), differences(&failure)),
             (3, [1, 0, 0, 0]),
             "{name}: {scene}"
         );
@@ -209,10 +209,10 @@ fn a_panic_is_a_failure_with_a_small_scene() {
     let failure = failure(PANICS_AT_TEN_PARTICLES);
     assert_eq!(failure.wrong, Some(Wrong::Panics("on purpose".into())));
     assert_eq!(
-        (failure.smallest.len(), total_bits(&failure)),
+        (failure.smallest.scene.len(), total_bits(&failure)),
         (10, 10),
         "{}",
-        check::as_csv(&failure.smallest)
+        check::as_csv(&failure.smallest.scene)
     );
 }
 
@@ -234,7 +234,7 @@ fn what_hangs_is_a_failure_and_ends_no_check() {
 fn a_refusal_after_pairs_is_a_failure() {
     let failure = failure(REFUSES_AFTER_REPORTING);
     assert_eq!(
-        (failure.wrong.clone(), failure.smallest.len()),
+        (failure.wrong.clone(), failure.smallest.scene.len()),
         (Some(Wrong::RefusesLate(136)), 17)
     );
 }
@@ -269,9 +269,14 @@ fn a_regression_file_finds_the_failure_again() {
     );
     std::fs::write(&path, text).unwrap();
     let scene = io::scene(&path, io::Options::default()).unwrap();
-    assert_eq!(scene, failure.smallest);
-    let again =
-        check::check_scene(&scene, "again", &[mutant], &[Arithmetic::Exact], &Limits::default())
-            .unwrap();
+    assert_eq!(scene, failure.smallest.scene);
+    let again = check::check_scene(
+        &scene.into(),
+        "again",
+        &[mutant],
+        &[Arithmetic::Exact],
+        &Limits::default(),
+    )
+    .unwrap();
     assert_eq!(again.failures[0].found, failure.wrong.unwrap());
 }

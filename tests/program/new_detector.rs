@@ -44,7 +44,7 @@ fn what_is_written_works() {
             failure.detector,
             failure.arithmetic,
             failure.found_on,
-            check::as_csv(&failure.smallest)
+            check::as_csv(&failure.smallest.scene)
         );
     }
     assert!(

@@ -1,7 +1,7 @@
 //! Lists of the contacts of a periodic scene.
 
 use super::finder::Finder;
-use super::{IMAGE_PAIR_BYTES, ImagePair, Periodic};
+use super::{IMAGE_PAIR_BYTES, ImagePair, Periodic, without_shift};
 use crate::contact::Arithmetic;
 use crate::detect::any::AnyDetector;
 use crate::pair_list::PairList;
@@ -62,8 +62,8 @@ impl Contacts {
 
     /// All, in ascending order.
     pub fn sorted(&self) -> Vec<ImagePair> {
-        let plain = self.plain.iter().map(|&[i, j]| ImagePair::new(i, j, [0; 3]));
-        let mut pairs: Vec<_> = plain.chain(self.shifted.iter().copied()).collect();
+        let mut pairs: Vec<_> =
+            without_shift(&self.plain).chain(self.shifted.iter().copied()).collect();
         pairs.sort_unstable();
         pairs
     }

@@ -112,6 +112,22 @@ pub struct ImagePair {
     pub image: [i32; 3],
 }
 
+/// `3,7`, and `3,7 (0,-1,0)` through a face.
+impl std::fmt::Display for ImagePair {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let ImagePair { i, j, image: [x, y, z] } = self;
+        match self.image {
+            [0, 0, 0] => write!(f, "{i},{j}"),
+            _ => write!(f, "{i},{j} ({x},{y},{z})"),
+        }
+    }
+}
+
+/// Pairs of an open scene as contacts without a shift.
+pub fn without_shift(pairs: &[[u32; 2]]) -> impl Iterator<Item = ImagePair> {
+    pairs.iter().map(|&[i, j]| ImagePair::new(i, j, [0; 3]))
+}
+
 /// Bytes of one.
 pub const IMAGE_PAIR_BYTES: u64 = size_of::<ImagePair>() as u64;
 

@@ -12,6 +12,7 @@ use crate::contact::Arithmetic;
 use crate::memory::default_limit;
 use crate::number::number;
 use crate::oracle;
+use crate::periodic::{ImagePair, depth};
 use crate::present::draw;
 use crate::present::draw::{Highlighted, Look};
 
@@ -25,7 +26,7 @@ pub(super) fn regression_file(failure: &Failure, given: Option<&str>, options: &
         .map(|stem| format!("-{}", stem.to_string_lossy()))
         .unwrap_or_default();
     let name = format!("failing-{}-{}{stem}", failure.detector, failure.arithmetic.name());
-    folder(options).join(name.replace([':', '=', ','], "-") + ".csv")
+    folder(options).join(name.replace([':', '=', ','], "-") + regression::ending(failure))
 }
 
 /// Where files go: nobody wants them in a folder that was not named.
@@ -39,10 +40,17 @@ const TANGENT: f64 = 1e-9;
 
 /// The worst pair on the scene where the failure was noticed: smaller scenes of two different
 /// defects may be the same.
-pub(super) fn worst(failure: &Failure) -> Option<([u32; 2], f64)> {
+pub(super) fn worst(failure: &Failure) -> Option<(ImagePair, f64)> {
     let Wrong::Pairs(differences) = &failure.found else { return None };
     let all = differences.missed.iter().chain(&differences.spurious);
-    let deep = |&pair: &[u32; 2]| (pair, listed::pair_depth(&failure.scene, pair));
+    let periodic = failure.given.periodic().ok()?;
+    let deep = |&pair: &ImagePair| {
+        let depth = match &periodic {
+            Some(periodic) => depth(periodic, pair),
+            None => listed::pair_depth(&failure.given.scene, [pair.i, pair.j]),
+        };
+        (pair, depth)
+    };
     all.map(deep).max_by(|(_, a), (_, b)| a.abs().total_cmp(&b.abs()))
 }
 
@@ -100,23 +108,27 @@ pub(super) fn refusals(report: &Report, out: &mut dyn Write) -> anyhow::Result<(
     Ok(())
 }
 
-/// The scene with its contacts, and what is wrong with the pairs. None where nobody could draw it.
+/// The scene with its contacts, and what is wrong with the pairs. None where nobody could draw it,
+/// and in boxes.
 fn picture(failure: &Failure) -> Option<String> {
     let Failure { detector, arithmetic, found, smallest, wrong, .. } = failure;
+    let smallest = &smallest.clone().open("").ok()?;
     let mut contacts = oracle::truth(smallest, *arithmetic).ok()?.pairs;
     let wrong = wrong.as_ref().unwrap_or(found);
     let Differences { missed, spurious, selves, duplicate } = match wrong {
         Wrong::Pairs(differences) => differences.clone(),
         _ => Differences::default(),
     };
+    let plain = |pairs: &[ImagePair]| pairs.iter().map(|pair| [pair.i, pair.j]).collect::<Vec<_>>();
+    let missed = plain(&missed);
     contacts.retain(|pair| missed.binary_search(pair).is_err());
     let near = Highlighted::from_scene(smallest, default_limit()).ok()?.near;
     let pairs = Highlighted {
         contacts,
         near,
         missed,
-        spurious: [spurious, selves].concat(),
-        duplicates: duplicate,
+        spurious: [plain(&spurious), plain(&selves)].concat(),
+        duplicates: plain(&duplicate),
     };
     let title = format!("{detector}, {}: {wrong}", arithmetic.name());
     draw::svg(smallest, &pairs, &Look::titled(title)).ok()
@@ -124,21 +136,21 @@ fn picture(failure: &Failure) -> Option<String> {
 
 pub(super) fn describe(
     failure: &Failure,
-    given: Option<&str>,
+    asked: Option<&str>,
     options: &Check,
     out: &mut dyn Write,
 ) -> anyhow::Result<()> {
-    let Failure { detector, arithmetic, found_on, found, scene, smallest, wrong } = failure;
+    let Failure { detector, arithmetic, found_on, found, given, smallest, wrong } = failure;
     let arithmetic = arithmetic.name();
     writeln!(out, "WRONG: {detector} with {arithmetic} arithmetic, on {found_on}: {found}")?;
     last_words(wrong.as_ref().unwrap_or(found), out)?;
     if let Some((pair, depth)) = worst(failure) {
         let size = number(depth.abs());
         let what = if depth >= 0.0 { "missed, overlap" } else { "spurious, gap" };
-        writeln!(out, "  the worst there, of {} particles:", scene.len())?;
-        writeln!(out, "    {},{}: {what} {size} mean radii", pair[0], pair[1])?;
-        for k in pair {
-            let (centre, radius) = listed::particle(scene, k);
+        writeln!(out, "  the worst there, of {} particles:", given.scene.len())?;
+        writeln!(out, "    {pair}: {what} {size} mean radii")?;
+        for k in [pair.i, pair.j] {
+            let (centre, radius) = listed::particle(&given.scene, k);
             let centre: Vec<String> = centre.iter().map(|x| format!("{x:?}")).collect();
             writeln!(out, "    {k}: {} r {radius:?}", centre.join(" "))?;
         }
@@ -146,7 +158,7 @@ pub(super) fn describe(
     if let Some(words) = rounding(failure) {
         writeln!(out, "  {words}")?;
     }
-    let path = regression_file(failure, given, options);
+    let path = regression_file(failure, asked, options);
     let who = match &options.runner {
         None => format!("--detector {detector} --arithmetic {arithmetic}"),
         Some(command) => format!("--runner {}", shlex::try_quote(command).unwrap_or_default()),
@@ -156,7 +168,7 @@ pub(super) fn describe(
     std::fs::create_dir_all(&folder).and_then(|()| std::fs::write(&path, &text)).with_context(
         || format!("cannot write {}; choose another place with --out", path.display()),
     )?;
-    let (n, place) = (smallest.len(), path.display());
+    let (n, place) = (smallest.scene.len(), path.display());
     match wrong {
         Some(Wrong::Hangs(_)) => {
             writeln!(out, "  the scene, not made smaller: {n} particles: {place}")?

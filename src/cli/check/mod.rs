@@ -22,6 +22,7 @@ use crate::cli::shared::values;
 use crate::contact::Arithmetic;
 use crate::detect::Options;
 use crate::run::interrupt;
+use crate::scene::Given;
 
 /// Options of `check`.
 #[derive(clap::Args)]
@@ -118,8 +119,9 @@ pub fn check(options: &Check) -> anyhow::Result<ExitCode> {
     for group in &groups {
         let Group { contenders, arithmetics } = group;
         for path in &options.scene {
-            let scene = Input { open: options.open, ..Input::default() }.scene(path)?;
-            let report = check::one_scene(&scene, path, contenders, arithmetics, &limits)?;
+            let (scene, lattice) = Input { open: options.open, ..Input::default() }.within(path)?;
+            let given = Given { scene, lattice };
+            let report = check::one_scene(&given, path, contenders, arithmetics, &limits)?;
             reports.push(Checked { group, report, path: Some(path) });
         }
         if options.scene.is_empty() {

@@ -124,7 +124,7 @@ pub(super) fn or_nothing<T>(found: Result<T, NoTruth>) -> anyhow::Result<Result<
 }
 
 /// Most answers are right: their pairs need not be sorted.
-pub(super) fn compare(reported: &[[u32; 2]], truth: &Truth, scene: &AnyScene<'_>) -> Errors {
+fn compare(reported: &[[u32; 2]], truth: &Truth, scene: &AnyScene<'_>) -> Errors {
     if Digest::from_pairs(reported) == truth.digest {
         Errors::default()
     } else {

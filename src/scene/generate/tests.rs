@@ -203,9 +203,8 @@ fn boxes_repeat() {
         assert!((stats.packing_fraction / expected - 1.0).abs() < 1e-12, "{text}");
     }
     for tilt in [0.0, 0.3, -7.5] {
-        let (_, stats) = found(&format!(
-            "loose:dim=3,n=2000,fraction=0.2,periodic=true,tilt={tilt}"
-        ));
+        let (_, stats) =
+            found(&format!("loose:dim=3,n=2000,fraction=0.2,periodic=true,tilt={tilt}"));
         assert!((stats.packing_fraction - 0.2).abs() < 1e-12);
         assert!((stats.coordination / 1.6 - 1.0).abs() < 0.1, "{}", stats.coordination);
     }
@@ -214,9 +213,7 @@ fn boxes_repeat() {
     assert_eq!(contacts, 90);
     let (contacts, _) = found("packed:n=30,periodic=x,jitter=0");
     assert_eq!(contacts, 90 - 2 * 6);
-    let hash = |text: &str| {
-        crate::scene::stats::hash(&Spec::parse(text).unwrap().given().unwrap())
-    };
+    let hash = |text: &str| crate::scene::stats::hash(&Spec::parse(text).unwrap().given().unwrap());
     assert_ne!(hash("loose:n=9,periodic=true"), hash("loose:n=9,periodic=x"));
     assert_eq!(hash("loose:n=9,periodic=none"), hash("loose:n=9"));
 }

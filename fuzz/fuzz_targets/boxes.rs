@@ -1,0 +1,5 @@
+//! Any bytes as a scene in a box: every detector is right on it, in every safe arithmetic.
+
+#![no_main]
+
+libfuzzer_sys::fuzz_target!(|data: &[u8]| contactbench::check::bytes::fuzz_box(data));

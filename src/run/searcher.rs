@@ -1,0 +1,123 @@
+//! A detector at work on scenes with boundaries of either kind.
+
+use crate::contact::Arithmetic;
+use crate::detect::any::AnyDetector;
+use crate::detect::table::DetectorSpec;
+use crate::detect::{Options, Refusal};
+use crate::pair_list::{Allowance, PairList};
+use crate::periodic::{Contacts, Finder, Periodic};
+use crate::probe::Tally;
+use crate::scene::{AnyScene, Given};
+
+/// A scene as detectors get it.
+#[derive(Debug)]
+pub enum Loaded {
+    /// As the arithmetic stores it.
+    Open(AnyScene<'static>),
+    /// As given.
+    InBox(Periodic<'static>),
+}
+
+impl Loaded {
+    /// The scene as detectors get it in an arithmetic.
+    ///
+    /// # Errors
+    /// What the arithmetic cannot store; a box that does not suit the scene.
+    pub fn new(given: &Given, arithmetic: Arithmetic) -> anyhow::Result<Loaded> {
+        Ok(match given.periodic()? {
+            Some(periodic) => Loaded::InBox(periodic),
+            None => Loaded::Open(given.scene.stored(arithmetic)?),
+        })
+    }
+
+    /// The dimensions of its box, if it has one.
+    pub fn within(&self) -> Option<usize> {
+        match self {
+            Loaded::Open(_) => None,
+            Loaded::InBox(periodic) => Some(periodic.scene().dim()),
+        }
+    }
+}
+
+/// A detector, and what finds its contacts in boxes.
+pub struct Searcher {
+    detector: Box<dyn AnyDetector>,
+    finder: Finder,
+    /// For a list of contacts, in bytes.
+    memory_limit: u64,
+}
+
+impl Searcher {
+    /// With empty buffers.
+    pub fn new(spec: &DetectorSpec, options: Options) -> Searcher {
+        let memory_limit = options.memory_limit;
+        Searcher { detector: spec.make(options), finder: Finder::new(memory_limit), memory_limit }
+    }
+
+    /// The detector, to be asked otherwise.
+    pub fn detector_mut(&mut self) -> &mut dyn AnyDetector {
+        &mut *self.detector
+    }
+
+    /// The detector.
+    pub fn detector(&self) -> &dyn AnyDetector {
+        &*self.detector
+    }
+
+    /// One detection, in the place of what is in the lists: what is timed.
+    ///
+    /// # Errors
+    /// What the detector refuses; the lists are empty then, or hold what was reported before.
+    pub fn list(
+        &mut self,
+        scene: &Loaded,
+        arithmetic: Arithmetic,
+        contacts: &mut Contacts,
+    ) -> Result<(), Refusal> {
+        contacts.clear();
+        match scene {
+            Loaded::Open(scene) => {
+                self.detector.list(scene, arithmetic.test(), &mut contacts.plain)
+            }
+            Loaded::InBox(scene) => {
+                self.finder.list(scene, &mut *self.detector, arithmetic, contacts)
+            }
+        }
+    }
+
+    /// The same, counted.
+    ///
+    /// # Errors
+    /// As [`Searcher::list`].
+    pub fn count(
+        &mut self,
+        scene: &Loaded,
+        arithmetic: Arithmetic,
+        contacts: &mut Contacts,
+    ) -> Result<Tally, Refusal> {
+        let mut tally = Tally::default();
+        contacts.clear();
+        match scene {
+            Loaded::Open(scene) => {
+                let allowance = Allowance::new(self.memory_limit);
+                let pairs = std::mem::take(&mut contacts.plain);
+                let mut list = PairList::behind(pairs, &allowance);
+                let counted = self.detector.count(scene, arithmetic.test(), &mut tally, &mut list);
+                list.end(scene.len(), &mut contacts.plain).and(counted)?;
+            }
+            Loaded::InBox(scene) => {
+                self.finder.count(scene, &mut *self.detector, arithmetic, &mut tally, contacts)?;
+            }
+        }
+        Ok(tally)
+    }
+
+    /// The bytes of the last detection by the formulas of detector and images.
+    pub fn formula_bytes(&self, scene: &Loaded) -> u64 {
+        let images = match scene {
+            Loaded::Open(_) => 0,
+            Loaded::InBox(_) => self.finder.formula_bytes(),
+        };
+        self.detector.formula_bytes() + images
+    }
+}
