@@ -40,7 +40,6 @@ impl Allowance {
 }
 
 /// A list of pairs within an [`Allowance`].
-#[derive(Debug)]
 pub struct PairList<'a> {
     pairs: Vec<[u32; 2]>,
     /// Pairs that were there before: they stay, whatever comes.
@@ -48,18 +47,26 @@ pub struct PairList<'a> {
     /// Pairs found that there was no room for.
     lost: u64,
     allowance: &'a Allowance,
+    /// Takes all pairs, if there is one: the list then has no room, so that only who finds it full
+    /// need look.
+    door: Option<&'a mut (dyn Sink + Send)>,
 }
 
 impl<'a> PairList<'a> {
     /// Goes on behind the pairs of a list, whose room is charged.
     pub fn behind(pairs: Vec<[u32; 2]>, allowance: &'a Allowance) -> PairList<'a> {
         allowance.take(pairs.capacity());
-        PairList { before: pairs.len(), pairs, lost: 0, allowance }
+        PairList { before: pairs.len(), pairs, lost: 0, allowance, door: None }
     }
 
     /// An empty list.
     pub fn new(allowance: &'a Allowance) -> PairList<'a> {
         PairList::behind(Vec::new(), allowance)
+    }
+
+    /// None at all: everything goes on to `sink`, and no detector need be compiled for it.
+    pub fn door(sink: &'a mut (dyn Sink + Send), allowance: &'a Allowance) -> PairList<'a> {
+        PairList { door: Some(sink), ..PairList::new(allowance) }
     }
 
     /// How many pairs were there before.
@@ -106,10 +113,27 @@ impl<'a> PairList<'a> {
         more <= capacity - self.before
     }
 
+    /// Room for these pairs; if there is none, they are counted, or handed on.
+    #[cold]
+    #[inline(never)]
+    fn has_grown_for(&mut self, pairs: &[[u32; 2]]) -> bool {
+        if let Some(sink) = &mut self.door {
+            sink.contacts(pairs);
+            return false;
+        }
+        let grown = self.grow(pairs.len());
+        if !grown {
+            self.lost += pairs.len() as u64;
+        }
+        grown
+    }
+
     #[cold]
     #[inline(never)]
     fn grow_for(&mut self, pair: [u32; 2]) {
-        if self.grow(1) {
+        if let Some(sink) = &mut self.door {
+            sink.contact(pair[0], pair[1]);
+        } else if self.grow(1) {
             self.pairs.push(pair);
         } else {
             self.lost += 1;
@@ -152,8 +176,7 @@ impl Sink for PairList<'_> {
 
     #[inline(always)]
     fn contacts(&mut self, pairs: &[[u32; 2]]) {
-        if pairs.len() > self.pairs.capacity() - self.pairs.len() && !self.grow(pairs.len()) {
-            self.lost += pairs.len() as u64;
+        if pairs.len() > self.pairs.capacity() - self.pairs.len() && !self.has_grown_for(pairs) {
             return;
         }
         self.pairs.extend_from_slice(pairs);
@@ -161,6 +184,9 @@ impl Sink for PairList<'_> {
 
     /// Copied by all threads at once.
     fn gather(&mut self, lists: &[&[[u32; 2]]]) {
+        if let Some(sink) = &mut self.door {
+            return sink.gather(lists);
+        }
         let total = lists.iter().map(|list| list.len()).sum();
         if total > self.pairs.capacity() - self.pairs.len() && !self.grow(total) {
             self.lost += total as u64;

@@ -2,13 +2,11 @@
 
 use nalgebra::Point;
 
-use super::rule::{
-    AnyRule, Asked, Decide, ExactEach, ExactUniform, RoundedEach, RoundedUniform, Rule,
-};
+use super::rule::{AnyRule, Asked, ExactEach, ExactUniform, RoundedEach, RoundedUniform, Rule};
 use super::{Margin, Slack, Test};
 use crate::probe::{Op, Probe};
 use crate::refusal::Refusal;
-use crate::scene::{AnyScene, CellF32, Radii, Real, Scene, Stored, Work, array};
+use crate::scene::{CellF32, Radii, Real, Scene, Stored, Work, array};
 
 /// What a detector sees of a scene: positions for its filters, the contact test for its decisions.
 pub trait Bodies<T: Real, const D: usize>: Copy + Sync {
@@ -43,40 +41,88 @@ pub trait Bodies<T: Real, const D: usize>: Copy + Sync {
     fn margin(&self) -> Margin {
         Margin::Safe
     }
+    /// The smallest and the largest coordinates, where somebody has looked for them already.
+    fn corners(&self) -> Option<Corners<D>> {
+        None
+    }
+}
+
+/// The smallest and the largest coordinates along each axis.
+pub type Corners<const D: usize> = ([f64; D], [f64; D]);
+
+/// The centres of a scene, in order.
+pub trait Centres<T: Real, const D: usize>: Copy + Sync {
+    /// How many there are.
+    fn count(&self) -> usize;
+    /// Centre `i`.
+    fn at(&self, i: usize) -> &[T; D];
+}
+
+impl<T: Real, const D: usize> Centres<T, D> for &[Point<T, D>] {
+    fn count(&self) -> usize {
+        self.len()
+    }
+
+    #[inline(always)]
+    fn at(&self, i: usize) -> &[T; D] {
+        array(&self[i])
+    }
+}
+
+/// Centres in two pieces, so that images can be beside a scene that is not copied.
+#[derive(Clone, Copy)]
+pub struct Pieces<'a, T: Real, const D: usize> {
+    first: &'a [Point<T, D>],
+    /// After them.
+    rest: &'a [Point<T, D>],
+}
+
+impl<T: Real, const D: usize> Centres<T, D> for Pieces<'_, T, D> {
+    fn count(&self) -> usize {
+        self.first.len() + self.rest.len()
+    }
+
+    #[inline(always)]
+    fn at(&self, i: usize) -> &[T; D] {
+        match self.first.get(i) {
+            Some(centre) => array(centre),
+            None => array(&self.rest[i - self.first.len()]),
+        }
+    }
 }
 
 /// A scene with its contact test resolved to a type.
 #[derive(Clone, Copy)]
-pub struct SceneBodies<'a, T: Real, R, const D: usize> {
-    centres: &'a [Point<T, D>],
+pub struct SceneBodies<'a, T: Real, R, C, const D: usize> {
+    centres: C,
     rule: R,
     radii: &'a Radii<'a, T>,
     reach: f64,
     slack: Slack,
     margin: Margin,
+    corners: Option<Corners<D>>,
 }
 
-impl<T: Real, R: Rule<T>, const D: usize> Bodies<T, D> for SceneBodies<'_, T, R, D> {
+/// Bodies whose contact test is looked up for each pair.
+pub type AnyBodies<'a, T, const D: usize> = SceneBodies<'a, T, AnyRule<'a, T>, Pieces<'a, T, D>, D>;
+
+impl<T: Real, R: Rule<T>, C: Centres<T, D>, const D: usize> Bodies<T, D>
+    for SceneBodies<'_, T, R, C, D>
+{
     fn len(&self) -> usize {
-        self.centres.len()
+        self.centres.count()
     }
 
     #[inline(always)]
     fn position(&self, i: u32) -> [f64; D] {
-        let centre = array(&self.centres[i as usize]);
+        let centre = self.centres.at(i as usize);
         std::array::from_fn(|k| centre[k].wide())
     }
 
     #[inline(always)]
     fn touch<P: Probe>(&self, i: u32, j: u32, probe: &mut P) -> bool {
         probe.count(Op::ContactTest);
-        self.rule.touch(
-            i,
-            j,
-            array(&self.centres[i as usize]),
-            array(&self.centres[j as usize]),
-            probe,
-        )
+        self.rule.touch(i, j, self.centres.at(i as usize), self.centres.at(j as usize), probe)
     }
 
     fn reach(&self) -> f64 {
@@ -101,6 +147,10 @@ impl<T: Real, R: Rule<T>, const D: usize> Bodies<T, D> for SceneBodies<'_, T, R,
 
     fn margin(&self) -> Margin {
         self.margin
+    }
+
+    fn corners(&self) -> Option<Corners<D>> {
+        self.corners
     }
 }
 
@@ -163,10 +213,14 @@ fn rounded<T: Real, const D: usize, W, O>(
 where
     W: WithBodies<T, D, Output = Result<O, Refusal>>,
 {
-    let envelope = Envelope::rounded(scene, margin)?;
+    let envelope = Envelope::rounded(scene.largest_radius(), margin)?;
     match scene.radii() {
-        Radii::Uniform(r) => then.call(envelope.with(scene, RoundedUniform::new(*r))),
-        Radii::Each(radii) => then.call(envelope.with(scene, RoundedEach { radii })),
+        Radii::Uniform(r) => {
+            then.call(envelope.with(scene.centres(), scene.radii(), RoundedUniform::new(*r)))
+        }
+        Radii::Each(radii) => {
+            then.call(envelope.with(scene.centres(), scene.radii(), RoundedEach { radii }))
+        }
     }
 }
 
@@ -174,67 +228,92 @@ fn exact<const D: usize, W, O>(scene: &Scene<'_, f64, D>, then: W) -> O
 where
     W: WithBodies<f64, D, Output = O>,
 {
-    let envelope = Envelope::exact(scene);
+    let envelope = Envelope::exact(scene.largest_radius());
     match scene.radii() {
-        Radii::Uniform(r) => then.call(envelope.with(scene, ExactUniform::new(*r))),
-        Radii::Each(radii) => then.call(envelope.with(scene, ExactEach { radii })),
+        Radii::Uniform(r) => {
+            then.call(envelope.with(scene.centres(), scene.radii(), ExactUniform::new(*r)))
+        }
+        Radii::Each(radii) => {
+            then.call(envelope.with(scene.centres(), scene.radii(), ExactEach { radii }))
+        }
     }
 }
 
-/// As [`with_bodies`], with a contact test that is looked up for each pair: for what is not timed.
-/// Takes every storage, also for the exact test.
+/// As [`with_bodies`], with a contact test that is looked up for each pair: for what is not timed,
+/// and for detectors that seldom ask it. Takes every storage, also for the exact test.
 ///
 /// # Errors
 /// [`Refusal::Overflow`], see [`with_bodies`].
 pub fn any_bodies<'a, T: Real, const D: usize>(
     scene: &'a Scene<'_, T, D>,
     test: Test,
-) -> Result<SceneBodies<'a, T, AnyRule<'a, T>, D>, Refusal> {
+) -> Result<AnyBodies<'a, T, D>, Refusal> {
+    let (envelope, rule) = any_rule(scene.radii(), scene.largest_radius(), test)?;
+    Ok(envelope.with(Pieces { first: scene.centres(), rest: &[] }, scene.radii(), rule))
+}
+
+fn any_rule<'a, T: Real>(
+    radii: &'a Radii<'_, T>,
+    largest: T,
+    test: Test,
+) -> Result<(Envelope, AnyRule<'a, T>), Refusal> {
     let envelope = match test.margin() {
-        Some(margin) => Envelope::rounded(scene, margin)?,
-        None => Envelope::exact(scene),
+        Some(margin) => Envelope::rounded(largest, margin)?,
+        None => Envelope::exact(largest),
     };
-    let rule = match (test, scene.radii()) {
+    let rule = match (test, radii) {
         (Test::Exact, Radii::Uniform(r)) => AnyRule::ExactUniform(ExactUniform::new(r.wide())),
         (Test::Exact, Radii::Each(radii)) => AnyRule::ExactEach(radii),
         (_, Radii::Uniform(r)) => AnyRule::RoundedUniform(RoundedUniform::new(*r)),
         (_, Radii::Each(radii)) => AnyRule::RoundedEach(RoundedEach { radii }),
     };
-    Ok(envelope.with(scene, rule))
+    Ok((envelope, rule))
 }
 
-/// A scene in f64 whose positions are only near the true ones, and somebody who knows those.
+/// Particles and, numbered after them, images of some of them: the bodies of a periodic scene.
 #[derive(Clone, Copy)]
-pub struct Approximate<'a> {
-    /// Positions as filters see them, and radii as they are.
-    pub scene: &'a AnyScene<'a>,
-    /// Bodies whose radii have the sum s touch if their positions are at most s(1 - relative) -
-    /// absolute apart, and do not if they are more than s(1 + relative) + absolute apart. A
-    /// relative part of at least 8u, 1% of the absolute one, or no slack at all, covers the
-    /// roundings of those who compute with it (see [`super::slack`]).
-    pub slack: Slack,
-    /// Bodies from this number on are not asked about each other: nobody uses what is said of two
-    /// of them.
-    pub owners: u32,
-    /// Do these two touch? It must not contradict the slack.
-    pub decide: Decide<'a>,
+pub struct Imaged<'a, const D: usize> {
+    /// Where the particles are, as filters see them.
+    pub owners: &'a [Point<f64, D>],
+    /// Where the images are.
+    pub images: &'a [Point<f64, D>],
+    /// Of all bodies.
+    pub radii: &'a Radii<'a, f64>,
+    /// The largest of them.
+    pub largest_radius: f64,
+    /// Around all bodies, if it is known.
+    pub corners: Option<Corners<D>>,
+    /// Who decides.
+    pub decided: Decided<'a>,
 }
 
-/// What detectors see of an [`Approximate`] scene; the exact test of such a scene.
-pub fn approximate_bodies<'a, const D: usize>(
-    scene: &'a Scene<'_, f64, D>,
-    asked: Asked<'a>,
-) -> SceneBodies<'a, f64, AnyRule<'a, f64>, D> {
-    let r = scene.largest_radius();
-    let slack = asked.slack;
-    let envelope = Envelope { reach: slack.reach(r, r), slack, margin: Margin::Safe };
-    envelope.with(scene, AnyRule::Asked(asked, scene.radii()))
+/// Who decides whether two bodies of a periodic scene touch.
+#[derive(Clone, Copy)]
+pub enum Decided<'a> {
+    /// A test, from the places as they are.
+    Test(Test),
+    /// The exact test, and somebody who knows the true places, which these are only near.
+    Asked(Asked<'a>),
 }
 
-impl<'a> Approximate<'a> {
-    /// Their contact test.
-    pub fn asked(&self) -> Asked<'a> {
-        Asked { slack: self.slack, owners: self.owners, decide: self.decide }
+impl<'a, const D: usize> Imaged<'a, D> {
+    /// What detectors see.
+    ///
+    /// # Errors
+    /// [`Refusal::Overflow`], see [`with_bodies`].
+    pub fn bodies(&self) -> Result<AnyBodies<'a, f64, D>, Refusal> {
+        let (radii, largest) = (self.radii, self.largest_radius);
+        let (envelope, rule) = match self.decided {
+            Decided::Test(test) => any_rule(radii, largest, test)?,
+            Decided::Asked(asked) => {
+                let slack = asked.slack;
+                let reach = slack.reach(largest, largest);
+                let envelope = Envelope { reach, slack, margin: Margin::Safe };
+                (envelope, AnyRule::Asked(asked, radii))
+            }
+        };
+        let centres = Pieces { first: self.owners, rest: self.images };
+        Ok(SceneBodies { corners: self.corners, ..envelope.with(centres, radii, rule) })
     }
 }
 
@@ -247,11 +326,7 @@ struct Envelope {
 
 impl Envelope {
     /// Rounded arithmetic must be able to hold the square of the largest diameter.
-    fn rounded<T: Real, const D: usize>(
-        scene: &Scene<'_, T, D>,
-        margin: Margin,
-    ) -> Result<Envelope, Refusal> {
-        let r = scene.largest_radius();
+    fn rounded<T: Real>(r: T, margin: Margin) -> Result<Envelope, Refusal> {
         let (sum, diameter) = (r.plus(r), 2.0 * r.wide());
         if !(sum * sum).finite() {
             return Err(Refusal::Overflow { diameter, precision: T::NAME });
@@ -264,17 +339,17 @@ impl Envelope {
         Ok(Envelope { reach, slack, margin })
     }
 
-    fn exact<T: Real, const D: usize>(scene: &Scene<'_, T, D>) -> Envelope {
-        let reach = 2.0 * scene.largest_radius().wide();
-        Envelope { reach, slack: Slack::NONE, margin: Margin::Safe }
+    fn exact<T: Real>(r: T) -> Envelope {
+        Envelope { reach: 2.0 * r.wide(), slack: Slack::NONE, margin: Margin::Safe }
     }
 
-    fn with<'a, T: Real, R, const D: usize>(
+    fn with<'a, T: Real, R, C: Centres<T, D>, const D: usize>(
         self,
-        scene: &'a Scene<'_, T, D>,
+        centres: C,
+        radii: &'a Radii<'a, T>,
         rule: R,
-    ) -> SceneBodies<'a, T, R, D> {
+    ) -> SceneBodies<'a, T, R, C, D> {
         let Envelope { reach, slack, margin } = self;
-        SceneBodies { centres: scene.centres(), radii: scene.radii(), rule, reach, slack, margin }
+        SceneBodies { centres, radii, rule, reach, slack, margin, corners: None }
     }
 }

@@ -25,7 +25,7 @@
 //! **Images.** In a periodic box the second centre is shifted by whole numbers of the box's
 //! vectors. The exact test takes the shift as further terms of the difference, not a rounded
 //! centre: [`image`]. What detectors see are rounded places, and a [`Slack`] that says so:
-//! [`Approximate`], made by [`crate::periodic`].
+//! [`Imaged`], made by [`crate::periodic`].
 //!
 //! **Room.** What may come has its place already. Velocities: the reach of a step is the reach at
 //! rest plus the longest way of a pair, and the filters need nothing else; whether two bodies touch
@@ -41,7 +41,7 @@ pub mod slack;
 
 pub use arithmetic::{Arithmetic, Test, UnknownArithmetic};
 pub use bodies::{
-    Approximate, Bodies, SceneBodies, WithBodies, any_bodies, approximate_bodies, with_bodies,
+    AnyBodies, Bodies, Corners, Decided, Imaged, SceneBodies, WithBodies, any_bodies, with_bodies,
     with_stored,
 };
 pub use rule::{

@@ -175,10 +175,17 @@ fn decide_each<const D: usize, P: Probe>(
 /// Positions are only near the true ones: what they leave open somebody else decides.
 #[derive(Clone, Copy)]
 pub struct Asked<'a> {
-    pub(super) slack: Slack,
-    pub(super) owners: u32,
-    /// Do these two touch? Asked for pairs that positions do not decide.
-    pub(super) decide: Decide<'a>,
+    /// Bodies whose radii have the sum s touch if their positions are at most s(1 - relative) -
+    /// absolute apart, and do not if they are more than s(1 + relative) + absolute apart. A
+    /// relative part of at least 8u, 1% of the absolute one, or no slack at all, covers the
+    /// roundings of those who compute with it (see [`super::slack`]).
+    pub slack: Slack,
+    /// Bodies from this number on are not asked about each other: nobody uses what is said of two
+    /// of them.
+    pub owners: u32,
+    /// Do these two touch? Asked for pairs that positions do not decide; it must not contradict the
+    /// slack.
+    pub decide: Decide<'a>,
 }
 
 /// Decides whether two bodies touch, by their numbers.

@@ -2,9 +2,7 @@
 
 use super::table::Params;
 use super::{Declare, Detector, Options, Refusal};
-use crate::contact::{
-    Approximate, Bodies, Test, WithBodies, any_bodies, approximate_bodies, with_bodies, with_stored,
-};
+use crate::contact::{Bodies, Imaged, Test, WithBodies, any_bodies, with_bodies, with_stored};
 use crate::pair_list::{Allowance, PairList};
 use crate::probe::{Probe, Silent, Tally};
 use crate::scene::{AnyScene, CellF32, Real, Scene, Stored};
@@ -53,14 +51,24 @@ pub trait AnyDetector: Send {
         sink: &mut dyn Sink,
     ) -> Result<(), Refusal>;
 
-    /// As [`AnyDetector::count`], for positions that are only near the true ones, in exact
-    /// arithmetic: the images of a periodic box ([`crate::periodic`]).
+    /// As [`AnyDetector::list`], for particles and images of them. Pairs go to `sink`, from this
+    /// thread.
     ///
     /// # Errors
-    /// As [`AnyDetector::list`].
-    fn approximate(
+    /// What the detector refuses.
+    fn list_images(
         &mut self,
-        bodies: Approximate<'_>,
+        bodies: &Searched<'_>,
+        sink: &mut (dyn Sink + Send),
+    ) -> Result<(), Refusal>;
+
+    /// As [`AnyDetector::count`], for particles and images of them.
+    ///
+    /// # Errors
+    /// What the detector refuses.
+    fn count_images(
+        &mut self,
+        bodies: &Searched<'_>,
         tally: &mut Tally,
         sink: &mut dyn Sink,
     ) -> Result<(), Refusal>;
@@ -68,6 +76,28 @@ pub trait AnyDetector: Send {
     /// The bytes that the memory formula gives for the scene of the last call; 0 for detectors
     /// that declare none.
     fn formula_bytes(&self) -> u64;
+}
+
+/// What is searched of a periodic scene ([`crate::periodic`]).
+pub enum Searched<'a> {
+    /// Discs and their images, in f64.
+    Plane(Imaged<'a, 2>),
+    /// Spheres and their images, in f64.
+    Space(Imaged<'a, 3>),
+    /// Both in another storage, and how contacts are decided there.
+    Stored(AnyScene<'a>, Test),
+}
+
+impl<'a> From<Imaged<'a, 2>> for Searched<'a> {
+    fn from(bodies: Imaged<'a, 2>) -> Self {
+        Searched::Plane(bodies)
+    }
+}
+
+impl<'a> From<Imaged<'a, 3>> for Searched<'a> {
+    fn from(bodies: Imaged<'a, 3>) -> Self {
+        Searched::Space(bodies)
+    }
 }
 
 /// The two forms of one algorithm: for the plane and for space.
@@ -142,24 +172,50 @@ where
         }
     }
 
-    fn approximate(
+    fn list_images(
         &mut self,
-        bodies: Approximate<'_>,
+        bodies: &Searched<'_>,
+        sink: &mut (dyn Sink + Send),
+    ) -> Result<(), Refusal> {
+        // All goes on to the sink.
+        let allowance = Allowance::new(0);
+        let mut found = PairList::door(sink, &allowance);
+        match bodies {
+            Searched::Plane(bodies) => {
+                self.last_was_space = false;
+                self.plane.detect(bodies.bodies()?, &mut Silent, &mut found)
+            }
+            Searched::Space(bodies) => {
+                self.last_was_space = true;
+                self.space.detect(bodies.bodies()?, &mut Silent, &mut found)
+            }
+            Searched::Stored(AnyScene::Plane(scene), test) => {
+                self.last_was_space = false;
+                list(&mut self.plane, scene, *test, &mut found)
+            }
+            Searched::Stored(AnyScene::Space(scene), test) => {
+                self.last_was_space = true;
+                list(&mut self.space, scene, *test, &mut found)
+            }
+        }
+    }
+
+    fn count_images(
+        &mut self,
+        bodies: &Searched<'_>,
         tally: &mut Tally,
         mut sink: &mut dyn Sink,
     ) -> Result<(), Refusal> {
-        self.last_was_space = bodies.scene.dim() == 3;
-        let asked = bodies.asked();
-        // The form of `count`, so that nothing more is compiled.
-        match bodies.scene {
-            AnyScene::Plane(scene) => {
-                let scene = scene.widened();
-                self.plane.detect(approximate_bodies(&scene, asked), tally, &mut sink)
+        match bodies {
+            Searched::Plane(bodies) => {
+                self.last_was_space = false;
+                self.plane.detect(bodies.bodies()?, tally, &mut sink)
             }
-            AnyScene::Space(scene) => {
-                let scene = scene.widened();
-                self.space.detect(approximate_bodies(&scene, asked), tally, &mut sink)
+            Searched::Space(bodies) => {
+                self.last_was_space = true;
+                self.space.detect(bodies.bodies()?, tally, &mut sink)
             }
+            Searched::Stored(scene, test) => self.count(scene, *test, tally, sink),
         }
     }
 
@@ -190,9 +246,13 @@ impl AnyDetector for Refuses {
         Err(self.0.clone())
     }
 
-    fn approximate(
+    fn list_images(&mut self, _: &Searched<'_>, _: &mut (dyn Sink + Send)) -> Result<(), Refusal> {
+        Err(self.0.clone())
+    }
+
+    fn count_images(
         &mut self,
-        _: Approximate<'_>,
+        _: &Searched<'_>,
         _: &mut Tally,
         _: &mut dyn Sink,
     ) -> Result<(), Refusal> {

@@ -2,11 +2,9 @@
 
 use std::ops::Range;
 
-use crate::contact::Bodies;
+use crate::contact::{Bodies, Corners};
 use crate::parallel::{self, share};
 use crate::scene::Real;
-
-type Corners<const D: usize> = ([f64; D], [f64; D]);
 
 /// The smallest and the largest coordinate along each axis; zeros for an empty scene.
 ///
@@ -22,6 +20,9 @@ pub fn bounds_by<T: Real, const D: usize>(
     threads: usize,
 ) -> Corners<D> {
     let n = bodies.len();
+    if let Some(corners) = bodies.corners() {
+        return corners;
+    }
     match (n, threads) {
         (0, _) => ([0.0; D], [0.0; D]),
         (_, 0 | 1) => of_share(bodies, 0..n as u32),

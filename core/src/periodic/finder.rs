@@ -1,35 +1,46 @@
 //! The contacts of a periodic scene, by any detector, call after call.
 
 use super::contacts::{Contacts, List};
-use super::images::Images;
+use super::images::{Images, Made};
+use super::stored::Copies;
 use super::{ImagePair, Periodic};
-use crate::contact::{Approximate, Arithmetic};
-use crate::detect::any::AnyDetector;
+use crate::contact::{Arithmetic, Asked, Decided, Imaged};
+use crate::detect::any::{AnyDetector, Searched};
 use crate::pair_list::{Allowance, PairList};
 use crate::probe::{Op, Probe, Tally};
 use crate::refusal::Refusal;
-use crate::scene::{AnyScene, Scene};
+use crate::scene::{AnyScene, Scene, Stored};
 use crate::sink::Sink;
 
 /// Finds contacts in boxes by a detector, call after call: it keeps its buffers.
 pub struct Finder {
     /// In bytes.
     limit: u64,
-    formula: u64,
+    plane: Buffers<2>,
+    space: Buffers<3>,
+    bytes: u64,
     images: u64,
+}
+
+#[derive(Default)]
+struct Buffers<const D: usize> {
+    images: Images<D>,
+    copies: Copies<D>,
 }
 
 impl Finder {
     /// Images may take so many bytes, and each list of contacts as many.
     pub fn new(limit: u64) -> Finder {
-        Finder { limit, formula: 0, images: 0 }
+        let (plane, space) = (Buffers::default(), Buffers::default());
+        Finder { limit, plane, space, bytes: 0, images: 0 }
     }
 
-    /// The complete list of contacts, appended: what is timed.
+    /// The complete list of contacts, appended: what is timed. A second call on a scene of the same
+    /// shape allocates nothing that the detector does not.
     ///
     /// # Errors
     /// What the detector refuses for the scene with its images, what
-    /// [`Images::new`](super::images::Images::new) does, [`Refusal::Pairs`] if there are more
+    /// [`Images::make`](super::images::Images::make) does, [`Refusal::Pairs`] if there are more
     /// contacts than a list may hold, [`Refusal::Stored`] if a rounded arithmetic cannot hold the
     /// images; `contacts` is then as it was.
     pub fn list(
@@ -39,7 +50,7 @@ impl Finder {
         arithmetic: Arithmetic,
         contacts: &mut Contacts,
     ) -> Result<(), Refusal> {
-        self.count(periodic, detector, arithmetic, &mut Tally::default(), contacts)
+        self.find(periodic, detector, arithmetic, None, contacts)
     }
 
     /// As [`Finder::list`], and counts every operation, the images that are made among them.
@@ -54,83 +65,127 @@ impl Finder {
         tally: &mut Tally,
         contacts: &mut Contacts,
     ) -> Result<(), Refusal> {
-        let search = Search { finder: self, periodic, detector, arithmetic, tally, contacts };
-        match periodic.scene() {
-            AnyScene::Plane(scene) => search.among(&scene.widened()),
-            AnyScene::Space(scene) => search.among(&scene.widened()),
-        }
+        self.find(periodic, detector, arithmetic, Some(tally), contacts)
     }
 
-    /// The bytes that images take by the formula, for the scene of the last call.
+    /// The bytes that images take by the formula, for the scene of the last call: `16 + 8D` for each
+    /// image and 4 for each particle near the lower faces of the box; `8D + 12` for each particle
+    /// if some are outside of it; 8 for each body if they have radii of their own; and the copy of
+    /// all bodies where the arithmetic stores them otherwise than in f64.
     pub fn formula_bytes(&self) -> u64 {
-        self.formula
+        self.bytes
     }
 
     /// How many images were made in the last call.
     pub fn images(&self) -> u64 {
         self.images
     }
+
+    fn find(
+        &mut self,
+        periodic: &Periodic<'_>,
+        detector: &mut dyn AnyDetector,
+        arithmetic: Arithmetic,
+        tally: Option<&mut Tally>,
+        contacts: &mut Contacts,
+    ) -> Result<(), Refusal> {
+        let Finder { limit, plane, space, .. } = self;
+        let search = Search { periodic, detector, arithmetic, limit: *limit, tally, contacts };
+        let (bytes, images) = match periodic.scene() {
+            AnyScene::Plane(scene) => search.among(&scene.widened(), plane),
+            AnyScene::Space(scene) => search.among(&scene.widened(), space),
+        }?;
+        (self.bytes, self.images) = (bytes, images);
+        Ok(())
+    }
 }
 
 struct Search<'a> {
-    finder: &'a mut Finder,
     periodic: &'a Periodic<'a>,
     detector: &'a mut dyn AnyDetector,
     arithmetic: Arithmetic,
-    tally: &'a mut Tally,
+    limit: u64,
+    tally: Option<&'a mut Tally>,
     contacts: &'a mut Contacts,
 }
 
 impl Search<'_> {
-    fn among<const D: usize>(self, scene: &Scene<'_, f64, D>) -> Result<(), Refusal>
+    /// Bytes held, and images made.
+    fn among<const D: usize>(
+        self,
+        scene: &Scene<'_, f64, D>,
+        buffers: &mut Buffers<D>,
+    ) -> Result<(u64, u64), Refusal>
     where
-        AnyScene<'static>: From<Scene<'static, f64, D>>,
+        for<'x> Searched<'x>: From<Imaged<'x, D>>,
+        for<'x> AnyScene<'x>: From<Stored<'x, D>>,
     {
-        let Search { finder, periodic, detector, arithmetic, tally, contacts } = self;
-        let (images, open) = Images::new(scene, periodic.lattice(), arithmetic, finder.limit)?;
-        let open = AnyScene::from(open);
-        finder.images = images.ghosts();
-        tally.add(Op::GhostMade, images.ghosts());
-        let allowance = Allowance::new(finder.limit);
+        let Search { periodic, detector, arithmetic, limit, tally, contacts } = self;
+        let made = buffers.images.make(scene, periodic.lattice(), arithmetic, limit)?;
+        let (test, decide) = (arithmetic.test(), |a, b| made.touch(a, b));
+        let searched = match buffers.copies.of(&made, arithmetic)? {
+            Some(stored) => Searched::Stored(stored.into(), test),
+            None if arithmetic == Arithmetic::Exact => {
+                let (slack, owners) = (made.slack(), made.particles());
+                let asked = Asked { slack, owners, decide: &decide };
+                made.imaged(Decided::Asked(asked)).into()
+            }
+            None => made.imaged(Decided::Test(test)).into(),
+        };
+        let allowance = Allowance::new(limit);
         let plain = PairList::behind(std::mem::take(&mut contacts.plain), &allowance);
-        let shifted = List::behind(std::mem::take(&mut contacts.shifted), finder.limit);
-        let mut sorted = Sorted { images: &images, plain, shifted };
-        let result = if arithmetic == Arithmetic::Exact {
-            let decide = |a, b| images.touch(a, b);
-            let (slack, owners) = (images.slack(), scene.len() as u32);
-            let bodies = Approximate { scene: &open, slack, owners, decide: &decide };
-            detector.approximate(bodies, tally, &mut sorted)
-        } else {
-            stored(&open, arithmetic)
-                .and_then(|stored| detector.count(&stored, arithmetic.test(), tally, &mut sorted))
+        let shifted = List::behind(std::mem::take(&mut contacts.shifted), limit);
+        let mut sorted = Sorted { made: &made, plain, shifted };
+        let result = match tally {
+            None => detector.list_images(&searched, &mut sorted),
+            Some(tally) => {
+                tally.add(Op::GhostMade, made.ghosts());
+                detector.count_images(&searched, tally, &mut sorted)
+            }
         };
         let Sorted { plain, shifted, .. } = sorted;
-        contacts.end(plain, shifted, scene.len(), result)
+        contacts.end(plain, shifted, scene.len(), result)?;
+        Ok((made.bytes(), made.ghosts()))
     }
 }
 
 /// Contacts of bodies, sorted into those of particles and those with images.
 struct Sorted<'a, const D: usize> {
-    images: &'a Images<'a, D>,
+    made: &'a Made<'a, D>,
     plain: PairList<'a>,
     shifted: List,
 }
 
+/// Pairs that are looked at together: nearly all are of two particles, and then stay together.
+const TOGETHER: usize = 16;
+
 impl<const D: usize> Sink for Sorted<'_, D> {
     fn contact(&mut self, a: u32, b: u32) {
-        match self.images.pair(a, b) {
+        let n = self.made.particles();
+        if self.made.are_as_given() && a.max(b) < n {
+            return self.plain.contact(a, b);
+        }
+        match self.made.pair(a, b) {
             Some(ImagePair { i, j, image: [0, 0, 0] }) => self.plain.contact(i, j),
             Some(pair) => self.shifted.push(pair),
             None => {}
         }
     }
-}
 
-/// The scene with its images as a rounded arithmetic stores it.
-pub(super) fn stored(
-    open: &AnyScene<'_>,
-    arithmetic: Arithmetic,
-) -> Result<AnyScene<'static>, Refusal> {
-    let arithmetic_name = arithmetic.name();
-    open.stored(arithmetic).map_err(|error| Refusal::Stored { arithmetic: arithmetic_name, error })
+    fn contacts(&mut self, pairs: &[[u32; 2]]) {
+        if !self.made.are_as_given() {
+            return pairs.iter().for_each(|&[a, b]| self.contact(a, b));
+        }
+        let n = self.made.particles();
+        // Pairs from here on are of two particles.
+        let mut from = 0;
+        for (k, some) in pairs.chunks(TOGETHER).enumerate() {
+            if some.iter().fold(false, |image, &[a, b]| image | (a >= n) | (b >= n)) {
+                self.plain.contacts(&pairs[from..k * TOGETHER]);
+                some.iter().for_each(|&[a, b]| self.contact(a, b));
+                from = k * TOGETHER + some.len();
+            }
+        }
+        self.plain.contacts(&pairs[from..]);
+    }
 }

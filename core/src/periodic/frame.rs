@@ -16,6 +16,14 @@
 //! refused: their vectors are so long and so nearly in one plane that no filter in f64 can tell
 //! their images apart.
 //!
+//! **Which vectors.** All this is true of any vectors of the lattice. Where the given ones make many
+//! more images than the shortest ([`Lattice::reduced`]), as in a box whose tilt is many box lengths,
+//! H are the shortest, whole numbers times the given ones. They are rounded: where a product with
+//! them stands above, what their errors ([`off_by`]) make of it is added to rab. T, and the numbers
+//! that bring particles into the box, are of these vectors; what a body is called, and everything
+//! that is decided, of the given ones ([`Frame::given`]). Vectors that are nearly as good are left
+//! as they are, so that particles in the box are in the frame, and need not be moved.
+//!
 //! **Places.** x + S·H is computed with the errors of all products (by a fused multiplication) and
 //! of all sums (by two-sum) added up beside it. Both are exact, but for underflow in products, at
 //! most 3 · 2^-1075. The six errors are at most u(1 + u)^3 times m = |x| + the sum of |Sa Ha|,
@@ -25,6 +33,7 @@
 
 use crate::refusal::Refusal;
 use crate::scene::Lattice;
+use crate::scene::lattice::{AS_GIVEN, Numbers, shifted};
 
 /// 2^-53.
 pub(super) const U: f64 = 1.0 / (1u64 << 53) as f64;
@@ -34,14 +43,21 @@ const SECOND: f64 = f64::from_bits((1023 - 99) << 52);
 const LEAST: f64 = f64::from_bits(1 << 4);
 /// Numbers of images stay below this in magnitude, so that a sum of three fits an `i32`.
 pub(super) const MOST: f64 = (1u64 << 29) as f64;
+/// Other vectors are taken if the sum of their duals is below this part of that of the given ones:
+/// images are as many as that sum is large.
+const BETTER: f64 = 0.75;
 
 /// See the page.
 #[derive(Clone, Debug)]
 pub(super) struct Frame<const D: usize> {
     pub periodic: [bool; 3],
-    /// Zeros where the box is open.
+    /// As given; zeros where the box is open.
     pub vectors: [[f64; D]; 3],
-    /// Zeros where the box is open.
+    /// The frame's own vectors in those.
+    numbers: Numbers,
+    /// The frame's own vectors, rounded; zeros where the box is open.
+    pub own: [[f64; D]; 3],
+    /// Of the frame's own vectors; zeros where the box is open.
     duals: [[f64; D]; 3],
     origin: [f64; D],
     /// Upper bounds for the lengths of the duals.
@@ -51,27 +67,103 @@ pub(super) struct Frame<const D: usize> {
 }
 
 impl<const D: usize> Frame<D> {
+    /// By the vectors as given, or shorter ones.
+    ///
+    /// # Errors
+    /// [`Refusal::Skewed`].
     pub fn new(lattice: &Lattice) -> Result<Frame<D>, Refusal> {
-        let periodic = lattice.periodic();
+        let given = Frame::of(lattice, lattice, AS_GIVEN);
+        let (reduced, numbers) = lattice.reduced();
+        if numbers == AS_GIVEN {
+            return given;
+        }
+        let reduced = Frame::of(lattice, &reduced, numbers);
+        let images = |frame: &Frame<D>| frame.lengths.iter().sum::<f64>();
+        match (given, reduced) {
+            (Ok(given), Ok(reduced)) if images(&reduced) < BETTER * images(&given) => Ok(reduced),
+            (Err(_), Ok(reduced)) => Ok(reduced),
+            (given, _) => given,
+        }
+    }
+
+    /// By vectors that are so many times the given ones.
+    pub(super) fn of(
+        given: &Lattice,
+        lattice: &Lattice,
+        numbers: Numbers,
+    ) -> Result<Frame<D>, Refusal> {
+        let periodic = given.periodic();
         let cut = |vector: [f64; 3]| std::array::from_fn(|k| vector[k]);
         let row = |a: usize, vector: [f64; 3]| if periodic[a] { cut(vector) } else { [0.0; D] };
-        let vectors: [[f64; D]; 3] = std::array::from_fn(|a| row(a, lattice.vectors()[a]));
+        let vectors: [[f64; D]; 3] = std::array::from_fn(|a| row(a, given.vectors()[a]));
+        let own: [[f64; D]; 3] = std::array::from_fn(|a| row(a, lattice.vectors()[a]));
         let duals: [[f64; D]; 3] = std::array::from_fn(|a| row(a, lattice.dual(a)));
+        // By how much a vector of the frame is off along each axis.
+        let error = |a: usize| -> [f64; D] {
+            if numbers == AS_GIVEN {
+                return [0.0; D];
+            }
+            std::array::from_fn(|k| {
+                let terms = (0..3).map(|b| f64::from(numbers[a][b]).abs() * vectors[b][k].abs());
+                off_by(own[a][k].abs(), terms.sum())
+            })
+        };
         let (mut lengths, mut off) = ([0.0; 3], [0.0; 3]);
         for a in (0..3).filter(|&a| periodic[a]) {
             // Above the root of the sum of squares.
             lengths[a] = size(&duals[a]) * (1.0 + 8.0 * U);
             for b in (0..3).filter(|&b| periodic[b]) {
                 let expected = f64::from(u8::from(a == b));
-                let rounded = 16.0 * U * (1.0 + times(&duals[a], &vectors[b]));
-                off[a] += (dot(&duals[a], &vectors[b]) - expected).abs() + rounded;
+                let rounded = 16.0 * U * (1.0 + times(&duals[a], &own[b]));
+                let of_vector = 2.0 * times(&duals[a], &error(b));
+                off[a] += (dot(&duals[a], &own[b]) - expected).abs() + rounded + of_vector;
             }
             // Also where it is no number.
             if !(off[a] <= 0.25 && lengths[a].is_finite()) {
                 return Err(Refusal::Skewed { vector: a });
             }
         }
-        Ok(Frame { periodic, vectors, duals, origin: cut(lattice.origin()), lengths, off })
+        let origin = cut(given.origin());
+        Ok(Frame { periodic, vectors, numbers, own, duals, origin, lengths, off })
+    }
+
+    /// Numbers of the frame's own vectors as numbers of the given ones; `None` beyond 2^29.
+    #[inline]
+    pub fn given(&self, image: [i32; 3]) -> Option<[i32; 3]> {
+        if self.numbers == AS_GIVEN || image == [0; 3] {
+            return Some(image);
+        }
+        let mut given = [0; 3];
+        for (b, number) in given.iter_mut().enumerate() {
+            // At most 3 · 2^31 · 2^29.
+            let sum: i64 =
+                (0..3).map(|a| i64::from(image[a]) * i64::from(self.numbers[a][b])).sum();
+            if sum.unsigned_abs() >= 1 << 29 {
+                return None;
+            }
+            *number = sum as i32;
+        }
+        Some(given)
+    }
+
+    /// Images by up to so many of the frame's own vectors have so many of the given ones.
+    pub fn most_given(&self, most: [f64; 3]) -> [f64; 3] {
+        std::array::from_fn(|b| (0..3).map(|a| most[a] * f64::from(self.numbers[a][b]).abs()).sum())
+    }
+
+    /// Is every vector along the axis of its number? Then a fraction is one product.
+    pub fn is_along_axes(&self) -> bool {
+        (0..3).all(|a| (0..D).all(|k| k == a || self.duals[a][k] == 0.0))
+    }
+
+    /// The part of the dual along its own axis.
+    pub fn scale(&self, a: usize) -> f64 {
+        if a < D { self.duals[a][a] } else { 0.0 }
+    }
+
+    /// ga·origin as computed.
+    pub fn corner(&self, a: usize) -> f64 {
+        self.fraction(a, &self.origin)
     }
 
     /// ga·x as computed: within 4u times [`Frame::most`] of what is true; 0 where the box is open.
@@ -84,7 +176,7 @@ impl<const D: usize> Frame<D> {
         times(&self.duals[a], x)
     }
 
-    /// The numbers that bring particle `index` at `x` about into the box.
+    /// The numbers of the given vectors that bring particle `index` at `x` about into the box.
     pub fn wrap(&self, index: u32, x: &[f64; D]) -> Result<[i32; 3], Refusal> {
         let from_corner = std::array::from_fn(|k| x[k] - self.origin[k]);
         let mut image = [0; 3];
@@ -96,25 +188,16 @@ impl<const D: usize> Frame<D> {
             }
             image[a] = -(boxes as i32);
         }
-        Ok(image)
+        self.given(image).ok_or_else(|| {
+            let a = (0..3).max_by_key(|&a| image[a].abs()).unwrap_or(0);
+            Refusal::Away { particle: index, vector: a, boxes: -f64::from(image[a]) }
+        })
     }
 
-    /// Where the image of a particle at `x` is, rounded; not finite where that overflows.
+    /// Where the image of a particle at `x` by so many of the given vectors is, rounded; not finite
+    /// where that overflows.
     pub fn place(&self, x: &[f64; D], image: [i32; 3]) -> [f64; D] {
-        std::array::from_fn(|k| {
-            let (mut sum, mut rest) = (x[k], 0.0);
-            for (count, vector) in image.into_iter().zip(&self.vectors) {
-                if count == 0 {
-                    continue;
-                }
-                let (count, h) = (f64::from(count), vector[k]);
-                let product = count * h;
-                let (next, error) = two_sum(sum, product);
-                rest += error + count.mul_add(h, -product);
-                sum = next;
-            }
-            sum + rest
-        })
+        shifted(x, image, &self.vectors)
     }
 
     /// For points whose fractions along vector `a` differ by at most `spread`\[a\], and that are to
@@ -146,10 +229,4 @@ fn times<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
 
 fn size<const D: usize>(a: &[f64; D]) -> f64 {
     dot(a, a).sqrt()
-}
-
-fn two_sum(x: f64, y: f64) -> (f64, f64) {
-    let sum = x + y;
-    let part = sum - x;
-    (sum, (x - (sum - part)) + (y - part))
 }

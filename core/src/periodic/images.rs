@@ -6,55 +6,34 @@
 //! image of j by S exactly if pi touches pj + T·H, T = S + Wi - Wj. Of T and -T, the same contact
 //! from the other side, one is lexicographically positive, unless T = 0. So every contact is found
 //! once, between two owners or between an owner and an image; pairs of two images are dropped. Any
-//! Wj are right: they decide how many images there are, not what touches.
-//!
-//! **Which images.** Let y be the computed places of owners, fl(ga·y) their fractions (`frame.rs`),
-//! from lowa to higha along vector a, and E a bound for |y - p| over all owners. If the image of j
-//! by T is within R of owner i, then by (1) of that file Ta differs from ga·(pi - pj) by at most
-//! |ga| R + 2c off(a); ga·pi differs from fl(ga·yi) by at most |ga| E + 4u m, where m bounds the
-//! sum of |ga| |y| by coordinates; likewise for j. So
-//!
-//! ```text
-//! lowa - fj - M <= Ta <= higha - fj + M,    M = |ga| (R + 2E) + 8u m + 2c off(a),
-//! ```
-//!
-//! and the roundings of these two sums are at most 3u (4m + M): we take 64u m for both terms in m,
-//! and M(1 + 2^-40).
-//!
-//! **Reach.** In exact arithmetic R = rj + rmax. A rounded arithmetic of unit v accepts up to its
-//! own reach ([`Slack::reach`]), and storing moves coordinates and radii by v, relatively
-//! (f32-cell: by 2^-25 of a cell, that is of twice the largest diameter or of the extent in 2^19):
-//! an owner, at most Y from the origin, by less than 2vY, an image at distance d from it by less
-//! than 2v(Y + d). So d <= reach + 4vY + 2vd + ..., and R = (reach + 16v Y)(1 + 16v) is enough,
-//! with the sum of the largest coordinates for Y. For f32-cell and points the extent is below 4Y +
-//! 4R, and 2^-44 of it is nothing against 16v. What is beyond R is not accepted, so that answers do
-//! not depend on which images are made.
-//!
-//! **What detectors see** in exact arithmetic are places that are rounded: every body is within E
-//! of its true place, E now with the largest T in it. Distances of places and true ones differ by
-//! at most 2E; so pairs at most s - 2E apart touch, and pairs more than s + 2E apart do not, where
-//! s is the sum of the radii: a [`Slack`] of 2E. We take 2E(1 + 1/16), and a relative part of 8u,
-//! which covers the roundings of those who compute with a slack: at most four of them, in s and in
-//! the bound itself (`half` in the copies of detectors has three, [`Near`](crate::filter::Near)
-//! four). What is between the two is decided from the numbers as given. For points, whose reach
-//! would be less than a grid can address, the slack is about the distance between neighbours. Where
-//! nothing is shifted there is none.
+//! Wj are right: they decide how many images there are, not what touches. So where no fraction
+//! differs from another by much more than 1 all Wj are 0, and owners are the scene as given, not a
+//! copy of it.
+
+use nalgebra::Point;
 
 use super::ImagePair;
-use super::frame::{Frame, MOST, U, off_by};
+use super::frame::Frame;
+use super::near::{Near, Reach, for_half, half, survey};
 use crate::contact::image::{self, Shift};
-use crate::contact::{Arithmetic, Slack};
-use crate::filter::cells::spacing;
+use crate::contact::{Arithmetic, Corners, Decided, Imaged, Slack};
 use crate::refusal::Refusal;
-use crate::scene::{CellF32, Lattice, Radii, Real, Scene, Storage, array};
+use crate::scene::{CellF32, Lattice, Radii, Scene, Storage, array};
 
-/// The bodies of an open scene that has the contacts of a periodic one.
-pub struct Images<'a, const D: usize> {
-    given: &'a Scene<'a, f64, D>,
-    frame: Frame<D>,
-    /// Owners in their order, then images.
-    bodies: Vec<Body>,
-    slack: Slack,
+/// Makes images, and keeps its buffers from one scene to the next.
+#[derive(Default)]
+pub struct Images<const D: usize> {
+    /// Places of particles, and by how many vectors they were moved there; none where all are as
+    /// given.
+    places: Vec<Point<f64, D>>,
+    wraps: Vec<[i32; 3]>,
+    /// Particles that may have images.
+    candidates: Vec<u32>,
+    images: Vec<Body>,
+    /// Places of images.
+    centres: Vec<Point<f64, D>>,
+    /// Of particles and images, where each has its own.
+    radii: Vec<f64>,
 }
 
 /// Which image of which particle.
@@ -64,76 +43,251 @@ struct Body {
     image: [i32; 3],
 }
 
-impl<'a, const D: usize> Images<'a, D> {
-    /// All images that can matter in an arithmetic, and the open scene that has them, first the
-    /// particles of the periodic scene in their order. Both together may take `limit` bytes.
+/// What may be taken, and for what.
+struct Budget {
+    particles: u64,
+    limit: u64,
+    /// Bytes whatever the number of images.
+    fixed: f64,
+    /// Bytes of one image.
+    each: f64,
+    /// For the message.
+    reach: f64,
+}
+
+impl Budget {
+    fn new<const D: usize>(given: &Scene<'_, f64, D>, storage: Storage, limit: u64) -> Budget {
+        let radii = matches!(given.radii(), Radii::Each(_));
+        let numbers = D + usize::from(radii);
+        let stored = match storage {
+            Storage::F32 => size_of::<f32>() * numbers,
+            Storage::Cell => size_of::<CellF32>() * numbers,
+            Storage::F64 => 0,
+        };
+        let (particles, each) = (given.len() as u64, size_of::<Body>() + 8 * numbers + stored);
+        let fixed = (particles * stored as u64) as f64;
+        Budget { particles, limit, fixed, each: each as f64, reach: 0.0 }
+    }
+
+    fn needed(&self, images: f64) -> f64 {
+        self.fixed + images * self.each
+    }
+
+    fn refusal(&self, images: f64) -> Refusal {
+        let (particles, reach, limit) = (self.particles, self.reach, self.limit);
+        Refusal::Images { particles, images, reach, needed: self.needed(images), limit }
+    }
+
+    /// There is room for so many, and they can be numbered.
+    fn holds(&self, images: f64) -> Result<(), Refusal> {
+        let numbered = self.particles as f64 + images <= f64::from(u32::MAX);
+        if self.needed(images) <= self.limit as f64 && numbered {
+            return Ok(());
+        }
+        Err(self.refusal(images))
+    }
+}
+
+impl<const D: usize> Images<D> {
+    /// All images that can matter in an arithmetic. They and what else is held for them, a copy of
+    /// the scene in another storage included, may take `limit` bytes.
     ///
     /// # Errors
     /// [`Refusal::Images`] if they are more, before they are made; [`Refusal::Away`],
     /// [`Refusal::Skewed`], [`Refusal::Range`].
-    pub fn new(
+    pub fn make<'a>(
+        &'a mut self,
         given: &'a Scene<'a, f64, D>,
         lattice: &Lattice,
         arithmetic: Arithmetic,
         limit: u64,
-    ) -> Result<(Images<'a, D>, Scene<'static, f64, D>), Refusal> {
+    ) -> Result<Made<'a, D>, Refusal> {
         let frame = Frame::new(lattice)?;
-        let n = given.len();
-        let radius_bytes = if matches!(given.radii(), Radii::Each(_)) { 8.0 } else { 0.0 };
-        let bytes = (size_of::<Body>() + 8 * D) as f64 + radius_bytes;
-        // Places of owners are held beside their centres.
-        let needed = |images: f64| (n as f64 + images) * bytes + (n * 8 * D) as f64;
-        let most = (limit as f64).min(bytes * f64::from(u32::MAX));
-        let too_many = |images: f64, reach: f64| {
-            let needed = needed(images);
-            Refusal::Images { particles: n as u64, images, reach, needed, limit }
-        };
-        let within = |images: f64, reach: f64| {
-            (needed(images) <= most).then_some(()).ok_or_else(|| too_many(images, reach))
-        };
-        within(0.0, 0.0)?;
-        let (mut bodies, mut places) = (Vec::with_capacity(n), Vec::with_capacity(n));
-        for (owner, centre) in given.centres().iter().enumerate() {
-            let image = frame.wrap(owner as u32, array(centre))?;
-            bodies.push(Body { owner: owner as u32, image });
-            places.push(frame.place(array(centre), image));
-        }
-        let near = Near::new(given, &frame, &bodies, &places, arithmetic)?;
-        if near.most >= MOST {
-            // They cannot even be numbered.
-            return Err(too_many(near.most, near.largest_reach));
-        }
-        let ranges = |owner: usize| near.ranges(&places[owner], given.radius(owner));
-        let made = (0..n).map(|owner| half(ranges(owner))).sum::<f64>();
-        within(made, near.largest_reach)?;
-        let made = made as usize;
-        let total = n + made;
-        bodies.reserve_exact(made);
-        let mut centres = Vec::with_capacity(total);
-        centres.extend(places.iter().copied().map(nalgebra::Point::from));
-        for owner in 0..n {
-            let (wrapped, x) = (bodies[owner].image, array(&given.centres()[owner]));
-            for_half(ranges(owner), |shift| {
-                let image = std::array::from_fn(|a| wrapped[a] + shift[a]);
-                bodies.push(Body { owner: owner as u32, image });
-                centres.push(frame.place(x, image).into());
-            });
-        }
-        let radii = match given.radii() {
-            Radii::Uniform(r) => Radii::Uniform(*r),
-            Radii::Each(radii) => {
-                Radii::Each(bodies.iter().map(|body| radii[body.owner as usize]).collect())
+        self.clear();
+        let mut budget = Budget::new(given, arithmetic.storage(), limit);
+        budget.holds(0.0)?;
+        let (mut corners, mut slack) = (None, Slack::NONE);
+        if frame.periodic != [false; 3] && !given.is_empty() {
+            if matches!(given.radii(), Radii::Each(_)) {
+                budget.fixed += 8.0 * given.len() as f64;
             }
+            let reach = Reach::new(given, arithmetic);
+            let near = self.look(given, &frame, reach, &mut budget)?;
+            corners = Some(self.fill(given, &near, &budget)?);
+            slack = near.slack(corners, given.len() + self.images.len());
+            if let Radii::Each(radii) = given.radii() {
+                self.radii.reserve_exact(radii.len() + self.images.len());
+                self.radii.extend_from_slice(radii);
+                self.radii.extend(self.images.iter().map(|body| radii[body.owner as usize]));
+            }
+        }
+        let Images { places, wraps, images, centres, radii, .. } = self;
+        let shifted = !wraps.is_empty() || !images.is_empty();
+        let owners = if wraps.is_empty() { given.centres() } else { places };
+        let radii = match given.radii() {
+            Radii::Each(_) if shifted => Radii::Each(radii.as_slice().into()),
+            as_given => as_given.clone(),
         };
-        let scene = Scene::new(centres, radii).map_err(|_| Refusal::Range)?;
-        let shifted = bodies.iter().any(|body| body.image != [0; 3]);
-        let slack = if shifted { near.slack(&scene) } else { Slack::NONE };
-        Ok((Images { given, frame, bodies, slack }, scene))
+        Ok(Made {
+            given,
+            frame,
+            owners,
+            wraps,
+            images,
+            centres,
+            radii,
+            largest_radius: given.largest_radius(),
+            corners,
+            slack: if shifted { slack } else { Slack::NONE },
+            bytes: budget.needed(images.len() as f64) as u64,
+        })
     }
 
-    /// How many images were made, beside the particles themselves.
+    fn clear(&mut self) {
+        self.places.clear();
+        self.wraps.clear();
+        self.candidates.clear();
+        self.images.clear();
+        self.centres.clear();
+        self.radii.clear();
+    }
+
+    /// Finds out which images are near, and by which particles, and moves those into the box if
+    /// need be.
+    fn look<'a>(
+        &mut self,
+        given: &Scene<'_, f64, D>,
+        frame: &'a Frame<D>,
+        reach: Reach,
+        budget: &mut Budget,
+    ) -> Result<Near<'a, D>, Refusal> {
+        let mut below = reach.guess(frame);
+        let mut found = survey(given.centres(), frame, below, &mut self.candidates);
+        let given_most = found.most();
+        let wrap = !found.fit(frame);
+        if wrap {
+            budget.fixed += (given.len() * (8 * D + size_of::<[i32; 3]>())) as f64;
+            budget.holds(0.0)?;
+            self.wrap(given, frame)?;
+            found = survey(&self.places, frame, below, &mut self.candidates);
+        }
+        let wraps = self.wraps.iter().fold([0; 3], |most: [u32; 3], wrap| {
+            std::array::from_fn(|a| most[a].max(wrap[a].unsigned_abs()))
+        });
+        let near = Near::new(frame, &found, given_most, wraps, reach)?;
+        budget.reach = near.largest_reach;
+        if near.most >= super::frame::MOST {
+            // They cannot even be numbered.
+            return Err(budget.refusal(near.about(given.len())));
+        }
+        loop {
+            let enough = (0..3).all(|a| near.below[a] <= below[a]);
+            let room = found.candidates <= self.candidates.capacity();
+            let bytes = (found.candidates * size_of::<u32>()) as f64;
+            if enough && room {
+                budget.fixed += bytes;
+                return Ok(near);
+            }
+            if enough {
+                let fixed = budget.fixed;
+                budget.fixed += bytes;
+                budget.holds(0.0)?;
+                budget.fixed = fixed;
+                self.candidates = Vec::new();
+                self.candidates.reserve_exact(found.candidates);
+            } else {
+                below = near.below;
+            }
+            let owners = if wrap { &self.places } else { given.centres() };
+            found = survey(owners, frame, below, &mut self.candidates);
+        }
+    }
+
+    fn wrap(&mut self, given: &Scene<'_, f64, D>, frame: &Frame<D>) -> Result<(), Refusal> {
+        self.places.reserve_exact(given.len());
+        self.wraps.reserve_exact(given.len());
+        for (index, centre) in given.centres().iter().enumerate() {
+            let wrap = frame.wrap(index as u32, array(centre))?;
+            let place = frame.place(array(centre), wrap);
+            if !place.iter().all(|x| x.is_finite()) {
+                return Err(Refusal::Range);
+            }
+            self.places.push(place.into());
+            self.wraps.push(wrap);
+        }
+        Ok(())
+    }
+
+    /// Makes the images; the corners of all bodies.
+    fn fill(
+        &mut self,
+        given: &Scene<'_, f64, D>,
+        near: &Near<'_, D>,
+        budget: &Budget,
+    ) -> Result<Corners<D>, Refusal> {
+        let owners = if self.wraps.is_empty() { given.centres() } else { &self.places };
+        let ranges = |owner: u32| {
+            let owner = owner as usize;
+            near.ranges(array(&owners[owner]), given.radius(owner))
+        };
+        let made = self.candidates.iter().map(|&owner| half(ranges(owner))).sum::<f64>();
+        budget.holds(made)?;
+        self.images.reserve_exact(made as usize);
+        self.centres.reserve_exact(made as usize);
+        let (mut low, mut high) = near.corners;
+        for &owner in &self.candidates {
+            let wrap = self.wraps.get(owner as usize).copied().unwrap_or_default();
+            let x = array(&given.centres()[owner as usize]);
+            let (images, centres) = (&mut self.images, &mut self.centres);
+            for_half(ranges(owner), |shift| {
+                let Some(shift) = near.frame.given(shift) else { return };
+                let image = std::array::from_fn(|a| wrap[a] + shift[a]);
+                let place = near.frame.place(x, image);
+                for k in 0..D {
+                    (low[k], high[k]) = (low[k].min(place[k]), high[k].max(place[k]));
+                }
+                images.push(Body { owner, image });
+                centres.push(place.into());
+            });
+        }
+        if !self.centres.iter().all(|place| array(place).iter().all(|x| x.is_finite())) {
+            return Err(Refusal::Range);
+        }
+        Ok((low, high))
+    }
+}
+
+/// The bodies of an open scene that has the contacts of a periodic one: first the particles in
+/// their order, then images.
+pub struct Made<'a, const D: usize> {
+    given: &'a Scene<'a, f64, D>,
+    frame: Frame<D>,
+    owners: &'a [Point<f64, D>],
+    /// None if no particle was moved.
+    wraps: &'a [[i32; 3]],
+    images: &'a [Body],
+    centres: &'a [Point<f64, D>],
+    radii: Radii<'a, f64>,
+    largest_radius: f64,
+    corners: Option<Corners<D>>,
+    slack: Slack,
+    bytes: u64,
+}
+
+impl<'a, const D: usize> Made<'a, D> {
+    /// How many images there are, beside the particles themselves.
     pub fn ghosts(&self) -> u64 {
-        (self.bodies.len() - self.given.len()) as u64
+        self.images.len() as u64
+    }
+
+    /// How many particles there are.
+    pub fn particles(&self) -> u32 {
+        self.given.len() as u32
+    }
+
+    /// What is held for this scene, in bytes.
+    pub fn bytes(&self) -> u64 {
+        self.bytes
     }
 
     /// How near the places of the bodies are to the true ones, as a slack of the exact test.
@@ -141,9 +295,14 @@ impl<'a, const D: usize> Images<'a, D> {
         self.slack
     }
 
+    /// Was no particle moved? Then contacts of two particles are without a shift.
+    pub fn are_as_given(&self) -> bool {
+        self.wraps.is_empty()
+    }
+
     /// Which contact that of two bodies is; `None` for two images.
     pub fn pair(&self, a: u32, b: u32) -> Option<ImagePair> {
-        let owners = self.given.len() as u32;
+        let owners = self.particles();
         if a >= owners && b >= owners {
             return None;
         }
@@ -159,8 +318,67 @@ impl<'a, const D: usize> Images<'a, D> {
 
     /// Their owners, and by which shift of the second the first meets it.
     fn shift(&self, a: u32, b: u32) -> ([u32; 2], [i32; 3]) {
-        let [a, b] = [a, b].map(|body| self.bodies[body as usize]);
+        let [a, b] = [a, b].map(|body| self.body(body as usize));
         ([a.owner, b.owner], std::array::from_fn(|k| b.image[k] - a.image[k]))
+    }
+
+    /// By how many vectors a body was moved from where its owner was given.
+    pub fn image(&self, body: u32) -> [i32; 3] {
+        self.body(body as usize).image
+    }
+
+    fn body(&self, body: usize) -> Body {
+        match body.checked_sub(self.given.len()) {
+            Some(image) => self.images[image],
+            None => {
+                let image = self.wraps.get(body).copied().unwrap_or_default();
+                Body { owner: body as u32, image }
+            }
+        }
+    }
+
+    /// For detectors.
+    pub fn imaged<'b>(&'b self, decided: Decided<'b>) -> Imaged<'b, D> {
+        Imaged {
+            owners: self.owners,
+            images: self.centres,
+            radii: &self.radii,
+            largest_radius: self.largest_radius,
+            corners: self.corners,
+            decided,
+        }
+    }
+
+    /// The places of all bodies.
+    pub fn places(&self) -> impl ExactSizeIterator<Item = &[f64; D]> + Clone {
+        let (owners, n) = (self.owners, self.owners.len());
+        (0..n + self.centres.len()).map(move |body| match body.checked_sub(n) {
+            Some(image) => array(&self.centres[image]),
+            None => array(&owners[body]),
+        })
+    }
+
+    /// The radii of all bodies.
+    pub fn radii(&self) -> &Radii<'a, f64> {
+        &self.radii
+    }
+
+    /// The largest of them.
+    pub fn largest_radius(&self) -> f64 {
+        self.largest_radius
+    }
+
+    /// A copy of all bodies.
+    ///
+    /// # Errors
+    /// None that we know of.
+    pub fn open(&self) -> Result<Scene<'static, f64, D>, Refusal> {
+        let centres: Vec<_> = self.places().copied().map(Point::from).collect();
+        let radii = match &self.radii {
+            Radii::Uniform(r) => Radii::Uniform(*r),
+            Radii::Each(radii) => Radii::Each(radii.to_vec().into()),
+        };
+        Scene::new(centres, radii).map_err(|_| Refusal::Range)
     }
 }
 
@@ -173,164 +391,4 @@ pub(super) fn touches<const D: usize>(
     let [i, j] = pair.map(|index| index as usize);
     let (a, b) = (array(&scene.centres()[i]), array(&scene.centres()[j]));
     image::compare(a, b, scene.radius(i), scene.radius(j), shift).is_le()
-}
-
-/// From the lowest to the highest T along each vector.
-type Ranges = [[i32; 2]; 3];
-
-/// How many T of these ranges are lexicographically positive; exact below 2^53.
-fn half(ranges: Ranges) -> f64 {
-    let length = |[low, high]: [i32; 2]| f64::from((high - low + 1).max(0));
-    let positive = |[low, high]: [i32; 2]| length([low.max(1), high]);
-    let [x, y, z] = ranges;
-    let zero = |[low, high]: [i32; 2]| f64::from(u8::from(low <= 0 && high >= 0));
-    positive(x) * length(y) * length(z)
-        + zero(x) * (positive(y) * length(z) + zero(y) * positive(z))
-}
-
-/// Each of them, in ascending order.
-fn for_half([x, y, z]: Ranges, mut call: impl FnMut([i32; 3])) {
-    for a in x[0].max(0)..=x[1] {
-        for b in (if a > 0 { y[0] } else { y[0].max(0) })..=y[1] {
-            for c in (if a > 0 || b > 0 { z[0] } else { z[0].max(1) })..=z[1] {
-                call([a, b, c]);
-            }
-        }
-    }
-}
-
-/// Which images are near enough to some owner.
-struct Near<'a, const D: usize> {
-    frame: &'a Frame<D>,
-    /// Of fractions of owners.
-    low: [f64; 3],
-    high: [f64; 3],
-    /// M without |ga| R.
-    more: [f64; 3],
-    /// R = (reach + storing)(1 + 16v).
-    reach: Slack,
-    storing: f64,
-    unit: f64,
-    largest_radius: f64,
-    largest_reach: f64,
-    /// No T is larger.
-    most: f64,
-    /// E of all bodies.
-    off: f64,
-}
-
-impl<'a, const D: usize> Near<'a, D> {
-    fn new(
-        given: &Scene<'_, f64, D>,
-        frame: &'a Frame<D>,
-        bodies: &[Body],
-        places: &[[f64; D]],
-        arithmetic: Arithmetic,
-    ) -> Result<Near<'a, D>, Refusal> {
-        let largest_radius = given.largest_radius();
-        let (unit, reach) = match arithmetic.storage() {
-            Storage::F64 => (f64::UNIT, Slack::rounded::<f64>()),
-            Storage::F32 => (f32::UNIT, Slack::rounded::<f32>()),
-            Storage::Cell => {
-                // In units of a cell, which is at most four radii wide.
-                let slack = Slack::rounded::<CellF32>();
-                let absolute = slack.absolute * (4.0 * largest_radius).max(f64::MIN_POSITIVE);
-                (CellF32::UNIT, Slack { absolute, ..slack })
-            }
-        };
-        let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-        // The largest coordinates, as given and of places.
-        let (mut x_most, mut y_most, mut wraps) = ([0.0f64; D], [0.0f64; D], [0.0f64; 3]);
-        for (body, place) in bodies.iter().zip(places) {
-            let x = array(&given.centres()[body.owner as usize]);
-            for k in 0..D {
-                if !place[k].is_finite() {
-                    return Err(Refusal::Range);
-                }
-                (x_most[k], y_most[k]) = (x_most[k].max(x[k].abs()), y_most[k].max(place[k].abs()));
-            }
-            for a in 0..3 {
-                let fraction = frame.fraction(a, place);
-                (low[a], high[a]) = (low[a].min(fraction), high[a].max(fraction));
-                wraps[a] = wraps[a].max(f64::from(body.image[a].unsigned_abs()));
-            }
-        }
-        if bodies.is_empty() {
-            (low, high) = ([0.0; 3], [0.0; 3]);
-        }
-        // E, with images by up to so many vectors.
-        let off = |shift: f64| -> f64 {
-            let along = |k: usize| {
-                let size = |a: usize| frame.vectors[a][k].abs();
-                let shifted: f64 = (0..3).map(|a| shift * size(a)).sum();
-                let wrapped: f64 = (0..3).map(|a| wraps[a] * size(a)).sum();
-                off_by(y_most[k] + shifted, x_most[k] + wrapped + shifted)
-            };
-            (0..D).map(along).sum()
-        };
-        let storing = 16.0 * unit * y_most.iter().sum::<f64>();
-        let mut near = Near {
-            frame,
-            low,
-            high,
-            more: [0.0; 3],
-            reach,
-            storing,
-            unit,
-            largest_radius,
-            largest_reach: 0.0,
-            most: 0.0,
-            off: 0.0,
-        };
-        near.largest_reach = near.reach_of(largest_radius);
-        let owners_off = off(0.0);
-        near.more = std::array::from_fn(|a| {
-            2.0 * frame.lengths[a] * owners_off + 64.0 * U * frame.most(a, &y_most)
-        });
-        let spread = std::array::from_fn(|a| high[a] - low[a] + near.more[a]);
-        let (coupling, most) = frame.coupling(spread, near.largest_reach);
-        (0..3).for_each(|a| near.more[a] += coupling[a]);
-        (near.most, near.off) = (most, off(most.min(MOST)));
-        // Also where it is no number.
-        if !(near.off < f64::INFINITY && near.most.is_finite()) {
-            return Err(Refusal::Range);
-        }
-        Ok(near)
-    }
-
-    /// R for a particle of this radius and any other.
-    fn reach_of(&self, radius: f64) -> f64 {
-        let reach = self.reach.reach(radius, self.largest_radius);
-        (reach + self.storing) * (1.0 + 16.0 * self.unit)
-    }
-
-    /// The T of an owner.
-    fn ranges(&self, place: &[f64; D], radius: f64) -> Ranges {
-        const GROW: f64 = 1.0 + 1.0 / (1u64 << 40) as f64;
-        let reach = self.reach_of(radius);
-        std::array::from_fn(|a| {
-            if !self.frame.periodic[a] {
-                return [0, 0];
-            }
-            let fraction = self.frame.fraction(a, place);
-            let margin = (self.frame.lengths[a] * reach + self.more[a]) * GROW;
-            let (low, high) = (self.low[a] - fraction - margin, self.high[a] - fraction + margin);
-            [low.ceil() as i32, high.floor() as i32]
-        })
-    }
-
-    /// Of the exact test, for the places of all bodies.
-    fn slack(&self, scene: &Scene<'_, f64, D>) -> Slack {
-        let mut absolute = 2.125 * self.off;
-        if 2.0 * self.largest_radius <= f64::UNDERFLOW {
-            let (mut low, mut high) = ([f64::INFINITY; D], [f64::NEG_INFINITY; D]);
-            for centre in scene.centres() {
-                for (k, &x) in array(centre).iter().enumerate() {
-                    (low[k], high[k]) = (low[k].min(x), high[k].max(x));
-                }
-            }
-            absolute = absolute.max(spacing(low, high, scene.len()));
-        }
-        Slack { relative: 8.0 * U, absolute }
-    }
 }

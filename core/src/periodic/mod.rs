@@ -43,6 +43,8 @@ mod contacts;
 mod finder;
 mod frame;
 pub mod images;
+mod near;
+mod stored;
 mod truth;
 
 pub use contacts::{Contacts, List, contacts};

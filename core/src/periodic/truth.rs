@@ -17,9 +17,9 @@
 //! is that of the open scene of all bodies that detectors get ([`super::images`]), as stored.
 
 use super::contacts::List;
-use super::finder::stored;
 use super::frame::{Frame, MOST, U};
 use super::images::{Images, touches};
+use super::stored::stored;
 use super::{IMAGE_PAIR_BYTES, ImagePair, Periodic};
 use crate::contact::Arithmetic;
 use crate::contact::depth::depth_of_image;
@@ -75,8 +75,9 @@ where
     AnyScene<'static>: From<Scene<'static, f64, D>>,
 {
     if arithmetic != Arithmetic::Exact {
-        let (images, open) = Images::new(scene, periodic.lattice(), arithmetic, limit)?;
-        let stored = stored(&AnyScene::from(open), arithmetic)?;
+        let mut images = Images::default();
+        let images = images.make(scene, periodic.lattice(), arithmetic, limit)?;
+        let stored = stored(&AnyScene::from(images.open()?), arithmetic)?;
         let truth = oracle::truth_as_stored(&stored, arithmetic.test(), limit)?;
         let mut list = List::new(limit);
         let pairs = truth.pairs.iter().filter_map(|&[a, b]| images.pair(a, b));
@@ -165,12 +166,14 @@ fn tested<const D: usize>(
                 return Err(Refusal::Images { particles: n as u64, images, reach, needed, limit });
             }
             for_all(ranges, |image| {
-                if i == j && image <= [0; 3] || apart(frame, at(i), at(j), image, sum) {
+                let Some(given) = frame.given(image) else { return };
+                if i == j && image <= [0; 3] || apart(frame, at(i), at(j), given, sum) {
                     return;
                 }
+                let image = given;
                 let pair = [i as u32, j as u32];
                 if touches(scene, pair, Shift { image, vectors: &frame.vectors }) {
-                    list.push(ImagePair { i: pair[0], j: pair[1], image });
+                    list.push(ImagePair::new(pair[0], pair[1], image));
                 }
             });
         }
@@ -202,7 +205,11 @@ fn around<const D: usize>(
         }
         ranges[v] = [low as i32, high as i32];
     }
-    Ok(ranges)
+    let most = frame.most_given(ranges.map(|[low, high]| f64::from(low.abs().max(high.abs()))));
+    match (0..3).find(|&v| most[v] >= MOST) {
+        Some(vector) => Err(Refusal::Skewed { vector }),
+        None => Ok(ranges),
+    }
 }
 
 fn size<const D: usize>(x: &[f64; D]) -> f64 {

@@ -74,6 +74,18 @@ impl<'a> From<Scene<'a, f64, 3>> for AnyScene<'a> {
     }
 }
 
+impl<'a> From<Stored<'a, 2>> for AnyScene<'a> {
+    fn from(scene: Stored<'a, 2>) -> Self {
+        AnyScene::Plane(scene)
+    }
+}
+
+impl<'a> From<Stored<'a, 3>> for AnyScene<'a> {
+    fn from(scene: Stored<'a, 3>) -> Self {
+        AnyScene::Space(scene)
+    }
+}
+
 impl<'a, const D: usize> Stored<'a, D> {
     /// The scene in f64, without error.
     pub fn widened(&self) -> Cow<'_, Scene<'a, f64, D>> {

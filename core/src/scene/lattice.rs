@@ -1,5 +1,10 @@
 //! A periodic box: which images a particle has.
 
+mod reduced;
+
+pub use reduced::Numbers;
+pub(crate) use reduced::{AS_GIVEN, shifted};
+
 /// The lattice of a periodic box: three vectors, and along which of them the scene repeats. Discs
 /// use the first two.
 ///
@@ -37,8 +42,8 @@ pub enum LatticeError {
     Plane { vector: usize, value: f64 },
 }
 
-/// Faces nearer than this part of their vector's length are taken for one: the dual vectors, from
-/// which filters are made, would have few digits left.
+/// Faces nearer than this part of their vector's length are taken for one, once vectors are as short
+/// as can be: the dual vectors, from which filters are made, would have few digits left.
 const FLATTEST: f64 = 1.0 / (1u64 << 30) as f64;
 
 impl Lattice {
@@ -47,7 +52,7 @@ impl Lattice {
     ///
     /// # Errors
     /// Numbers that are not finite, periodic vectors that do not span as many dimensions as they
-    /// are (up to 2^-30).
+    /// are (the shortest of the same lattice, up to 2^-30).
     pub fn new(
         vectors: [[f64; 3]; 3],
         periodic: [bool; 3],
@@ -58,8 +63,10 @@ impl Lattice {
             return Err(LatticeError::Finite { value });
         }
         let lattice = Lattice { vectors, periodic, origin };
+        // However far it is tilted.
+        let (reduced, _) = lattice.reduced();
         for vector in (0..3).filter(|&vector| periodic[vector]) {
-            let (height, length) = (lattice.height(vector), norm(vectors[vector]));
+            let (height, length) = (reduced.height(vector), norm(reduced.vectors[vector]));
             // Also where a square overflows or vanishes, and there is no number.
             if !(height > FLATTEST * length && height.is_normal()) {
                 return Err(LatticeError::Flat { vector, height });

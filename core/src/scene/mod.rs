@@ -219,7 +219,26 @@ impl<const D: usize> Scene<'_, f64, D> {
                 (low[k], high[k]) = (low[k].min(x), high[k].max(x));
             }
         }
-        let diameter = 2.0 * self.largest_radius();
+        let cells = ByCells::new((low, high), self.largest_radius(), self.is_empty())?;
+        self.map(|x, k| cells.coordinate(x, k), |r| cells.length(r))
+    }
+}
+
+/// How coordinates and lengths are stored by cells: see [`Scene::by_cells`].
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ByCells<const D: usize> {
+    edge: f64,
+    first: [f64; D],
+}
+
+impl<const D: usize> ByCells<D> {
+    /// For a scene between these corners.
+    pub fn new(
+        (low, high): ([f64; D], [f64; D]),
+        largest_radius: f64,
+        empty: bool,
+    ) -> Result<ByCells<D>, SceneError> {
+        let diameter = 2.0 * largest_radius;
         // Halved, so that the extent does not overflow.
         let extent = (0..D).map(|k| 0.5 * high[k] - 0.5 * low[k]).fold(0.0, f64::max)
             * (1.0 / (1u64 << 19) as f64);
@@ -229,7 +248,7 @@ impl<const D: usize> Scene<'_, f64, D> {
         for k in 0..D {
             let cells = (high[k] / edge).floor() - first[k];
             // Also where the quotients overflow, and nothing can be said.
-            if !(cells < CellF32::MOST_CELLS || self.is_empty()) {
+            if !(cells < CellF32::MOST_CELLS || empty) {
                 return Err(SceneError::Cells {
                     axis: ["x", "y", "z"][k.min(2)],
                     low: low[k],
@@ -238,13 +257,16 @@ impl<const D: usize> Scene<'_, f64, D> {
                 });
             }
         }
-        self.map(
-            |x, k| {
-                let x = x / edge;
-                CellF32::at(x.floor() - first[k], x - x.floor())
-            },
-            |r| CellF32::nearest(r / edge),
-        )
+        Ok(ByCells { edge, first })
+    }
+
+    pub fn coordinate(&self, x: f64, k: usize) -> CellF32 {
+        let x = x / self.edge;
+        CellF32::at(x.floor() - self.first[k], x - x.floor())
+    }
+
+    pub fn length(&self, r: f64) -> CellF32 {
+        CellF32::nearest(r / self.edge)
     }
 }
 

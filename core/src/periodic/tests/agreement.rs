@@ -1,8 +1,8 @@
 //! Every detector finds the truth, in every arithmetic, whatever it searched before.
 
-use super::super::finder::stored;
 use super::super::frame::Frame;
 use super::super::images::Images;
+use super::super::stored::stored;
 use super::*;
 use crate::contact::{Bodies, any_bodies};
 use crate::probe::{Op, Silent};
@@ -88,12 +88,16 @@ fn no_further_image_touches_in_a_rounded_arithmetic() {
         let scene = scene.unwrap();
         let mut centres = Vec::new();
         let (mut radii, mut names) = (Vec::new(), Vec::new());
-        let wraps: Vec<_> =
-            (0..n).map(|k| frame.wrap(k as u32, array(&scene.centres()[k])).unwrap()).collect();
+        let mut images = Images::default();
+        let Ok(made) = images.make(&scene, periodic.lattice(), arithmetic, LIMIT) else {
+            panic!("{bag:?}")
+        };
+        let wraps: Vec<_> = (0..n as u32).map(|k| made.image(k)).collect();
         let reach = 2.2 * scene.largest_radius() + 0.1;
         let most: [i32; 3] = std::array::from_fn(|v| (frame.lengths[v] * reach).ceil() as i32 + 1);
         let most: [i32; 3] = std::array::from_fn(|v| if bag.periodic[v] { most[v] } else { 0 });
         let mut add = |k: usize, t: [i32; 3]| {
+            let t = frame.given(t).unwrap();
             let image = std::array::from_fn(|v| wraps[k][v] + t[v]);
             centres.push(nalgebra::Point::from(frame.place(array(&scene.centres()[k]), image)));
             radii.push(scene.radius(k));
@@ -199,8 +203,9 @@ fn images_are_made_near_the_faces_only() {
     assert_eq!(digest, truth.digest);
     assert!(tally.get(Op::ContactTest) > 0 && tally.get(Op::ExactTest) == 0);
     let AnyScene::Space(Stored::F64(scene)) = periodic.scene() else { panic!("made in space") };
-    let (images, open) = Images::new(scene, periodic.lattice(), Arithmetic::Exact, LIMIT).unwrap();
-    assert_eq!((images.ghosts(), open.len() as u64), (ghosts, 1000 + ghosts));
+    let mut images = Images::default();
+    let images = images.make(scene, periodic.lattice(), Arithmetic::Exact, LIMIT).unwrap();
+    assert_eq!((images.ghosts(), images.places().len() as u64), (ghosts, 1000 + ghosts));
     assert!(images.slack().absolute > 0.0 && images.slack().absolute < 1e-13);
 }
 

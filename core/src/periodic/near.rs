@@ -1,0 +1,343 @@
+//! Which images are near enough to touch, and how near their places are to the true ones.
+//!
+//! Owners, T, pj and half of the images are those of [`super::images`].
+//!
+//! **Which images.** Let y be the computed places of owners, fl(ga·y) their fractions (`frame.rs`),
+//! from lowa to higha along vector a, and E a bound for |y - p| over all owners. If the image of j
+//! by T is within R of owner i, then by (1) of that file Ta differs from ga·(pi - pj) by at most
+//! |ga| R + 2c off(a); ga·pi differs from fl(ga·yi) by at most |ga| E + 4u m, where m bounds the
+//! sum of |ga| |y| by coordinates; likewise for j. So
+//!
+//! ```text
+//! lowa - fj - M <= Ta <= higha - fj + M,    M = |ga| (R + 2E) + 8u m + 2c off(a),
+//! ```
+//!
+//! and the roundings of these two sums are at most 3u (4m + M): we take 64u m for both terms in m,
+//! and M(1 + 2^-40). A lexicographically positive T has a Ta of at least 1, so that fj <= higha + M -
+//! 1 for some a. One pass over the scene finds its corners and fractions and, by a guess of this
+//! bound, the particles whose images are looked at; where the guess was too low there is another.
+//!
+//! **Reach.** In exact arithmetic R = rj + rmax. A rounded arithmetic of unit v accepts up to its
+//! own reach ([`Slack::reach`]), and storing moves coordinates and radii by v, relatively
+//! (f32-cell: by 2^-25 of a cell, that is of twice the largest diameter or of the extent in 2^19):
+//! an owner, at most Y from the origin, by less than 2vY, an image at distance d from it by less
+//! than 2v(Y + d). So d <= reach + 4vY + 2vd + ..., and R = (reach + 16v Y)(1 + 16v) is enough,
+//! with the sum of the largest coordinates for Y. For f32-cell and points the extent is below 4Y +
+//! 4R, and 2^-44 of it is nothing against 16v. What is beyond R is not accepted, so that answers do
+//! not depend on which images are made.
+//!
+//! **What detectors see** in exact arithmetic are places that are rounded: every body is within E
+//! of its true place, E now with the largest T in it. Distances of places and true ones differ by
+//! at most 2E; so pairs at most s - 2E apart touch, and pairs more than s + 2E apart do not, where
+//! s is the sum of the radii: a [`Slack`] of 2E. We take 2E(1 + 1/16), and a relative part of 8u,
+//! which covers the roundings of those who compute with a slack: at most four of them, in s and in
+//! the bound itself (`half` in the copies of detectors has three, [`Near`](crate::filter::Near)
+//! four). What is between the two is decided from the numbers as given. For points, whose reach
+//! would be less than a grid can address, the slack is about the distance between neighbours. Where
+//! nothing is shifted there is none.
+
+use nalgebra::Point;
+
+use super::frame::{Frame, MOST, U, off_by};
+use crate::contact::{Arithmetic, Corners, Slack};
+use crate::filter::cells::spacing;
+use crate::refusal::Refusal;
+use crate::scene::{CellF32, Real, Scene, Storage, array};
+
+/// From the lowest to the highest T along each vector.
+type Ranges = [[i32; 2]; 3];
+
+/// How many T of these ranges are lexicographically positive; exact below 2^53.
+pub(super) fn half(ranges: Ranges) -> f64 {
+    let length = |[low, high]: [i32; 2]| f64::from((high - low + 1).max(0));
+    let positive = |[low, high]: [i32; 2]| length([low.max(1), high]);
+    let [x, y, z] = ranges;
+    let zero = |[low, high]: [i32; 2]| f64::from(u8::from(low <= 0 && high >= 0));
+    positive(x) * length(y) * length(z)
+        + zero(x) * (positive(y) * length(z) + zero(y) * positive(z))
+}
+
+/// Each of them, in ascending order.
+pub(super) fn for_half([x, y, z]: Ranges, mut call: impl FnMut([i32; 3])) {
+    for a in x[0].max(0)..=x[1] {
+        for b in (if a > 0 { y[0] } else { y[0].max(0) })..=y[1] {
+            for c in (if a > 0 || b > 0 { z[0] } else { z[0].max(1) })..=z[1] {
+                call([a, b, c]);
+            }
+        }
+    }
+}
+
+/// How far particles reach in an arithmetic.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Reach {
+    unit: f64,
+    slack: Slack,
+    largest_radius: f64,
+}
+
+impl Reach {
+    pub fn new<const D: usize>(given: &Scene<'_, f64, D>, arithmetic: Arithmetic) -> Reach {
+        let largest_radius = given.largest_radius();
+        let (unit, slack) = match arithmetic.storage() {
+            Storage::F64 => (f64::UNIT, Slack::rounded::<f64>()),
+            Storage::F32 => (f32::UNIT, Slack::rounded::<f32>()),
+            Storage::Cell => {
+                // In units of a cell, which is at most four radii wide.
+                let slack = Slack::rounded::<CellF32>();
+                let absolute = slack.absolute * (4.0 * largest_radius).max(f64::MIN_POSITIVE);
+                (CellF32::UNIT, Slack { absolute, ..slack })
+            }
+        };
+        Reach { unit, slack, largest_radius }
+    }
+
+    /// R for a particle of this radius and any other, where storing moves them by so much.
+    fn of(&self, radius: f64, storing: f64) -> f64 {
+        (self.slack.reach(radius, self.largest_radius) + storing) * (1.0 + 16.0 * self.unit)
+    }
+
+    /// Particles whose fraction along some vector is below this may have images, in a scene that
+    /// begins at the corner of its box. Rather too much: each looked at in vain costs little.
+    pub fn guess<const D: usize>(&self, frame: &Frame<D>) -> [f64; 3] {
+        std::array::from_fn(|a| {
+            let reach = frame.lengths[a] * self.of(self.largest_radius, 0.0);
+            if frame.periodic[a] { frame.corner(a) + 1.125 * reach } else { f64::NEG_INFINITY }
+        })
+    }
+}
+
+/// What one pass over a scene finds.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Survey<const D: usize> {
+    pub corners: Corners<D>,
+    /// Of fractions.
+    low: [f64; 3],
+    high: [f64; 3],
+    /// How many particles are below some bound.
+    pub candidates: usize,
+}
+
+/// By how much more than 1 fractions may differ before particles are moved: those that a simulation
+/// lets out of its box between two looks do not make it copy them all.
+const WIDER: f64 = 1.0 / 64.0;
+/// Particles that are farther from the box than so many boxes are moved: fractions would have few
+/// digits left.
+const FAR: f64 = (1u64 << 20) as f64;
+
+impl<const D: usize> Survey<D> {
+    /// The largest magnitude along each axis.
+    pub fn most(&self) -> [f64; D] {
+        std::array::from_fn(|k| self.corners.0[k].abs().max(self.corners.1[k].abs()))
+    }
+
+    /// Do all particles fit in one box, at whatever corner?
+    pub fn fit(&self, frame: &Frame<D>) -> bool {
+        (0..3).filter(|&a| frame.periodic[a]).all(|a| {
+            let away = [self.low[a], self.high[a]].map(|f| (f - frame.corner(a)).abs());
+            self.high[a] - self.low[a] <= 1.0 + WIDER && away.iter().all(|&away| away < FAR)
+        })
+    }
+}
+
+/// Goes over a scene that is not empty once, and lists the particles with a fraction of at most
+/// `below`, as far as the list has room.
+pub(super) fn survey<const D: usize>(
+    centres: &[Point<f64, D>],
+    frame: &Frame<D>,
+    below: [f64; 3],
+    candidates: &mut Vec<u32>,
+) -> Survey<D> {
+    if frame.is_along_axes() {
+        let scale: [f64; D] = std::array::from_fn(|k| frame.scale(k));
+        let below: [f64; D] = std::array::from_fn(|k| below[k]);
+        let is_near =
+            |x: &[f64; D]| (0..D).fold(false, |near, k| near | (x[k] * scale[k] <= below[k]));
+        let (corners, candidates) = go_over(centres, |x| *x, is_near, candidates);
+        // Products with one number are as far apart as the corners, rounded or not.
+        let ends = |a: usize| {
+            let ends =
+                [corners.0, corners.1].map(|x| if a < D { x[a] * frame.scale(a) } else { 0.0 });
+            if ends[0] <= ends[1] { ends } else { [ends[1], ends[0]] }
+        };
+        let (low, high) = ([0, 1, 2].map(|a| ends(a)[0]), [0, 1, 2].map(|a| ends(a)[1]));
+        return Survey { corners, low, high, candidates };
+    }
+    let fractions = |x: &[f64; D]| -> [f64; 3] { std::array::from_fn(|a| frame.fraction(a, x)) };
+    let is_near = |x: &[f64; D]| {
+        let fractions = fractions(x);
+        (0..3).fold(false, |near, a| near | (fractions[a] <= below[a]))
+    };
+    let ((low, high), candidates) = go_over(centres, fractions, is_near, candidates);
+    let (corners, _) = go_over(centres, |x| *x, |_| false, &mut Vec::new());
+    Survey { corners, low, high, candidates }
+}
+
+/// The least and the largest of some numbers of each particle, and how many particles are wanted;
+/// they are listed, as far as there is room.
+fn go_over<const D: usize, const C: usize>(
+    centres: &[Point<f64, D>],
+    numbers: impl Fn(&[f64; D]) -> [f64; C],
+    wanted: impl Fn(&[f64; D]) -> bool,
+    list: &mut Vec<u32>,
+) -> (([f64; C], [f64; C]), usize) {
+    // In turns, as the corners of open scenes: a comparison need not wait for the one before it.
+    const TURNS: usize = 4;
+    let (mut low, mut high) = ([[f64::INFINITY; C]; TURNS], [[f64::NEG_INFINITY; C]; TURNS]);
+    let mut count = 0;
+    list.clear();
+    let mut take = |index: usize, turn: usize| {
+        let x = array(&centres[index]);
+        let numbers = numbers(x);
+        for k in 0..C {
+            low[turn][k] = if numbers[k] < low[turn][k] { numbers[k] } else { low[turn][k] };
+            high[turn][k] = if numbers[k] > high[turn][k] { numbers[k] } else { high[turn][k] };
+        }
+        if wanted(x) {
+            count += 1;
+            if list.len() < list.capacity() {
+                list.push(index as u32);
+            }
+        }
+    };
+    let whole = centres.len() - centres.len() % TURNS;
+    for first in (0..whole).step_by(TURNS) {
+        for turn in 0..TURNS {
+            take(first + turn, turn);
+        }
+    }
+    for index in whole..centres.len() {
+        take(index, 0);
+    }
+    for turn in 1..TURNS {
+        for k in 0..C {
+            (low[0][k], high[0][k]) = (low[0][k].min(low[turn][k]), high[0][k].max(high[turn][k]));
+        }
+    }
+    ((low[0], high[0]), count)
+}
+
+/// Which images are near enough to some owner.
+pub(super) struct Near<'a, const D: usize> {
+    pub frame: &'a Frame<D>,
+    /// Of owners.
+    pub corners: Corners<D>,
+    /// Of fractions of owners.
+    low: [f64; 3],
+    high: [f64; 3],
+    /// M without |ga| R.
+    more: [f64; 3],
+    reach: Reach,
+    storing: f64,
+    pub largest_reach: f64,
+    /// No T is larger.
+    pub most: f64,
+    /// Particles with no fraction below these have no images.
+    pub below: [f64; 3],
+    /// E of all bodies.
+    off: f64,
+}
+
+/// 1 + 2^-40.
+const GROW: f64 = 1.0 + 1.0 / (1u64 << 40) as f64;
+
+impl<'a, const D: usize> Near<'a, D> {
+    /// For owners that were moved by at most so many vectors each from coordinates that were at
+    /// most so large.
+    ///
+    /// # Errors
+    /// [`Refusal::Range`]; [`Refusal::Skewed`] where images cannot be numbered by the given vectors.
+    pub fn new(
+        frame: &'a Frame<D>,
+        found: &Survey<D>,
+        x_most: [f64; D],
+        wraps: [u32; 3],
+        reach: Reach,
+    ) -> Result<Near<'a, D>, Refusal> {
+        let (low, high, y_most) = (found.low, found.high, found.most());
+        // E, with images by up to so many vectors.
+        let off = |shift: f64| -> f64 {
+            let given = frame.most_given([shift; 3]);
+            let along = |k: usize| {
+                let shifted: f64 = (0..3).map(|a| shift * frame.own[a][k].abs()).sum();
+                let terms = |a: usize| (f64::from(wraps[a]) + given[a]) * frame.vectors[a][k].abs();
+                off_by(y_most[k] + shifted, x_most[k] + (0..3).map(terms).sum::<f64>())
+            };
+            (0..D).map(along).sum()
+        };
+        let storing = 16.0 * reach.unit * y_most.iter().sum::<f64>();
+        let largest_reach = reach.of(reach.largest_radius, storing);
+        let owners_off = off(0.0);
+        let mut more: [f64; 3] = std::array::from_fn(|a| {
+            2.0 * frame.lengths[a] * owners_off + 64.0 * U * frame.most(a, &y_most)
+        });
+        let spread = std::array::from_fn(|a| high[a] - low[a] + more[a]);
+        let (coupling, most) = frame.coupling(spread, largest_reach);
+        (0..3).for_each(|a| more[a] += coupling[a]);
+        let off = off(most.min(MOST));
+        // Also where it is no number.
+        if !(off < f64::INFINITY && most.is_finite()) {
+            return Err(Refusal::Range);
+        }
+        let given = frame.most_given([most.min(MOST); 3]);
+        if let Some(vector) = (0..3).find(|&a| most < MOST && given[a] >= MOST) {
+            return Err(Refusal::Skewed { vector });
+        }
+        let below = std::array::from_fn(|a| {
+            if !frame.periodic[a] {
+                return f64::NEG_INFINITY;
+            }
+            let margin = (frame.lengths[a] * largest_reach + more[a]) * GROW;
+            let rounded = (GROW - 1.0) * (low[a].abs() + high[a].abs() + margin + 1.0);
+            high[a] + margin - 1.0 + rounded
+        });
+        let corners = found.corners;
+        Ok(Near {
+            frame,
+            corners,
+            low,
+            high,
+            more,
+            reach,
+            storing,
+            largest_reach,
+            most,
+            below,
+            off,
+        })
+    }
+
+    /// About how many images of so many particles are near; for a message.
+    pub fn about(&self, particles: usize) -> f64 {
+        let along = |a: usize| {
+            let boxes = self.high[a] - self.low[a];
+            1.0 + boxes + 2.0 * (self.frame.lengths[a] * self.largest_reach + self.more[a])
+        };
+        0.5 * particles as f64 * (0..3).map(along).product::<f64>()
+    }
+
+    /// The T of an owner.
+    pub fn ranges(&self, place: &[f64; D], radius: f64) -> Ranges {
+        let reach = self.reach.of(radius, self.storing);
+        std::array::from_fn(|a| {
+            if !self.frame.periodic[a] {
+                return [0, 0];
+            }
+            let fraction = self.frame.fraction(a, place);
+            let margin = (self.frame.lengths[a] * reach + self.more[a]) * GROW;
+            let (low, high) = (self.low[a] - fraction - margin, self.high[a] - fraction + margin);
+            [low.ceil() as i32, high.floor() as i32]
+        })
+    }
+
+    /// Of the exact test, for the places of so many bodies between these corners.
+    pub fn slack(&self, corners: Option<Corners<D>>, bodies: usize) -> Slack {
+        let mut absolute = 2.125 * self.off;
+        if let (Some((low, high)), true) =
+            (corners, 2.0 * self.reach.largest_radius <= f64::UNDERFLOW)
+        {
+            absolute = absolute.max(spacing(low, high, bodies));
+        }
+        Slack { relative: 8.0 * U, absolute }
+    }
+}

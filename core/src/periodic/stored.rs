@@ -1,0 +1,101 @@
+//! The bodies of a periodic scene in other storages than f64.
+
+use nalgebra::Point;
+
+use super::images::Made;
+use crate::contact::Arithmetic;
+use crate::refusal::Refusal;
+use crate::scene::{AnyScene, ByCells, CellF32, Radii, Real, Scene, SceneError, Storage, Stored};
+
+/// Room for a copy in another storage.
+#[derive(Default)]
+pub struct Copies<const D: usize> {
+    single: Copied<f32, D>,
+    cells: Copied<CellF32, D>,
+}
+
+struct Copied<T: Real, const D: usize> {
+    centres: Vec<Point<T, D>>,
+    radii: Vec<T>,
+}
+
+impl<T: Real, const D: usize> Default for Copied<T, D> {
+    fn default() -> Self {
+        Copied { centres: Vec::new(), radii: Vec::new() }
+    }
+}
+
+impl<const D: usize> Copies<D> {
+    /// The bodies as the arithmetic stores them; `None` where that is as they are.
+    ///
+    /// # Errors
+    /// [`Refusal::Stored`].
+    pub fn of(
+        &mut self,
+        made: &Made<'_, D>,
+        arithmetic: Arithmetic,
+    ) -> Result<Option<Stored<'_, D>>, Refusal> {
+        let stored = match arithmetic.storage() {
+            Storage::F64 => return Ok(None),
+            Storage::F32 => {
+                self.single.fill(made, |x, _| f32::place(x), f32::nearest).map(Stored::F32)
+            }
+            Storage::Cell => {
+                let (mut low, mut high) = ([f64::INFINITY; D], [f64::NEG_INFINITY; D]);
+                for place in made.places() {
+                    for (k, &x) in place.iter().enumerate() {
+                        (low[k], high[k]) = (low[k].min(x), high[k].max(x));
+                    }
+                }
+                let empty = made.places().len() == 0;
+                ByCells::new((low, high), made.largest_radius(), empty).and_then(|cells| {
+                    let length = |r| cells.length(r);
+                    self.cells.fill(made, |x, k| cells.coordinate(x, k), length).map(Stored::Cell)
+                })
+            }
+        };
+        stored.map(Some).map_err(|error| refused(arithmetic, error))
+    }
+}
+
+impl<T: Real, const D: usize> Copied<T, D> {
+    fn fill(
+        &mut self,
+        made: &Made<'_, D>,
+        coordinate: impl Fn(f64, usize) -> T,
+        length: impl Fn(f64) -> T,
+    ) -> Result<Scene<'_, T, D>, SceneError> {
+        let place = |x: &[f64; D]| Point::from(std::array::from_fn(|k| coordinate(x[k], k)));
+        fit(&mut self.centres, made.places().map(place));
+        let radii = match made.radii() {
+            Radii::Uniform(r) => Radii::Uniform(length(*r)),
+            Radii::Each(radii) => {
+                fit(&mut self.radii, radii.iter().map(|&r| length(r)));
+                Radii::Each(self.radii.as_slice().into())
+            }
+        };
+        Scene::new(self.centres.as_slice(), radii)
+    }
+}
+
+/// Replaces what a buffer holds; one that is too small is not held beside the new one.
+fn fit<A>(buffer: &mut Vec<A>, items: impl ExactSizeIterator<Item = A>) {
+    buffer.clear();
+    if items.len() > buffer.capacity() {
+        *buffer = Vec::new();
+        buffer.reserve_exact(items.len());
+    }
+    buffer.extend(items);
+}
+
+fn refused(arithmetic: Arithmetic, error: SceneError) -> Refusal {
+    Refusal::Stored { arithmetic: arithmetic.name(), error }
+}
+
+/// The scene with its images as a rounded arithmetic stores it.
+pub(super) fn stored(
+    open: &AnyScene<'_>,
+    arithmetic: Arithmetic,
+) -> Result<AnyScene<'static>, Refusal> {
+    open.stored(arithmetic).map_err(|error| refused(arithmetic, error))
+}
