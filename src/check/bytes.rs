@@ -22,6 +22,7 @@ use crate::check::{Wrong, as_csv};
 use crate::contact::{Arithmetic, exact};
 use crate::detect::table::{Entry, TABLE};
 use crate::detect::{Options, Refusal};
+use crate::oracle::NoTruth;
 use crate::run::searcher::{Loaded, Searcher};
 use crate::scene::{AnyScene, Given, Lattice, Radii, Scene, SceneError};
 use crate::{io, oracle};
@@ -304,6 +305,8 @@ fn hold(scenes: &[Given], keep: bool) {
                         .filter(|wrong| arithmetic.is_safe() || !only_loses(wrong)),
                     // Where there is no truth because a square overflows, no detector may say more.
                     (Answer::Refused(_, 0), Err(_)) => None,
+                    // Without wrapping, numbers of images are twice as large.
+                    (_, Err(NoTruth::Refused(Refusal::Away { .. }))) => None,
                     (_, Err(error)) => {
                         panic!(
                             "{} with {} arithmetic answers, but {error}:\n{}",

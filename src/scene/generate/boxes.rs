@@ -47,7 +47,8 @@ pub fn boxed<const D: usize>(
     let diameter = inputs.number(DIAMETER.name)?;
     let mut vectors = [[0.0; 3]; 3];
     for (k, edge) in edges.into_iter().enumerate() {
-        vectors[k][k] = edge * diameter;
+        // Nobody fills no box.
+        vectors[k][k] = if inputs.n == 0 { diameter } else { edge * diameter };
     }
     if let Some(tilt) = tilt {
         ensure!(axes[1], "a tilt moves images along y, and the box does not repeat along y");

@@ -191,7 +191,7 @@ fn boxes_repeat() {
     for (text, neighbours, fraction) in [
         ("packed:n=32,dim=3", 12, std::f64::consts::PI / 18f64.sqrt()),
         ("packed:n=27,dim=3,lattice=cubic", 6, std::f64::consts::PI / 6.0),
-        ("packed:n=30", 6, std::f64::consts::PI / 12f64.sqrt()),
+        ("packed:n=36", 6, std::f64::consts::PI / 12f64.sqrt()),
         ("packed:n=25,lattice=square,diameter=3,offset=7", 4, std::f64::consts::PI / 4.0),
     ] {
         let text = format!("{text},periodic=true,jitter=0,spacing=0.99");
@@ -209,10 +209,10 @@ fn boxes_repeat() {
         assert!((stats.coordination / 1.6 - 1.0).abs() < 0.1, "{}", stats.coordination);
     }
     // Through the sheared faces of a lattice, too; along x alone the last rows have no images.
-    let (contacts, _) = found("packed:n=30,periodic=true,tilt=1,jitter=0");
-    assert_eq!(contacts, 90);
-    let (contacts, _) = found("packed:n=30,periodic=x,jitter=0");
-    assert_eq!(contacts, 90 - 2 * 6);
+    let (contacts, _) = found("packed:n=36,periodic=true,tilt=1,jitter=0");
+    assert_eq!(contacts, 108);
+    let (contacts, _) = found("packed:n=36,periodic=x,jitter=0");
+    assert_eq!(contacts, 108 - 2 * 6);
     let hash = |text: &str| crate::scene::stats::hash(&Spec::parse(text).unwrap().given().unwrap());
     assert_ne!(hash("loose:n=9,periodic=true"), hash("loose:n=9,periodic=x"));
     assert_eq!(hash("loose:n=9,periodic=none"), hash("loose:n=9"));
