@@ -69,7 +69,7 @@ impl Finder {
     }
 
     /// The bytes that images take by the formula, for the scene of the last call: `16 + 8D` for each
-    /// image and 4 for each particle near the lower faces of the box; `8D + 12` for each particle
+    /// image, `8D + 8` for each particle near the lower faces of the box; `8D + 12` for each particle
     /// if some are outside of it; 8 for each body if they have radii of their own; and the copy of
     /// all bodies where the arithmetic stores them otherwise than in f64.
     pub fn formula_bytes(&self) -> u64 {
@@ -177,15 +177,17 @@ impl<const D: usize> Sink for Sorted<'_, D> {
             return pairs.iter().for_each(|&[a, b]| self.contact(a, b));
         }
         let n = self.made.particles();
+        let (together, rest) = pairs.as_chunks::<TOGETHER>();
         // Pairs from here on are of two particles.
         let mut from = 0;
-        for (k, some) in pairs.chunks(TOGETHER).enumerate() {
-            if some.iter().fold(false, |image, &[a, b]| image | (a >= n) | (b >= n)) {
+        for (k, some) in together.iter().enumerate() {
+            if some.as_flattened().iter().fold(false, |image, &body| image | (body >= n)) {
                 self.plain.contacts(&pairs[from..k * TOGETHER]);
                 some.iter().for_each(|&[a, b]| self.contact(a, b));
-                from = k * TOGETHER + some.len();
+                from = (k + 1) * TOGETHER;
             }
         }
-        self.plain.contacts(&pairs[from..]);
+        self.plain.contacts(&pairs[from..pairs.len() - rest.len()]);
+        rest.iter().for_each(|&[a, b]| self.contact(a, b));
     }
 }

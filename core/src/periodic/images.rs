@@ -14,7 +14,7 @@ use nalgebra::Point;
 
 use super::ImagePair;
 use super::frame::Frame;
-use super::near::{Near, Reach, for_half, half, survey};
+use super::near::{Candidate, Near, Reach, for_half, half, survey};
 use crate::contact::image::{self, Shift};
 use crate::contact::{Arithmetic, Corners, Decided, Imaged, Slack};
 use crate::refusal::Refusal;
@@ -28,7 +28,7 @@ pub struct Images<const D: usize> {
     places: Vec<Point<f64, D>>,
     wraps: Vec<[i32; 3]>,
     /// Particles that may have images.
-    candidates: Vec<u32>,
+    candidates: Vec<Candidate<D>>,
     images: Vec<Body>,
     /// Places of images.
     centres: Vec<Point<f64, D>>,
@@ -183,7 +183,7 @@ impl<const D: usize> Images<D> {
         loop {
             let enough = (0..3).all(|a| near.below[a] <= below[a]);
             let room = found.candidates <= self.candidates.capacity();
-            let bytes = (found.candidates * size_of::<u32>()) as f64;
+            let bytes = (found.candidates * size_of::<Candidate<D>>()) as f64;
             if enough && room {
                 budget.fixed += bytes;
                 return Ok(near);
@@ -225,35 +225,57 @@ impl<const D: usize> Images<D> {
         near: &Near<'_, D>,
         budget: &Budget,
     ) -> Result<Corners<D>, Refusal> {
-        let owners = if self.wraps.is_empty() { given.centres() } else { &self.places };
-        let ranges = |owner: u32| {
-            let owner = owner as usize;
-            near.ranges(array(&owners[owner]), given.radius(owner))
-        };
-        let made = self.candidates.iter().map(|&owner| half(ranges(owner))).sum::<f64>();
-        budget.holds(made)?;
-        self.images.reserve_exact(made as usize);
-        self.centres.reserve_exact(made as usize);
+        loop {
+            let (made, corners) = self.fill_as_far_as_room(given, near);
+            budget.holds(made)?;
+            // Exact: it is at most as large as the number of bodies.
+            let made = made as usize;
+            if made == self.images.len() {
+                return if self.are_finite() { Ok(corners) } else { Err(Refusal::Range) };
+            }
+            (self.images, self.centres) = (Vec::new(), Vec::new());
+            self.images.reserve_exact(made);
+            self.centres.reserve_exact(made);
+        }
+    }
+
+    fn are_finite(&self) -> bool {
+        self.centres.iter().all(|place| array(place).iter().all(|x| x.is_finite()))
+    }
+
+    /// How many images there are, and the corners of all bodies if all could be made.
+    fn fill_as_far_as_room(
+        &mut self,
+        given: &Scene<'_, f64, D>,
+        near: &Near<'_, D>,
+    ) -> (f64, Corners<D>) {
+        let (frame, room) = (near.frame, self.images.capacity().min(self.centres.capacity()));
         let (mut low, mut high) = near.corners;
-        for &owner in &self.candidates {
-            let wrap = self.wraps.get(owner as usize).copied().unwrap_or_default();
-            let x = array(&given.centres()[owner as usize]);
-            let (images, centres) = (&mut self.images, &mut self.centres);
-            for_half(ranges(owner), |shift| {
-                let Some(shift) = near.frame.given(shift) else { return };
+        let mut made = 0.0;
+        for Candidate { place, owner } in &self.candidates {
+            let index = *owner as usize;
+            let ranges = near.ranges(place, given.radius(index));
+            made += half(ranges);
+            if made > room as f64 {
+                continue;
+            }
+            let (wrap, x) = match self.wraps.get(index) {
+                Some(wrap) => (*wrap, array(&given.centres()[index])),
+                None => ([0; 3], place),
+            };
+            for_half(ranges, |shift| {
+                // Always: so large numbers were refused.
+                let Some(shift) = frame.given(shift) else { return };
                 let image = std::array::from_fn(|a| wrap[a] + shift[a]);
-                let place = near.frame.place(x, image);
+                let place = frame.place(x, image);
                 for k in 0..D {
                     (low[k], high[k]) = (low[k].min(place[k]), high[k].max(place[k]));
                 }
-                images.push(Body { owner, image });
-                centres.push(place.into());
+                self.images.push(Body { owner: *owner, image });
+                self.centres.push(place.into());
             });
         }
-        if !self.centres.iter().all(|place| array(place).iter().all(|x| x.is_finite())) {
-            return Err(Refusal::Range);
-        }
-        Ok((low, high))
+        (made, (low, high))
     }
 }
 

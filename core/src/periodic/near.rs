@@ -140,13 +140,21 @@ impl<const D: usize> Survey<D> {
     }
 }
 
+/// A particle that may have images, and where it is: in a scene in random order it would not be in
+/// cache when it is looked at.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Candidate<const D: usize> {
+    pub place: [f64; D],
+    pub owner: u32,
+}
+
 /// Goes over a scene that is not empty once, and lists the particles with a fraction of at most
 /// `below`, as far as the list has room.
 pub(super) fn survey<const D: usize>(
     centres: &[Point<f64, D>],
     frame: &Frame<D>,
     below: [f64; 3],
-    candidates: &mut Vec<u32>,
+    candidates: &mut Vec<Candidate<D>>,
 ) -> Survey<D> {
     if frame.is_along_axes() {
         let scale: [f64; D] = std::array::from_fn(|k| frame.scale(k));
@@ -164,13 +172,20 @@ pub(super) fn survey<const D: usize>(
         return Survey { corners, low, high, candidates };
     }
     let fractions = |x: &[f64; D]| -> [f64; 3] { std::array::from_fn(|a| frame.fraction(a, x)) };
+    // Coordinates and fractions.
+    let both = |x: &[f64; D]| -> [f64; 6] {
+        let fractions = fractions(x);
+        std::array::from_fn(|k| if k < 3 { fractions[k] } else { x[(k - 3).min(D - 1)] })
+    };
     let is_near = |x: &[f64; D]| {
         let fractions = fractions(x);
         (0..3).fold(false, |near, a| near | (fractions[a] <= below[a]))
     };
-    let ((low, high), candidates) = go_over(centres, fractions, is_near, candidates);
-    let (corners, _) = go_over(centres, |x| *x, |_| false, &mut Vec::new());
-    Survey { corners, low, high, candidates }
+    let ((low, high), candidates) = go_over(centres, both, is_near, candidates);
+    let corner = |of: [f64; 6]| std::array::from_fn(|k| of[3 + k]);
+    let part = |of: [f64; 6]| std::array::from_fn(|a| of[a]);
+    let corners = (corner(low), corner(high));
+    Survey { corners, low: part(low), high: part(high), candidates }
 }
 
 /// The least and the largest of some numbers of each particle, and how many particles are wanted;
@@ -179,7 +194,7 @@ fn go_over<const D: usize, const C: usize>(
     centres: &[Point<f64, D>],
     numbers: impl Fn(&[f64; D]) -> [f64; C],
     wanted: impl Fn(&[f64; D]) -> bool,
-    list: &mut Vec<u32>,
+    list: &mut Vec<Candidate<D>>,
 ) -> (([f64; C], [f64; C]), usize) {
     // In turns, as the corners of open scenes: a comparison need not wait for the one before it.
     const TURNS: usize = 4;
@@ -196,7 +211,7 @@ fn go_over<const D: usize, const C: usize>(
         if wanted(x) {
             count += 1;
             if list.len() < list.capacity() {
-                list.push(index as u32);
+                list.push(Candidate { place: *x, owner: index as u32 });
             }
         }
     };
@@ -215,6 +230,13 @@ fn go_over<const D: usize, const C: usize>(
         }
     }
     ((low[0], high[0]), count)
+}
+
+/// Without a call; of a number in the range of an i32.
+#[inline]
+fn floor(x: f64) -> i32 {
+    let towards_zero = x as i32;
+    towards_zero - i32::from(f64::from(towards_zero) > x)
 }
 
 /// Which images are near enough to some owner.
@@ -326,7 +348,7 @@ impl<'a, const D: usize> Near<'a, D> {
             let fraction = self.frame.fraction(a, place);
             let margin = (self.frame.lengths[a] * reach + self.more[a]) * GROW;
             let (low, high) = (self.low[a] - fraction - margin, self.high[a] - fraction + margin);
-            [low.ceil() as i32, high.floor() as i32]
+            [-floor(-low), floor(high)]
         })
     }
 
