@@ -1,7 +1,7 @@
 //! `contactbench verify`.
 
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use anyhow::{Context, bail, ensure};
@@ -17,6 +17,7 @@ use crate::cli::shared::terminal;
 use crate::contact::Arithmetic;
 use crate::io;
 use crate::io::boxes::along;
+use crate::io::lines::listed;
 use crate::io::{Frame, pairs};
 use crate::number::{number, plural, wrap};
 use crate::oracle::Errors;
@@ -52,8 +53,9 @@ pub struct Verify {
     /// skin)
     #[arg(long, value_name = "LENGTH", default_value_t = 0.0, allow_negative_numbers = true)]
     skin: f64,
-    /// The two columns of the list that name the particles, as in c_pair[1],c_pair[2]
-    #[arg(long, value_name = "I,J")]
+    /// The columns of the list, by name or by number from 1: those of the two particles, as in
+    /// c_pair[1],c_pair[2], and those of the image; no others are looked at
+    #[arg(long, value_name = "I,J[,SX,SY[,SZ]]")]
     pairs_columns: Option<String>,
     /// Which frame of the list (default: as --frame)
     #[arg(long)]
@@ -94,15 +96,10 @@ pub fn verify(options: &Verify) -> anyhow::Result<ExitCode> {
         "--skin {}: it must be a finite length of at least 0",
         options.skin
     );
-    let columns = match options.pairs_columns.as_deref().map(|text| text.split_once(',')) {
-        None => None,
-        Some(Some((i, j))) => Some([i.trim(), j.trim()]),
-        Some(None) => {
-            bail!("--pairs-columns takes two names with a comma between, as in --pairs-columns i,j")
-        }
-    };
+    let columns = options.pairs_columns.as_deref().map(|text| text.split(',').map(str::trim));
+    let columns: Vec<&str> = columns.into_iter().flatten().collect();
     let frame = options.pairs_frame.or(options.input.frame).unwrap_or(Frame::Last);
-    let list = pairs::read(&options.pairs, columns, frame)?;
+    let list = pairs::read(&options.pairs, &columns, frame)?;
     let (particles, about) = input::load(
         &options.file,
         &options.input,
@@ -136,6 +133,7 @@ pub fn verify(options: &Verify) -> anyhow::Result<ExitCode> {
     let (scene, lattice, found) = match lattice {
         Some(lattice) => {
             periodic = Periodic::new(scene, lattice)?;
+            understood(&options.pairs, &list, &periodic)?;
             let listed = Listed { pairs: &list.pairs, images: list.images.as_deref() };
             let found = Verification::within(&periodic, listed, &naming, &others, terms)
                 .with_context(|| options.pairs.display().to_string())?;
@@ -144,10 +142,16 @@ pub fn verify(options: &Verify) -> anyhow::Result<ExitCode> {
         None => {
             let images = list.images.as_deref().unwrap_or_default();
             if let Some(k) = images.iter().position(|image| *image != [0; 3]) {
+                let remedy = match about.declared.as_ref().and_then(|of| of.vectors) {
+                    _ if options.input.open => "leave out --open",
+                    Some(_) if options.input.periodic.is_some() => "leave out --periodic none",
+                    Some(_) => "give --periodic with the axes along which the box repeats",
+                    None => "give --box LX,LY,LZ, and --periodic where it is open along some axis",
+                };
                 bail!(
                     "{}: pair {k} (from 0) names an image in a box that repeats, {}, and \
-                     boundaries are open here; give --box LX,LY,LZ and --periodic xyz, or leave \
-                     out --open",
+                     boundaries are open here; {remedy}, or --pairs-columns I,J if it is something \
+                     else",
                     options.pairs.display(),
                     numbers(&images[k], ",")
                 );
@@ -179,6 +183,31 @@ pub fn verify(options: &Verify) -> anyhow::Result<ExitCode> {
     Ok(ExitCode::from(u8::from(!same)))
 }
 
+/// Refuses a list in a box with columns that may name images and are not known to, or with too few.
+fn understood(path: &Path, list: &pairs::List, periodic: &Periodic<'_>) -> anyhow::Result<()> {
+    let (path, dim) = (path.display(), periodic.scene().dim());
+    ensure!(
+        list.images.is_none() || !list.flat || dim == 2 || !periodic.lattice().periodic()[2],
+        "{path}: images are named along two vectors, and the box repeats along z, too; add the \
+         third, sz"
+    );
+    if list.images.is_none() {
+        let names = |which: &dyn Fn(&pairs::Other) -> bool| -> Vec<&str> {
+            list.others.iter().filter(|other| which(other)).map(|other| &*other.name).collect()
+        };
+        let (unnamed, whole) = (names(&|other| !other.named), names(&|other| other.whole));
+        let doubtful = if unnamed.is_empty() && whole.len() >= dim { whole } else { unnamed };
+        ensure!(
+            doubtful.is_empty(),
+            "{path}: {} may name the images that touch, and nothing says so; give \
+             --pairs-columns I,J,SX,SY{}, or --pairs-columns I,J if not",
+            columns_of(&doubtful),
+            if dim == 2 { "" } else { ",SZ" }
+        );
+    }
+    Ok(())
+}
+
 fn words(meaning: Meaning) -> String {
     match meaning {
         Meaning::Base(base) => format!("places in the file, from {base}"),
@@ -197,8 +226,12 @@ fn flag(meaning: Meaning) -> String {
     }
 }
 
-fn pairs_of(count: u64) -> String {
-    plural(usize::try_from(count).unwrap_or(usize::MAX), "pair")
+fn columns_of(names: &[&str]) -> String {
+    format!("column{} {}", if names.len() == 1 { "" } else { "s" }, listed(names))
+}
+
+fn counted(count: u64, what: &str) -> String {
+    plural(usize::try_from(count).unwrap_or(usize::MAX), what)
 }
 
 /// Upwards to three digits, in the fewest that read back.
@@ -213,10 +246,10 @@ impl Verified<'_> {
         let Verified { options, list, found, .. } = self;
         writeln!(
             out,
-            "{}: {} particles, {} touching pairs{} ({} arithmetic)",
+            "{}: {}, {}{} ({} arithmetic)",
             options.file.display(),
-            self.scene.len(),
-            found.contacts,
+            plural(self.scene.len(), "particle"),
+            counted(found.contacts, "touching pair"),
             self.lattice.map_or(String::new(), |lattice| {
                 format!(" in a box that repeats along {}", along(lattice.periodic()))
             }),
@@ -225,13 +258,18 @@ impl Verified<'_> {
         let both = if list.both_sides { ", each there from both sides and taken once" } else { "" };
         let walls = match list.walls {
             0 => String::new(),
-            walls => format!(", {walls} contacts with walls left out"),
+            walls => format!(", {} with walls left out", counted(walls, "contact")),
+        };
+        let others: Vec<&str> = list.others.iter().map(|other| &*other.name).collect();
+        let others = match others[..] {
+            [] => String::new(),
+            _ => format!("; not looked at: {}", columns_of(&others)),
         };
         writeln!(
             out,
-            "{}: {} pairs ({}; {}){both}{walls}",
+            "{}: {} ({}; {}{others}){both}{walls}",
             options.pairs.display(),
-            list.pairs.len(),
+            plural(list.pairs.len(), "pair"),
             list.format,
             words(self.naming)
         )?;
@@ -239,7 +277,7 @@ impl Verified<'_> {
             writeln!(out, "compared: {compared}")?;
         }
         if found.within_skin > 0 {
-            writeln!(out, "{} apart within the skin, allowed", pairs_of(found.within_skin))?;
+            writeln!(out, "{} apart within the skin, allowed", counted(found.within_skin, "pair"))?;
         }
         if found.is_same() {
             writeln!(out, "the same: no pair is missed, spurious or repeated")?;
@@ -363,8 +401,8 @@ impl Verified<'_> {
             with.push("open boundaries (no contact across the box)".into());
         }
         let result = match reading.wrong {
-            0 => format!("all {} agree", pairs_of(reading.listed)),
-            wrong => format!("all but {} agree", pairs_of(wrong)),
+            0 => format!("all {} agree", counted(reading.listed, "pair")),
+            wrong => format!("all but {} agree", counted(wrong, "pair")),
         };
         let flags = self.flags(reading);
         let add =

@@ -27,7 +27,7 @@ mod counted;
 pub mod exchange;
 mod formats;
 mod frames;
-mod lines;
+pub(crate) mod lines;
 pub mod pairs;
 mod particles;
 mod scalars;

@@ -163,7 +163,7 @@ pub fn depth_of(scene: &AnyScene<'_>, [i, j]: [u32; 2]) -> f64 {
 /// Reads a list of pairs of any format of [`io::pairs`], whose numbers are places in the file from
 /// 0.
 pub fn read(path: &Path) -> anyhow::Result<Vec<[u32; 2]>> {
-    let list = io::pairs::read(path, None, Frame::Only)?;
+    let list = io::pairs::read(path, &[], Frame::Only)?;
     let mut pairs = Vec::new();
     let room = pairs.try_reserve_exact(list.pairs.len());
     room.with_context(|| format!("no memory for {} pairs", list.pairs.len()))?;
