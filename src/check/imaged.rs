@@ -107,7 +107,7 @@ impl Verification {
 }
 
 /// What is asked of a contact.
-trait Measure {
+pub(crate) trait Measure {
     /// How far apart the particles are, in the units of the scene.
     fn gap(&self, pair: ImagePair) -> f64;
     /// The image of j nearest to i, but for very skewed boxes; of a particle itself another one.
@@ -156,14 +156,30 @@ pub fn contacts(periodic: &Periodic<'_>, limit: u64) -> anyhow::Result<Vec<Image
 /// All pairs that are apart by no more than a length, in order.
 fn within_gap(periodic: &Periodic<'_>, gap: f64, limit: u64) -> anyhow::Result<Vec<ImagePair>> {
     let larger = |r: f64| ((r + gap / 2.0) * (1.0 + 1e-9)).min(f64::MAX);
-    let swollen: AnyScene<'static> = match periodic.scene() {
+    let mut near = contacts(&swollen(periodic, larger)?, limit)?;
+    near.retain(|&pair| periodic.gap(pair) <= gap);
+    Ok(near)
+}
+
+/// The pairs that do not touch, with a gap under so many mean radii, in order; none where they
+/// cannot be found.
+pub(crate) fn nearly(periodic: &Periodic<'_>, part: f64, limit: u64) -> Vec<ImagePair> {
+    let Ok(swollen) = swollen(periodic, |r| r * (1.0 + part)) else { return Vec::new() };
+    let mut near = contacts(&swollen, limit).unwrap_or_default();
+    near.retain(|&pair| (-part..0.0).contains(&depth(periodic, pair)));
+    near
+}
+
+/// The same with other radii.
+fn swollen(
+    periodic: &Periodic<'_>,
+    larger: impl Fn(f64) -> f64,
+) -> anyhow::Result<Periodic<'static>> {
+    let scene: AnyScene<'static> = match periodic.scene() {
         AnyScene::Plane(scene) => swell(&scene.widened(), larger)?.into(),
         AnyScene::Space(scene) => swell(&scene.widened(), larger)?.into(),
     };
-    let swollen = Periodic::new(swollen, *periodic.lattice())?;
-    let mut near = contacts(&swollen, limit)?;
-    near.retain(|&pair| periodic.gap(pair) <= gap);
-    Ok(near)
+    Ok(Periodic::new(scene, *periodic.lattice())?)
 }
 
 fn swell<const D: usize>(

@@ -1,7 +1,7 @@
 //! `contactbench verify`.
 
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 use anyhow::{Context, bail, ensure};
@@ -17,7 +17,6 @@ use crate::cli::shared::terminal;
 use crate::contact::Arithmetic;
 use crate::io;
 use crate::io::boxes::along;
-use crate::io::lines::listed;
 use crate::io::{Frame, pairs};
 use crate::number::{number, plural, wrap};
 use crate::oracle::Errors;
@@ -133,7 +132,8 @@ pub fn verify(options: &Verify) -> anyhow::Result<ExitCode> {
     let (scene, lattice, found) = match lattice {
         Some(lattice) => {
             periodic = Periodic::new(scene, lattice)?;
-            understood(&options.pairs, &list, &periodic)?;
+            list.understood(periodic.scene().dim(), periodic.lattice().periodic())
+                .with_context(|| options.pairs.display().to_string())?;
             let listed = Listed { pairs: &list.pairs, images: list.images.as_deref() };
             let found = Verification::within(&periodic, listed, &naming, &others, terms)
                 .with_context(|| options.pairs.display().to_string())?;
@@ -183,31 +183,6 @@ pub fn verify(options: &Verify) -> anyhow::Result<ExitCode> {
     Ok(ExitCode::from(u8::from(!same)))
 }
 
-/// Refuses a list in a box with columns that may name images and are not known to, or with too few.
-fn understood(path: &Path, list: &pairs::List, periodic: &Periodic<'_>) -> anyhow::Result<()> {
-    let (path, dim) = (path.display(), periodic.scene().dim());
-    ensure!(
-        list.images.is_none() || !list.flat || dim == 2 || !periodic.lattice().periodic()[2],
-        "{path}: images are named along two vectors, and the box repeats along z, too; add the \
-         third, sz"
-    );
-    if list.images.is_none() {
-        let names = |which: &dyn Fn(&pairs::Other) -> bool| -> Vec<&str> {
-            list.others.iter().filter(|other| which(other)).map(|other| &*other.name).collect()
-        };
-        let (unnamed, whole) = (names(&|other| !other.named), names(&|other| other.whole));
-        let doubtful = if unnamed.is_empty() && whole.len() >= dim { whole } else { unnamed };
-        ensure!(
-            doubtful.is_empty(),
-            "{path}: {} may name the images that touch, and nothing says so; give \
-             --pairs-columns I,J,SX,SY{}, or --pairs-columns I,J if not",
-            columns_of(&doubtful),
-            if dim == 2 { "" } else { ",SZ" }
-        );
-    }
-    Ok(())
-}
-
 fn words(meaning: Meaning) -> String {
     match meaning {
         Meaning::Base(base) => format!("places in the file, from {base}"),
@@ -224,10 +199,6 @@ fn flag(meaning: Meaning) -> String {
         Meaning::Base(base) => format!("--base {base}"),
         Meaning::Ids => "--ids".into(),
     }
-}
-
-fn columns_of(names: &[&str]) -> String {
-    format!("column{} {}", if names.len() == 1 { "" } else { "s" }, listed(names))
 }
 
 fn counted(count: u64, what: &str) -> String {
@@ -263,7 +234,7 @@ impl Verified<'_> {
         let others: Vec<&str> = list.others.iter().map(|other| &*other.name).collect();
         let others = match others[..] {
             [] => String::new(),
-            _ => format!("; not looked at: {}", columns_of(&others)),
+            _ => format!("; not looked at: {}", pairs::columns_of(&others)),
         };
         writeln!(
             out,

@@ -161,6 +161,22 @@ pub fn along(axes: [bool; 3]) -> String {
     }
 }
 
+/// A particle is outside the box where it is farther out than this part of a vector: the corner
+/// and the coordinates in units of the vectors are rounded.
+const OUT: f64 = 1e-9;
+
+/// How many points are beyond a face at which the box repeats.
+pub fn count_outside(points: impl Iterator<Item = [f64; 3]>, lattice: &Lattice) -> usize {
+    let outside = points.filter(|point| {
+        (0..3).filter(|&vector| lattice.periodic()[vector]).any(|vector| {
+            let (dual, origin) = (lattice.dual(vector), lattice.origin());
+            let at: f64 = (0..3).map(|k| dual[k] * (point[k] - origin[k])).sum();
+            !(-OUT..=1.0 + OUT).contains(&at)
+        })
+    });
+    outside.count()
+}
+
 /// What there is to say of a box of which nobody says whether it repeats.
 pub const UNKNOWN: &str = "the file does not say whether its box repeats: boundaries are taken as \
                            open; say --periodic xyz if it does, and --open if not";

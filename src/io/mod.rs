@@ -27,7 +27,7 @@ mod counted;
 pub mod exchange;
 mod formats;
 mod frames;
-pub(crate) mod lines;
+mod lines;
 pub mod pairs;
 mod particles;
 mod scalars;

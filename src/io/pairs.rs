@@ -43,8 +43,42 @@ pub struct List {
     pub both_sides: bool,
 }
 
-/// Reads a contact list. `columns` names those of a LAMMPS dump or a CSV that hold the numbers: none,
-/// the two of the particles, or these and the two or three of the image.
+impl List {
+    /// Refuses a list for a box that repeats along some axes if it names images along too few, or
+    /// has columns that may name images and are not known to.
+    pub fn understood(&self, dim: usize, periodic: [bool; 3]) -> anyhow::Result<()> {
+        ensure!(
+            self.images.is_none() || !self.flat || dim == 2 || !periodic[2],
+            "images are named along two vectors, and the box repeats along z, too; add the third, \
+             sz"
+        );
+        if self.images.is_none() {
+            let names = |which: &dyn Fn(&Other) -> bool| -> Vec<&str> {
+                let such = self.others.iter().filter(|other| which(other));
+                such.map(|other| &*other.name).collect()
+            };
+            let (unnamed, whole) = (names(&|other| !other.named), names(&|other| other.whole));
+            let doubtful = if unnamed.is_empty() && whole.len() >= dim { whole } else { unnamed };
+            ensure!(
+                doubtful.is_empty(),
+                "{} may name the images that touch, and nothing says so; give --pairs-columns \
+                 I,J,SX,SY{}, or --pairs-columns I,J if not",
+                columns_of(&doubtful),
+                if dim == 2 { "" } else { ",SZ" }
+            );
+        }
+        Ok(())
+    }
+}
+
+/// Columns in words.
+pub fn columns_of(names: &[&str]) -> String {
+    let listed = crate::io::lines::listed(names);
+    format!("column{} {listed}", if names.len() == 1 { "" } else { "s" })
+}
+
+/// Reads a contact list. `columns` names those of a LAMMPS dump or a CSV that hold the numbers:
+/// none, the two of the particles, or these and the two or three of the image.
 pub fn read(path: &Path, columns: &[&str], frame: Frame) -> anyhow::Result<List> {
     let name = path.display().to_string();
     let file = File::open(path).with_context(|| format!("cannot read {name}"))?;

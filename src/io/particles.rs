@@ -174,7 +174,7 @@ impl Particles {
             bail!(
                 "{name}: the box repeats along {}, and here boundaries are open; give --open (in \
                  an experiment open = true) to leave out contacts across it, or take detect, \
-                 verify or inspect, which know boxes",
+                 verify, inspect or draw, which know boxes",
                 along(lattice.periodic())
             );
         }

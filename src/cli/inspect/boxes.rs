@@ -6,16 +6,12 @@ use crate::check::imaged;
 use crate::cli::inspect::Line;
 use crate::cli::shared::input::Input;
 use crate::detect::Options;
-use crate::io::boxes::along;
+use crate::io::boxes::{along, count_outside};
 use crate::io::{About, Particles};
 use crate::number::{number, plural};
 use crate::periodic::{ImagePair, Periodic};
 use crate::scene::{AnyScene, Lattice, Real};
 use crate::with_scene;
-
-/// A particle is outside the box where it is farther out than this part of a vector: the corner
-/// and the coordinates in units of the vectors are rounded.
-const ROUNDED: f64 = 1e-9;
 
 /// Prints the box of the file, and the one that counts.
 pub(super) fn report(particles: &Particles, about: &About, input: &Input, lines: &mut Vec<Line>) {
@@ -78,24 +74,13 @@ pub(super) fn report(particles: &Particles, about: &About, input: &Input, lines:
             ("box_heights", json!(heights)),
         ],
     ));
-    let outside = (0..particles.len()).filter(|&k| is_outside(lattice, particles.centre(k)));
-    let outside = outside.count();
+    let outside = count_outside((0..particles.len()).map(|k| particles.centre(k)), lattice);
     let same = if outside == 0 { "" } else { "; it does not matter which image a file names" };
     lines.push(Line(
         "outside the box",
         format!("{}{same}", plural(outside, "particle")),
         vec![("outside", json!(outside))],
     ));
-}
-
-/// Is the point beyond a face at which the box repeats?
-fn is_outside(lattice: &Lattice, point: [f64; 3]) -> bool {
-    let origin = lattice.origin();
-    (0..3).filter(|&vector| lattice.periodic()[vector]).any(|vector| {
-        let dual = lattice.dual(vector);
-        let at: f64 = (0..3).map(|k| dual[k] * (point[k] - origin[k])).sum();
-        !(-ROUNDED..=1.0 + ROUNDED).contains(&at)
-    })
 }
 
 /// Prints the distances of the box's faces against the farthest that two bodies touch, and the

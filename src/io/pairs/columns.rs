@@ -50,8 +50,8 @@ pub(super) struct Columns {
 }
 
 impl Columns {
-    /// By their names; by those that were `chosen`, which may be numbers from 1, and nothing else is
-    /// asked about then. None where no pair is named.
+    /// By their names; by those that were `chosen`, which may be numbers from 1, and nothing else
+    /// is asked about then. None where no pair is named.
     pub fn named(
         names: &[String],
         chosen: &[&str],

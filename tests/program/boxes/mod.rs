@@ -1,5 +1,6 @@
 //! Files with boxes as users meet them: used or refused in words, never ignored.
 
+mod draw;
 mod inspect;
 mod lists;
 
@@ -27,7 +28,7 @@ fn json_of(folder: &Path, arguments: &[&str]) -> Value {
 fn words(name: &str, axes: &str) -> String {
     format!(
         "contactbench: {name}: the box repeats along {axes}, and here boundaries are open; give \
-         --open (in an experiment open = true) to leave out contacts across it, or take detect, verify or inspect, which know boxes\n"
+         --open (in an experiment open = true) to leave out contacts across it, or take detect, verify, inspect or draw, which know boxes\n"
     )
 }
 
@@ -39,8 +40,7 @@ fn every_verb_that_takes_boundaries_as_open_says_so() {
     file(folder, "cube.xyz", CUBE);
     file(folder, "bare.csv", "x,y,z,r\n1,1,1,0.5\n2,1,1,0.5\n");
     file(folder, "list.csv", "i,j\n0,1\n");
-    let verbs: [&[&str]; 5] = [
-        &["draw", "-o", "never.svg"],
+    let verbs: [&[&str]; 4] = [
         &["recommend", "--seconds", "0.1"],
         &["scene"],
         &["trace", "nbs"],
@@ -82,7 +82,7 @@ fn experiments_say_that_a_file_is_open() {
         file(folder, "t.toml", text);
     };
     let said = "the box repeats along x and y, and here boundaries are open; give --open (in an \
-                experiment open = true) to leave out contacts across it, or take detect, verify or inspect, which know boxes";
+                experiment open = true) to leave out contacts across it, or take detect, verify, inspect or draw, which know boxes";
     for refusing in ["", "open = false\n", "open = \"false\"\n"] {
         experiment(refusing);
         let ended = run(folder, &["run", "t.toml", "--out", "out"]);
@@ -126,7 +126,7 @@ fn nobody_is_left_to_guess_about_a_data_file() {
     assert_eq!(found["box_vectors"][0], json!([4.0, 0.0, 0.0]));
     assert_eq!(found["periodic"], json!([true, true, false]));
     assert_eq!(
-        refused(folder, &["draw", "p.lmp", "--periodic", "xy"], &[]).stderr,
+        refused(folder, &["scene", "p.lmp", "--periodic", "xy"], &[]).stderr,
         words("p.lmp", "x and y")
     );
 }
@@ -197,9 +197,10 @@ fn detect_names_the_images_that_touch() {
     good(folder, &["detect", "tilted.dump", "-o", "pairs.vtk"]);
     let text = std::fs::read_to_string(folder.join("pairs.vtk")).unwrap();
     for part in [
-        "POINTS 5 double\n1.0 1.0 1.0\n",
-        "\n2.5 3.25 3.0\n1.5 -0.75 3.0\nLINES 2 6\n2 0 1\n2 2 4\nPOINT_DATA 5\n",
-        "default\n0.5\n0.5\n0.5\n0.5\n0.0\nSCALARS image int 1\nLOOKUP_TABLE default\n0\n0\n0\n0\n1\n",
+        "POINTS 6 double\n1.0 1.0 1.0\n",
+        "\n2.5 3.25 3.0\n1.5 -0.75 3.0\n2.5 4.25 3.0\nLINES 3 9\n2 0 1\n2 2 4\n2 3 5\nPOINT_DATA 6\n",
+        "default\n0.5\n0.5\n0.5\n0.5\n0.0\n0.0\nSCALARS image int 1\nLOOKUP_TABLE \
+         default\n0\n0\n0\n0\n1\n1\n",
     ] {
         assert!(text.contains(part), "'{part}' in {text}");
     }
@@ -222,7 +223,9 @@ fn detect_names_the_images_that_touch() {
     good(folder, &[&discs[..], &["-o", "discs.vtk"]].concat());
     let text = std::fs::read_to_string(folder.join("discs.vtk")).unwrap();
     assert!(
-        text.contains("POINTS 3 double\n0.25 1.0 0.0\n3.25 1.0 0.0\n-0.75 1.0 0.0\n"),
+        text.contains(
+            "POINTS 4 double\n0.25 1.0 0.0\n3.25 1.0 0.0\n-0.75 1.0 0.0\n4.25 1.0 0.0\nLINES 2 6\n"
+        ),
         "{text}"
     );
     // Without a box nothing has changed.
