@@ -1,5 +1,7 @@
 //! `contactbench verify`.
 
+mod hint;
+
 use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -9,7 +11,6 @@ use serde_json::{Value, json};
 
 use crate::check::imaged::Listed;
 use crate::check::listed::{Allowed, Meaning, Naming, Taken, Terms, Verification, particle};
-use crate::check::reading::{Deviation, Reading};
 use crate::cli::shared::arithmetic::arithmetic;
 use crate::cli::shared::input::{self, Input};
 use crate::cli::shared::limit::Limit;
@@ -194,22 +195,8 @@ fn numbers(numbers: &[i32], between: &str) -> String {
     numbers.iter().map(i32::to_string).collect::<Vec<_>>().join(between)
 }
 
-fn flag(meaning: Meaning) -> String {
-    match meaning {
-        Meaning::Base(base) => format!("--base {base}"),
-        Meaning::Ids => "--ids".into(),
-    }
-}
-
 fn counted(count: u64, what: &str) -> String {
     plural(usize::try_from(count).unwrap_or(usize::MAX), what)
-}
-
-/// Upwards to three digits, in the fewest that read back.
-fn rounded_up(value: f64) -> f64 {
-    let step = 10f64.powf(value.abs().log10().floor() - 2.0);
-    let up = format!("{:.2e}", (value / step).ceil() * step).parse().unwrap_or(value);
-    if up >= value { up } else { value }
 }
 
 impl Verified<'_> {
@@ -277,115 +264,6 @@ impl Verified<'_> {
             Taken::Each => "pairs without images, each as often as images of it touch",
             Taken::Once => "pairs without images, each once, through how many it touches",
         })
-    }
-
-    /// The options with which the list would be read so.
-    fn flags(&self, reading: &Reading) -> Vec<String> {
-        let mut flags = Vec::new();
-        if reading.meaning != self.naming {
-            flags.push(flag(reading.meaning));
-        }
-        if reading.both_sides {
-            flags.push("--both-sides".into());
-        }
-        match reading.deviation {
-            Some(Deviation::Rounded(arithmetic)) => {
-                flags.push(format!("--arithmetic {}", arithmetic.name()))
-            }
-            Some(Deviation::Skin(gap)) => flags.push(format!("--skin {}", rounded_up(gap))),
-            _ => {}
-        }
-        if reading.open {
-            flags.push("--open".into());
-        }
-        if let Some(axes) = reading.declared.filter(|_| !self.repeats) {
-            let names = ["x", "y", "z"].into_iter().zip(axes).filter(|(_, yes)| *yes);
-            flags.push(format!("--periodic {}", names.map(|(name, _)| name).collect::<String>()));
-        }
-        if let Some(lengths) = &reading.periodic {
-            let axes: String = lengths
-                .iter()
-                .zip(["x", "y", "z"])
-                .filter_map(|(length, axis)| length.map(|_| axis))
-                .collect();
-            if !self.boxed {
-                // The length of an axis that is open is not looked at.
-                let edges: Vec<String> =
-                    lengths.iter().map(|length| format!("{:?}", length.unwrap_or(0.0))).collect();
-                flags.push(format!("--box {}", edges.join(",")));
-            }
-            flags.push(format!("--periodic {axes}"));
-        }
-        flags
-    }
-
-    /// How the list would agree, and what to do.
-    fn sentence(&self, reading: &Reading) -> String {
-        let mut with = Vec::new();
-        if reading.meaning != self.naming {
-            with.push(match reading.meaning {
-                Meaning::Base(base) => format!("numbers from {base}"),
-                Meaning::Ids => "ids of the particles' file as numbers".into(),
-            });
-        }
-        if reading.both_sides {
-            with.push("each pair taken once, which is listed as i,j and as j,i".into());
-        }
-        match reading.deviation {
-            None => {}
-            Some(Deviation::Rounded(arithmetic)) => {
-                with.push(format!("contacts decided in {}", arithmetic.name()))
-            }
-            Some(Deviation::Strict) => {
-                with.push("< in the place of <= (the pairs missed touch in one point)".into())
-            }
-            Some(Deviation::Tangent) => {
-                with.push("any answer for pairs that are tangent to the last digits".into())
-            }
-            Some(Deviation::Skin(gap)) => {
-                with.push(format!("pairs up to {} apart (a skin)", rounded_up(gap)))
-            }
-            Some(Deviation::Radii(by)) => {
-                let slip = match by {
-                    2.0 => ": diameters taken for radii?",
-                    0.5 => ": radii taken for diameters?",
-                    _ => "",
-                };
-                with.push(format!("radii {} times as large{slip}", number(by)))
-            }
-        }
-        if let Some(lengths) = &reading.periodic {
-            let along = lengths.iter().zip(["x", "y", "z"]);
-            let box_of = |(length, axis): (&Option<f64>, &str)| {
-                length.map(|length| format!("{} along {axis}", number(length)))
-            };
-            let lengths: Vec<String> = along.filter_map(box_of).collect();
-            with.push(format!("periodic images (a box of {})", lengths.join(", ")));
-        }
-        if let Some(axes) = reading.declared {
-            with.push(format!("the file's box, repeating along {}", along(axes)));
-        }
-        if reading.turned {
-            with.push("images of i in the place of those of j (S with the other sign)".into());
-        }
-        if reading.open {
-            with.push("open boundaries (no contact across the box)".into());
-        }
-        let result = match reading.wrong {
-            0 => format!("all {} agree", counted(reading.listed, "pair")),
-            wrong => format!("all but {} agree", counted(wrong, "pair")),
-        };
-        let flags = self.flags(reading);
-        let add =
-            if flags.is_empty() { String::new() } else { format!(": add {}", flags.join(" ")) };
-        // What nobody need say is what the file says.
-        let instead = match reading.periodic.is_some() || reading.declared.is_some() {
-            true if self.options.input.open => ": leave out --open",
-            true if self.options.input.periodic.is_some() => ": leave out --periodic none",
-            _ => "",
-        };
-        let add = if instead.is_empty() { add } else { add.replacen(": add", ", and add", 1) };
-        format!("with {}, {result}{instead}{add}", with.join(", and "))
     }
 
     /// The worst of `count` pairs of a kind, with their particles.

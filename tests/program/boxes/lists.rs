@@ -106,7 +106,7 @@ fn verify_says_which_option_is_missing() {
     };
     let tilted = ["tilted.dump"];
     list("i,j\n0,1\n");
-    let open = "open boundaries (no contact across the box), all 1 pair agree: add --open";
+    let open = "open boundaries (no contact across the box), the one pair agrees: add --open";
     hint(&tilted, open, json!("--open"));
     list("i,j,sx,sy,sz\n1,2,0,0,0\n3,4,0,-1,0\n");
     hint(&tilted, "numbers from 1, all 2 pairs agree: add --base 1", json!("--base 1"));
@@ -128,7 +128,7 @@ fn verify_says_which_option_is_missing() {
     // A box of which the file does not say whether it repeats, or that was left out.
     list("1,2\n2,1\n");
     let declared = "numbers from 1, and each pair taken once, which is listed as i,j and as j,i, \
-                    and the file's box, repeating along x, y and z, all 1 pair agree: add --base 1 \
+                    and the file's box, repeating along x, y and z, the one pair agrees: add --base 1 \
                     --both-sides --periodic xyz";
     hint(&["p.lmp"], declared, json!("--base 1 --both-sides --periodic xyz"));
     list("0,1\n2,3\n");
@@ -301,4 +301,142 @@ fn images_are_understood_however_they_are_called_or_refused() {
     file(folder, "local.dump", local);
     let ended = good(folder, &[&space[..], &["local.dump"]].concat());
     assert!(ended.stdout.contains(compared), "{}", ended.stdout);
+}
+
+/// A list of another code that made one of the usual mistakes, and what the hint says of it.
+#[test]
+fn the_usual_mistakes_in_boxes_are_recognised() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    // In a box of 5 by 4 by 4, some outside.
+    let atoms = |radius: f64| -> String {
+        let mut state = 1u64;
+        let mut random = |scale: f64| {
+            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            ((state >> 33) as f64 / 2f64.powi(31) * scale * 256.0).floor() / 256.0
+        };
+        let rows = (0..60).map(|_| {
+            let [r, x, y, z] = [0.25 + random(0.25), random(6.0) - 0.5, random(4.0), random(4.0)];
+            format!("{x},{y},{z},{}\n", radius * r)
+        });
+        format!("x,y,z,r\n{}", rows.collect::<String>())
+    };
+    file(folder, "p.csv", atoms(1.0));
+    file(folder, "doubled.csv", atoms(2.0));
+    file(folder, "halved.csv", atoms(0.5));
+    let tilted = "5,4,4,1.5,0,0.5";
+    let detect = |name: &str, more: &[&str]| {
+        good(folder, &[&["detect", name, "--box"], more].concat()).stdout
+    };
+    let rows = |list: &str, of: &dyn Fn([i64; 5]) -> Option<[i64; 5]>| -> String {
+        let lines = list.lines().skip(1).filter_map(|line| {
+            let numbers: Vec<i64> = line.split(',').map(|cell| cell.parse().unwrap()).collect();
+            of(numbers.try_into().unwrap())
+        });
+        let row = |row: [i64; 5]| row.map(|number| number.to_string()).join(",") + "\n";
+        format!("i,j,sx,sy,sz\n{}", lines.map(row).collect::<String>())
+    };
+    let own = detect("p.csv", &[tilted]);
+    assert!(own.lines().count() > 40, "{own}");
+    let hint = |list: &str, words: &str, flags: Value| {
+        file(folder, "list.csv", list);
+        let verify = ["verify", "p.csv", "--box", tilted, "--pairs", "list.csv"];
+        let ended = run(folder, &verify);
+        let said: String = ended.stdout.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert_eq!(ended.code, Some(1), "{}{}", ended.stdout, ended.stderr);
+        assert!(said.contains(&format!("hint: with {words}")), "'{words}' in:\n{}", ended.stdout);
+        let found = run(folder, &[&verify[..], &["--json"]].concat());
+        let found: Value = serde_json::from_str(&found.stdout).unwrap();
+        assert_eq!(found["hint"], flags, "{found:#}");
+        let Some(flags) = flags.as_str() else { return };
+        let more: Vec<&str> = flags.split(' ').collect();
+        let verify = match flags.contains("--box") {
+            true => [&["verify", "p.csv", "--pairs", "list.csv"], &more[..]].concat(),
+            false => [&verify[..], &more].concat(),
+        };
+        good(folder, &verify);
+    };
+    let pairs = |list: &str| list.lines().count() - 1;
+    let all = |list: &str| format!("all {} pairs agree", pairs(list));
+    for without in [false, true] {
+        let plain = |list: String| match without {
+            false => list,
+            true => list
+                .lines()
+                .map(|line| line.split(',').take(2).collect::<Vec<_>>().join(",") + "\n")
+                .collect(),
+        };
+        let list = plain(detect("doubled.csv", &[tilted]));
+        let words = format!("radii 2 times as large: diameters taken for radii?, {}", all(&list));
+        hint(&list, &words, Value::Null);
+        let list = plain(detect("halved.csv", &[tilted]));
+        let words = format!("radii 0.5 times as large: radii taken for diameters?, {}", all(&list));
+        hint(&list, &words, Value::Null);
+        for (axes, words) in [("xy", "x and y"), ("z", "z")] {
+            let list = plain(detect("p.csv", &[tilted, "--periodic", axes]));
+            let words = format!("a box that repeats along {words}, {}", all(&list));
+            hint(&list, &words, json!(format!("--periodic {axes}")));
+        }
+        let list = plain(detect("p.csv", &["5,4,4"]));
+        let words = format!("a box without its tilt, {}", all(&list));
+        hint(&list, &words, json!("--box 5.0,4.0,4.0"));
+    }
+    let list = rows(&own, &|[i, j, ..]| Some([i, j, 0, 0, 0]));
+    let zero =
+        format!("the images of the list left out (all that are named are 0), {}", all(&list));
+    hint(&list, &zero, Value::Null);
+    let list = rows(&own, &|[i, j, x, y, z]| Some([j, i, x, y, z]));
+    let turned =
+        format!("images of i in the place of those of j (S with the other sign), {}", all(&own));
+    hint(&list, &turned, Value::Null);
+    // As a code says it that has put them into the box first.
+    let scene: Vec<[f64; 3]> = atoms(1.0)
+        .lines()
+        .skip(1)
+        .map(|line| {
+            let numbers: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap()).collect();
+            [numbers[0], numbers[1], numbers[2]]
+        })
+        .collect();
+    let cell = |k: i64| {
+        let [x, y, z] = scene[k as usize];
+        let c = z / 4.0;
+        let b = (y - 0.5 * c) / 4.0;
+        let a = (x - 1.5 * b) / 5.0;
+        [a, b, c].map(|part| part.floor() as i64)
+    };
+    let list = rows(&own, &|[i, j, x, y, z]| {
+        let (a, b) = (cell(i), cell(j));
+        Some([i, j, x - a[0] + b[0], y - a[1] + b[1], z - a[2] + b[2]])
+    });
+    let words =
+        "images that are counted from particles put into the box (in the file some are outside)";
+    hint(&list, &format!("{words}, {}", all(&list)), Value::Null);
+
+    // What no reading explains has no hint: one pair too many, nothing at all, many mistakes.
+    let none = |list: &str| {
+        file(folder, "list.csv", list);
+        let ended = run(folder, &["verify", "p.csv", "--box", tilted, "--pairs", "list.csv"]);
+        assert_eq!(ended.code, Some(1), "{}{}", ended.stdout, ended.stderr);
+        assert!(!ended.stdout.contains("hint:"), "{}", ended.stdout);
+    };
+    none("i,j\n");
+    none(&(own.clone() + "0,1,0,0,0\n"));
+    none(&rows(&own, &|row| (row[0] % 3 != 0).then_some(row)));
+
+    // A box so small that there are several images of a pair, and own ones.
+    let of = |name: &str, edges: &str, list: &str, words: &str| {
+        file(folder, "list.csv", list);
+        let ended = run(folder, &["verify", name, "--box", edges, "--pairs", "list.csv"]);
+        let said: String = ended.stdout.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(said.contains(&format!("hint: with {words}")), "'{words}' in:\n{}", ended.stdout);
+    };
+    let list = detect("doubled.csv", &["1.5,4,4"]);
+    let others = rows(&list, &|row| (row[0] != row[1]).then_some(row));
+    assert!(pairs(&others) < pairs(&list));
+    let words = format!("no contact of a particle with its own image, {}", all(&others));
+    of("doubled.csv", "1.5,4,4", &others, &words);
+    file(folder, "two.csv", "x,y,r\n0,0,0.8\n1.5,0,0.8\n");
+    let words = "no image but the nearest of each pair (minimum image), the one pair agrees";
+    of("two.csv", "2.5,9", "i,j,sx,sy\n0,1,-1,0\n", words);
 }
