@@ -10,6 +10,7 @@ use crate::cli::shared::input::{self, Input};
 use crate::cli::shared::terminal;
 use crate::io::{self, About, Particles, RadiusSource};
 use crate::number::{number, wrap};
+use crate::periodic::Periodic;
 use crate::scene::stats::stats;
 
 mod boxes;
@@ -45,21 +46,37 @@ pub fn inspect(options: &Inspect) -> anyhow::Result<ExitCode> {
     of_centres(&particles, &mut lines, &mut warnings);
     if about.radius != RadiusSource::Missing {
         let source = about.radius.clone();
-        // The box stays out of what follows, and that is said.
         let (scene, lattice) =
             particles.within(&options.file.display().to_string(), options.input.radius)?;
-        let contacts = Contacts::new(&scene);
-        let within = lattice.is_some();
-        contacts::report(&scene, &source, within, &contacts, &mut lines, &mut warnings);
-        if let Some(lattice) = lattice {
-            boxes::reach(&scene, lattice, &mut lines, &mut warnings);
+        let (periodic, open_scene);
+        let (scene, within, contacts) = match lattice {
+            Some(lattice) => {
+                periodic = Periodic::new(scene, lattice)?;
+                (periodic.scene(), Some(&periodic), Contacts::within(&periodic))
+            }
+            None => {
+                open_scene = scene;
+                (&open_scene, None, Contacts::new(&open_scene))
+            }
+        };
+        contacts::report(scene, &source, within, &contacts, &mut lines, &mut warnings);
+        if let Some(periodic) = within {
+            boxes::reach(periodic, &mut lines, &mut warnings);
         }
         if let Some(count) = contacts.exact() {
-            let stats = stats(&scene, count);
+            let stats = stats(scene, count);
+            let cell = within.and_then(boxes::packing_fraction);
+            let (fraction, of) = match cell {
+                Some(fraction) => (fraction, "the box that repeats, overlaps counted twice"),
+                None => (stats.packing_fraction, "the box around the bodies"),
+            };
             lines.push(Line(
                 "packing fraction",
-                format!("{:.4} of the box around the bodies", stats.packing_fraction),
-                vec![("packing_fraction", json!(stats.packing_fraction))],
+                format!("{fraction:.4} of {of}"),
+                vec![
+                    ("packing_fraction", json!(fraction)),
+                    ("packing_of", json!(if cell.is_some() { "box" } else { "bounds" })),
+                ],
             ));
             lines.push(Line(
                 "fingerprint",

@@ -165,16 +165,16 @@ pub fn along(axes: [bool; 3]) -> String {
 /// and the coordinates in units of the vectors are rounded.
 const OUT: f64 = 1e-9;
 
-/// How many points are beyond a face at which the box repeats.
-pub fn count_outside(points: impl Iterator<Item = [f64; 3]>, lattice: &Lattice) -> usize {
-    let outside = points.filter(|point| {
+/// The places in a list of the points that are beyond a face at which the box repeats.
+pub fn outside(points: impl Iterator<Item = [f64; 3]>, lattice: &Lattice) -> Vec<usize> {
+    let is_outside = |point: [f64; 3]| {
         (0..3).filter(|&vector| lattice.periodic()[vector]).any(|vector| {
             let (dual, origin) = (lattice.dual(vector), lattice.origin());
             let at: f64 = (0..3).map(|k| dual[k] * (point[k] - origin[k])).sum();
             !(-OUT..=1.0 + OUT).contains(&at)
         })
-    });
-    outside.count()
+    };
+    points.enumerate().filter(|(_, point)| is_outside(*point)).map(|(k, _)| k).collect()
 }
 
 /// What there is to say of a box of which nobody says whether it repeats.

@@ -1,16 +1,16 @@
 //! What the box says.
 
+use std::f64::consts::PI;
+
 use serde_json::json;
 
-use crate::check::imaged;
 use crate::cli::inspect::Line;
 use crate::cli::shared::input::Input;
-use crate::detect::Options;
-use crate::io::boxes::{along, count_outside};
+use crate::io::boxes::{along, outside};
 use crate::io::{About, Particles};
 use crate::number::{number, plural};
-use crate::periodic::{ImagePair, Periodic};
-use crate::scene::{AnyScene, Lattice, Real};
+use crate::periodic::Periodic;
+use crate::scene::Real;
 use crate::with_scene;
 
 /// Prints the box of the file, and the one that counts.
@@ -40,11 +40,11 @@ pub(super) fn report(particles: &Particles, about: &About, input: &Input, lines:
     };
     let dim = particles.dim();
     let axes = lattice.periodic();
-    let source = match (input.edges, input.periodic) {
-        (Some(_), Some(_)) => " (--box, --periodic)",
-        (Some(_), None) => " (--box)",
-        (None, Some(_)) => " (--periodic)",
-        (None, None) => ", as the file says",
+    let said = about.declared.as_ref().is_some_and(|declared| declared.periodic.is_some());
+    let source = match input.periodic {
+        Some(_) => " (--periodic)",
+        None if said => ", as the file says",
+        None => " (--box)",
     };
     lines.push(Line(
         "boundaries",
@@ -61,8 +61,9 @@ pub(super) fn report(particles: &Particles, about: &About, input: &Input, lines:
     lines.push(Line(
         "box",
         format!(
-            "vectors {}, lengths {}, {shape}; corner {}",
+            "vectors {}{}, lengths {}, {shape}; corner {}",
             rows(&vectors),
+            if input.edges.is_some() { " (--box)" } else { "" },
             list(&lengths),
             list(origin)
         ),
@@ -74,56 +75,38 @@ pub(super) fn report(particles: &Particles, about: &About, input: &Input, lines:
             ("box_heights", json!(heights)),
         ],
     ));
-    let outside = count_outside((0..particles.len()).map(|k| particles.centre(k)), lattice);
-    let same = if outside == 0 { "" } else { "; it does not matter which image a file names" };
+    let outside = outside((0..particles.len()).map(|k| particles.centre(k)), lattice);
+    let such = match outside.first() {
+        Some(first) => format!(", such as particle {first} (from 0)"),
+        None => String::new(),
+    };
     lines.push(Line(
         "outside the box",
-        format!("{}{same}", plural(outside, "particle")),
-        vec![("outside", json!(outside))],
+        format!("{}{such}", plural(outside.len(), "particle")),
+        vec![("outside", json!(outside.len()))],
     ));
 }
 
-/// Prints the distances of the box's faces against the farthest that two bodies touch, and the
-/// contacts in the box; warns of boxes so small that the nearest image is not all.
-pub(super) fn reach(
-    scene: &AnyScene<'_>,
-    lattice: Lattice,
-    lines: &mut Vec<Line>,
-    warnings: &mut Vec<String>,
-) {
+/// Prints the distances of the box's faces against the farthest that two bodies touch; warns of
+/// boxes so small that the nearest image is not all.
+pub(super) fn reach(periodic: &Periodic<'_>, lines: &mut Vec<Line>, warnings: &mut Vec<String>) {
+    let (scene, lattice) = (periodic.scene(), periodic.lattice());
     let reach = 2.0 * with_scene!(scene, scene => scene.largest_radius().wide());
-    let periodic = (0..3).filter(|&k| lattice.periodic()[k]);
-    let heights: Vec<(&str, f64)> =
-        periodic.map(|k| (["x", "y", "z"][k], lattice.height(k))).collect();
+    let axes = (0..3).filter(|&k| lattice.periodic()[k]);
+    let heights: Vec<(&str, f64)> = axes.map(|k| (["x", "y", "z"][k], lattice.height(k))).collect();
     let text: Vec<String> =
         heights.iter().map(|(axis, height)| format!("{axis} {}", number(*height))).collect();
+    let least = heights.iter().map(|(_, height)| *height).fold(f64::INFINITY, f64::min) / reach;
+    let times = if least.is_finite() {
+        format!(": at least {} times as far", number(least))
+    } else {
+        String::new()
+    };
     lines.push(Line(
         "between faces",
-        format!("{}; bodies touch over {} at most", text.join(", "), number(reach)),
-        vec![("reach", json!(reach))],
+        format!("{}; bodies touch over {} at most{times}", text.join(", "), number(reach)),
+        vec![("reach", json!(reach)), ("least_height_over_reach", json!(least))],
     ));
-    match contacts(scene, lattice) {
-        Err(error) => {
-            warnings.push(format!("contacts across the box were not looked for: {error:#}"));
-        }
-        Ok(pairs) => {
-            let across = pairs.iter().filter(|pair| pair.image != [0; 3]).count();
-            let each = 2.0 * pairs.len() as f64 / scene.len().max(1) as f64;
-            lines.push(Line(
-                "in the box",
-                format!(
-                    "{} contacts (exact), {across} of them across it, {} per particle",
-                    pairs.len(),
-                    number(each)
-                ),
-                vec![
-                    ("contacts_in_box", json!(pairs.len())),
-                    ("contacts_across", json!(across)),
-                    ("coordination_in_box", json!(each)),
-                ],
-            ));
-        }
-    }
     // The last places of a height are rounded: nobody is warned wrongly for want of one.
     let narrow = |times: f64| {
         let axes = heights.iter().filter(|(_, height)| *height <= times * reach * (1.0 + 1e-12));
@@ -151,7 +134,24 @@ fn rows<V: AsRef<[f64]>>(vectors: &[V]) -> String {
     rows.join(" ")
 }
 
-fn contacts(scene: &AnyScene<'_>, lattice: Lattice) -> anyhow::Result<Vec<ImagePair>> {
-    let periodic = Periodic::new(scene.clone(), lattice)?;
-    imaged::contacts(&periodic, Options::default().memory_limit)
+/// The volume of the bodies over that of the box; none where it is open along some axis.
+pub(super) fn packing_fraction(periodic: &Periodic<'_>) -> Option<f64> {
+    let (scene, lattice) = (periodic.scene(), periodic.lattice());
+    let [a, b, c] = *lattice.vectors();
+    let dim = scene.dim();
+    let flat = a[0] * b[1] - a[1] * b[0];
+    let volume = match dim {
+        2 => flat,
+        _ => {
+            let cross =
+                [b[1] * c[2] - b[2] * c[1], b[2] * c[0] - b[0] * c[2], b[0] * c[1] - b[1] * c[0]];
+            (0..3).map(|k| a[k] * cross[k]).sum()
+        }
+    };
+    let ball = if dim == 2 { PI } else { 4.0 / 3.0 * PI };
+    let bodies: f64 = with_scene!(scene, scene => {
+        (0..scene.len()).map(|k| ball * scene.radius(k).wide().powi(dim as i32)).sum()
+    });
+    let fraction = bodies / volume.abs();
+    (lattice.periodic()[..dim] == [true; 3][..dim] && fraction.is_finite()).then_some(fraction)
 }

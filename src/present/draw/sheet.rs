@@ -3,7 +3,7 @@
 use crate::check::listed::particle;
 use crate::contact::{Test, any_bodies};
 use crate::filter::Cells;
-use crate::io::boxes::{along, count_outside};
+use crate::io::boxes::{along, outside};
 use crate::number::wrap;
 use crate::periodic;
 use crate::present::draw::flat::Flat;
@@ -99,9 +99,9 @@ impl<'a> Sheet<'a> {
                 let centre = particle(scene, k).0;
                 std::array::from_fn(|axis| centre.get(axis).copied().unwrap_or(0.0))
             };
-            let outside = match count_outside((0..scene.len() as u32).map(centre), lattice) {
+            let outside = match outside((0..scene.len() as u32).map(centre), lattice).len() {
                 0 => String::new(),
-                outside => format!(", {outside} outside it"),
+                count => format!(", {count} outside it"),
             };
             format!(" in a box that repeats along {}{outside}", along(lattice.periodic()))
         });

@@ -18,17 +18,17 @@ fn inspect_shows_the_box() {
         ("periodic", json!([true, true, false])),
         ("outside", json!(0)),
         ("reach", json!(1.0)),
-        // The open numbers, marked.
-        ("contacts", json!(1)),
-        ("boundaries", json!("open")),
-        // And those of the box.
-        ("contacts_in_box", json!(2)),
+        ("contacts", json!(2)),
         ("contacts_across", json!(1)),
-        ("coordination_in_box", json!(1.0)),
+        ("contacts_own", json!(0)),
+        ("coordination", json!(1.0)),
+        ("boundaries", json!("periodic")),
+        ("near_tangent", json!(2)),
+        ("packing_of", json!("bounds")),
         (
             "warnings",
             json!([
-                "1 couples are within 1e-9 of just touching: codes that round in different ways \
+                "2 couples are within 1e-9 of just touching: codes that round in different ways \
                  will disagree about them"
             ]),
         ),
@@ -45,9 +45,8 @@ fn inspect_shows_the_box() {
         "boundaries        the box repeats along x and y, as the file says\n",
         "box               vectors (4 0 0) (1 4 0) (0 0 4), lengths 4 4.123 4, tilted; corner 0 0",
         "outside the box   0 particles\n",
-        "between faces     x 3.881, y 4; bodies touch over 1 at most\n",
-        "open boundaries: none across the box",
-        "in the box        2 contacts (exact), 1 of them across it, 1 per particle\n",
+        "between faces     x 3.881, y 4; bodies touch over 1 at most: at least 3.881 times as far\n",
+        "in contact), 1 of them across the box, 0 of one with itself, 1 per particle",
     ] {
         assert!(text.contains(line), "'{line}' in {text}");
     }
@@ -61,16 +60,23 @@ fn inspect_shows_the_box() {
         json_of(folder, &["inspect", name, "--json"])
     };
     let found = xyz("outside.xyz", "4", "0.5");
-    assert_eq!((&found["outside"], &found["warnings"]), (&json!(1), &json!([])), "{found:#}");
+    assert_eq!(found["outside"], json!(1), "{found:#}");
+    let nothing = found["warnings"][0].as_str().unwrap();
+    assert!(nothing.starts_with("nothing touches"), "{found:#}");
     let several = "the box is so small along x that two bodies may touch through several images, \
                    of which codes that look at the nearest one see one";
     assert_eq!(xyz("several.xyz", "4", "1")["warnings"], json!([several]));
     let own = "the box is so small along x that a body may touch its own image";
-    assert_eq!(xyz("own.xyz", "4", "2")["warnings"], json!([own]));
-    assert_eq!(xyz("free.xyz", "4.0001", "1")["warnings"], json!([]));
+    let found = xyz("own.xyz", "4", "2");
+    assert_eq!((&found["contacts_own"], &found["f32_missed"]), (&json!(2), &json!(0)));
+    assert!(found["warnings"].as_array().unwrap().contains(&json!(own)), "{found:#}");
+    assert!(!xyz("free.xyz", "4.0001", "1")["warnings"].to_string().contains("so small"));
+    file(folder, "cube.xyz", super::CUBE);
     // Discs.
     file(folder, "discs.csv", "x,y,r\n1,1,0.5\n");
     let found = json_of(folder, &["inspect", "discs.csv", "--box", "4,0,1,5", "--json"]);
+    assert!(close(&found["packing_fraction"], std::f64::consts::PI / 80.0), "{found:#}");
+    assert_eq!(found["packing_of"], json!("box"));
     assert_eq!(found["box_vectors"], json!([[4.0, 0.0], [1.0, 5.0]]));
     assert_eq!(found["periodic"], json!([true, true]));
     // Where there is none, that is said, too.
@@ -80,7 +86,16 @@ fn inspect_shows_the_box() {
         (&["tilted.dump", "--periodic", "none"], "boundaries        open (--periodic none)\n"),
         (
             &["discs.csv", "--box", "4,4", "--periodic", "x"],
-            "boundaries        the box repeats along x (--box, --periodic)\n",
+            "boundaries        the box repeats along x (--periodic)\n",
+        ),
+        (
+            &["tilted.dump", "--box", "5,5,5"],
+            "boundaries        the box repeats along x and y, as the file says\n",
+        ),
+        (&["tilted.dump", "--box", "5,5,5"], "vectors (5 0 0) (0 5 0) (0 0 5) (--box), lengths"),
+        (
+            &["cube.xyz"],
+            "packing fraction  0.0164 of the box that repeats, overlaps counted twice\n",
         ),
         (
             &["discs.csv", "--box", "4,4"],
