@@ -18,6 +18,7 @@ use crate::detect::spec::DetectorSpec;
 use crate::experiment::detectors;
 use crate::io;
 use crate::io::boxes::along;
+use crate::number::plural;
 use crate::periodic::{self, IMAGE_PAIR_BYTES, List, Periodic};
 use crate::probe::{Op, Tally};
 use crate::run::alloc;
@@ -96,10 +97,10 @@ pub fn detect(options: &Detect) -> anyhow::Result<ExitCode> {
         }
     }
     eprintln!(
-        "{name}: N = {}, {}D, {} pairs, {:.3} ms, {} held by the detector, {}, {} arithmetic",
+        "{name}: N = {}, {}D, {}, {:.3} ms, {} held by the detector, {}, {} arithmetic",
         scene.len(),
         scene.dim(),
-        pairs.len(),
+        plural(pairs.len(), "pair"),
         seconds * 1e3,
         memory.map_or("memory not measured".into(), crate::cli::bytes),
         spec,
@@ -141,13 +142,13 @@ fn within(
     }
     let across = pairs.iter().filter(|pair| pair.image != [0; 3]).count();
     eprintln!(
-        "{name}: N = {}, {}D, {} pairs, {across} of them across the box, which repeats along {} \
-         ({} images made), {:.3} ms, {} held by the detector, {}, {} arithmetic",
+        "{name}: N = {}, {}D, {}, {across} of them across the box, which repeats along {} \
+         ({} made), {:.3} ms, {} held by the detector, {}, {} arithmetic",
         scene.len(),
         scene.dim(),
-        pairs.len(),
+        plural(pairs.len(), "pair"),
         along(lattice.periodic()),
-        tally.get(Op::GhostMade),
+        plural(tally.get(Op::GhostMade) as usize, "image"),
         seconds * 1e3,
         memory.map_or("memory not measured".into(), crate::cli::bytes),
         spec,

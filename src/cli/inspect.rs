@@ -43,7 +43,7 @@ pub fn inspect(options: &Inspect) -> anyhow::Result<ExitCode> {
     let (mut lines, mut warnings) = (Vec::new(), Vec::new());
     of_file(options, &particles, &about, &mut lines, &mut warnings);
     boxes::report(&particles, &about, &options.input, &mut lines);
-    of_centres(&particles, &mut lines, &mut warnings);
+    of_centres(&particles, options.input.dim, &mut lines, &mut warnings);
     if about.radius != RadiusSource::Missing {
         let source = about.radius.clone();
         let (scene, lattice) =
@@ -178,7 +178,12 @@ fn of_file(
 }
 
 /// What the centres say.
-fn of_centres(particles: &Particles, lines: &mut Vec<Line>, warnings: &mut Vec<String>) {
+fn of_centres(
+    particles: &Particles,
+    asked: Option<u32>,
+    lines: &mut Vec<Line>,
+    warnings: &mut Vec<String>,
+) {
     let (n, dim) = (particles.len(), particles.dim());
     if n == 0 {
         warnings.push("there are no particles".into());
@@ -198,7 +203,7 @@ fn of_centres(particles: &Particles, lines: &mut Vec<Line>, warnings: &mut Vec<S
         text.join(", "),
         vec![("low", json!(low[..dim])), ("high", json!(high[..dim]))],
     ));
-    if dim == 3 && low[2] == 0.0 && high[2] == 0.0 && n > 1 {
+    if asked.is_none() && dim == 3 && low[2] == 0.0 && high[2] == 0.0 && n > 1 {
         warnings.push("z is 0 for all: these may be discs; then give --dim 2".into());
     }
     if (0..dim).all(|k| low[k] >= 0.0 && high[k] <= 1.0 && high[k] - low[k] > 0.9) && n > 100 {

@@ -25,6 +25,7 @@ use crate::scene::spec::Spec;
 
 /// Options of `recommend`.
 #[derive(clap::Args)]
+#[command(mut_arg("edges", |arg| arg.hide(true)), mut_arg("periodic", |arg| arg.hide(true)))]
 pub struct Recommend {
     #[command(flatten)]
     source: Source,

@@ -12,6 +12,7 @@ use crate::io::write;
 
 /// Options of `scene`.
 #[derive(clap::Args)]
+#[command(mut_arg("edges", |arg| arg.hide(true)), mut_arg("periodic", |arg| arg.hide(true)))]
 pub struct Scene {
     /// A generator such as packed:dim=3,n=1000,seed=1 (see contactbench list scenes), or a particle
     /// file

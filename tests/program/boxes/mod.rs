@@ -158,8 +158,23 @@ fn what_contradicts_itself_is_refused() {
     ] {
         refused(folder, &[&["detect"], arguments].concat(), &[words]);
     }
-    // Numbers may be negative.
-    let found = json_of(folder, &["inspect", "cube.xyz", "--box", "-4,4,4,-1,0,0", "--json"]);
+    for (numbers, words) in [
+        ("-5,5", "an edge of -5 is negative; write LX,LY or LX,LY,LZ"),
+        ("5,-5,5,1,0,0", "an edge of -5 is negative"),
+        ("nan,5", "'nan' is not a finite number"),
+        ("5", "1 number is no box"),
+    ] {
+        refused(folder, &["detect", "cube.xyz", "--box", numbers], &[words]);
+    }
+    // Verbs that take boundaries as open do not offer boxes.
+    for (verb, offers) in [("detect", true), ("draw", true), ("scene", false), ("recommend", false)]
+    {
+        let help = good(folder, &[verb, "--help"]).stdout;
+        assert!(help.contains("--open"), "{help}");
+        assert_eq!([help.contains("--box"), help.contains("--periodic")], [offers; 2], "{help}");
+    }
+    // Other numbers may be negative.
+    let found = json_of(folder, &["inspect", "cube.xyz", "--box", "4,4,4,-1,0,0", "--json"]);
     assert_eq!(found["box_vectors"][1], json!([-1.0, 4.0, 0.0]));
 }
 
@@ -244,5 +259,7 @@ fn detect_names_the_images_that_touch() {
     let said = "plane.xyz: z is 0 for all, and the box repeats along z: if these are discs, give \
                 --dim 2\n";
     assert!(good(folder, &["detect", "plane.xyz"]).stderr.starts_with(said));
-    assert!(!good(folder, &["detect", "plane.xyz", "--dim", "2"]).stderr.contains("z is 0"));
+    for dim in ["2", "3"] {
+        assert!(!good(folder, &["detect", "plane.xyz", "--dim", dim]).stderr.contains("z is 0"));
+    }
 }
