@@ -9,8 +9,8 @@ use crate::scene::SceneError;
 pub enum Refusal {
     /// The arrays would be larger than the limit.
     #[error(
-        "{detector} needs {needed} bytes for this scene ({shape}), the limit is {limit}; raise \
-         the memory limit, or use another detector: sorting is the leanest, direct needs nothing"
+        "{detector} needs {needed} bytes for this scene ({shape}), the limit is {limit} bytes; \
+         raise the memory limit, or use another detector: sorting is the leanest, direct needs nothing"
     )]
     Memory { detector: &'static str, needed: u64, limit: u64, shape: String },
     /// There are more pairs than a list may hold, or could; they were counted.
@@ -59,8 +59,13 @@ pub enum Refusal {
     /// A periodic box has more images within reach than memory holds.
     #[error(
         "the {particles} particles have some {images:.1e} images in and around the box that may \
-         be within reach ({reach:e}), which take {needed:.1e} bytes, and the limit is {limit}; is \
-         the box in another unit than the radii? If not, raise the memory limit"
+         be within reach ({reach:e}), which take {needed:.1e} bytes, and the limit is {limit} \
+         bytes; {}raise the memory limit",
+        if *images > MANY * *particles as f64 {
+            "is the box in another unit than the radii? If not, "
+        } else {
+            ""
+        }
     )]
     Images { particles: u64, images: f64, reach: f64, needed: f64, limit: u64 },
     /// A particle so far from its periodic box that its image has no number.
@@ -113,6 +118,9 @@ impl Refusal {
         )
     }
 }
+
+/// Boxes with more images than this for each particle are much smaller than the bodies.
+const MANY: f64 = 100.0;
 
 /// A number of contacts, to be read.
 fn count(each: f64) -> String {

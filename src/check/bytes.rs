@@ -399,7 +399,7 @@ pub fn fuzz_reader(data: &[u8]) {
     };
     let format = match usize::from(kind & 15) {
         15 => {
-            let columns = (how & 1 == 1).then_some(["i", "j"]);
+            let columns = [&[][..], &["i", "j"], &[], &["1", "2", "3", "4"]][usize::from(how) % 4];
             io::pairs::from(data, "bytes", columns, frame).map_or_else(clear, drop);
             return;
         }

@@ -11,7 +11,7 @@ use anyhow::{Context, bail};
 use crate::check::listed::{
     Allowed, Couple, Naming, READING_BYTES, Taken, Terms, Verification, WORST, room_for,
 };
-use crate::check::reading::{Deviation, Reading};
+use crate::check::reading::{Reading, TakenBox};
 use crate::contact::Arithmetic;
 use crate::detect::{Options, table};
 use crate::io;
@@ -19,6 +19,8 @@ use crate::oracle::Errors;
 use crate::periodic::{self, ImagePair, Periodic, depth};
 use crate::scene::{AnyScene, Radii, Real, Scene};
 use crate::with_scene;
+
+mod explain;
 
 /// A list as it was read: pairs, and the image of the second, if there is one.
 #[derive(Clone, Copy, Debug)]
@@ -62,7 +64,7 @@ impl Verification {
         let small = (list.pairs.len() + truth.len()) as u64 * READING_BYTES <= terms.memory_limit;
         if !found.is_same() && terms.allowed == Allowed::default() && small {
             let namings: Vec<&Naming> = std::iter::once(naming).chain(others).collect();
-            found.reading = explain(periodic, list, &namings, &truth, terms)?;
+            found.reading = explain::explain(periodic, list, &namings, &truth, terms)?;
         }
         Ok(found)
     }
@@ -87,19 +89,12 @@ impl Verification {
         let list = Listed { pairs, images: None };
         // A hint is not worth an error.
         let Ok(found) = Verification::within(periodic, list, naming, others, terms) else { return };
-        let as_it_stands = Reading {
-            meaning: naming.meaning(),
-            both_sides: false,
-            deviation: None,
-            periodic: None,
-            declared: None,
-            turned: false,
-            open: false,
-            listed: pairs.len() as u64,
-            wrong: 0,
-        };
+        let as_it_stands =
+            Reading { listed: pairs.len() as u64, ..Reading::plain(naming.meaning()) };
         let reading = if found.is_same() { Some(as_it_stands) } else { found.reading };
-        if let Some(reading) = reading.filter(|reading| reading.wrong == 0 && !reading.open) {
+        if let Some(reading) =
+            reading.filter(|reading| reading.wrong == 0 && reading.taken != TakenBox::Open)
+        {
             let declared = Some(periodic.lattice().periodic());
             self.reading = Some(Reading { declared, ..reading });
         }
@@ -107,7 +102,7 @@ impl Verification {
 }
 
 /// What is asked of a contact.
-trait Measure {
+pub(crate) trait Measure {
     /// How far apart the particles are, in the units of the scene.
     fn gap(&self, pair: ImagePair) -> f64;
     /// The image of j nearest to i, but for very skewed boxes; of a particle itself another one.
@@ -156,14 +151,30 @@ pub fn contacts(periodic: &Periodic<'_>, limit: u64) -> anyhow::Result<Vec<Image
 /// All pairs that are apart by no more than a length, in order.
 fn within_gap(periodic: &Periodic<'_>, gap: f64, limit: u64) -> anyhow::Result<Vec<ImagePair>> {
     let larger = |r: f64| ((r + gap / 2.0) * (1.0 + 1e-9)).min(f64::MAX);
-    let swollen: AnyScene<'static> = match periodic.scene() {
+    let mut near = contacts(&swollen(periodic, larger)?, limit)?;
+    near.retain(|&pair| periodic.gap(pair) <= gap);
+    Ok(near)
+}
+
+/// The pairs that do not touch, with a gap under so many mean radii, in order; none where they
+/// cannot be found.
+pub(crate) fn nearly(periodic: &Periodic<'_>, part: f64, limit: u64) -> Vec<ImagePair> {
+    let Ok(swollen) = swollen(periodic, |r| r * (1.0 + part)) else { return Vec::new() };
+    let mut near = contacts(&swollen, limit).unwrap_or_default();
+    near.retain(|&pair| (-part..0.0).contains(&depth(periodic, pair)));
+    near
+}
+
+/// The same with other radii.
+fn swollen(
+    periodic: &Periodic<'_>,
+    larger: impl Fn(f64) -> f64,
+) -> anyhow::Result<Periodic<'static>> {
+    let scene: AnyScene<'static> = match periodic.scene() {
         AnyScene::Plane(scene) => swell(&scene.widened(), larger)?.into(),
         AnyScene::Space(scene) => swell(&scene.widened(), larger)?.into(),
     };
-    let swollen = Periodic::new(swollen, *periodic.lattice())?;
-    let mut near = contacts(&swollen, limit)?;
-    near.retain(|&pair| periodic.gap(pair) <= gap);
-    Ok(near)
+    Ok(Periodic::new(scene, *periodic.lattice())?)
 }
 
 fn swell<const D: usize>(
@@ -245,7 +256,7 @@ impl View<'_> {
             } else if pair.i == pair.j && pair.image == [0; 3] {
                 errors.self_pairs += 1;
             } else {
-                spurious.add(pair, depth(self.periodic, pair));
+                spurious.apart(self.periodic, pair);
             }
         }
         for &pair in self.truth.iter().filter(|pair| reported.binary_search(pair).is_err()) {
@@ -324,7 +335,7 @@ impl View<'_> {
                 errors.duplicate += more - 1;
             } else if expected + may == 0 {
                 let nearest = self.periodic.nearest(pair);
-                spurious.add(nearest, depth(self.periodic, nearest));
+                spurious.apart(self.periodic, nearest);
                 errors.duplicate += more - 1;
             } else {
                 errors.duplicate += more;
@@ -354,9 +365,16 @@ struct Worst {
     pairs: Vec<(ImagePair, f64)>,
     count: u64,
     largest: f64,
+    /// The widest gap, a length.
+    gap: f64,
 }
 
 impl Worst {
+    fn apart(&mut self, periodic: &Periodic<'_>, pair: ImagePair) {
+        self.gap = self.gap.max(periodic.gap(pair));
+        self.add(pair, depth(periodic, pair));
+    }
+
     fn add(&mut self, pair: ImagePair, depth: f64) {
         self.count += 1;
         self.largest = self.largest.max(depth.abs());
@@ -400,115 +418,8 @@ fn verification(
         within_skin,
         reading: None,
         taken,
+        gap: spurious.gap,
     }
-}
-
-/// The reading with the fewest pairs that differ, if it is better by half than the list as it
-/// stands.
-fn explain(
-    periodic: &Periodic<'_>,
-    list: Listed<'_>,
-    namings: &[&Naming],
-    truth: &[ImagePair],
-    terms: Terms,
-) -> anyhow::Result<Option<Reading>> {
-    let limit = terms.memory_limit;
-    let wrong = |found: &Verification| {
-        found.errors.wrong() + (found.unknown.len() + found.one_sided.len()) as u64
-    };
-    let turned: Option<Vec<[i32; 3]>> =
-        list.images.map(|images| images.iter().map(|s| s.map(i32::wrapping_neg)).collect());
-    let view = View { periodic, truth, near: &[] };
-    let mut best: Option<(u64, usize, bool, bool, Verification)> = None;
-    let mut given = None;
-    for (k, naming) in namings.iter().enumerate() {
-        for both_sides in [false, true] {
-            for turn in [false, true] {
-                let images = match (turn, &turned) {
-                    (false, _) => list.images,
-                    (true, Some(images)) => Some(images.as_slice()),
-                    (true, None) => continue,
-                };
-                let allowed = Allowed { both_sides, ..Allowed::default() };
-                let found = view.compare(Listed { images, ..list }, naming, allowed)?;
-                let wrong = wrong(&found);
-                given.get_or_insert(wrong);
-                if best.as_ref().is_none_or(|best| wrong < best.0) {
-                    best = Some((wrong, k, both_sides, turn, found));
-                }
-            }
-        }
-    }
-    let (Some(given), Some((mut least, k, both_sides, turned_round, found))) = (given, best) else {
-        return Ok(None);
-    };
-    let mut reading = Reading {
-        meaning: namings[k].meaning(),
-        both_sides,
-        deviation: None,
-        periodic: None,
-        declared: None,
-        turned: turned_round,
-        open: false,
-        listed: 0,
-        wrong: least,
-    };
-    let images = if turned_round { turned.as_deref() } else { list.images };
-    let list = Listed { images, ..list };
-    let allowed = Allowed { both_sides, ..Allowed::default() };
-    let mut consider = |truth: &[ImagePair], near: &[ImagePair], reading: Reading| {
-        let found = View { periodic, truth, near }.compare(list, namings[k], allowed)?;
-        let wrong = wrong(&found);
-        let better = wrong < least;
-        least = least.min(wrong);
-        anyhow::Ok(better.then_some(Reading { wrong, ..reading }))
-    };
-    let mut chosen = None;
-    if reading.wrong > 0 {
-        let open: Vec<ImagePair> =
-            truth.iter().copied().filter(|pair| pair.image == [0; 3]).collect();
-        let unshifted = open.len() < truth.len();
-        if unshifted
-            && let Some(better) = consider(&open, &[], Reading { open: true, ..reading.clone() })?
-        {
-            chosen = Some(better);
-        }
-        let Errors { missed, spurious, .. } = found.errors;
-        let flat = |pairs: &[(ImagePair, f64)]| pairs.iter().all(|(_, depth)| *depth == 0.0);
-        if spurious == 0 && missed > 0 && flat(&found.missed) {
-            let strict: Vec<ImagePair> =
-                truth.iter().copied().filter(|&pair| depth(periodic, pair) != 0.0).collect();
-            let deviation = Some(Deviation::Strict);
-            let read = Reading { deviation, ..reading.clone() };
-            chosen = consider(&strict, &[], read)?.or(chosen);
-        }
-        if terms.arithmetic == Arithmetic::Exact && missed + spurious > 0 {
-            for arithmetic in [Arithmetic::F64, Arithmetic::F32] {
-                let Ok(rounded) = periodic::truth(periodic, arithmetic, limit) else { continue };
-                let deviation = Some(Deviation::Rounded(arithmetic));
-                let read = Reading { deviation, ..reading.clone() };
-                chosen = consider(&rounded.pairs, &[], read)?.or(chosen);
-            }
-        }
-        if missed == 0 && spurious > 0 {
-            let gap =
-                found.spurious.iter().map(|&(pair, _)| periodic.gap(pair)).fold(0.0, f64::max);
-            if let Ok(near) = within_gap(periodic, gap, limit) {
-                let deviation = Some(Deviation::Skin(gap));
-                let read = Reading { deviation, ..reading.clone() };
-                // All up to the gap must be there.
-                chosen = consider(&near, &[], read)?.or(chosen);
-            }
-        }
-    }
-    if let Some(better) = chosen {
-        reading = better;
-    }
-    reading.listed = list.pairs.len() as u64;
-    if reading.both_sides {
-        reading.listed = reading.listed.div_ceil(2);
-    }
-    Ok((reading.wrong < given.div_ceil(2)).then_some(reading))
 }
 
 #[cfg(test)]

@@ -98,6 +98,8 @@ pub struct Verification {
     pub reading: Option<Reading>,
     /// What was compared.
     pub taken: Taken,
+    /// The widest gap of a spurious pair in a box, a length.
+    pub(super) gap: f64,
 }
 
 impl Naming {
@@ -194,6 +196,7 @@ impl Verification {
             within_skin: (named - reported.len()) as u64,
             reading: None,
             taken: Taken::Pairs,
+            gap: 0.0,
         };
         drop(reported);
         // A hint is not worth all the memory there is.

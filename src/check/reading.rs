@@ -10,11 +10,11 @@ use crate::sink::normalise;
 use crate::with_scene;
 
 /// Pairs apart by more than this, in mean radii, are not of a skin.
-const FAR: f64 = 2.5;
+pub(super) const FAR: f64 = 2.5;
 /// Differences below this, in mean radii, may be rounding of f32.
-const ROUNDED: f64 = 1e-3;
+pub(super) const ROUNDED: f64 = 1e-3;
 /// Couples within this of just touching, in mean radii, are tangent to the last digits.
-const TANGENT: f64 = 1e-9;
+pub(super) const TANGENT: f64 = 1e-9;
 /// So many pairs at least before a periodic box is guessed that the file does not declare.
 const ENOUGH: usize = 3;
 /// Copes with sizes and places of every kind.
@@ -33,14 +33,63 @@ pub struct Reading {
     pub periodic: Option<Vec<Option<f64>>>,
     /// The box that the file declares repeats along these axes.
     pub declared: Option<[bool; 3]>,
-    /// The images are those of the first particle, not of the second.
-    pub turned: bool,
-    /// The list knows no images: boundaries are open.
-    pub open: bool,
+    /// Which images are named, where the list has any.
+    pub images: ImagesOf,
+    /// What of the box the list knows.
+    pub taken: TakenBox,
     /// Pairs of the list, each once.
     pub listed: u64,
     /// Pairs that differ all the same.
     pub wrong: u64,
+}
+
+/// What the images of a list are images of.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ImagesOf {
+    /// The second particle, as it should be.
+    #[default]
+    Second,
+    /// The first particle.
+    First,
+    /// The second one, counted from where both are when they are put into the box.
+    Wrapped,
+    /// Nothing: without them the pairs agree.
+    LeftOut,
+}
+
+/// What of a box a list knows.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum TakenBox {
+    /// All of it.
+    #[default]
+    All,
+    /// Nothing: boundaries are open.
+    Open,
+    /// All but contacts of particles with their own images.
+    WithoutOwn,
+    /// The nearest image of each pair.
+    Nearest,
+    /// That it repeats along these axes.
+    Along([bool; 3]),
+    /// Its edges, and not its tilt.
+    Straight([f64; 3]),
+}
+
+impl Reading {
+    /// As it stands.
+    pub(super) fn plain(meaning: Meaning) -> Reading {
+        Reading {
+            meaning,
+            both_sides: false,
+            deviation: None,
+            periodic: None,
+            declared: None,
+            images: ImagesOf::default(),
+            taken: TakenBox::default(),
+            listed: 0,
+            wrong: 0,
+        }
+    }
 }
 
 /// How the list's idea of contact differs.
@@ -87,15 +136,10 @@ pub(super) fn explain(
         return Ok(None);
     };
     let mut reading = Reading {
-        meaning: namings[k].meaning(),
         both_sides,
-        deviation: None,
-        periodic: None,
-        declared: None,
-        turned: false,
-        open: false,
         listed: if both_sides { list.len() as u64 / 2 } else { list.len() as u64 },
         wrong,
+        ..Reading::plain(namings[k].meaning())
     };
     if errors.missed + errors.spurious > 0 {
         let found = Differences::new(scene, &reported, truth, arithmetic);

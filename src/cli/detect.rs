@@ -18,6 +18,7 @@ use crate::detect::spec::DetectorSpec;
 use crate::experiment::detectors;
 use crate::io;
 use crate::io::boxes::along;
+use crate::number::plural;
 use crate::pair_list::PAIR_BYTES;
 use crate::periodic::{Contacts, Finder, IMAGE_PAIR_BYTES, Periodic};
 use crate::run::alloc;
@@ -96,10 +97,10 @@ pub fn detect(options: &Detect) -> anyhow::Result<ExitCode> {
         }
     }
     eprintln!(
-        "{name}: N = {}, {}D, {} pairs, {:.3} ms, {} held by the detector, {}, {} arithmetic",
+        "{name}: N = {}, {}D, {}, {:.3} ms, {} held by the detector, {}, {} arithmetic",
         scene.len(),
         scene.dim(),
-        pairs.len(),
+        plural(pairs.len(), "pair"),
         seconds * 1e3,
         memory.map_or("memory not measured".into(), crate::cli::bytes),
         spec,
@@ -140,13 +141,13 @@ fn within(
     }
     let across = pairs.iter().filter(|pair| pair.image != [0; 3]).count();
     eprintln!(
-        "{name}: N = {}, {}D, {} pairs, {across} of them across the box, which repeats along {} \
-         ({} images made), {:.3} ms, {} held by the detector, {}, {} arithmetic",
+        "{name}: N = {}, {}D, {}, {across} of them across the box, which repeats along {} \
+         ({} made), {:.3} ms, {} held by the detector, {}, {} arithmetic",
         scene.len(),
         scene.dim(),
-        pairs.len(),
+        plural(pairs.len(), "pair"),
         along(lattice.periodic()),
-        finder.images(),
+        plural(finder.images() as usize, "image"),
         seconds * 1e3,
         memory.map_or("memory not measured".into(), crate::cli::bytes),
         spec,

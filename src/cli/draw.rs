@@ -7,9 +7,11 @@ use anyhow::{Context, bail};
 
 use crate::cli::shared::limit::Limit;
 use crate::cli::shared::scene::Source;
-use crate::io;
+use crate::io::{self, Frame};
+use crate::number::plural;
+use crate::periodic::Periodic;
 use crate::present::draw;
-use crate::present::draw::{Highlighted, Look, Slice};
+use crate::present::draw::{Boxed, Highlighted, Look, Slice};
 
 /// Options of `draw`.
 #[derive(clap::Args)]
@@ -23,7 +25,8 @@ pub struct Draw {
     /// --pairs, else through the middle along z)
     #[arg(long)]
     slice: Option<Slice>,
-    /// A list of pairs (CSV: i,j): what it missed is drawn red and dashed, what it added orange
+    /// A list of pairs (CSV: i,j; in a box with the image, i,j,sx,sy[,sz]): what it missed is drawn
+    /// red and dashed, what it added orange
     #[arg(long)]
     pairs: Option<PathBuf>,
     /// With --pairs: all of the scene, also where the mistakes are too small to be seen
@@ -52,45 +55,54 @@ pub fn draw(options: &Draw) -> anyhow::Result<ExitCode> {
         Some("png") => true,
         _ => bail!("{place}: the ending of a picture must be .svg or .png"),
     };
-    let Some((name, scene)) = options.source.get()? else {
+    let Some((name, (scene, lattice))) = options.source.within()? else {
         bail!("there is nothing to draw; name a particle file, or a scene such as packed:n=200");
     };
     let limit = options.limit.bytes(scene.len());
-    let pairs = match &options.pairs {
-        None => Highlighted::from_scene(&scene, limit)?,
-        Some(path) => Highlighted::compare(&scene, draw::read(path)?, limit)
-            .with_context(|| path.display().to_string())?,
+    let look = Look {
+        title: name.clone(),
+        labels: options.labels,
+        grid: options.grid,
+        slice: options.slice,
+        whole: options.whole,
     };
-    let labels = options.labels;
-    let picture = draw::svg(
-        &scene,
-        &pairs,
-        &Look {
-            title: name.clone(),
-            labels,
-            grid: options.grid,
-            slice: options.slice,
-            whole: options.whole,
-        },
-    )?;
+    let what = format!("N = {}, {}D", scene.len(), scene.dim());
+    let (picture, contacts, across, wrong) = match lattice {
+        None => {
+            let pairs = match &options.pairs {
+                None => Highlighted::from_scene(&scene, limit)?,
+                Some(path) => Highlighted::compare(&scene, draw::read(path)?, limit)
+                    .with_context(|| path.display().to_string())?,
+            };
+            let Highlighted { contacts, missed, spurious, duplicates, .. } = &pairs;
+            let wrong = [missed.len(), spurious.len(), duplicates.len()];
+            let count = contacts.len() + missed.len();
+            (draw::svg(&scene, &pairs, &look)?, count, String::new(), wrong)
+        }
+        Some(lattice) => {
+            let periodic = Periodic::new(scene, lattice)?;
+            let boxed = match &options.pairs {
+                None => Boxed::new(&periodic, None, limit).with_context(|| name.clone())?,
+                Some(path) => {
+                    let list = io::pairs::read(path, &[], Frame::Only)?;
+                    Boxed::new(&periodic, Some(&list), limit)
+                        .with_context(|| path.display().to_string())?
+                }
+            };
+            let across = format!(", {} of them across the box", boxed.across);
+            (draw::svg_within(&boxed, &look)?, boxed.contacts, across, boxed.wrong)
+        }
+    };
     let bytes = if png { crate::present::svg::png(&picture)? } else { picture.into_bytes() };
     io::write::whole(&options.output, |out| out.write_all(&bytes))
         .with_context(|| format!("cannot write {place}; choose another place with -o"))?;
     let size = crate::cli::bytes(bytes.len() as u64);
+    let [missed, spurious, repeated] = wrong;
+    let contacts = plural(contacts, "contact");
     let wrong = match &options.pairs {
         None => String::new(),
-        Some(_) => format!(
-            ", {} missed, {} spurious, {} repeated",
-            pairs.missed.len(),
-            pairs.spurious.len(),
-            pairs.duplicates.len()
-        ),
+        Some(_) => format!(", {missed} missed, {spurious} spurious, {repeated} repeated"),
     };
-    let contacts = pairs.contacts.len() + pairs.missed.len();
-    eprintln!(
-        "{name}: N = {}, {}D, {contacts} contacts{wrong}; {place} ({size})",
-        scene.len(),
-        scene.dim()
-    );
+    eprintln!("{name}: {what}, {contacts}{across}{wrong}; {place} ({size})");
     Ok(ExitCode::SUCCESS)
 }

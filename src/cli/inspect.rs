@@ -43,24 +43,38 @@ pub fn inspect(options: &Inspect) -> anyhow::Result<ExitCode> {
     let (mut lines, mut warnings) = (Vec::new(), Vec::new());
     of_file(options, &particles, &about, &mut lines, &mut warnings);
     boxes::report(&particles, &about, &options.input, &mut lines);
-    of_centres(&particles, &mut lines, &mut warnings);
+    of_centres(&particles, options.input.dim, &mut lines, &mut warnings);
     if about.radius != RadiusSource::Missing {
         let source = about.radius.clone();
-        // The box stays out of what follows, and that is said.
         let (scene, lattice) =
             particles.within(&options.file.display().to_string(), options.input.radius)?;
-        let contacts = Contacts::new(&scene);
-        let within = lattice.is_some();
-        contacts::report(&scene, &source, within, &contacts, &mut lines, &mut warnings);
-        if let Some(lattice) = lattice {
-            boxes::reach(&scene, lattice, &mut lines, &mut warnings);
+        let given = Given { scene, lattice };
+        let (scene, periodic) = (&given.scene, given.periodic()?);
+        let within = periodic.as_ref();
+        let contacts = within.map_or_else(|| Contacts::new(scene), Contacts::within);
+        contacts::report(scene, &source, within, &contacts, &mut lines, &mut warnings);
+        if let Some(periodic) = within {
+            boxes::reach(periodic, &mut lines, &mut warnings);
         }
         if let Some(count) = contacts.exact() {
-            let stats = stats(&Given { scene, lattice }, count);
+            let stats = stats(&given, count);
+            let of_box = within.is_some_and(|periodic| {
+                periodic.lattice().periodic()[..scene.dim()].iter().all(|&repeats| repeats)
+            });
+            let (fraction, of) = (
+                stats.packing_fraction,
+                match of_box {
+                    true => "the box that repeats, overlaps counted twice",
+                    false => "the box around the bodies",
+                },
+            );
             lines.push(Line(
                 "packing fraction",
-                format!("{:.4} of the box around the bodies", stats.packing_fraction),
-                vec![("packing_fraction", json!(stats.packing_fraction))],
+                format!("{fraction:.4} of {of}"),
+                vec![
+                    ("packing_fraction", json!(fraction)),
+                    ("packing_of", json!(if of_box { "box" } else { "bounds" })),
+                ],
             ));
             lines.push(Line(
                 "fingerprint",
@@ -162,7 +176,12 @@ fn of_file(
 }
 
 /// What the centres say.
-fn of_centres(particles: &Particles, lines: &mut Vec<Line>, warnings: &mut Vec<String>) {
+fn of_centres(
+    particles: &Particles,
+    asked: Option<u32>,
+    lines: &mut Vec<Line>,
+    warnings: &mut Vec<String>,
+) {
     let (n, dim) = (particles.len(), particles.dim());
     if n == 0 {
         warnings.push("there are no particles".into());
@@ -182,7 +201,7 @@ fn of_centres(particles: &Particles, lines: &mut Vec<Line>, warnings: &mut Vec<S
         text.join(", "),
         vec![("low", json!(low[..dim])), ("high", json!(high[..dim]))],
     ));
-    if dim == 3 && low[2] == 0.0 && high[2] == 0.0 && n > 1 {
+    if asked.is_none() && dim == 3 && low[2] == 0.0 && high[2] == 0.0 && n > 1 {
         warnings.push("z is 0 for all: these may be discs; then give --dim 2".into());
     }
     if (0..dim).all(|k| low[k] >= 0.0 && high[k] <= 1.0 && high[k] - low[k] > 0.9) && n > 100 {

@@ -1,5 +1,7 @@
 //! `contactbench verify`.
 
+mod hint;
+
 use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -9,7 +11,6 @@ use serde_json::{Value, json};
 
 use crate::check::imaged::Listed;
 use crate::check::listed::{Allowed, Meaning, Naming, Taken, Terms, Verification, particle};
-use crate::check::reading::{Deviation, Reading};
 use crate::cli::shared::arithmetic::arithmetic;
 use crate::cli::shared::input::{self, Input};
 use crate::cli::shared::limit::Limit;
@@ -52,8 +53,9 @@ pub struct Verify {
     /// skin)
     #[arg(long, value_name = "LENGTH", default_value_t = 0.0, allow_negative_numbers = true)]
     skin: f64,
-    /// The two columns of the list that name the particles, as in c_pair[1],c_pair[2]
-    #[arg(long, value_name = "I,J")]
+    /// The columns of the list, by name or by number from 1: those of the two particles, as in
+    /// c_pair[1],c_pair[2], and those of the image; no others are looked at
+    #[arg(long, value_name = "I,J[,SX,SY[,SZ]]")]
     pairs_columns: Option<String>,
     /// Which frame of the list (default: as --frame)
     #[arg(long)]
@@ -94,15 +96,10 @@ pub fn verify(options: &Verify) -> anyhow::Result<ExitCode> {
         "--skin {}: it must be a finite length of at least 0",
         options.skin
     );
-    let columns = match options.pairs_columns.as_deref().map(|text| text.split_once(',')) {
-        None => None,
-        Some(Some((i, j))) => Some([i.trim(), j.trim()]),
-        Some(None) => {
-            bail!("--pairs-columns takes two names with a comma between, as in --pairs-columns i,j")
-        }
-    };
+    let columns = options.pairs_columns.as_deref().map(|text| text.split(',').map(str::trim));
+    let columns: Vec<&str> = columns.into_iter().flatten().collect();
     let frame = options.pairs_frame.or(options.input.frame).unwrap_or(Frame::Last);
-    let list = pairs::read(&options.pairs, columns, frame)?;
+    let list = pairs::read(&options.pairs, &columns, frame)?;
     let (particles, about) = input::load(
         &options.file,
         &options.input,
@@ -136,6 +133,8 @@ pub fn verify(options: &Verify) -> anyhow::Result<ExitCode> {
     let (scene, lattice, found) = match lattice {
         Some(lattice) => {
             periodic = Periodic::new(scene, lattice)?;
+            list.understood(periodic.scene().dim(), periodic.lattice().periodic())
+                .with_context(|| options.pairs.display().to_string())?;
             let listed = Listed { pairs: &list.pairs, images: list.images.as_deref() };
             let found = Verification::within(&periodic, listed, &naming, &others, terms)
                 .with_context(|| options.pairs.display().to_string())?;
@@ -144,10 +143,16 @@ pub fn verify(options: &Verify) -> anyhow::Result<ExitCode> {
         None => {
             let images = list.images.as_deref().unwrap_or_default();
             if let Some(k) = images.iter().position(|image| *image != [0; 3]) {
+                let remedy = match about.declared.as_ref().and_then(|of| of.vectors) {
+                    _ if options.input.open => "leave out --open",
+                    Some(_) if options.input.periodic.is_some() => "leave out --periodic none",
+                    Some(_) => "give --periodic with the axes along which the box repeats",
+                    None => "give --box LX,LY,LZ, and --periodic where it is open along some axis",
+                };
                 bail!(
                     "{}: pair {k} (from 0) names an image in a box that repeats, {}, and \
-                     boundaries are open here; give --box LX,LY,LZ and --periodic xyz, or leave \
-                     out --open",
+                     boundaries are open here; {remedy}, or --pairs-columns I,J if it is something \
+                     else",
                     options.pairs.display(),
                     numbers(&images[k], ",")
                 );
@@ -190,22 +195,8 @@ fn numbers(numbers: &[i32], between: &str) -> String {
     numbers.iter().map(i32::to_string).collect::<Vec<_>>().join(between)
 }
 
-fn flag(meaning: Meaning) -> String {
-    match meaning {
-        Meaning::Base(base) => format!("--base {base}"),
-        Meaning::Ids => "--ids".into(),
-    }
-}
-
-fn pairs_of(count: u64) -> String {
-    plural(usize::try_from(count).unwrap_or(usize::MAX), "pair")
-}
-
-/// Upwards to three digits, in the fewest that read back.
-fn rounded_up(value: f64) -> f64 {
-    let step = 10f64.powf(value.abs().log10().floor() - 2.0);
-    let up = format!("{:.2e}", (value / step).ceil() * step).parse().unwrap_or(value);
-    if up >= value { up } else { value }
+fn counted(count: u64, what: &str) -> String {
+    plural(usize::try_from(count).unwrap_or(usize::MAX), what)
 }
 
 impl Verified<'_> {
@@ -213,10 +204,10 @@ impl Verified<'_> {
         let Verified { options, list, found, .. } = self;
         writeln!(
             out,
-            "{}: {} particles, {} touching pairs{} ({} arithmetic)",
+            "{}: {}, {}{} ({} arithmetic)",
             options.file.display(),
-            self.scene.len(),
-            found.contacts,
+            plural(self.scene.len(), "particle"),
+            counted(found.contacts, "touching pair"),
             self.lattice.map_or(String::new(), |lattice| {
                 format!(" in a box that repeats along {}", along(lattice.periodic()))
             }),
@@ -225,13 +216,18 @@ impl Verified<'_> {
         let both = if list.both_sides { ", each there from both sides and taken once" } else { "" };
         let walls = match list.walls {
             0 => String::new(),
-            walls => format!(", {walls} contacts with walls left out"),
+            walls => format!(", {} with walls left out", counted(walls, "contact")),
+        };
+        let others: Vec<&str> = list.others.iter().map(|other| &*other.name).collect();
+        let others = match others[..] {
+            [] => String::new(),
+            _ => format!("; not looked at: {}", pairs::columns_of(&others)),
         };
         writeln!(
             out,
-            "{}: {} pairs ({}; {}){both}{walls}",
+            "{}: {} ({}; {}{others}){both}{walls}",
             options.pairs.display(),
-            list.pairs.len(),
+            plural(list.pairs.len(), "pair"),
             list.format,
             words(self.naming)
         )?;
@@ -239,7 +235,7 @@ impl Verified<'_> {
             writeln!(out, "compared: {compared}")?;
         }
         if found.within_skin > 0 {
-            writeln!(out, "{} apart within the skin, allowed", pairs_of(found.within_skin))?;
+            writeln!(out, "{} apart within the skin, allowed", counted(found.within_skin, "pair"))?;
         }
         if found.is_same() {
             writeln!(out, "the same: no pair is missed, spurious or repeated")?;
@@ -268,115 +264,6 @@ impl Verified<'_> {
             Taken::Each => "pairs without images, each as often as images of it touch",
             Taken::Once => "pairs without images, each once, through how many it touches",
         })
-    }
-
-    /// The options with which the list would be read so.
-    fn flags(&self, reading: &Reading) -> Vec<String> {
-        let mut flags = Vec::new();
-        if reading.meaning != self.naming {
-            flags.push(flag(reading.meaning));
-        }
-        if reading.both_sides {
-            flags.push("--both-sides".into());
-        }
-        match reading.deviation {
-            Some(Deviation::Rounded(arithmetic)) => {
-                flags.push(format!("--arithmetic {}", arithmetic.name()))
-            }
-            Some(Deviation::Skin(gap)) => flags.push(format!("--skin {}", rounded_up(gap))),
-            _ => {}
-        }
-        if reading.open {
-            flags.push("--open".into());
-        }
-        if let Some(axes) = reading.declared.filter(|_| !self.repeats) {
-            let names = ["x", "y", "z"].into_iter().zip(axes).filter(|(_, yes)| *yes);
-            flags.push(format!("--periodic {}", names.map(|(name, _)| name).collect::<String>()));
-        }
-        if let Some(lengths) = &reading.periodic {
-            let axes: String = lengths
-                .iter()
-                .zip(["x", "y", "z"])
-                .filter_map(|(length, axis)| length.map(|_| axis))
-                .collect();
-            if !self.boxed {
-                // The length of an axis that is open is not looked at.
-                let edges: Vec<String> =
-                    lengths.iter().map(|length| format!("{:?}", length.unwrap_or(0.0))).collect();
-                flags.push(format!("--box {}", edges.join(",")));
-            }
-            flags.push(format!("--periodic {axes}"));
-        }
-        flags
-    }
-
-    /// How the list would agree, and what to do.
-    fn sentence(&self, reading: &Reading) -> String {
-        let mut with = Vec::new();
-        if reading.meaning != self.naming {
-            with.push(match reading.meaning {
-                Meaning::Base(base) => format!("numbers from {base}"),
-                Meaning::Ids => "ids of the particles' file as numbers".into(),
-            });
-        }
-        if reading.both_sides {
-            with.push("each pair taken once, which is listed as i,j and as j,i".into());
-        }
-        match reading.deviation {
-            None => {}
-            Some(Deviation::Rounded(arithmetic)) => {
-                with.push(format!("contacts decided in {}", arithmetic.name()))
-            }
-            Some(Deviation::Strict) => {
-                with.push("< in the place of <= (the pairs missed touch in one point)".into())
-            }
-            Some(Deviation::Tangent) => {
-                with.push("any answer for pairs that are tangent to the last digits".into())
-            }
-            Some(Deviation::Skin(gap)) => {
-                with.push(format!("pairs up to {} apart (a skin)", rounded_up(gap)))
-            }
-            Some(Deviation::Radii(by)) => {
-                let slip = match by {
-                    2.0 => ": diameters taken for radii?",
-                    0.5 => ": radii taken for diameters?",
-                    _ => "",
-                };
-                with.push(format!("radii {} times as large{slip}", number(by)))
-            }
-        }
-        if let Some(lengths) = &reading.periodic {
-            let along = lengths.iter().zip(["x", "y", "z"]);
-            let box_of = |(length, axis): (&Option<f64>, &str)| {
-                length.map(|length| format!("{} along {axis}", number(length)))
-            };
-            let lengths: Vec<String> = along.filter_map(box_of).collect();
-            with.push(format!("periodic images (a box of {})", lengths.join(", ")));
-        }
-        if let Some(axes) = reading.declared {
-            with.push(format!("the file's box, repeating along {}", along(axes)));
-        }
-        if reading.turned {
-            with.push("images of i in the place of those of j (S with the other sign)".into());
-        }
-        if reading.open {
-            with.push("open boundaries (no contact across the box)".into());
-        }
-        let result = match reading.wrong {
-            0 => format!("all {} agree", pairs_of(reading.listed)),
-            wrong => format!("all but {} agree", pairs_of(wrong)),
-        };
-        let flags = self.flags(reading);
-        let add =
-            if flags.is_empty() { String::new() } else { format!(": add {}", flags.join(" ")) };
-        // What nobody need say is what the file says.
-        let instead = match reading.periodic.is_some() || reading.declared.is_some() {
-            true if self.options.input.open => ": leave out --open",
-            true if self.options.input.periodic.is_some() => ": leave out --periodic none",
-            _ => "",
-        };
-        let add = if instead.is_empty() { add } else { add.replacen(": add", ", and add", 1) };
-        format!("with {}, {result}{instead}{add}", with.join(", and "))
     }
 
     /// The worst of `count` pairs of a kind, with their particles.

@@ -26,6 +26,21 @@ pub struct Declared {
     pub rounded: bool,
 }
 
+/// Refuses bounds whose upper one is below the lower.
+pub(crate) fn in_order(ranges: &[[f64; 2]], boundaries: Boundaries) -> anyhow::Result<()> {
+    if boundaries.open || boundaries.edges.is_some() {
+        return Ok(());
+    }
+    for ([low, high], axis) in ranges.iter().zip(["x", "y", "z"]) {
+        ensure!(
+            low <= high,
+            "along {axis} the box goes from {low} to {high}; the lower bound stands first: mend the \
+             file, or give --box or --open"
+        );
+    }
+    Ok(())
+}
+
 impl Declared {
     /// A box between two bounds along each axis; axes without bounds have no length.
     pub(crate) fn between(ranges: &[[f64; 2]], periodic: Option<[bool; 3]>) -> Declared {
@@ -49,11 +64,16 @@ impl Declared {
 
     /// A sheared box between the bounds of the box along the axes that encloses it, as in dumps of
     /// LAMMPS.
+    ///
+    /// # Errors
+    /// A tilt that leaves nothing between the bounds, where it is not left out.
     pub(crate) fn enclosed(
         ranges: [[f64; 2]; 3],
         tilt: [f64; 3],
         periodic: Option<[bool; 3]>,
-    ) -> Declared {
+        boundaries: Boundaries,
+    ) -> anyhow::Result<Declared> {
+        in_order(&ranges, boundaries)?;
         let [xy, xz, yz] = tilt;
         let mut rounded = false;
         // xy + xz is rounded by LAMMPS, too, but nobody knows whether from the same numbers.
@@ -63,9 +83,15 @@ impl Declared {
         let [x, y, z] = ranges;
         let x = [minus(x[0], least, &mut rounded), minus(x[1], most, &mut rounded)];
         let y = [minus(y[0], yz.min(0.0), &mut rounded), minus(y[1], yz.max(0.0), &mut rounded)];
+        ensure!(
+            in_order(&[x, y, z], boundaries).is_ok(),
+            "the tilt {xy} {xz} {yz} is larger than the bounds, which are those of the box around \
+             the tilted one: along {} nothing is left; mend the file, or give --box or --open",
+            if x[0] > x[1] { "x" } else { "y" }
+        );
         let inner = Declared::between(&[x, y, z], periodic);
         let rounded = rounded || inner.rounded;
-        Declared { rounded, ..inner.tilted(tilt) }
+        Ok(Declared { rounded, ..inner.tilted(tilt) })
     }
 }
 
@@ -109,8 +135,14 @@ impl FromStr for Edges {
             [ax, ay, az, bx, by, bz, cx, cy, cz] => {
                 ([[ax, ay, az], [bx, by, bz], [cx, cy, cz]], true)
             }
+            [_] => return Err(format!("1 number is no box; {form}")),
             _ => return Err(format!("{} numbers are no box; {form}", numbers.len())),
         };
+        // Vectors may point anywhere; edges along the axes have lengths.
+        let edges = if matches!(numbers.len(), 4 | 9) { 0 } else { numbers.len().min(3) };
+        if let Some(edge) = numbers[..edges].iter().find(|edge| **edge < 0.0) {
+            return Err(format!("an edge of {edge} is negative; {form}"));
+        }
         Ok(Edges { vectors, space })
     }
 }
@@ -171,6 +203,26 @@ pub fn along(axes: [bool; 3]) -> String {
         _ => "x, y and z".into(),
     }
 }
+
+/// A particle is outside the box where it is farther out than this part of a vector: the corner
+/// and the coordinates in units of the vectors are rounded.
+const OUT: f64 = 1e-9;
+
+/// The places in a list of the points that are beyond a face at which the box repeats.
+pub fn outside(points: impl Iterator<Item = [f64; 3]>, lattice: &Lattice) -> Vec<usize> {
+    let is_outside = |point: [f64; 3]| {
+        (0..3).filter(|&vector| lattice.periodic()[vector]).any(|vector| {
+            let (dual, origin) = (lattice.dual(vector), lattice.origin());
+            let at: f64 = (0..3).map(|k| dual[k] * (point[k] - origin[k])).sum();
+            !(-OUT..=1.0 + OUT).contains(&at)
+        })
+    };
+    points.enumerate().filter(|(_, point)| is_outside(*point)).map(|(k, _)| k).collect()
+}
+
+/// Who takes boxes, for those who do not.
+pub const KNOWN_TO: &str = "detect, verify, inspect, draw, check, recommend, run and scene, which know \
+                            boxes";
 
 /// What there is to say of a box of which nobody says whether it repeats.
 pub const UNKNOWN: &str = "the file does not say whether its box repeats: boundaries are taken as \

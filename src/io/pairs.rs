@@ -17,6 +17,10 @@ use crate::io::lines::{Lines, Separator, Source, number, shown};
 use crate::io::particles::room;
 use crate::sink::splitmix64;
 
+mod columns;
+use columns::Columns;
+pub use columns::Other;
+
 /// A contact list as it was read.
 #[derive(Debug, Default, PartialEq)]
 pub struct List {
@@ -27,6 +31,10 @@ pub struct List {
     /// Which image of the second particle it is, for each, where the list says so: so many vectors
     /// of the box are added to its place.
     pub images: Option<Vec<[i32; 3]>>,
+    /// They are named along the first two vectors alone.
+    pub flat: bool,
+    /// Columns that were not looked at.
+    pub others: Vec<Other>,
     /// Contacts with walls, which were left out.
     pub walls: u64,
     /// The numbers are those that the program gave its particles (LAMMPS), not places in a file.
@@ -35,9 +43,43 @@ pub struct List {
     pub both_sides: bool,
 }
 
-/// Reads a contact list. `columns` names the two columns of a LAMMPS dump or a CSV that hold the
-/// numbers.
-pub fn read(path: &Path, columns: Option<[&str; 2]>, frame: Frame) -> anyhow::Result<List> {
+impl List {
+    /// Refuses a list for a box that repeats along some axes if it names images along too few, or
+    /// has columns that may name images and are not known to.
+    pub fn understood(&self, dim: usize, periodic: [bool; 3]) -> anyhow::Result<()> {
+        ensure!(
+            self.images.is_none() || !self.flat || dim == 2 || !periodic[2],
+            "images are named along two vectors, and the box repeats along z, too; add the third, \
+             sz"
+        );
+        if self.images.is_none() {
+            let names = |which: &dyn Fn(&Other) -> bool| -> Vec<&str> {
+                let such = self.others.iter().filter(|other| which(other));
+                such.map(|other| &*other.name).collect()
+            };
+            let (unnamed, whole) = (names(&|other| !other.named), names(&|other| other.whole));
+            let doubtful = if unnamed.is_empty() && whole.len() >= dim { whole } else { unnamed };
+            ensure!(
+                doubtful.is_empty(),
+                "{} may name the images that touch, and nothing says so; give --pairs-columns \
+                 I,J,SX,SY{}, or --pairs-columns I,J if not",
+                columns_of(&doubtful),
+                if dim == 2 { "" } else { ",SZ" }
+            );
+        }
+        Ok(())
+    }
+}
+
+/// Columns in words.
+pub fn columns_of(names: &[&str]) -> String {
+    let listed = crate::io::lines::listed(names);
+    format!("column{} {listed}", if names.len() == 1 { "" } else { "s" })
+}
+
+/// Reads a contact list. `columns` names those of a LAMMPS dump or a CSV that hold the numbers:
+/// none, the two of the particles, or these and the two or three of the image.
+pub fn read(path: &Path, columns: &[&str], frame: Frame) -> anyhow::Result<List> {
     let name = path.display().to_string();
     let file = File::open(path).with_context(|| format!("cannot read {name}"))?;
     from(BufReader::with_capacity(1 << 17, file), &name, columns, frame)
@@ -47,9 +89,14 @@ pub fn read(path: &Path, columns: Option<[&str; 2]>, frame: Frame) -> anyhow::Re
 pub fn from(
     reader: impl BufRead,
     name: &str,
-    columns: Option<[&str; 2]>,
+    columns: &[&str],
     frame: Frame,
 ) -> anyhow::Result<List> {
+    ensure!(
+        matches!(columns.len(), 0 | 2 | 4 | 5),
+        "--pairs-columns takes the two columns of the particles, and those of the image where \
+         there is one, with commas between: I,J or I,J,SX,SY or I,J,SX,SY,SZ"
+    );
     let unpacking = &Unpacking::default();
     let mut reader = unpacking.file(reader);
     let mut head = Vec::new();
@@ -71,12 +118,7 @@ pub fn from(
     plain(Source { input: &mut reader, name, unpacking }, &head, columns, frame)
 }
 
-fn plain(
-    source: Source<'_>,
-    head: &[u8],
-    columns: Option<[&str; 2]>,
-    frame: Frame,
-) -> anyhow::Result<List> {
+fn plain(source: Source<'_>, head: &[u8], columns: &[&str], frame: Frame) -> anyhow::Result<List> {
     let name = source.name;
     if head.starts_with(npy::MAGIC) {
         return array(source);
@@ -143,6 +185,7 @@ fn array(mut source: Source<'_>) -> anyhow::Result<List> {
     };
     let mut list = List { format: "npy", ..List::default() };
     list.images = (columns > 2).then(Vec::new);
+    list.flat = columns == 4;
     let mut row = [0; 5];
     header.values(&mut source, header.rows.saturating_mul(columns as u64), |k, value| {
         let (pair, column) = (k / columns as u64, (k % columns as u64) as usize);
@@ -176,74 +219,53 @@ fn image(numbers: [i64; 3], place: impl Fn() -> String) -> anyhow::Result<[i32; 
     Ok(image)
 }
 
-/// Two columns of whole numbers: the first two, or those that a header names `i,j`, or `columns`;
-/// and those that it names `sx,sy[,sz]`, which are images.
-fn csv(mut lines: Lines<'_>, columns: Option<[&str; 2]>) -> anyhow::Result<List> {
+/// Two columns of whole numbers, and those of images: by a header, which may be a comment, or the
+/// first ones.
+fn csv(mut lines: Lines<'_>, chosen: &[&str]) -> anyhow::Result<List> {
     let mut list = List { format: "CSV", ..List::default() };
-    let mut layout: Option<(Separator, [usize; 2])> = None;
-    let mut shifts: [Option<usize>; 3] = [None; 3];
+    let mut layout: Option<(Separator, Columns)> = None;
     while lines.advance()? {
         let line = lines.line();
-        if line.is_empty() || line.starts_with(b"#") {
+        let comment = line.strip_prefix(b"#").map(<[u8]>::trim_ascii);
+        if line.is_empty() || comment.is_some() && layout.is_some() {
             continue;
         }
-        let separator = layout.map_or_else(|| Separator::guess(line), |(separator, _)| separator);
+        let line = comment.unwrap_or(line);
+        let separator = layout.as_ref().map_or_else(|| Separator::guess(line), |layout| layout.0);
         let cells: Vec<&[u8]> = separator.cells(line).collect();
-        let Some((_, [i, j])) = layout else {
-            let named = |label: &str| {
-                cells.iter().position(|cell| cell.eq_ignore_ascii_case(label.as_bytes()))
-            };
-            let by_name = named("i").zip(named("j"));
-            let header = columns.is_some()
-                || by_name.is_some()
-                || cells.iter().take(2).any(|cell| number(cell).is_none());
-            let found = match columns {
-                Some([i, j]) => {
-                    let missing =
-                        |label: &str| format!("{}: there is no column '{label}'", lines.place());
-                    [named(i).with_context(|| missing(i))?, named(j).with_context(|| missing(j))?]
-                }
-                None => by_name.map_or([0, 1], |(i, j)| [i, j]),
-            };
-            ensure!(cells.len() >= 2, "{}: a pair needs two columns; write i,j", lines.place());
-            ensure!(
-                !header || columns.is_some() || by_name.is_some() || cells.len() == 2,
-                "{}: which columns hold the numbers of a pair? Name them with --pairs-columns I,J",
-                lines.place()
-            );
-            if header {
-                shifts = ["sx", "sy", "sz"].map(named);
-                ensure!(
-                    shifts == [None; 3] || shifts[0].is_some() && shifts[1].is_some(),
-                    "{}: images need the columns sx and sy, and sz for spheres; name them",
-                    lines.place()
-                );
-                list.images = shifts[0].map(|_| Vec::new());
-            } else {
-                push(&mut list, [cell(&lines, &cells, 0)?, cell(&lines, &cells, 1)?])?;
-            }
-            layout = Some((separator, found));
+        if let Some((_, columns)) = &mut layout {
+            columns.push(&lines, &cells, &mut list)?;
             continue;
-        };
-        let pair = [cell(&lines, &cells, i)?, cell(&lines, &cells, j)?];
-        push(&mut list, pair)?;
-        if let Some(images) = &mut list.images {
-            let mut numbers = [0; 3];
-            for (number, k) in numbers.iter_mut().zip(shifts) {
-                let Some(k) = k else { continue };
-                let found = cells.get(k).copied().unwrap_or_default();
-                *number = whole(found).with_context(|| {
-                    format!(
-                        "{}: column {}: '{}' is not the number of an image",
-                        lines.place(),
-                        k + 1,
-                        shown(found)
-                    )
-                })?;
-            }
-            room(images)?;
-            images.push(image(numbers, || lines.place())?);
         }
+        let names: Vec<String> =
+            cells.iter().map(|cell| String::from_utf8_lossy(cell).into_owned()).collect();
+        if comment.is_some() {
+            let header = cells.iter().all(|cell| number(cell).is_none());
+            if let (true, Ok(Some(columns))) =
+                (header, Columns::named(&names, chosen, || lines.place()))
+            {
+                layout = Some((separator, columns));
+            }
+            continue;
+        }
+        ensure!(cells.len() >= 2, "{}: a pair needs two columns; write i,j", lines.place());
+        let header = cells.iter().take(2).any(|cell| number(cell).is_none());
+        let numbers = || (1..=cells.len()).map(|k| k.to_string()).collect();
+        let names = if header { names } else { numbers() };
+        let named = Columns::named(&names, chosen, || lines.place())?;
+        ensure!(
+            named.is_some() || !header || cells.len() == 2,
+            "{}: which columns hold the numbers of a pair? Name them with --pairs-columns I,J",
+            lines.place()
+        );
+        let mut columns = named.unwrap_or_else(|| Columns::bare(cells.len()));
+        if !header {
+            columns.push(&lines, &cells, &mut list)?;
+        }
+        layout = Some((separator, columns));
+    }
+    if let Some((_, columns)) = layout {
+        columns.end(&mut list);
     }
     Ok(list)
 }
@@ -304,11 +326,7 @@ fn fstat(mut lines: Lines<'_>, frame: Frame) -> anyhow::Result<List> {
 }
 
 /// `ITEM: ENTRIES` of a LAMMPS dump local.
-fn dump_local(
-    mut lines: Lines<'_>,
-    columns: Option<[&str; 2]>,
-    frame: Frame,
-) -> anyhow::Result<List> {
+fn dump_local(mut lines: Lines<'_>, chosen: &[&str], frame: Frame) -> anyhow::Result<List> {
     let mut frames = Frames::new(crate::io::Options { frame, ..crate::io::Options::default() });
     let mut list = List { format: "LAMMPS dump local", ids: true, ..List::default() };
     let (mut n, mut open) = (None, false);
@@ -334,8 +352,15 @@ fn dump_local(
                 lines.advance()?;
             }
         } else if let Some(names) = item.strip_prefix("ENTRIES") {
-            let names: Vec<&str> = names.split_whitespace().collect();
-            let which = chosen(&names, columns).with_context(|| place.clone())?;
+            let names: Vec<String> = names.split_whitespace().map(str::to_string).collect();
+            let named = Columns::named(&names, chosen, || place.clone())?;
+            let mut columns = named.with_context(|| {
+                format!(
+                    "{place}: which columns hold the ids of a pair? Name them with --pairs-columns \
+                     I,J; there are {}",
+                    crate::io::lines::listed(&names)
+                )
+            })?;
             let n = n.take().with_context(|| {
                 format!("{place}: no 'ITEM: NUMBER OF ENTRIES' stands before the entries")
             })?;
@@ -345,6 +370,7 @@ fn dump_local(
             }
             if step == Step::Keep {
                 list.pairs.clear();
+                list.images = None;
             }
             for k in 0..n {
                 ensure!(
@@ -354,9 +380,11 @@ fn dump_local(
                 );
                 if step == Step::Keep {
                     let cells: Vec<&[u8]> = crate::io::lines::words(lines.line()).collect();
-                    let pair = [cell(&lines, &cells, which[0])?, cell(&lines, &cells, which[1])?];
-                    push(&mut list, pair)?;
+                    columns.push(&lines, &cells, &mut list)?;
                 }
+            }
+            if step == Step::Keep {
+                columns.end(&mut list);
             }
         } else {
             ensure!(
@@ -375,31 +403,4 @@ fn dump_local(
          --pairs-frame"
     );
     Ok(list)
-}
-
-/// Which columns hold the two ids: those asked for, `patom1 patom2`, or the first two of one
-/// compute.
-fn chosen(names: &[&str], columns: Option<[&str; 2]>) -> anyhow::Result<[usize; 2]> {
-    let at = |label: &str| names.iter().position(|name| *name == label);
-    if let Some([i, j]) = columns {
-        let missing = |label: &str| {
-            format!("there is no column '{label}' among {}", crate::io::lines::listed(names))
-        };
-        return Ok([at(i).with_context(|| missing(i))?, at(j).with_context(|| missing(j))?]);
-    }
-    for (i, j) in [("patom1", "patom2"), ("natom1", "natom2"), ("id1", "id2"), ("i", "j")] {
-        if let (Some(i), Some(j)) = (at(i), at(j)) {
-            return Ok([i, j]);
-        }
-    }
-    let first = names.iter().position(|name| name.ends_with("[1]"));
-    let second = first.and_then(|first| at(&names[first].replace("[1]", "[2]")));
-    let (Some(i), Some(j)) = (first, second) else {
-        bail!(
-            "which columns hold the ids of a pair? Name them with --pairs-columns I,J; there are \
-             {}",
-            crate::io::lines::listed(names)
-        )
-    };
-    Ok([i, j])
 }

@@ -4,7 +4,7 @@
 use anyhow::{Context, bail, ensure};
 use nalgebra::Point;
 
-use crate::io::boxes::along;
+use crate::io::boxes::{KNOWN_TO, along};
 use crate::io::lines::{number, short, shown};
 use crate::io::{About, Options, RadiusSource};
 use crate::memory;
@@ -172,9 +172,8 @@ impl Particles {
     pub fn scene(self, name: &str, radius: Option<f64>) -> anyhow::Result<AnyScene<'static>> {
         if let Some(lattice) = &self.lattice {
             bail!(
-                "{name}: the box repeats along {}, and here boundaries are open; give --open (in \
-                 an experiment open = true) to leave out contacts across it, or take detect, \
-                 verify or inspect, which know boxes",
+                "{name}: the box repeats along {}, and here boundaries are open; give --open to \
+                 leave out contacts across it, or take one of {KNOWN_TO}",
                 along(lattice.periodic())
             );
         }

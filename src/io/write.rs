@@ -294,8 +294,9 @@ fn vtk<T: Real, const D: usize>(
     (0..scene.len()).try_for_each(|k| writeln!(out, "{:?}", scene.radius(k).wide()))
 }
 
-/// Points with radii, and a line for each contact: to the image of j where it is one, which is a
-/// point of its own behind the particles, of radius 0, and with 1 for `image`.
+/// Points with radii, and a line for each contact; of one across the box two lines, from i to the
+/// image of j and from j to that of i. Images are points of their own behind the particles, of
+/// radius 0, and with 1 for `image`.
 fn images_vtk<T: Real, const D: usize>(
     out: &mut dyn Write,
     pairs: &[ImagePair],
@@ -303,8 +304,12 @@ fn images_vtk<T: Real, const D: usize>(
     lattice: &Lattice,
 ) -> io::Result<()> {
     let n = scene.len();
+    let both = |pair: &ImagePair| {
+        let ImagePair { i, j, image } = *pair;
+        [(i, j, image), (j, i, image.map(i32::wrapping_neg))]
+    };
     let across = || pairs.iter().filter(|pair| pair.image != [0; 3]);
-    let ghosts = across().count();
+    let ghosts = 2 * across().count();
     writeln!(
         out,
         "# vtk DataFile Version 3.0\ncontacts\nASCII\nDATASET POLYDATA\nPOINTS {} double",
@@ -315,20 +320,23 @@ fn images_vtk<T: Real, const D: usize>(
     for k in 0..n {
         line(out, centre(k).into_iter().chain(flat()), " ")?;
     }
-    for pair in across() {
-        let mut place = centre(pair.j as usize);
-        for (vector, &times) in lattice.vectors().iter().zip(&pair.image) {
+    for (_, of, image) in across().flat_map(both) {
+        let mut place = centre(of as usize);
+        for (vector, times) in lattice.vectors().iter().zip(image) {
             (0..D).for_each(|k| place[k] += f64::from(times) * vector[k]);
         }
         line(out, place.into_iter().chain(flat()), " ")?;
     }
-    writeln!(out, "LINES {} {}", pairs.len(), 3 * pairs.len())?;
+    let lines = pairs.len() + ghosts / 2;
+    writeln!(out, "LINES {lines} {}", 3 * lines)?;
     let mut ghost = n;
-    for ImagePair { i, j, image } in pairs {
-        if *image == [0; 3] {
-            writeln!(out, "2 {i} {j}")?;
-        } else {
-            writeln!(out, "2 {i} {ghost}")?;
+    for pair in pairs {
+        if pair.image == [0; 3] {
+            writeln!(out, "2 {} {}", pair.i, pair.j)?;
+            continue;
+        }
+        for (from, ..) in both(pair) {
+            writeln!(out, "2 {from} {ghost}")?;
             ghost += 1;
         }
     }

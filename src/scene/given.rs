@@ -2,7 +2,7 @@
 
 use anyhow::bail;
 
-use crate::io::boxes::along;
+use crate::io::boxes::{KNOWN_TO, along};
 use crate::periodic::Periodic;
 use crate::scene::{AnyScene, Lattice};
 
@@ -40,7 +40,7 @@ impl Given {
             None => Ok(self.scene),
             Some(lattice) => bail!(
                 "{name}: the scene repeats along {}, and here boundaries are open; take it without \
-                 its box, or detect, verify, inspect, draw, check or run, which know boxes",
+                 its box, or one of {KNOWN_TO}",
                 along(lattice.periodic())
             ),
         }

@@ -116,7 +116,7 @@ fn the_default_limit_fits_the_scene() {
         [("far.csv", "screening"), ("far.csv", "cell-grid"), ("farther.csv", "nbs")]
     {
         let ended = run(folder, &["detect", name, "--detector", detector]);
-        let words = ["the limit is 268435456; raise the memory limit", "another detector"];
+        let words = ["the limit is 268435456 bytes; raise the memory limit", "another detector"];
         assert_eq!(ended.code, Some(2), "{detector}: {}", ended.stderr);
         assert!(words.iter().all(|words| ended.stderr.contains(words)), "{}", ended.stderr);
     }

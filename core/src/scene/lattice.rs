@@ -30,10 +30,16 @@ pub enum LatticeError {
     /// Zero, or in the span of the others, up to rounding.
     #[error(
         "the periodic vectors of the box enclose nothing: the distance of its faces along vector \
-         {} is {height:e}; mend the box, or make that axis open",
-        vector + 1
+         {} is {}; mend the box, or make that axis open",
+        vector + 1, shown(*height)
     )]
     Flat { vector: usize, height: f64 },
+    /// Squares of its numbers overflow or vanish.
+    #[error(
+        "vector {} of the box is {} long, and squares of it leave the range of f64; take other units",
+        vector + 1, shown(*length)
+    )]
+    Range { vector: usize, length: f64 },
     /// Discs in a box that leaves their plane.
     #[error(
         "vector {} of the box leaves the plane of the discs: its z is {value}, and must be 0",
@@ -69,6 +75,12 @@ impl Lattice {
             let (height, length) = (reduced.height(vector), norm(reduced.vectors[vector]));
             // Also where a square overflows or vanishes, and there is no number.
             if !(height > FLATTEST * length && height.is_normal()) {
+                let most = |v: usize| vectors[v].into_iter().fold(0.0f64, |m, x| m.max(x.abs()));
+                let mut lengths = (0..3).filter(|&v| periodic[v]).map(|v| (v, most(v)));
+                let out = |length: f64| length > 0.0 && !(length * length).is_normal();
+                if let Some((vector, length)) = lengths.find(|(_, length)| out(*length)) {
+                    return Err(LatticeError::Range { vector, length });
+                }
                 return Err(LatticeError::Flat { vector, height });
             }
         }
@@ -160,6 +172,11 @@ impl Lattice {
     }
 }
 
+/// A length, for messages.
+fn shown(length: f64) -> String {
+    if length == 0.0 { "0".into() } else { format!("{length:e}") }
+}
+
 fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     (0..3).map(|k| a[k] * b[k]).sum()
 }
@@ -217,6 +234,13 @@ mod tests {
             of([[0.0; 3]; 3], [true, false, false]),
             Err(LatticeError::Flat { vector: 0, .. })
         ));
+        for length in [1e200, 1e-200] {
+            let edges = [[1.0, 0.0, 0.0], [0.0, length, 0.0], [0.0, 0.0, 1.0]];
+            assert_eq!(of(edges, [true; 3]), Err(LatticeError::Range { vector: 1, length }));
+            assert!(of(edges, [true, false, true]).is_ok());
+        }
+        let flat = of([[0.0; 3]; 3], [true, false, false]).unwrap_err().to_string();
+        assert!(flat.contains("along vector 1 is 0; mend"), "{flat}");
         let bad = [[f64::NAN, 0.0, 0.0], [0.0; 3], [0.0; 3]];
         assert!(matches!(of(bad, [false; 3]), Err(LatticeError::Finite { .. })));
         let out = [[1.0, 0.0, 0.5], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];

@@ -1,4 +1,5 @@
 use super::*;
+use crate::check::reading::Deviation;
 use crate::periodic::BRUTE_FORCE;
 use crate::scene::Lattice;
 use crate::scene::spec::Spec;
@@ -164,5 +165,5 @@ fn many_particles_are_compared_with_what_two_detectors_say() {
     let found = verify(&periodic, &listed(&open).0, None, GIVEN);
     assert_eq!(counts(&found), [(truth.len() - open.len()) as u64, 0, 0, 0]);
     let reading = found.reading.unwrap();
-    assert_eq!((reading.open, reading.wrong), (true, 0));
+    assert_eq!((reading.taken, reading.wrong), (TakenBox::Open, 0));
 }

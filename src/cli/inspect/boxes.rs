@@ -2,20 +2,14 @@
 
 use serde_json::json;
 
-use crate::check::imaged;
 use crate::cli::inspect::Line;
 use crate::cli::shared::input::Input;
-use crate::detect::Options;
-use crate::io::boxes::along;
+use crate::io::boxes::{along, outside};
 use crate::io::{About, Particles};
 use crate::number::{number, plural};
-use crate::periodic::{ImagePair, Periodic};
-use crate::scene::{AnyScene, Lattice, Real};
+use crate::periodic::Periodic;
+use crate::scene::Real;
 use crate::with_scene;
-
-/// A particle is outside the box where it is farther out than this part of a vector: the corner
-/// and the coordinates in units of the vectors are rounded.
-const ROUNDED: f64 = 1e-9;
 
 /// Prints the box of the file, and the one that counts.
 pub(super) fn report(particles: &Particles, about: &About, input: &Input, lines: &mut Vec<Line>) {
@@ -44,11 +38,11 @@ pub(super) fn report(particles: &Particles, about: &About, input: &Input, lines:
     };
     let dim = particles.dim();
     let axes = lattice.periodic();
-    let source = match (input.edges, input.periodic) {
-        (Some(_), Some(_)) => " (--box, --periodic)",
-        (Some(_), None) => " (--box)",
-        (None, Some(_)) => " (--periodic)",
-        (None, None) => ", as the file says",
+    let said = about.declared.as_ref().is_some_and(|declared| declared.periodic.is_some());
+    let source = match input.periodic {
+        Some(_) => " (--periodic)",
+        None if said => ", as the file says",
+        None => " (--box)",
     };
     lines.push(Line(
         "boundaries",
@@ -65,8 +59,9 @@ pub(super) fn report(particles: &Particles, about: &About, input: &Input, lines:
     lines.push(Line(
         "box",
         format!(
-            "vectors {}, lengths {}, {shape}; corner {}",
+            "vectors {}{}, lengths {}, {shape}; corner {}",
             rows(&vectors),
+            if input.edges.is_some() { " (--box)" } else { "" },
             list(&lengths),
             list(origin)
         ),
@@ -78,67 +73,38 @@ pub(super) fn report(particles: &Particles, about: &About, input: &Input, lines:
             ("box_heights", json!(heights)),
         ],
     ));
-    let outside = (0..particles.len()).filter(|&k| is_outside(lattice, particles.centre(k)));
-    let outside = outside.count();
-    let same = if outside == 0 { "" } else { "; it does not matter which image a file names" };
+    let outside = outside((0..particles.len()).map(|k| particles.centre(k)), lattice);
+    let such = match outside.first() {
+        Some(first) => format!(", such as particle {first} (from 0)"),
+        None => String::new(),
+    };
     lines.push(Line(
         "outside the box",
-        format!("{}{same}", plural(outside, "particle")),
-        vec![("outside", json!(outside))],
+        format!("{}{such}", plural(outside.len(), "particle")),
+        vec![("outside", json!(outside.len()))],
     ));
 }
 
-/// Is the point beyond a face at which the box repeats?
-fn is_outside(lattice: &Lattice, point: [f64; 3]) -> bool {
-    let origin = lattice.origin();
-    (0..3).filter(|&vector| lattice.periodic()[vector]).any(|vector| {
-        let dual = lattice.dual(vector);
-        let at: f64 = (0..3).map(|k| dual[k] * (point[k] - origin[k])).sum();
-        !(-ROUNDED..=1.0 + ROUNDED).contains(&at)
-    })
-}
-
-/// Prints the distances of the box's faces against the farthest that two bodies touch, and the
-/// contacts in the box; warns of boxes so small that the nearest image is not all.
-pub(super) fn reach(
-    scene: &AnyScene<'_>,
-    lattice: Lattice,
-    lines: &mut Vec<Line>,
-    warnings: &mut Vec<String>,
-) {
+/// Prints the distances of the box's faces against the farthest that two bodies touch; warns of
+/// boxes so small that the nearest image is not all.
+pub(super) fn reach(periodic: &Periodic<'_>, lines: &mut Vec<Line>, warnings: &mut Vec<String>) {
+    let (scene, lattice) = (periodic.scene(), periodic.lattice());
     let reach = 2.0 * with_scene!(scene, scene => scene.largest_radius().wide());
-    let periodic = (0..3).filter(|&k| lattice.periodic()[k]);
-    let heights: Vec<(&str, f64)> =
-        periodic.map(|k| (["x", "y", "z"][k], lattice.height(k))).collect();
+    let axes = (0..3).filter(|&k| lattice.periodic()[k]);
+    let heights: Vec<(&str, f64)> = axes.map(|k| (["x", "y", "z"][k], lattice.height(k))).collect();
     let text: Vec<String> =
         heights.iter().map(|(axis, height)| format!("{axis} {}", number(*height))).collect();
+    let least = heights.iter().map(|(_, height)| *height).fold(f64::INFINITY, f64::min) / reach;
+    let times = if least.is_finite() {
+        format!(": at least {} times as far", number(least))
+    } else {
+        String::new()
+    };
     lines.push(Line(
         "between faces",
-        format!("{}; bodies touch over {} at most", text.join(", "), number(reach)),
-        vec![("reach", json!(reach))],
+        format!("{}; bodies touch over {} at most{times}", text.join(", "), number(reach)),
+        vec![("reach", json!(reach)), ("least_height_over_reach", json!(least))],
     ));
-    match contacts(scene, lattice) {
-        Err(error) => {
-            warnings.push(format!("contacts across the box were not looked for: {error:#}"));
-        }
-        Ok(pairs) => {
-            let across = pairs.iter().filter(|pair| pair.image != [0; 3]).count();
-            let each = 2.0 * pairs.len() as f64 / scene.len().max(1) as f64;
-            lines.push(Line(
-                "in the box",
-                format!(
-                    "{} contacts (exact), {across} of them across it, {} per particle",
-                    pairs.len(),
-                    number(each)
-                ),
-                vec![
-                    ("contacts_in_box", json!(pairs.len())),
-                    ("contacts_across", json!(across)),
-                    ("coordination_in_box", json!(each)),
-                ],
-            ));
-        }
-    }
     // The last places of a height are rounded: nobody is warned wrongly for want of one.
     let narrow = |times: f64| {
         let axes = heights.iter().filter(|(_, height)| *height <= times * reach * (1.0 + 1e-12));
@@ -164,9 +130,4 @@ fn list(numbers: &[f64]) -> String {
 fn rows<V: AsRef<[f64]>>(vectors: &[V]) -> String {
     let rows: Vec<String> = vectors.iter().map(|v| format!("({})", list(v.as_ref()))).collect();
     rows.join(" ")
-}
-
-fn contacts(scene: &AnyScene<'_>, lattice: Lattice) -> anyhow::Result<Vec<ImagePair>> {
-    let periodic = Periodic::new(scene.clone(), lattice)?;
-    imaged::contacts(&periodic, Options::default().memory_limit)
 }

@@ -2,17 +2,19 @@
 
 use serde_json::json;
 
+use crate::check::imaged;
 use crate::cli::inspect::Line;
 use crate::contact::depth::depth;
 use crate::contact::{Arithmetic, Test};
 use crate::crowd::Crowd;
 use crate::detect::{Options, table};
 use crate::io::RadiusSource;
-use crate::number::number;
+use crate::number::{number, plural};
 use crate::pair_list::{Allowance, PairList};
+use crate::periodic::{self, ImagePair, Periodic};
 use crate::scene::{AnyScene, Radii, Real, Scene, Stored, array};
 use crate::sink::{Sink, Visit, normalise};
-use crate::{oracle, with_scene};
+use crate::with_scene;
 
 /// Couples whose distance differs from the sum of their radii by less than this share of it are
 /// near tangent.
@@ -25,7 +27,8 @@ const DETECTOR: &str = "bvh";
 /// The contacts of a scene.
 pub(super) enum Contacts {
     Found {
-        pairs: Vec<[u32; 2]>,
+        /// In ascending order; with image 0 where boundaries are open.
+        pairs: Vec<ImagePair>,
         /// Near tangent couples, those just apart included.
         near: u64,
         /// The sum of the overlaps in mean radii.
@@ -45,6 +48,22 @@ impl Contacts {
             // Readers give doubles.
             _ => Contacts::Refused("not in f64".into()),
         }
+    }
+
+    /// Those in a box that repeats.
+    pub fn within(periodic: &Periodic<'_>) -> Contacts {
+        let limit = Options::default().memory_limit;
+        let mut pairs = match imaged::contacts(periodic, limit) {
+            Ok(pairs) => pairs,
+            Err(error) => return Contacts::Refused(format!("{error:#}")),
+        };
+        pairs.sort_unstable();
+        let depths = pairs.iter().map(|&pair| periodic::depth(periodic, pair));
+        let (near, overlap) = depths.fold((0, 0.0), |(near, sum), depth| {
+            (near + u64::from(depth < 2.0 * NEAR), sum + depth)
+        });
+        let near = near + imaged::nearly(periodic, 2.0 * NEAR, limit).len() as u64;
+        Contacts::Found { pairs, near, overlap }
     }
 
     /// Their number, where it is known.
@@ -103,15 +122,15 @@ where
         return Contacts::Refused(refusal.to_string());
     }
     normalise(&mut pairs);
+    let pairs = pairs.into_iter().map(|[i, j]| ImagePair { i, j, image: [0; 3] }).collect();
     Contacts::Found { pairs, near, overlap: sum }
 }
 
-/// Prints radii, contacts, and what rounding would do. `within`: the box repeats, and contacts
-/// across it are not among them.
+/// Prints radii, contacts, and what rounding would do.
 pub(super) fn report(
-    scene: &AnyScene<'static>,
+    scene: &AnyScene<'_>,
     source: &RadiusSource,
-    within: bool,
+    within: Option<&Periodic<'_>>,
     contacts: &Contacts,
     lines: &mut Vec<Line>,
     warnings: &mut Vec<String>,
@@ -155,31 +174,38 @@ pub(super) fn report(
         Contacts::Found { pairs, near, overlap } => {
             let (count, each) = (pairs.len(), 2.0 * pairs.len() as f64 / n as f64);
             let mean = if count == 0 { 0.0 } else { overlap / count as f64 };
-            let open = if within { "; open boundaries: none across the box" } else { "" };
+            let across = pairs.iter().filter(|pair| pair.image != [0; 3]).count();
+            let own = pairs.iter().filter(|pair| pair.i == pair.j).count();
+            let boxed = match within {
+                None => String::new(),
+                Some(_) => format!(", {across} of them across the box, {own} of one with itself"),
+            };
             let text = format!(
-                "{count} (exact; bodies that just touch are in contact{open}), {} per particle, \
+                "{count} (exact; bodies that just touch are in contact){boxed}, {} per particle, \
                  mean overlap {} radii",
                 number(each),
                 number(mean)
             );
-            lines.push(Line(
-                "contacts",
-                text,
-                vec![
-                    ("contacts", json!(count)),
-                    ("coordination", json!(each)),
-                    ("mean_overlap", json!(mean)),
-                    ("boundaries", json!("open")),
-                ],
-            ));
+            let boundaries = if within.is_some() { "periodic" } else { "open" };
+            let mut values = vec![
+                ("contacts", json!(count)),
+                ("coordination", json!(each)),
+                ("mean_overlap", json!(mean)),
+                ("boundaries", json!(boundaries)),
+            ];
+            if within.is_some() {
+                values.extend([("contacts_across", json!(across)), ("contacts_own", json!(own))]);
+            }
+            lines.push(Line("contacts", text, values));
             lines.push(Line(
                 "near tangent",
                 format!(
-                    "{near} couples whose distance is the sum of their radii to within 1e-9 of it"
+                    "{} whose distance is the sum of their radii to within 1e-9 of it",
+                    plural(*near as usize, "couple")
                 ),
                 vec![("near_tangent", json!(near))],
             ));
-            if count == 0 && n > 1 && !within {
+            if count == 0 && n > 1 {
                 warnings.push(
                     "nothing touches: are the radii in the units of the coordinates, and not too \
                      small by a half?"
@@ -188,8 +214,10 @@ pub(super) fn report(
             }
             if *near > 0 && 10 * near > count as u64 {
                 warnings.push(format!(
-                    "{near} couples are within 1e-9 of just touching: codes that round in \
-                     different ways will disagree about them"
+                    "{} within 1e-9 of just touching: codes that round in different ways will \
+                     disagree about {}",
+                    if *near == 1 { "1 couple is".into() } else { format!("{near} couples are") },
+                    if *near == 1 { "it" } else { "them" }
                 ));
             }
             each
@@ -212,12 +240,13 @@ pub(super) fn report(
             "{each:.1} contacts per particle are more than a packing of hard bodies has; {what}"
         ));
     }
-    offset(scene, mean, contacts, lines, warnings);
+    offset(scene, within, mean, contacts, lines, warnings);
 }
 
 /// How far from the origin the scene is, and what f32 would make of it.
 fn offset(
-    scene: &AnyScene<'static>,
+    scene: &AnyScene<'_>,
+    within: Option<&Periodic<'_>>,
     mean: f64,
     contacts: &Contacts,
     lines: &mut Vec<Line>,
@@ -240,20 +269,12 @@ fn offset(
     );
     let mut values =
         vec![("offset_diameters", json!(diameters)), ("f32_spacing_radii", json!(spacing))];
-    if let (Contacts::Found { pairs, .. }, Ok(stored), Some(entry)) =
-        (contacts, scene.stored(Arithmetic::F32), table::find(DETECTOR))
-    {
-        let mut rounded = Vec::new();
-        if entry.make(Options::default()).list(&stored, Test::Rounded, &mut rounded).is_ok() {
-            normalise(&mut rounded);
-            let errors = oracle::compare(&rounded, pairs, scene);
-            text +=
-                &format!("; f32 would miss {} contacts and add {}", errors.missed, errors.spurious);
-            values.extend([
-                ("f32_missed", json!(errors.missed)),
-                ("f32_spurious", json!(errors.spurious)),
-            ]);
-        }
+    if let (Contacts::Found { pairs, .. }, Some(rounded)) = (contacts, in_f32(scene, within)) {
+        let lacks = |list: &[ImagePair], pair: &&ImagePair| list.binary_search(pair).is_err();
+        let missed = pairs.iter().filter(|pair| lacks(&rounded, pair)).count();
+        let spurious = rounded.iter().filter(|pair| lacks(pairs, pair)).count();
+        text += &format!("; f32 would miss {} and add {spurious}", plural(missed, "contact"));
+        values.extend([("f32_missed", json!(missed)), ("f32_spurious", json!(spurious))]);
     }
     lines.push(Line("offset", text, values));
     if spacing > 1e-3 {
@@ -262,4 +283,21 @@ fn offset(
              radii: shift it, or use f64"
         ));
     }
+}
+
+/// The contacts as f32 decides them, in ascending order.
+fn in_f32(scene: &AnyScene<'_>, within: Option<&Periodic<'_>>) -> Option<Vec<ImagePair>> {
+    let mut detector = table::find(DETECTOR)?.make(Options::default());
+    if let Some(periodic) = within {
+        let limit = Options::default().memory_limit;
+        let pairs = periodic::contacts(periodic, &mut *detector, Arithmetic::F32, limit);
+        return pairs.ok().map(|mut pairs| {
+            pairs.sort_unstable();
+            pairs
+        });
+    }
+    let (stored, mut pairs) = (scene.stored(Arithmetic::F32).ok()?, Vec::new());
+    detector.list(&stored, Test::Rounded, &mut pairs).ok()?;
+    normalise(&mut pairs);
+    Some(pairs.into_iter().map(|[i, j]| ImagePair { i, j, image: [0; 3] }).collect())
 }

@@ -136,7 +136,11 @@ pub fn load(
     if options.boundaries.unknown(about.declared.as_ref()) {
         eprintln!("{text}: {UNKNOWN}");
     }
-    if particles.is_flat() && particles.lattice().is_some_and(|lattice| lattice.periodic()[2]) {
+    let asked = input.dim.is_some();
+    if !asked
+        && particles.is_flat()
+        && particles.lattice().is_some_and(|lattice| lattice.periodic()[2])
+    {
         eprintln!(
             "{text}: z is 0 for all, and the box repeats along z: if these are discs, give --dim 2"
         );

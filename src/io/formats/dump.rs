@@ -14,7 +14,7 @@
 
 use anyhow::{Context, bail, ensure};
 
-use crate::io::boxes::letters;
+use crate::io::boxes::{in_order, letters};
 use crate::io::frames::{Frames, Step};
 use crate::io::lines::{Lines, Separator, Source, number, short, shown};
 use crate::io::particles::{Centres, Column, Columns, Particles, loaded};
@@ -271,8 +271,12 @@ impl Bounds {
         let pairs = rows.map(|row| [row[0], row[1]]);
         let third = rows.map(|row| row[2]);
         let declared = match columns {
-            2 => Declared::between(&pairs, periodic),
-            3 => Declared::enclosed(pairs, third, periodic),
+            2 => {
+                in_order(&pairs, options.boundaries).with_context(|| lines.place())?;
+                Declared::between(&pairs, periodic)
+            }
+            3 => Declared::enclosed(pairs, third, periodic, options.boundaries)
+                .with_context(|| lines.place())?,
             _ => Declared {
                 vectors: Some(rows.map(|row| [row[0], row[1], row[2]])),
                 origin: rows.map(|row| row[3]),

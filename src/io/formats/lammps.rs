@@ -56,7 +56,7 @@ pub(crate) fn read(source: Source<'_>, options: Options) -> anyhow::Result<(Part
         let line = lines.line();
         if let Some(count) = is_count(line) {
             n = Some(lines.count(count, "the number of atoms")?);
-        } else if header.take(&lines)? {
+        } else if header.take(&lines, options)? {
             continue;
         } else if words(line).next() == Some(b"Atoms") {
             let n = n.with_context(|| {
@@ -90,7 +90,7 @@ struct Header {
 
 impl Header {
     /// Takes the line, if it is one of them.
-    fn take(&mut self, lines: &Lines<'_>) -> anyhow::Result<bool> {
+    fn take(&mut self, lines: &Lines<'_>, options: Options) -> anyhow::Result<bool> {
         let line = lines.line().split(|&b| b == b'#').next().unwrap_or_default();
         let words: Vec<&[u8]> = words(line).collect();
         let numbers = |cells: &[&[u8]]| -> anyhow::Result<[f64; 3]> {
@@ -111,6 +111,12 @@ impl Header {
         match words[..] {
             [lo, hi, axis @ (b"xlo" | b"ylo" | b"zlo"), ..] => {
                 let [lo, hi, _] = numbers(&[lo, hi])?;
+                ensure!(
+                    lo <= hi || options.boundaries.open || options.boundaries.edges.is_some(),
+                    "{}: the box goes from {lo} to {hi}; the lower bound stands first: mend the \
+                     file, or give --box or --open",
+                    lines.place()
+                );
                 self.ranges[usize::from(axis[0] - b'x')] = Some([lo, hi]);
             }
             [xy, xz, yz, b"xy", b"xz", b"yz"] => self.tilt = Some(numbers(&[xy, xz, yz])?),

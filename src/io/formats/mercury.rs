@@ -5,8 +5,9 @@
 //! angular velocity (three each), species. Discs have 8: x y vx vy radius angle angular-velocity
 //! species. Format: the MercuryDPM documentation, "data file".
 
-use anyhow::{bail, ensure};
+use anyhow::{Context, bail, ensure};
 
+use crate::io::boxes::in_order;
 use crate::io::frames::{Frames, Step};
 use crate::io::lines::{Lines, Separator, Source, number, words};
 use crate::io::particles::{Columns, Particles, loaded};
@@ -88,6 +89,8 @@ pub(crate) fn read(source: Source<'_>, options: Options) -> anyhow::Result<(Part
             );
             about.bounds =
                 about.bounds.filter(|bounds| bounds.iter().flatten().all(|x| x.is_finite()));
+            let bounds = about.bounds.as_deref().unwrap_or_default();
+            in_order(bounds, options.boundaries).with_context(|| lines.source.name.to_string())?;
             // It stands in no data file whether the domain repeats.
             about.declared = about.bounds.as_ref().map(|bounds| Declared::between(bounds, None));
             result = Some((particles, about));

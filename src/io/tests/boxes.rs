@@ -229,9 +229,9 @@ fn lengths_that_are_rounded_differences_are_said() {
 fn no_box_is_ignored() {
     let words = |axes: &str| {
         format!(
-            "p: the box repeats along {axes}, and here boundaries are open; give --open (in an \
-             experiment open = true) to leave out contacts across it, or take detect, verify or \
-             inspect, which know boxes"
+            "p: the box repeats along {axes}, and here boundaries are open; give --open to leave \
+             out contacts across it, or take one of detect, verify, inspect, draw, check, \
+             recommend, run and scene, which know boxes"
         )
     };
     for (flags, axes) in [("pp ff ff", "x"), ("ff pp pp", "y and z"), ("pp pp pp", "x, y and z")] {
@@ -319,7 +319,7 @@ fn boxes_that_cannot_be_used_are_refused_in_words() {
             "xyz",
             NONE,
             "p: the periodic vectors of the box enclose nothing: the distance of its faces along \
-             vector 1 is 0e0; mend the box, or make that axis open (--box, --periodic, --open)",
+             vector 1 is 0; mend the box, or make that axis open (--box, --periodic, --open)",
         ),
         (
             bounds("pp pp pp\n0 1\n0 1\n-1e308 1e308\n"),
@@ -327,6 +327,36 @@ fn boxes_that_cannot_be_used_are_refused_in_words() {
             NONE,
             "p: the box has a number inf; vectors and corner must be finite: mend the box (--box, \
              --periodic, --open)",
+        ),
+        (
+            bounds("pp pp ff\n0 1\n5 0\n0 1\n"),
+            "",
+            NONE,
+            "p:6: along y the box goes from 5 to 0; the lower bound stands first: mend the file, \
+             or give --box or --open",
+        ),
+        (
+            bounds("xy xz yz pp pp pp\n0 3 4\n0 1 0\n0 1 0\n"),
+            "",
+            NONE,
+            "p:6: the tilt 4 0 0 is larger than the bounds, which are those of the box around the \
+             tilted one: along x nothing is left; mend the file, or give --box or --open",
+        ),
+        (
+            "\n\n1 atoms\n0 4 xlo xhi\n4 0 ylo yhi\n0 4 zlo zhi\n\nAtoms # sphere\n\n1 1 1 1 1 1 \
+             1\n"
+            .into(),
+            "",
+            with(Boundaries::AS_DECLARED),
+            "p:5: the box goes from 4 to 0; the lower bound stands first: mend the file, or give \
+             --box or --open",
+        ),
+        (
+            bounds("pp pp pp\n0 1\n0 1e200\n0 1\n"),
+            "",
+            NONE,
+            "p: vector 2 of the box is 1e200 long, and squares of it leave the range of f64; take \
+             other units (--box, --periodic, --open)",
         ),
         (
             bounds("ff ff ff\n0 1\n0 1\n0 1\n"),

@@ -340,7 +340,7 @@ fn carriage_returns_alone_are_no_line_ends() {
         let error = read(text.as_bytes(), ending, NONE).unwrap_err();
         assert!(error.starts_with(words), "{text:?}: {error}");
     }
-    let pairs = |text: &str| pairs::from(text.as_bytes(), "p", None, Frame::Only);
+    let pairs = |text: &str| pairs::from(text.as_bytes(), "p", &[], Frame::Only);
     for text in ["i,j\r0,1\r1,2\r", "0 1\r1 2\r", "i,j\n0,1\r1,2\n"] {
         let error = pairs(text).unwrap_err().to_string();
         assert!(error.contains("a line ends in a carriage return alone"), "{text:?}: {error}");

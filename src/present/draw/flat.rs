@@ -87,16 +87,17 @@ pub struct Flat {
 }
 
 impl Flat {
-    /// All discs, or the spheres that meet the slice.
-    pub fn new(scene: &AnyScene<'_>, slice: Option<Slice>) -> Flat {
+    /// All discs, or the spheres that meet the slice. If none is given, it goes through the middle
+    /// of the first `count` particles.
+    pub fn new(scene: &AnyScene<'_>, slice: Option<Slice>, count: usize) -> Flat {
         with_scene!(scene, scene => {
             let centre = |k: usize| array(&scene.centres()[k]).map(Real::wide).to_vec();
             let particles = (0..scene.len()).map(|k| (centre(k), scene.radius(k).wide()));
-            Flat::cut(particles.collect(), slice)
+            Flat::cut(particles.collect(), slice, count)
         })
     }
 
-    fn cut(particles: Vec<(Vec<f64>, f64)>, slice: Option<Slice>) -> Flat {
+    fn cut(particles: Vec<(Vec<f64>, f64)>, slice: Option<Slice>, count: usize) -> Flat {
         let largest = particles
             .iter()
             .flat_map(|(centre, r)| centre.iter().chain(std::iter::once(r)))
@@ -112,7 +113,7 @@ impl Flat {
         let slice = space.then(|| {
             slice.unwrap_or_else(|| Slice {
                 axis: 2,
-                at: middle(particles.iter().map(|(centre, _)| centre[2])),
+                at: middle(particles.iter().take(count).map(|(centre, _)| centre[2])),
             })
         });
         let axes = match slice.map(|slice| slice.axis) {
@@ -197,7 +198,7 @@ mod tests {
     fn a_slice_cuts_spheres_into_circles() {
         let scene =
             spheres(&[[0.0, 0.0, 0.0], [10.0, 5.0, 3.0], [20.0, 7.0, 5.5], [30.0, 0.0, 8.0]], 5.0);
-        let flat = Flat::new(&scene, Some("z = 0".parse().unwrap()));
+        let flat = Flat::new(&scene, Some("z = 0".parse().unwrap()), usize::MAX);
         let found: Vec<_> = flat.circles.iter().map(|c| (c.id, c.at)).collect();
         assert_eq!(found, [(0, [0.0, 0.0]), (1, [10.0, 5.0])]);
         assert!((flat.circles[0].r - 5.0).abs() < 1e-14 && (flat.circles[1].r - 4.0).abs() < 1e-14);
@@ -206,25 +207,29 @@ mod tests {
             (Some(1), None, None)
         );
         // Through the middle: z = 4.
-        let ids: Vec<u32> = Flat::new(&scene, None).circles.iter().map(|c| c.id).collect();
+        let ids: Vec<u32> =
+            Flat::new(&scene, None, usize::MAX).circles.iter().map(|c| c.id).collect();
         assert_eq!(ids, [0, 1, 2, 3]);
-        let flat = Flat::new(&scene, Some(Slice { axis: 0, at: 31.0 }));
+        let flat = Flat::new(&scene, Some(Slice { axis: 0, at: 31.0 }), usize::MAX);
         assert_eq!((flat.axes, flat.circles[0].at), ([1, 2], [0.0, 8.0]));
         // A plane that touches a sphere meets it in a point.
-        assert_eq!(Flat::new(&scene, Some(Slice { axis: 0, at: 35.0 })).circles[0].r, 0.0);
+        assert_eq!(
+            Flat::new(&scene, Some(Slice { axis: 0, at: 35.0 }), usize::MAX).circles[0].r,
+            0.0
+        );
     }
 
     #[test]
     fn no_number_is_too_large_or_too_small() {
         for scale in [f64::MAX, 1e-310, 1e200] {
             let scene = spheres(&[[scale, -scale, 0.0], [-scale, scale, 0.0]], scale);
-            let flat = Flat::new(&scene, None);
+            let flat = Flat::new(&scene, None, usize::MAX);
             let [low, high] = flat.bounds().unwrap();
             let extent = high[0] - low[0];
             assert!(extent.is_finite() && extent > 0.0, "{scale}: {extent}");
             assert!((flat.circles[0].r / extent - 0.25).abs() < 1e-12, "{scale}");
         }
-        assert_eq!(Flat::new(&spheres(&[], 1.0), None).bounds(), None);
+        assert_eq!(Flat::new(&spheres(&[], 1.0), None, 0).bounds(), None);
     }
 
     #[test]

@@ -18,16 +18,20 @@
 //!
 //! * `flat`: spheres become circles in the plane of the slice; `pairs`: what is drawn between them,
 //!   and where it comes from.
+//! * `within`: a scene that repeats, with the images that something touches; `outline`: its box.
 //! * `page_coordinates`: from lengths of the scene to pixels; `sheet`: the picture.
 
 mod flat;
+mod outline;
 mod page_coordinates;
 mod pairs;
 mod sheet;
+mod within;
 
 use anyhow::ensure;
 pub use flat::Slice;
 pub use pairs::{Highlighted, find, read};
+pub use within::Boxed;
 
 use crate::contact::Arithmetic;
 use crate::scene::AnyScene;
@@ -67,15 +71,34 @@ impl Look {
 /// more than [`MOST_LINES`] pairs of them, pairs of particles that the scene does not have, and a
 /// slice through discs.
 pub fn svg(scene: &AnyScene<'_>, pairs: &Highlighted, look: &Look) -> anyhow::Result<String> {
+    pairs.check(scene.len())?;
+    picture(&scene.stored(Arithmetic::F64)?, pairs, look, None)
+}
+
+/// The same of a scene in its box. Refuses the cells, which are those of an open scene.
+pub fn svg_within(boxed: &Boxed<'_>, look: &Look) -> anyhow::Result<String> {
+    ensure!(
+        !look.grid,
+        "--grid shows the cells of open boundaries, and the box repeats; leave it out, or give \
+         --open"
+    );
+    picture(&boxed.scene, &boxed.pairs, look, Some(boxed))
+}
+
+fn picture(
+    scene: &AnyScene<'_>,
+    pairs: &Highlighted,
+    look: &Look,
+    boxed: Option<&Boxed<'_>>,
+) -> anyhow::Result<String> {
     ensure!(
         scene.dim() == 3 || look.slice.is_none(),
         "a slice was asked for, but the scene is of discs; leave out --slice"
     );
-    pairs.check(scene.len())?;
-    let scene = scene.stored(Arithmetic::F64)?;
-    let worst = pairs.worst(&scene);
-    let through = worst.filter(|_| scene.dim() == 3).map(|pair| Slice::through(&scene, pair));
-    let mut flat = flat::Flat::new(&scene, look.slice.or(through));
+    let worst = pairs.worst(scene);
+    let through = worst.filter(|_| scene.dim() == 3).map(|pair| Slice::through(scene, pair));
+    let count = boxed.map_or(scene.len(), |boxed| boxed.periodic.scene().len());
+    let mut flat = flat::Flat::new(scene, look.slice.or(through), count);
     let detail = worst.filter(|pair| !look.whole && sheet::too_small(&flat, *pair));
     if let Some(pair) = detail {
         flat.zoom(pair);
@@ -95,5 +118,5 @@ pub fn svg(scene: &AnyScene<'_>, pairs: &Highlighted, look: &Look) -> anyhow::Re
         "{lines} pairs are too many to be seen; at most {MOST_LINES} are drawn: draw a part of the \
          scene, or are the radii in another unit than the coordinates?"
     );
-    Ok(sheet::Sheet::new(&scene, &flat, pairs, look, detail).draw())
+    Ok(sheet::Sheet::new(scene, &flat, pairs, look, detail, boxed).draw())
 }

@@ -161,22 +161,32 @@ pub fn depth_of(scene: &AnyScene<'_>, [i, j]: [u32; 2]) -> f64 {
 }
 
 /// Reads a list of pairs of any format of [`io::pairs`], whose numbers are places in the file from
-/// 0.
+/// 0; images are refused.
 pub fn read(path: &Path) -> anyhow::Result<Vec<[u32; 2]>> {
-    let list = io::pairs::read(path, None, Frame::Only)?;
+    let list = io::pairs::read(path, &[], Frame::Only)?;
+    if let Some(k) = list.images.iter().flatten().position(|image| *image != [0; 3]) {
+        let [i, j] = list.pairs[k];
+        bail!(
+            "the pair {i},{j} names an image in a box that repeats, and boundaries are open here; \
+             give --box LX,LY,LZ"
+        );
+    }
+    places(&list.pairs)
+}
+
+/// Numbers of particles, from 0.
+pub(super) fn places(list: &[[i64; 2]]) -> anyhow::Result<Vec<[u32; 2]>> {
     let mut pairs = Vec::new();
-    let room = pairs.try_reserve_exact(list.pairs.len());
-    room.with_context(|| format!("no memory for {} pairs", list.pairs.len()))?;
-    for pair in list.pairs {
-        let [Ok(i), Ok(j)] = pair.map(u32::try_from) else {
+    let room = pairs.try_reserve_exact(list.len());
+    room.with_context(|| format!("no memory for {} pairs", list.len()))?;
+    for &[i, j] in list {
+        let (Ok(a), Ok(b)) = (u32::try_from(i), u32::try_from(j)) else {
             bail!(
-                "the pair {},{}: particles are numbered from 0; contactbench verify reads other \
-                 numbers",
-                pair[0],
-                pair[1]
+                "the pair {i},{j}: particles are numbered from 0; contactbench verify reads other \
+                 numbers"
             )
         };
-        pairs.push([i, j]);
+        pairs.push([a, b]);
     }
     Ok(pairs)
 }

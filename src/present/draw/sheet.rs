@@ -1,12 +1,16 @@
 //! The picture: title, grid, circles, pairs, numbers, legend.
 
+use crate::check::listed::particle;
 use crate::contact::{Test, any_bodies};
 use crate::filter::Cells;
+use crate::io::boxes::{along, outside};
 use crate::number::wrap;
+use crate::periodic;
 use crate::present::draw::flat::Flat;
+use crate::present::draw::outline::{Face, faces};
 use crate::present::draw::page_coordinates::PageCoordinates;
 use crate::present::draw::pairs::{Highlighted, NEAR, depth_of};
-use crate::present::draw::{LABELLED, Look};
+use crate::present::draw::{Boxed, LABELLED, Look};
 use crate::present::escape;
 use crate::present::svg::{px, segment};
 use crate::scene::{AnyScene, Real, Scene};
@@ -32,7 +36,12 @@ const MOST_LINES: f64 = 400.0;
 
 const DISC: &str = "#dde6f0";
 const RIM: &str = "#73859c";
+/// The images of particles in a box, and the box.
+const IMAGE: &str = "#f6f3ea";
+const IMAGE_RIM: &str = "#b3a987";
+const BOX: &str = "#555";
 const CONTACT: &str = "#0b5394";
+const ACROSS: &str = "#0f8577";
 const TANGENT: &str = "#7b2d8e";
 const MISSED: &str = "#d11507";
 const SPURIOUS: &str = "#e07b00";
@@ -43,6 +52,9 @@ pub struct Sheet<'a> {
     flat: &'a Flat,
     pairs: &'a Highlighted,
     look: &'a Look,
+    /// Where it repeats: its box, and which bodies are images.
+    boxed: Option<&'a Boxed<'a>>,
+    faces: Vec<Face>,
     page: PageCoordinates,
     /// The lines of the title.
     title: Vec<String>,
@@ -63,24 +75,45 @@ impl<'a> Sheet<'a> {
         pairs: &'a Highlighted,
         look: &'a Look,
         detail: Option<[u32; 2]>,
+        boxed: Option<&'a Boxed<'a>>,
     ) -> Sheet<'a> {
-        let bounds = flat.bounds().unwrap_or([[0.0; 2], [1.0; 2]]);
+        let view = flat.bounds().filter(|_| detail.is_some());
+        let faces = boxed.map_or(Vec::new(), |boxed| faces(flat, boxed.periodic.lattice(), view));
+        let bounds = around(flat, &faces).unwrap_or([[0.0; 2], [1.0; 2]]);
         let width = PageCoordinates::around(bounds, MOST, HEADER).size[0];
         let bodies = if scene.dim() == 2 { "discs" } else { "spheres" };
-        let met = flat.circles.len();
+        let own = |body: u32| boxed.is_none_or(|boxed| boxed.body(body) == (body, [0; 3]));
+        let met = flat.circles.iter().filter(|circle| own(circle.id)).count();
         let slice = flat.slice.map(|slice| {
             let meet = if detail.is_none() { format!(": {met} meet it") } else { String::new() };
             format!(", slice {} = {}{meet}", ["x", "y", "z"][slice.axis], slice.at)
         });
-        let detail = detail.map(|[i, j]| format!(", around {i} and {j}: the worst mistake"));
-        let subtitle = [slice, detail].map(Option::unwrap_or_default).concat();
-        let subtitle = format!("{} {bodies}{subtitle}", scene.len());
+        let name = |body: u32| boxed.map_or(body, |boxed| boxed.body(body).0);
+        let detail = detail.map(|pair| {
+            let [i, j] = pair.map(name);
+            format!(", around {i} and {j}: the worst mistake")
+        });
+        let repeats = boxed.map(|boxed| {
+            let (scene, lattice) = (boxed.periodic.scene(), boxed.periodic.lattice());
+            let centre = |k: u32| {
+                let centre = particle(scene, k).0;
+                std::array::from_fn(|axis| centre.get(axis).copied().unwrap_or(0.0))
+            };
+            let outside = match outside((0..scene.len() as u32).map(centre), lattice).len() {
+                0 => String::new(),
+                count => format!(", {count} outside it"),
+            };
+            format!(" in a box that repeats along {}{outside}", along(lattice.periodic()))
+        });
+        let subtitle = [repeats, slice, detail].map(Option::unwrap_or_default).concat();
+        let count = boxed.map_or(scene.len(), |boxed| boxed.periodic.scene().len());
+        let subtitle = format!("{count} {bodies}{subtitle}");
         let title = wrap(&look.title, (width / TITLE_LETTER) as usize);
         let subtitle = wrap(&subtitle, (width / LETTER) as usize);
         let header = HEADER + TITLE * (title.len() - 1) as f64 + LINE * (subtitle.len() - 1) as f64;
         let page = PageCoordinates::around(bounds, MOST, header);
         let (rows, body) = (Vec::new(), String::new());
-        Sheet { scene, flat, pairs, look, page, title, subtitle, header, rows, body }
+        Sheet { scene, flat, pairs, look, boxed, faces, page, title, subtitle, header, rows, body }
     }
 
     /// Draws it.
@@ -89,12 +122,14 @@ impl<'a> Sheet<'a> {
             self.grid();
         }
         self.circles();
+        self.faces();
         self.contacts();
         let pairs = self.pairs;
         self.wrong(&pairs.duplicates, SPURIOUS, "2 4", "reported more than once");
         self.wrong(&pairs.spurious, SPURIOUS, "", "spurious: reported, but apart");
         self.wrong(&pairs.missed, MISSED, "9 5", "missed: touching, but not reported");
-        if self.look.labels.unwrap_or(self.flat.circles.len() <= LABELLED) {
+        let own = self.flat.circles.iter().filter(|circle| !self.is_image(circle.id)).count();
+        if self.look.labels.unwrap_or(own <= LABELLED) {
             self.labels();
         }
         self.finish()
@@ -140,25 +175,76 @@ impl<'a> Sheet<'a> {
 
     fn circles(&mut self) {
         let crowd = self.flat.circles.len() > CROWD;
-        let rim = if crowd { String::new() } else { format!(" stroke=\"{RIM}\"") };
         // Points, and discs too small to be seen, are dots.
         let least = if crowd { 0.5 } else { 1.6 };
-        let (mut discs, mut dots) = (String::new(), String::new());
-        for circle in &self.flat.circles {
-            let ([x, y], r) = (self.page.at(circle.at).map(px), self.page.length(circle.r));
-            if r < least {
-                dots += &format!("M{x} {y}h0");
-            } else {
-                discs += &format!("<circle cx=\"{x}\" cy=\"{y}\" r=\"{}\"/>\n", px(r));
+        for (images, fill, rim) in [
+            (true, IMAGE, format!("{IMAGE_RIM}\" stroke-dasharray=\"4 3")),
+            (false, DISC, RIM.into()),
+        ] {
+            let look = if crowd { String::new() } else { format!(" stroke=\"{rim}\"") };
+            let (mut discs, mut dots) = (String::new(), String::new());
+            let circles = &self.flat.circles;
+            for circle in circles.iter().filter(|circle| self.is_image(circle.id) == images) {
+                let ([x, y], r) = (self.page.at(circle.at).map(px), self.page.length(circle.r));
+                if r < least {
+                    dots += &format!("M{x} {y}h0");
+                } else {
+                    discs += &format!("<circle cx=\"{x}\" cy=\"{y}\" r=\"{}\"/>\n", px(r));
+                }
+            }
+            if !images || !discs.is_empty() {
+                self.body += &format!("<g fill=\"{fill}\"{look}>\n{discs}</g>\n");
+            }
+            if !dots.is_empty() {
+                let (width, rim) = (px(2.0 * least), if images { IMAGE_RIM } else { RIM });
+                self.body += &format!(
+                    "<path d=\"{dots}\" stroke=\"{rim}\" stroke-width=\"{width}\" \
+                     stroke-linecap=\"round\" fill=\"none\"/>\n"
+                );
             }
         }
-        self.body += &format!("<g fill=\"{DISC}\"{rim}>\n{discs}</g>\n");
-        if !dots.is_empty() {
-            let width = px(2.0 * least);
-            self.body += &format!(
-                "<path d=\"{dots}\" stroke=\"{RIM}\" stroke-width=\"{width}\" \
-                 stroke-linecap=\"round\" fill=\"none\"/>\n"
-            );
+    }
+
+    /// Is the body an image of a particle?
+    fn is_image(&self, body: u32) -> bool {
+        self.boxed.is_some_and(|boxed| boxed.body(body) != (body, [0; 3]))
+    }
+
+    /// The outline of the box.
+    fn faces(&mut self) {
+        for (repeats, look, meaning) in [
+            (true, "stroke-width=\"1.6\"", "faces of the box"),
+            (false, "stroke-width=\"1.2\" stroke-dasharray=\"2 5\"", "open faces of the box"),
+        ] {
+            let mut lines = String::new();
+            for face in self.faces.iter().filter(|face| face.repeats == repeats) {
+                let [a, b] = face.ends.map(|end| self.page.at(end));
+                segment(&mut lines, a, b);
+            }
+            if !lines.is_empty() {
+                let look = format!("stroke=\"{BOX}\" {look} fill=\"none\"");
+                self.body += &format!("<path d=\"{lines}\" {look}/>\n");
+                self.rows.push((format!("<path d=\"M0 0H32\" {look}/>"), meaning.into()));
+            }
+        }
+    }
+
+    /// How many contacts pairs of bodies show: one across the box is there from both sides.
+    fn count(&self, pairs: impl Iterator<Item = [u32; 2]>) -> usize {
+        match self.boxed {
+            None => pairs.count(),
+            Some(boxed) => {
+                let mut contacts: Vec<_> =
+                    pairs.map(|pair| (boxed.contact(pair), pair[0] > pair[1])).collect();
+                contacts.sort_unstable();
+                // A repeated one counts as often as it is there from either side.
+                contacts
+                    .chunk_by(|a, b| a.0 == b.0)
+                    .map(|same| {
+                        if same[0].0.image == [0; 3] { same.len() } else { same.len().div_ceil(2) }
+                    })
+                    .sum()
+            }
         }
     }
 
@@ -169,45 +255,62 @@ impl<'a> Sheet<'a> {
 
     fn contacts(&mut self) {
         let (mut lines, mut tangents, mut nearly, mut apart) =
-            (String::new(), Vec::new(), Vec::new(), String::new());
+            ([const { String::new() }; 2], Vec::new(), Vec::new(), String::new());
         let mut drawn = 0;
         for &pair in &self.pairs.contacts {
             let Some([a, b]) = self.ends(pair) else { continue };
             drawn += 1;
-            segment(&mut lines, a, b);
-            let depth = depth_of(self.scene, pair);
+            segment(&mut lines[usize::from(self.is_image(pair[1]))], a, b);
+            let depth = match self.boxed {
+                Some(boxed) => periodic::depth(boxed.periodic, boxed.contact(pair)),
+                None => depth_of(self.scene, pair),
+            };
             if depth == 0.0 {
-                tangents.push(self.between(pair, a, b));
+                tangents.push((pair, self.between(pair, a, b)));
             } else if depth < NEAR {
-                nearly.push(self.between(pair, a, b));
+                nearly.push((pair, self.between(pair, a, b)));
             }
         }
         for &pair in &self.pairs.near {
             let Some([a, b]) = self.ends(pair) else { continue };
             segment(&mut apart, a, b);
-            nearly.push(self.between(pair, a, b));
+            nearly.push((pair, self.between(pair, a, b)));
         }
         let width = if drawn > CROWD { "0.5" } else { "1.8" };
-        let (line, dotted) = (
-            format!("stroke=\"{CONTACT}\" stroke-width=\"{width}\" fill=\"none\""),
-            format!(
-                "stroke=\"{TANGENT}\" stroke-dasharray=\"1 4\" stroke-width=\"1.8\" \
-                 stroke-linecap=\"round\" fill=\"none\""
-            ),
+        let dotted = format!(
+            "stroke=\"{TANGENT}\" stroke-dasharray=\"1 4\" stroke-width=\"1.8\" \
+             stroke-linecap=\"round\" fill=\"none\""
         );
-        if !lines.is_empty() {
-            self.body += &format!("<path d=\"{lines}\" {line}/>\n");
+        let contacts = self.pairs.contacts.iter().copied();
+        for (across, lines) in lines.into_iter().enumerate() {
+            let colour = [CONTACT, ACROSS][across];
+            let line = format!("stroke=\"{colour}\" stroke-width=\"{width}\" fill=\"none\"");
+            if !lines.is_empty() {
+                self.body += &format!("<path d=\"{lines}\" {line}/>\n");
+            }
+            let such =
+                contacts.clone().filter(|pair| usize::from(self.is_image(pair[1])) == across);
+            let (seen, all) = (
+                self.count(such.clone().filter(|pair| self.ends(*pair).is_some())),
+                self.count(such),
+            );
+            let of = match self.flat.slice {
+                Some(_) => format!(" of {all}, those with both spheres in the slice"),
+                None => String::new(),
+            };
+            let meaning = match across {
+                0 => format!("contacts: {seen}{of}"),
+                _ if self.boxed.is_none() => continue,
+                _ => format!(
+                    "contacts across the box: {seen}{of}; each is drawn from both sides, to the \
+                     image (dashed, pale) that is touched"
+                ),
+            };
+            self.rows.push((format!("<path d=\"M0 0H32\" {line}/>"), meaning));
         }
         if !apart.is_empty() {
             self.body += &format!("<path d=\"{apart}\" {dotted}/>\n");
         }
-        let all = self.pairs.contacts.len();
-        let of = if self.flat.slice.is_some() {
-            format!(" of {all}, those with both spheres in the slice")
-        } else {
-            String::new()
-        };
-        self.rows.push((format!("<path d=\"M0 0H32\" {line}/>"), format!("contacts: {drawn}{of}")));
         let (small, crowd) =
             (if drawn > CROWD { 1.2 } else { 3.5 }, if drawn > CROWD { "0.6" } else { "1.6" });
         for (marks, fill, text) in [
@@ -224,9 +327,9 @@ impl<'a> Sheet<'a> {
             if !marks.is_empty() {
                 self.rows.push((
                     format!("<circle cx=\"16\" {look}/>"),
-                    format!("{text}: {}", marks.len()),
+                    format!("{text}: {}", self.count(marks.iter().map(|(pair, _)| *pair))),
                 ));
-                self.body.extend(marks.iter().map(|[x, y]| {
+                self.body.extend(marks.iter().map(|(_, [x, y])| {
                     format!("<circle cx=\"{}\" cy=\"{}\" {look}/>\n", px(*x), px(*y))
                 }));
             }
@@ -252,10 +355,9 @@ impl<'a> Sheet<'a> {
             "stroke=\"{colour}\" stroke-width=\"3\" stroke-dasharray=\"{dash}\" fill=\"none\""
         );
         let look = if dash.is_empty() { look.replace(" stroke-dasharray=\"\"", "") } else { look };
-        let (mut lines, mut drawn) = (String::new(), 0);
+        let mut lines = String::new();
         for &pair in pairs {
             let Some([a, b]) = self.ends(pair) else { continue };
-            drawn += 1;
             if a == b {
                 // A particle with itself, or two in one place: a ring, as a path of two arcs.
                 let r = (0.6
@@ -268,7 +370,9 @@ impl<'a> Sheet<'a> {
             }
         }
         self.body += &format!("<path d=\"{lines}\" {look}/>\n");
-        let of = if drawn < pairs.len() { format!(" of {}", pairs.len()) } else { String::new() };
+        let seen = pairs.iter().copied().filter(|pair| self.ends(*pair).is_some());
+        let (drawn, all) = (self.count(seen), self.count(pairs.iter().copied()));
+        let of = if drawn < all { format!(" of {all}") } else { String::new() };
         self.rows
             .push((format!("<path d=\"M0 0H32\" {look}/>"), format!("{meaning}: {drawn}{of}")));
     }
@@ -278,12 +382,13 @@ impl<'a> Sheet<'a> {
         for circle in &self.flat.circles {
             let [x, y] = self.page.at(circle.at);
             let size = (0.8 * self.page.length(circle.r)).clamp(8.0, 17.0);
+            let pale = if self.is_image(circle.id) { " fill=\"#8a8167\"" } else { "" };
             texts += &format!(
-                "<text x=\"{}\" y=\"{}\" font-size=\"{}\">{}</text>\n",
+                "<text x=\"{}\" y=\"{}\" font-size=\"{}\"{pale}>{}</text>\n",
                 px(x),
                 px(y + 0.36 * size),
                 px(size),
-                circle.id
+                self.boxed.map_or(circle.id, |boxed| boxed.body(circle.id).0)
             );
         }
         self.body += &format!(
@@ -322,6 +427,14 @@ impl<'a> Sheet<'a> {
             format!("cells of edge {edge}, as detectors use them"),
         ));
     }
+}
+
+/// The rectangle around all circles and faces.
+fn around(flat: &Flat, faces: &[Face]) -> Option<[[f64; 2]; 2]> {
+    faces.iter().flat_map(|face| face.ends).fold(flat.bounds(), |bounds, point| {
+        let [low, high] = bounds.unwrap_or([point; 2]);
+        Some([[0, 1].map(|k| low[k].min(point[k])), [0, 1].map(|k| high[k].max(point[k]))])
+    })
 }
 
 /// Is a pair too small to be seen in a picture of all circles?

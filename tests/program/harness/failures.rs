@@ -257,7 +257,7 @@ fn each_failure_has_its_outcome_and_costs_no_other_runner_anything() {
     assert_eq!(refused.len(), 3);
     assert!(
         refused.iter().all(|row| row.outcome == Refused
-            && row.reason.contains("the limit is 1048576; raise the memory limit")),
+            && row.reason.contains("the limit is 1048576 bytes; raise the memory limit")),
         "{refused:?}"
     );
     for (rows, n) in [(&sparse, 100), (&dense, 100), (&dense, 400)] {

@@ -11,7 +11,7 @@ fn the_verbs_write_what_they_say() {
     let ended = run(at, &["draw", "a<b>.csv", "--pairs", "pairs.csv"]);
     assert_eq!((ended.code, &*ended.stdout), (Some(0), ""), "{}", ended.stderr);
     assert!(
-        ended.stderr.contains("N = 3, 2D, 1 contacts, 1 missed, 1 spurious, 0 repeated; scene.svg"),
+        ended.stderr.contains("N = 3, 2D, 1 contact, 1 missed, 1 spurious, 0 repeated; scene.svg"),
         "{}",
         ended.stderr
     );
