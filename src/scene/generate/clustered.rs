@@ -19,7 +19,9 @@
 //! come first, one after the other, then the background.
 
 use crate::scene::generate::draw::Draw;
-use crate::scene::generate::sizes::{EXPONENT, GIANTS, SHARE, SIZE_RATIO, SIZES, unit_radii};
+use crate::scene::generate::sizes::{
+    EXPONENT, GIANTS, GRADING, SHARE, SIZE_RATIO, SIZES, unit_radii,
+};
 use crate::scene::generate::table::{Generator, Kind, Parameter, Preset, no_history};
 use crate::scene::generate::{DIAMETER, Inputs, OFFSET, assemble, box_edge};
 use crate::scene::{AnyScene, Scene};
@@ -38,6 +40,7 @@ pub const GENERATOR: Generator = Generator {
         EXPONENT,
         SHARE,
         GIANTS,
+        GRADING,
         Parameter {
             name: "per-cluster",
             kind: Kind::Count,

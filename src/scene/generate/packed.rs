@@ -14,7 +14,9 @@
 //! exactly i·spacing·diameter (one rounding each, none where spacing and diameter are dyadic).
 
 use crate::scene::generate::draw::Draw;
-use crate::scene::generate::sizes::{EXPONENT, GIANTS, SHARE, SIZE_RATIO, SIZES, unit_radii};
+use crate::scene::generate::sizes::{
+    EXPONENT, GIANTS, GRADING, SHARE, SIZE_RATIO, SIZES, unit_radii,
+};
 use crate::scene::generate::table::{Generator, Kind, Parameter, Preset, no_history};
 use crate::scene::generate::{DIAMETER, Inputs, OFFSET, assemble};
 use crate::scene::{AnyScene, Scene};
@@ -33,6 +35,7 @@ pub const GENERATOR: Generator = Generator {
         EXPONENT,
         SHARE,
         GIANTS,
+        GRADING,
         Parameter {
             name: "lattice",
             kind: Kind::Word([&["hexagonal", "square"], &["fcc", "cubic"]]),
