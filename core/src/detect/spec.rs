@@ -243,7 +243,7 @@ mod tests {
         for (given, parts) in [
             ("nsb", &["no detector 'nsb'", "streamed-nbs", "direct"][..]),
             ("", &["no detector ''", "direct"]),
-            ("nbs:level=avx2", &["no parameter 'level'", "nbs takes no parameters"]),
+            ("sorting:level=avx2", &["no parameter 'level'", "sorting takes no parameters"]),
             ("streamed-nbs:avx2", &["'avx2' is not of the form", "level=best|portable|avx2"]),
             ("streamed-nbs:lvl=avx2", &["no parameter 'lvl'", "form=auto|dense|sparse"]),
             ("streamed-nbs:level=sse2", &["level cannot be 'sse2'", "best, portable, avx2"]),

@@ -4,6 +4,7 @@
 use std::collections::BTreeMap;
 
 use super::any::{AnyDetector, Both, Refuses};
+use super::book::nbs_levels::NbsLevels;
 use super::book::{binary_tree, direct, nbs2d, nbs3d, screening, sorting};
 use super::modern::{bvh, cell_grid, hash_grid, hgrid, kd_tree, sweep};
 pub use super::parameter::{Beside, Parameter};
@@ -181,11 +182,18 @@ pub static TABLE: &[Entry] = &[
         group: Group::Book,
         summary: "Munjiza-NBS: lists of layers, of rows, of cells; no binary search",
         cost: "N",
-        memory: "4(ny + 2nx + 2N) in 2D, 4(nz + 2ny + 2nx + 3N) in 3D",
+        memory: "4(ny + 2nx + 2N) in 2D, 4(nz + 2ny + 2nx + 3N) in 3D; with levels about twice that",
         limits: "memory: a particle so far away that nx + ny + nz exceeds the limit",
         threads: false,
-        parameters: &[],
-        constructor: Both::<nbs2d::Nbs2d, nbs3d::Nbs3d>::boxed,
+        parameters: &[Parameter {
+            name: "levels",
+            values: &["none", "auto"],
+            beside: None,
+            instead_of: None,
+            meaning: "none: cells for the largest body; auto: by octaves of radii, each with all \
+                      smaller ones",
+        }],
+        constructor: nbs,
     },
     Entry {
         name: "streamed-nbs",
@@ -371,6 +379,15 @@ pub static TABLE: &[Entry] = &[
 /// The detector to take without a reason for another.
 pub(crate) fn streamed_nbs(options: Options) -> Box<dyn AnyDetector> {
     streamed(&Params::new(), options)
+}
+
+/// `nbs` with its parameter.
+fn nbs(params: &Params, options: Options) -> Box<dyn AnyDetector> {
+    if params.contains_key("levels") {
+        Both::<NbsLevels<nbs2d::Nbs2d, 2>, NbsLevels<nbs3d::Nbs3d, 3>>::boxed(params, options)
+    } else {
+        Both::<nbs2d::Nbs2d, nbs3d::Nbs3d>::boxed(params, options)
+    }
 }
 
 /// `streamed-nbs` with its parameters.
