@@ -284,7 +284,9 @@ impl<'a> Coverage<'a> {
             .map(|planned| place(&planned.id))
             .collect();
         let other = |id: &CellId| match &claim.kind {
-            ClaimKind::Faster { than } => id.contender() == *than && places.contains(&place(id)),
+            ClaimKind::Faster { than, .. } => {
+                id.contender() == *than && places.contains(&place(id))
+            }
             _ => false,
         };
         self.planned.iter().filter(|planned| meant(&planned.id) || other(&planned.id)).collect()
