@@ -68,11 +68,26 @@ pub enum ClaimKind {
         #[serde(deserialize_with = "model")]
         model: Model,
     },
-    /// The ratio of times, detector over `than`, is below 1 in every cell.
+    /// The ratio of times, detector over `than`, is below 1 in every cell; below 1 / `by`.
     Faster {
         /// The other detector.
         than: String,
+        /// So many times as fast.
+        #[serde(default = "once", deserialize_with = "times")]
+        by: f64,
     },
+}
+
+fn once() -> f64 {
+    1.0
+}
+
+fn times<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
+    let by = f64::deserialize(from)?;
+    if by > 0.0 && by.is_finite() {
+        return Ok(by);
+    }
+    Err(D::Error::custom(format!("by = {by}: it must be a finite number over 0")))
 }
 
 impl Claim {

@@ -102,6 +102,13 @@ impl SceneSweep {
                 }
                 Some(_) => bail!("path must be one string"),
             }
+            for curve in params.get_mut("grading").map_or(&mut [][..], |list| &mut list.0) {
+                if let toml::Value::String(path) = curve
+                    && !generate::grading::is_points(path)
+                {
+                    *path = folder.join(&*path).display().to_string();
+                }
+            }
         }
         Ok(())
     }

@@ -147,7 +147,7 @@ fn check(claim: &Claim, own: &[Cell]) -> anyhow::Result<(Finding, Option<Without
         ClaimKind::Model { value, model } => {
             judged(points(&[value])?, |points| grows(points, *model))
         }
-        ClaimKind::Faster { than } => faster(than, &cells, own),
+        ClaimKind::Faster { than, by } => faster(than, *by, &cells, own),
     };
     let mut outcomes = BTreeMap::new();
     for cell in cells.iter().filter(|cell| !used.contains(&cell.id)) {
@@ -287,7 +287,7 @@ fn grows(points: &[Valued], wanted: Model) -> Finding {
     (status, Found::Growth { law: wanted, fitting, others })
 }
 
-fn faster(than: &str, cells: &[&Cell], own: &[Cell]) -> (Finding, BTreeSet<CellId>) {
+fn faster(than: &str, by: f64, cells: &[&Cell], own: &[Cell]) -> (Finding, BTreeSet<CellId>) {
     let other: BTreeMap<&CellId, &Cell> = own.iter().map(|cell| (&cell.id, cell)).collect();
     let mut found: Vec<(&Cell, Interval)> = Vec::new();
     for &cell in cells.iter().filter(|cell| cell.id.contender() != than) {
@@ -308,8 +308,12 @@ fn faster(than: &str, cells: &[&Cell], own: &[Cell]) -> (Finding, BTreeSet<CellI
     let low = found.iter().map(|(_, ratio)| ratio.median).fold(f64::INFINITY, f64::min);
     let high = found.iter().map(|(_, ratio)| ratio.median).fold(0.0, f64::max);
     let noise = Noise::new(&own.iter().collect::<Vec<_>>());
-    let decided = |(cell, ratio): &(&Cell, Interval)| noise.decides(ratio, cell.id.n);
-    let slower = found.iter().filter(|pair| decided(pair) && pair.1.median > 1.0).count();
+    // Against 1 / by, as others are against 1.
+    let decided = |(cell, ratio): &(&Cell, Interval)| {
+        let [low, median, high] = [ratio.low, ratio.median, ratio.high].map(|ratio| ratio * by);
+        noise.decides(&Interval { low, median, high, ..*ratio }, cell.id.n)
+    };
+    let slower = found.iter().filter(|pair| decided(pair) && pair.1.median * by > 1.0).count();
     let open = found.iter().filter(|pair| !decided(pair)).count();
     let status = match (slower, open) {
         (0, 0) => Status::Holds,
@@ -319,6 +323,7 @@ fn faster(than: &str, cells: &[&Cell], own: &[Cell]) -> (Finding, BTreeSet<CellI
     let compared: Vec<&Cell> = found.iter().map(|(cell, _)| *cell).collect();
     let found = Found::Faster {
         than: than.into(),
+        by,
         cells: found.len(),
         low,
         high,

@@ -18,6 +18,7 @@ use crate::experiment::{Claim, ClaimKind, Experiment};
 use crate::record::id::Projection;
 use crate::record::role::Role;
 use crate::record::row::{Outcome, Pass};
+use crate::scene::generate::sizes::GRADING;
 use crate::scene::generate::{file, table};
 use crate::scene::spec::Spec;
 
@@ -283,7 +284,9 @@ impl<'a> Coverage<'a> {
             .map(|planned| place(&planned.id))
             .collect();
         let other = |id: &CellId| match &claim.kind {
-            ClaimKind::Faster { than } => id.contender() == *than && places.contains(&place(id)),
+            ClaimKind::Faster { than, .. } => {
+                id.contender() == *than && places.contains(&place(id))
+            }
             _ => false,
         };
         self.planned.iter().filter(|planned| meant(&planned.id) || other(&planned.id)).collect()
@@ -350,25 +353,27 @@ fn key(id: &CellId, open: bool) -> CellId {
     }
     if id.scene == file::NAME {
         key.dim = 0;
-        let path = path(id);
-        let name = Path::new(&path).file_name().unwrap_or_default().to_string_lossy();
-        key.params.insert(PATH.into(), (&*name).into());
+    }
+    for name in FILES {
+        if let Some(path) = key.params.get(name).map(ToString::to_string) {
+            let file = Path::new(&path).file_name().unwrap_or_default().to_string_lossy();
+            key.params.insert(name.into(), (&*file).into());
+        }
     }
     key
 }
 
-/// The parameter of a file's scene that names it.
-const PATH: &str = "path";
-
-fn path(id: &CellId) -> String {
-    id.params.get(PATH).map(ToString::to_string).unwrap_or_default()
-}
+/// Parameters that name files: of particles, and of a grading curve. (Points of a curve that are
+/// written out are the end of themselves.)
+const FILES: [&str; 2] = ["path", GRADING.name];
 
 /// A file is named from the folder of the experiment; the record has the path that was opened.
 fn same_file(planned: &CellId, measured: &CellId) -> bool {
-    let (planned, measured) = (path(planned), path(measured));
-    let planned = planned.trim_start_matches("./");
-    Path::new(&measured).ends_with(planned)
+    FILES.iter().all(|&name| {
+        let path = |id: &CellId| id.params.get(name).map(ToString::to_string).unwrap_or_default();
+        let (planned, measured) = (path(planned), path(measured));
+        Path::new(&measured).ends_with(planned.trim_start_matches("./"))
+    })
 }
 
 fn scene(id: &CellId) -> Projection {

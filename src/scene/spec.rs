@@ -166,7 +166,7 @@ fn json(value: &toml::Value) -> Value {
 /// A value of the command line: whole number, number or text; paths and names of cases are text
 /// whatever they look like.
 fn scalar(key: &str, value: &str) -> toml::Value {
-    if ["path", "case", "frame", "format", "columns", "box"].contains(&key) {
+    if ["path", "case", "frame", "format", "columns", "box", "grading"].contains(&key) {
         value.into()
     } else if let Ok(whole) = value.parse::<i64>() {
         whole.into()
@@ -235,8 +235,9 @@ mod tests {
             ),
             (
                 "loose:spacing=1",
-                "loose: there is no parameter 'spacing'; the parameters are: diameter, offset, \
-                 size-ratio, sizes, exponent, share, giants, periodic, tilt, fraction",
+                "loose: there is no parameter 'spacing'; did you mean grading?; the parameters \
+                 are: diameter, offset, size-ratio, sizes, exponent, share, giants, grading, \
+                 periodic, tilt, fraction",
             ),
             ("loose:fraction=0", "loose: fraction is 0; it must be a finite number over 0"),
             ("loose:fraction=nan", "loose: fraction is \"nan\"; it must be a finite number over 0"),

@@ -3,7 +3,7 @@
 
 use contactbench::contact::{Arithmetic, Test};
 use contactbench::detect::any::AnyDetector;
-use contactbench::detect::table::{Entry, TABLE, find};
+use contactbench::detect::table::{DetectorSpec, Entry, TABLE, find, parse};
 use contactbench::detect::{Options, Refusal};
 use contactbench::run::alloc::{Usage, measure};
 use contactbench::scene::AnyScene;
@@ -36,7 +36,7 @@ fn formulas_hold_and_warm_calls_allocate_nothing() {
     for entry in TABLE.iter().filter(|entry| entry.is_ours()) {
         for text in SCENES {
             for arithmetic in Arithmetic::ALL {
-                one_thread(entry, text, arithmetic);
+                one_thread(&entry.into(), text, arithmetic);
             }
         }
         let scenes = if entry.name == "direct" { [SCENES[0], SCENES[1]] } else { LARGE };
@@ -44,18 +44,23 @@ fn formulas_hold_and_warm_calls_allocate_nothing() {
             two_threads(entry, text);
         }
     }
+    for spec in ["nbs:levels=auto", "hgrid:levels=optimal", "hgrid:levels=0.05/0.2"] {
+        for text in SCENES {
+            one_thread(&parse(spec).unwrap(), text, Arithmetic::Exact);
+        }
+    }
     book_formulas();
     refusals_allocate_nothing();
 }
 
-fn one_thread(entry: &Entry, text: &str, arithmetic: Arithmetic) {
+fn one_thread(spec: &DetectorSpec, text: &str, arithmetic: Arithmetic) {
     let scene = scene(text).stored(arithmetic).unwrap();
     let test = arithmetic.test();
-    let mut detector = entry.make(Options::default());
+    let mut detector = spec.make(Options::default());
     let (cold, warm, _) = cold_and_warm(&mut *detector, &scene, test);
     let formula = detector.formula_bytes();
-    let what = format!("{} on {text} in {}", entry.name, arithmetic.name());
-    if entry.name == "binary-tree" {
+    let what = format!("{spec} on {text} in {}", arithmetic.name());
+    if spec.entry.name == "binary-tree" {
         // The array of nodes grows by doubling.
         assert!(
             cold.live_bytes >= formula && cold.peak_bytes <= 3 * formula + 64,

@@ -7,8 +7,9 @@ use std::time::Duration;
 use contactbench::check::{self, Limits};
 use contactbench::contact::{Arithmetic, Test};
 use contactbench::detect::Options;
-use contactbench::detect::table::{Entry, TABLE};
+use contactbench::detect::table::{Entry, TABLE, parse};
 use contactbench::oracle;
+use contactbench::scene::hard::{Expect, cases};
 use contactbench::scene::spec::Spec;
 use contactbench::scene::{AnyScene, Radii, Scene, Stored};
 use contactbench::sink::{Digest, Visit};
@@ -205,6 +206,39 @@ fn history_does_not_matter() {
                 entry.name
             );
         }
+    }
+}
+
+/// Ways to part bodies by size, which are parameters: on every hard case, one after the other, so
+/// that each is also the history of the next.
+#[test]
+fn ways_to_part_sizes_are_right_on_hard_cases() {
+    for spec in ["nbs:levels=auto", "hgrid:levels=optimal", "hgrid:levels=1e-3/0.25/1"] {
+        let mut detector = parse(spec).unwrap().make(Options::default());
+        let (mut answers, mut refusals) = (0, 0);
+        for case in cases().filter(|case| case.expect != Expect::Invalid) {
+            let steps = case.dims.iter().flat_map(|&dim| case.steps(dim).unwrap());
+            // In a box it is images that differ, which all detectors are given alike.
+            for scene in steps.filter(|step| step.lattice.is_none()).map(|step| step.scene) {
+                for arithmetic in Arithmetic::SAFE {
+                    let Ok(truth) = oracle::truth(&scene, arithmetic) else { continue };
+                    let (stored, mut found) =
+                        (scene.stored(arithmetic).unwrap(), Digest::default());
+                    match detector.visit(&stored, arithmetic.test(), &mut found) {
+                        Ok(()) => {
+                            let what = (case.name, scene.dim(), arithmetic);
+                            assert_eq!(found, truth.digest, "{spec} on {what:?}");
+                            answers += 1;
+                        }
+                        Err(_) => {
+                            assert_eq!(found, Digest::default(), "{spec} on {}", case.name);
+                            refusals += 1;
+                        }
+                    }
+                }
+            }
+        }
+        assert!(answers > 800 && refusals * 10 < answers, "{spec}: {answers}, {refusals}");
     }
 }
 

@@ -8,6 +8,7 @@ pub mod any;
 pub mod book;
 pub mod control;
 pub mod modern;
+mod parameter;
 pub mod peers;
 #[cfg(test)]
 mod sizes;

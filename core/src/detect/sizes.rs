@@ -11,14 +11,19 @@ use crate::scene::{AnyScene, Radii, Scene};
 use crate::sink::Digest;
 
 /// Particles at random in a box with this edge.
+pub fn random<const D: usize>(radii: Vec<f64>, edge: f64, seed: u64) -> Scene<'static, f64, D> {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let centre = |_| Point::from(std::array::from_fn(|_| edge * random.random::<f64>()));
+    let centres: Vec<Point<f64, D>> = (0..radii.len()).map(centre).collect();
+    Scene::new(centres, Radii::Each(radii.into())).unwrap()
+}
+
+/// The same, of either dimension.
 pub fn scene<const D: usize>(radii: Vec<f64>, edge: f64, seed: u64) -> AnyScene<'static>
 where
     AnyScene<'static>: From<Scene<'static, f64, D>>,
 {
-    let mut random = ChaCha8Rng::seed_from_u64(seed);
-    let centre = |_| Point::from(std::array::from_fn(|_| edge * random.random::<f64>()));
-    let centres: Vec<Point<f64, D>> = (0..radii.len()).map(centre).collect();
-    Scene::new(centres, Radii::Each(radii.into())).unwrap().into()
+    random(radii, edge, seed).into()
 }
 
 /// Radii of every kind that levels could stumble over.
@@ -52,8 +57,11 @@ const EDGES: [f64; 3] = [20.0, 150.0, 20_000.0];
 fn specs() -> Vec<String> {
     let ratios = table::find("hgrid").unwrap().parameters[0].values;
     let hgrid = ratios.iter().map(|ratio| format!("hgrid:ratio={ratio}"));
+    let levels = ["optimal", "0.1/0.25/1/40", "1e-310/1e300"];
+    let hgrid = hgrid.chain(levels.map(|levels| format!("hgrid:levels={levels}")));
     let streamed = ["form=auto", "form=dense", "form=sparse", "form=dense,level=portable"];
-    hgrid.chain(streamed.map(|way| format!("streamed-nbs:{way}"))).collect()
+    let nbs = std::iter::once("nbs:levels=auto".to_string());
+    hgrid.chain(nbs).chain(streamed.map(|way| format!("streamed-nbs:{way}"))).collect()
 }
 
 #[test]

@@ -103,7 +103,7 @@ pub enum SpecError {
         takes: String,
     },
     /// The parameter does not take this value.
-    #[error("'{spec}': {name} cannot be '{value}'; it is one of {}", values.join(", "))]
+    #[error("'{spec}': {name} cannot be '{value}'; it is one of {}{or}", values.join(", "))]
     Value {
         /// The whole text.
         spec: String,
@@ -113,6 +113,20 @@ pub enum SpecError {
         value: String,
         /// What it takes.
         values: &'static [&'static str],
+        /// What else.
+        or: String,
+    },
+    /// Two parameters that answer one question.
+    #[error("'{spec}': {name}={value} takes the place of {other}; leave out one of the two")]
+    Together {
+        /// The whole text.
+        spec: String,
+        /// The parameter.
+        name: &'static str,
+        /// Its value.
+        value: String,
+        /// The other parameter.
+        other: &'static str,
     },
     /// One parameter, two values.
     #[error("'{spec}': {name} is given twice; leave out one of the two")]
@@ -158,22 +172,31 @@ fn read(entry: &'static Entry, rest: &str, spec: &str) -> Result<DetectorSpec, S
                 takes: takes(entry),
             });
         };
-        let Parameter { name, values, .. } = *parameter;
-        if !values.contains(&value) {
-            return Err(SpecError::Value { spec: spec(), name, value: value.into(), values });
-        }
-        if given.insert(name, value).is_some() {
+        let Parameter { name, values, beside, .. } = *parameter;
+        let word = values.contains(&value).then(|| value.to_string());
+        let Some(normal) = word.or_else(|| (beside?.normal)(value)) else {
+            let or = beside.map_or(String::new(), |beside| format!(", or {}", beside.form));
+            return Err(SpecError::Value { spec: spec(), name, value: value.into(), values, or });
+        };
+        if given.insert(name, normal).is_some() {
             return Err(SpecError::Twice { spec: spec(), name });
         }
     }
     let default = |name: &str, value: &str| {
         entry.parameters.iter().any(|p| p.name == name && p.default() == value)
     };
-    let params = given
+    let params: Params = given
         .into_iter()
         .filter(|(name, value)| !default(name, value))
-        .map(|(name, value)| (name.into(), value.into()))
+        .map(|(name, value)| (name.into(), value))
         .collect();
+    for Parameter { name, instead_of, .. } in entry.parameters {
+        if let (Some(value), Some(other)) = (params.get(*name), instead_of)
+            && params.contains_key(*other)
+        {
+            return Err(SpecError::Together { spec: spec(), name, value: value.clone(), other });
+        }
+    }
     Ok(DetectorSpec { entry, params })
 }
 
@@ -202,6 +225,9 @@ mod tests {
             (" streamed-nbs : level = avx2 ", "streamed-nbs:level=avx2"),
             ("streamed-nbs:level=best,form=auto", "streamed-nbs"),
             ("streamed-nbs:level=portable,form=dense", "streamed-nbs:form=dense,level=portable"),
+            ("hgrid:levels= 1e-1/0.30/1.0", "hgrid:levels=0.1/0.3/1"),
+            ("hgrid:ratio=2,levels=optimal", "hgrid:levels=optimal"),
+            ("hgrid:ratio=4,levels=ratio", "hgrid:ratio=4"),
         ] {
             let spec = parse(given).unwrap();
             assert_eq!(spec.to_string(), normal);
@@ -217,11 +243,20 @@ mod tests {
         for (given, parts) in [
             ("nsb", &["no detector 'nsb'", "streamed-nbs", "direct"][..]),
             ("", &["no detector ''", "direct"]),
-            ("nbs:level=avx2", &["no parameter 'level'", "nbs takes no parameters"]),
+            ("sorting:level=avx2", &["no parameter 'level'", "sorting takes no parameters"]),
             ("streamed-nbs:avx2", &["'avx2' is not of the form", "level=best|portable|avx2"]),
             ("streamed-nbs:lvl=avx2", &["no parameter 'lvl'", "form=auto|dense|sparse"]),
             ("streamed-nbs:level=sse2", &["level cannot be 'sse2'", "best, portable, avx2"]),
             ("streamed-nbs:level=avx2,level=best", &["level is given twice"]),
+            ("hgrid:levels=0.3/0.1", &["levels cannot be '0.3/0.1'", "optimal, or the largest"]),
+            ("hgrid:levels=-1/2", &["levels cannot be '-1/2'", "as in 0.1/0.3/1"]),
+            ("hgrid:levels=1/1", &["levels cannot be '1/1'"]),
+            ("hgrid:levels=", &["levels cannot be ''"]),
+            ("hgrid:levels=1/inf", &["levels cannot be '1/inf'"]),
+            (
+                "hgrid:levels=optimal,ratio=4",
+                &["levels=optimal takes the place of ratio; leave out one of the two"],
+            ),
         ] {
             let error = parse(given).unwrap_err().to_string();
             assert!(parts.iter().all(|part| error.contains(part)), "{given}: {error}");

@@ -4,8 +4,10 @@
 use std::collections::BTreeMap;
 
 use super::any::{AnyDetector, Both, Refuses};
+use super::book::nbs_levels::NbsLevels;
 use super::book::{binary_tree, direct, nbs2d, nbs3d, screening, sorting};
 use super::modern::{bvh, cell_grid, hash_grid, hgrid, kd_tree, sweep};
+pub use super::parameter::{Beside, Parameter};
 pub use super::spec::{DetectorSpec, SpecError, parse};
 use super::streamed::{Form, Streamed};
 use super::{Options, Refusal, control};
@@ -64,24 +66,6 @@ impl Group {
 
 /// Values given to a detector's parameters, by name; those left at their defaults are absent.
 pub type Params = BTreeMap<String, String>;
-
-/// A choice that a detector leaves to its user. It may change times and memory, never the contacts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Parameter {
-    /// What stands before the `=`.
-    pub name: &'static str,
-    /// All values that it takes, the default first.
-    pub values: &'static [&'static str],
-    /// What is chosen, in a phrase.
-    pub meaning: &'static str,
-}
-
-impl Parameter {
-    /// The value of a detector that is asked for without this parameter.
-    pub fn default(&self) -> &'static str {
-        self.values[0]
-    }
-}
 
 /// One line of the table.
 pub struct Entry {
@@ -198,11 +182,18 @@ pub static TABLE: &[Entry] = &[
         group: Group::Book,
         summary: "Munjiza-NBS: lists of layers, of rows, of cells; no binary search",
         cost: "N",
-        memory: "4(ny + 2nx + 2N) in 2D, 4(nz + 2ny + 2nx + 3N) in 3D",
+        memory: "4(ny + 2nx + 2N) in 2D, 4(nz + 2ny + 2nx + 3N) in 3D; with levels about twice that",
         limits: "memory: a particle so far away that nx + ny + nz exceeds the limit",
         threads: false,
-        parameters: &[],
-        constructor: Both::<nbs2d::Nbs2d, nbs3d::Nbs3d>::boxed,
+        parameters: &[Parameter {
+            name: "levels",
+            values: &["none", "auto"],
+            beside: None,
+            instead_of: None,
+            meaning: "none: cells for the largest body; auto: by octaves of radii, each with all \
+                      smaller ones",
+        }],
+        constructor: nbs,
     },
     Entry {
         name: "streamed-nbs",
@@ -218,12 +209,16 @@ pub static TABLE: &[Entry] = &[
             Parameter {
                 name: "form",
                 values: &["auto", "dense", "sparse"],
+                beside: None,
+                instead_of: None,
                 meaning: "layers by all cells or by occupied cells only; auto: as the scene is \
                           crowded",
             },
             Parameter {
                 name: "level",
                 values: &["best", "portable", "avx2", "avx512"],
+                beside: None,
+                instead_of: None,
                 meaning: "vector instructions; best: the widest that the processor has",
             },
         ],
@@ -262,11 +257,27 @@ pub static TABLE: &[Entry] = &[
         memory: "4(C + N) + 44S + 24N in 2D, 48S + 32N in 3D; S strips of 8 cells, C slots",
         limits: "cells per axis < 2^31 where particles crowd; the memory limit",
         threads: false,
-        parameters: &[Parameter {
-            name: "ratio",
-            values: &["2", "1.25", "1.5", "1.6", "2.5", "3", "4", "8", "one-level"],
-            meaning: "from the largest radius of a level to that of the next",
-        }],
+        parameters: &[
+            Parameter {
+                name: "ratio",
+                values: &["2", "1.25", "1.5", "1.6", "2.5", "3", "4", "8", "one-level"],
+                beside: None,
+                instead_of: None,
+                meaning: "from the largest radius of a level to that of the next",
+            },
+            Parameter {
+                name: "levels",
+                values: &["ratio", "optimal"],
+                beside: Some(Beside {
+                    normal: |text| Some(hgrid::Borders::parse(text)?.to_string()),
+                    form: "the largest radii of all levels but the coarsest, rising, at most 31, \
+                           as in 0.1/0.3/1",
+                }),
+                instead_of: Some("ratio"),
+                meaning: "levels by the ratio, where a model of the work is least, or by largest \
+                          radii in units of length, as in 0.1/0.3/1",
+            },
+        ],
         constructor: hgrid,
     },
     Entry {
@@ -370,6 +381,15 @@ pub(crate) fn streamed_nbs(options: Options) -> Box<dyn AnyDetector> {
     streamed(&Params::new(), options)
 }
 
+/// `nbs` with its parameter.
+fn nbs(params: &Params, options: Options) -> Box<dyn AnyDetector> {
+    if params.contains_key("levels") {
+        Both::<NbsLevels<nbs2d::Nbs2d, 2>, NbsLevels<nbs3d::Nbs3d, 3>>::boxed(params, options)
+    } else {
+        Both::<nbs2d::Nbs2d, nbs3d::Nbs3d>::boxed(params, options)
+    }
+}
+
 /// `streamed-nbs` with its parameters.
 fn streamed(params: &Params, options: Options) -> Box<dyn AnyDetector> {
     let level = match params.get("level") {
@@ -394,16 +414,25 @@ fn streamed(params: &Params, options: Options) -> Box<dyn AnyDetector> {
     }
 }
 
-/// `hgrid` with its parameter.
+/// `hgrid` with its parameters.
 fn hgrid(params: &Params, options: Options) -> Box<dyn AnyDetector> {
     let ratio = match params.get("ratio").map(|text| text.parse()) {
         None => Some(2.0),
         // No number: one level.
         Some(number) => number.ok(),
     };
+    let parting = match params.get("levels").map(String::as_str) {
+        None => hgrid::Parting::Ratio(ratio),
+        Some("optimal") => hgrid::Parting::Optimal,
+        // The table lets nothing else pass.
+        Some(text) => match hgrid::Borders::parse(text) {
+            Some(borders) => hgrid::Parting::Borders(borders),
+            None => hgrid::Parting::Ratio(ratio),
+        },
+    };
     let (plane, space) = (
-        hgrid::HGrid::<2>::with_ratio(ratio, options),
-        hgrid::HGrid::<3>::with_ratio(ratio, options),
+        hgrid::HGrid::<2>::with_levels(parting, options),
+        hgrid::HGrid::<3>::with_levels(parting, options),
     );
     Both::join(plane, space, options)
 }

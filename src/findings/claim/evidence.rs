@@ -109,13 +109,15 @@ pub enum Found {
     Faster {
         /// The other.
         than: String,
+        /// How many times as fast is claimed.
+        by: f64,
         /// So many cells.
         cells: usize,
         /// The smallest median ratio.
         low: f64,
         /// The largest.
         high: f64,
-        /// Cells in which it is slower.
+        /// Cells in which it is slower than that.
         slower: usize,
         /// Cells in which that is open.
         open: usize,

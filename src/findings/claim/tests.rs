@@ -168,6 +168,34 @@ fn a_straddling_ratio_cannot_tell() {
     assert!(!any_failed(&[verdict]));
 }
 
+/// Four times as fast is so many times as fast, and no more.
+#[test]
+fn how_many_times_as_fast_is_counted() {
+    let mut lab = Lab::new("e", "packed");
+    lab.detector("a").time(&[25; 8]).detector("b").time(&[100; 8]);
+    for (by, status) in [
+        ("0.1", Status::Holds),
+        ("3.9", Status::Holds),
+        ("4.1", Status::Fails),
+        ("1", Status::Holds),
+    ] {
+        let claim = format!("kind = 'faster'\nthan = 'b'\nby = {by}\nwhere = {{ detector = 'a' }}");
+        let verdict = judge(&lab, &claim);
+        assert_eq!(verdict.status, status, "{by}");
+        let words = evidence(&verdict.evidence);
+        assert!(words.starts_with("0.25 to 0.25 times the time of b"), "{words}");
+        assert_eq!(words.contains("not 4.1 times as fast in 1"), by == "4.1", "{words}");
+    }
+    for by in ["0", "-1", "inf", "nan"] {
+        let text = format!(
+            "name = 'e'\ntitle = 't'\nquestion = '?'\nreading = '-'\ndetectors = ['nbs']\n[[scene]]\n\
+             name = 'packed'\nn = 10\n[[claim]]\nname = 'c'\nkind = 'faster'\nthan = 'nbs'\nby = {by}\n"
+        );
+        let error = Experiment::parse(&text, std::path::Path::new("")).unwrap_err();
+        assert!(format!("{error:#}").contains("it must be a finite number over 0"), "{error:#}");
+    }
+}
+
 fn of_claims(experiment: &Experiment, cells: &[Cell]) -> Vec<Verdict> {
     let own: Vec<&Cell> = cells.iter().collect();
     verdicts(experiment, cells, &Coverage::new(experiment, &own, &Scope::default()))

@@ -190,6 +190,32 @@ fn files_and_runners_are_known_again() {
     assert_eq!(Held::new(&other, &experiment, Value::Null).summary.cells, [0, 2]);
 }
 
+/// A grading curve is a file, too; its points written out are the same wherever they are read.
+#[test]
+fn grading_curves_are_known_again() {
+    let text = "name = 'e'\ntitle = 't'\nquestion = '?'\nreading = '-'\nblocks = 0\ndetectors = \
+                ['nbs']\n[[scene]]\nname = 'loose'\nn = 10\nsizes = 'grading'\ngrading = \
+                ['sand.csv', '1 0, 2 100']\n";
+    let curves = |folder: &str| {
+        let experiment = Experiment::parse(text, Path::new(folder)).unwrap();
+        let specs = experiment.plan(false).unwrap();
+        (experiment, specs.into_iter().map(|spec| spec.params).collect::<Vec<_>>())
+    };
+    let (_, measured) = curves("/home/a");
+    assert_eq!(measured[0]["grading"], "/home/a/sand.csv");
+    assert_eq!(measured[1]["grading"], "1 0, 2 100");
+    let (experiment, _) = curves("");
+    let mut lab = Lab::new("e", "loose");
+    for params in &measured {
+        for (name, value) in params {
+            lab.param(name, value.clone());
+        }
+        lab.n(10).detector("nbs").count(&[]).memory(1, 1);
+    }
+    let held = Held::new(&lab, &experiment, Value::Null);
+    assert_eq!((held.summary.cells, held.summary.outside), ([2, 2], 0));
+}
+
 /// The committed records have all that their experiments plan, but for what was not installed.
 #[test]
 fn the_committed_records_are_whole() {

@@ -121,11 +121,12 @@ fn found(found: &Found) -> String {
             }
             parts.join("; ")
         }
-        Found::Faster { than, cells, low, high, slower, open, worst, place } => {
+        Found::Faster { than, by, cells, low, high, slower, open, worst, place } => {
             let tell = match (slower, open) {
                 (0, 0) => String::new(),
                 (0, open) => format!("undecided in {open} of them; "),
-                (slower, _) => format!("slower in {slower} of them; "),
+                (slower, _) if *by == 1.0 => format!("slower in {slower} of them; "),
+                (slower, _) => format!("not {by} times as fast in {slower} of them; "),
             };
             format!(
                 "{low:.2} to {high:.2} times the time of {than} in {}; {tell}worst {:.2} [{:.2}, \

@@ -15,7 +15,9 @@
 
 use crate::scene::generate::boxes::{PERIODIC, TILT, boxed};
 use crate::scene::generate::draw::Draw;
-use crate::scene::generate::sizes::{EXPONENT, GIANTS, SHARE, SIZE_RATIO, SIZES, unit_radii};
+use crate::scene::generate::sizes::{
+    EXPONENT, GIANTS, GRADING, SHARE, SIZE_RATIO, SIZES, unit_radii,
+};
 use crate::scene::generate::table::{Generator, Kind, Parameter, Preset, no_history};
 use crate::scene::generate::{DIAMETER, Inputs, OFFSET, assemble, box_edge};
 use crate::scene::{AnyScene, Given, Scene};
@@ -34,6 +36,7 @@ pub const GENERATOR: Generator = Generator {
         EXPONENT,
         SHARE,
         GIANTS,
+        GRADING,
         PERIODIC,
         TILT,
         Parameter {

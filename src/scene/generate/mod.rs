@@ -13,6 +13,7 @@ pub mod clustered;
 pub mod couples;
 pub mod draw;
 pub mod file;
+pub mod grading;
 pub mod hard;
 pub mod loose;
 pub mod packed;

@@ -21,7 +21,9 @@ use std::f64::consts::FRAC_1_SQRT_2;
 
 use crate::scene::generate::boxes::{PERIODIC, TILT, boxed};
 use crate::scene::generate::draw::Draw;
-use crate::scene::generate::sizes::{EXPONENT, GIANTS, SHARE, SIZE_RATIO, SIZES, unit_radii};
+use crate::scene::generate::sizes::{
+    EXPONENT, GIANTS, GRADING, SHARE, SIZE_RATIO, SIZES, unit_radii,
+};
 use crate::scene::generate::table::{Generator, Kind, Parameter, Preset, no_history};
 use crate::scene::generate::{DIAMETER, Inputs, OFFSET, assemble};
 use crate::scene::{AnyScene, Given, Scene};
@@ -40,6 +42,7 @@ pub const GENERATOR: Generator = Generator {
         EXPONENT,
         SHARE,
         GIANTS,
+        GRADING,
         PERIODIC,
         TILT,
         Parameter {

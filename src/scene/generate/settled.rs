@@ -22,7 +22,9 @@ use anyhow::ensure;
 
 use crate::scene::Scene;
 use crate::scene::generate::draw::Draw;
-use crate::scene::generate::sizes::{EXPONENT, GIANTS, SHARE, SIZE_RATIO, SIZES, unit_radii};
+use crate::scene::generate::sizes::{
+    EXPONENT, GIANTS, GRADING, SHARE, SIZE_RATIO, SIZES, unit_radii,
+};
 use crate::scene::generate::table::{Generator, Kind, Parameter, Preset, no_history};
 use crate::scene::generate::{DIAMETER, Inputs, OFFSET, assemble, box_edge, room};
 
@@ -40,6 +42,7 @@ pub const GENERATOR: Generator = Generator {
         EXPONENT,
         SHARE,
         GIANTS,
+        GRADING,
         Parameter {
             name: "fraction",
             kind: Kind::Positive,

@@ -12,6 +12,10 @@
 //! * `lognormal`: drawn; the logarithm is normal, cut off at two standard deviations either way,
 //!   which are ω apart.
 //! * `giants`: so many of radius r, all others of radius r / ω.
+//! * `grading`: as a grading curve says ([`super::grading`]), from a file with a sieve size and the
+//!   percent passing in each line, or written out (`grading=0.063 0, 0.2 15, 2 100`). Quantiles of
+//!   the numbers as for `power`, where the largest is r; the curve has the ratio, and `size-ratio`
+//!   stays away.
 //!
 //! Which particle has which radius is drawn independently of everything else.
 
@@ -19,6 +23,7 @@ use anyhow::{bail, ensure};
 use rand::seq::SliceRandom;
 
 use crate::scene::generate::draw::{Draw, sizes};
+use crate::scene::generate::grading::Curve;
 use crate::scene::generate::table::{Kind, Parameter, Preset};
 use crate::scene::generate::{Inputs, room};
 
@@ -34,10 +39,10 @@ pub const SIZE_RATIO: Parameter = Parameter {
 /// The distribution.
 pub const SIZES: Parameter = Parameter {
     name: "sizes",
-    kind: Kind::Word([&["power", "binary", "lognormal", "giants"]; 2]),
+    kind: Kind::Word([&["power", "binary", "lognormal", "giants", "grading"]; 2]),
     default: [Preset::Absent; 2],
-    meaning: "how radii are distributed: power, binary, lognormal or giants; uniform if it is left \
-              out",
+    meaning: "how radii are distributed: power, binary, lognormal, giants or grading; uniform if \
+              it is left out",
 };
 
 /// Of [`SIZES`] `power`.
@@ -64,6 +69,15 @@ pub const GIANTS: Parameter = Parameter {
     meaning: "for sizes=giants: how many have the largest radius",
 };
 
+/// Of [`SIZES`] `grading`.
+pub const GRADING: Parameter = Parameter {
+    name: "grading",
+    kind: Kind::Text,
+    default: [Preset::Absent; 2],
+    meaning: "for sizes=grading: a file with sieve size and percent passing by volume in each \
+              line, or these points",
+};
+
 /// The cube of its inverse is still a normal number.
 const MOST: f64 = 1e100;
 /// The largest radius, for a diameter of 1.
@@ -73,7 +87,9 @@ const LARGEST: f64 = 0.5;
 pub fn unit_radii(inputs: &Inputs<'_>, draw: &mut Draw) -> anyhow::Result<Option<Vec<f64>>> {
     let ratio = inputs.number("size-ratio")?;
     let kind = inputs.params.get(SIZES.name).and_then(|value| value.as_str());
-    for (parameter, of) in [(EXPONENT, "power"), (SHARE, "binary"), (GIANTS, "giants")] {
+    for (parameter, of) in
+        [(EXPONENT, "power"), (SHARE, "binary"), (GIANTS, "giants"), (GRADING, "grading")]
+    {
         let given = inputs.params.contains_key(parameter.name);
         ensure!(
             !given || kind == Some(of),
@@ -87,6 +103,10 @@ pub fn unit_radii(inputs: &Inputs<'_>, draw: &mut Draw) -> anyhow::Result<Option
             parameter.name,
             parameter.meaning
         );
+    }
+    if kind == Some("grading") {
+        ensure!(ratio == 1.0, "the grading curve has the ratio of sizes: leave size-ratio out");
+        return graded(inputs).map(Some);
     }
     if ratio == 1.0 {
         return Ok(None);
@@ -138,6 +158,15 @@ pub fn unit_radii(inputs: &Inputs<'_>, draw: &mut Draw) -> anyhow::Result<Option
     }
     radii.shuffle(&mut sizes(inputs.seed));
     Ok(Some(radii))
+}
+
+/// Radii as a grading curve says.
+fn graded(inputs: &Inputs<'_>) -> anyhow::Result<Vec<f64>> {
+    let curve = Curve::new(inputs.text(GRADING.name)?)?;
+    let mut radii = room(inputs.n)?;
+    radii.extend(curve.quantiles(inputs.n, inputs.dim).map(|size| LARGEST * size.min(1.0)));
+    radii.shuffle(&mut sizes(inputs.seed));
+    Ok(radii)
 }
 
 /// The radius, from 1 to `ratio`, below which this part of the numbers is, if they have the density

@@ -100,7 +100,18 @@ impl Heads {
     /// The first particle of `list`, or [`EMPTY`].
     #[inline(always)]
     pub fn first<P: Probe>(&self, list: impl Index, probe: &mut P) -> u32 {
-        probe.count(Op::CellProbe);
+        self.look(list, Op::CellProbe, probe)
+    }
+
+    /// The same of a list of another class of sizes.
+    #[inline(always)]
+    pub fn first_smaller<P: Probe>(&self, list: impl Index, probe: &mut P) -> u32 {
+        self.look(list, Op::LevelProbe, probe)
+    }
+
+    #[inline(always)]
+    fn look<P: Probe>(&self, list: impl Index, op: Op, probe: &mut P) -> u32 {
+        probe.count(op);
         let head = self.0[list.at()];
         probe.note(|| Event::Look { heads: self.1, list: list.at(), first: listed(head) });
         head & !OLD
@@ -191,6 +202,26 @@ impl<const L: usize> Links<L> {
                 self.check_one(kind, bodies, i, first, probe, sink);
             }
             i = rest;
+        }
+    }
+
+    /// Tests the particles of the list that begins with `central` against those of the `mask` lists.
+    #[inline(always)]
+    pub fn check_across<T: Real, const D: usize, const M: usize>(
+        &self,
+        kind: usize,
+        bodies: &impl Bodies<T, D>,
+        central: u32,
+        mask: [u32; M],
+        probe: &mut impl Probe,
+        sink: &mut impl Sink,
+    ) {
+        let mut i = central;
+        while i != EMPTY {
+            for first in mask {
+                self.check_one(kind, bodies, i, first, probe, sink);
+            }
+            i = self.next(i, kind, probe);
         }
     }
 

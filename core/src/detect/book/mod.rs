@@ -8,5 +8,6 @@ pub mod list;
 pub mod mask;
 pub mod nbs2d;
 pub mod nbs3d;
+pub mod nbs_levels;
 pub mod screening;
 pub mod sorting;

@@ -10,8 +10,10 @@
 //!                                          c against those beside it only
 //! ```
 //!
-//! 1. The largest radius divided by the ratio, again and again, parts the radii into levels; a
-//!    radius at a border is below it. A level has cells as wide as the reach of its own largest
+//! 1. The largest radius divided by the ratio, again and again, parts the radii into levels; or they
+//!    are given (`levels=0.1/0.3`: radii up to 0.1, up to 0.3, and the rest); or those are taken in
+//!    which a model of the work is least (`levels=optimal`, see `hgrid/work.rs`). A radius at a
+//!    border is below it. A level has cells as wide as the reach of its own largest
 //!    radius ([`crate::contact::Bodies::class_reach`]), over the box of its own bodies; in a sparse
 //!    level as wide as its bodies are apart, unless a sample shows that they crowd.
 //! 2. Rows of cells along x are cut into strips of 8. Strips with bodies are found by a hash (open
@@ -31,15 +33,19 @@
 //!   C sums, over levels, the power of two from twice the level's bodies upwards.
 //! * Refuses domains of 2^31 cells of the largest reach and more along an axis where bodies crowd
 //!   in wider ones, and scenes over the memory limit.
-//! * Deviations from the sources: levels follow from the largest radius downwards, at most 32, and
-//!   only those with bodies exist; level cells are as wide as the largest radius in them asks for,
+//! * Deviations from the sources: levels are at most 32, by default from the largest radius
+//!   downwards, and only those with bodies exist; the optimum is found by trying, not in closed
+//!   form; level cells are as wide as the largest radius in them asks for,
 //!   not as the border does, and wider where most of them would be empty; strips and not cells are
 //!   hashed, so that up to 8 cells cost one look; cells are wider by 4 parts in a million
 //!   ([`crate::filter::cells`]).
 
 mod levels;
+mod parting;
+mod work;
 
 use levels::{Level, Levels};
+pub use parting::{Borders, Parting};
 
 use super::copies::{Each, Found, Judge, Nearness, One, Record, room};
 use super::rows::rows_after;
@@ -57,7 +63,7 @@ const FREE: u32 = u32::MAX;
 /// The hierarchical grid, in `D` dimensions.
 pub struct HGrid<const D: usize> {
     options: Options,
-    ratio: Option<f64>,
+    parting: Parting,
     levels: Levels<D>,
     /// The hash tables of all levels: first the particle that was first in a strip, then the strip.
     slots: Vec<u32>,
@@ -68,11 +74,11 @@ pub struct HGrid<const D: usize> {
 }
 
 impl<const D: usize> HGrid<D> {
-    /// With levels whose largest radii are so many times apart; none: all sizes in one level.
-    pub fn with_ratio(ratio: Option<f64>, options: Options) -> HGrid<D> {
+    /// With radii parted like this.
+    pub fn with_levels(parting: Parting, options: Options) -> HGrid<D> {
         HGrid {
             options,
-            ratio,
+            parting,
             levels: Levels::NONE,
             slots: Vec::new(),
             places: Vec::new(),
@@ -86,7 +92,7 @@ impl<const D: usize> Declare for HGrid<D> {
     const DECIDES_FROM_COPIES: bool = true;
 
     fn with(options: Options) -> HGrid<D> {
-        HGrid::with_ratio(Some(2.0), options)
+        HGrid::with_levels(Parting::Ratio(Some(2.0)), options)
     }
 
     fn formula_bytes(&self) -> u64 {
@@ -106,7 +112,7 @@ impl<T: Real, const D: usize> Detector<T, D> for HGrid<D> {
         probe: &mut P,
         sink: &mut S,
     ) -> Result<(), Refusal> {
-        self.levels = Levels::new(&bodies, self.ratio)?;
+        self.levels = Levels::new(&bodies, &self.parting)?;
         self.fits(bodies.len(), 0)?;
         self.find_strips(&bodies, probe);
         let strips = self.levels.all().iter().map(|level| level.strips.len()).sum();
@@ -395,13 +401,13 @@ impl<const D: usize> HGrid<D> {
         sink: &mut impl Sink,
     ) {
         let Some(cells) = &level.cells else { return };
-        let reach = judge.nearness.reach(a.radius, level.largest);
+        let reach = judge.nearness.reach(a.radius, level.class.largest);
         let (mut first, mut last) = ([0; D], [0; D]);
         for k in 0..D {
             // Comparisons and cells are monotone, so no margin is needed: of a pair within reach,
             // the other is not below the rounded x - reach, and its cell not below the cell there.
-            let low = (a.position[k] - reach).max(level.low[k]);
-            let high = (a.position[k] + reach).min(level.high[k]);
+            let low = (a.position[k] - reach).max(level.class.low[k]);
+            let high = (a.position[k] + reach).min(level.class.high[k]);
             if low > high {
                 return;
             }
@@ -412,7 +418,7 @@ impl<const D: usize> HGrid<D> {
         let rows =
             (1..D).fold(1u64, |rows, k| rows.saturating_mul(u64::from(last[k] - first[k]) + 1));
         let looks = rows.saturating_mul(u64::from(strips.end() - strips.start()) + 1);
-        if looks > level.bodies as u64 / 2 {
+        if looks > level.class.bodies as u64 / 2 {
             let all = &self.records[level.records.clone()];
             return judge.against(a, all, found, probe, sink);
         }

@@ -42,8 +42,10 @@ macro_rules! detector {
                 positions(&bodies, &mut self.0);
                 // Only for its refusal: volumes of boxes must not overflow, either.
                 squared_reach(PARRY.name, &bodies, &self.0)?;
-                let half = bodies.reach() / 2.0;
-                let boxes = self.0.iter().map(|point| {
+                let slack = bodies.slack();
+                let boxes = self.0.iter().zip(0..).map(|(point, id)| {
+                    // No less than half of its reach to any other, as in the class of itself.
+                    let half = slack.reach(bodies.radius(id), bodies.radius(id)) / 2.0;
                     let [low, high] =
                         [0, 1].map(|side| point.map(|x| interval(x, half)[side]).into());
                     Aabb::new(low, high)

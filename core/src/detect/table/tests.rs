@@ -19,8 +19,9 @@ fn parameters_change_no_contact() {
     let scene = lattice();
     let mut detected = 0;
     for entry in TABLE.iter().filter(|entry| entry.must_be_right()) {
-        for Parameter { name, values, .. } in entry.parameters {
-            for value in *values {
+        for Parameter { name, values, beside, .. } in entry.parameters {
+            let beside = beside.map(|beside| (beside.normal)("0.1/0.3/1").unwrap());
+            for value in values.iter().copied().chain(beside.as_deref()) {
                 let spec = parse(&format!("{}:{name}={value}", entry.name)).unwrap();
                 let mut pairs = Vec::new();
                 match spec.make(Options::default()).list(&scene, Test::Exact, &mut pairs) {

@@ -3,6 +3,8 @@
 use std::ops::Range;
 
 use super::STRIP;
+use super::parting::Parting;
+use super::work::{Class, optimal};
 use crate::contact::{Bodies, Margin};
 use crate::detect::Refusal;
 use crate::detect::modern::crowd::{CLASSES, CROWD, company};
@@ -14,7 +16,7 @@ use crate::scene::Real;
 use crate::sink::splitmix64;
 
 /// Levels; radii below the last border are all in the last one.
-const MOST_LEVELS: usize = CLASSES;
+pub const MOST_LEVELS: usize = CLASSES;
 
 /// The classes of sizes, the largest first.
 #[derive(Clone)]
@@ -28,12 +30,7 @@ pub(super) struct Levels<const D: usize> {
 /// A class of sizes and its grid.
 #[derive(Clone)]
 pub(super) struct Level<const D: usize> {
-    /// The box around its centres.
-    pub low: [f64; D],
-    pub high: [f64; D],
-    /// The largest radius in it.
-    pub largest: f64,
-    pub bodies: usize,
+    pub class: Class<D>,
     /// None if it has no bodies.
     pub cells: Option<Cells<D>>,
     /// Its part of the slots, a power of two.
@@ -45,39 +42,23 @@ pub(super) struct Level<const D: usize> {
 }
 
 impl<const D: usize> Level<D> {
-    const NONE: Level<D> = Level {
-        low: [f64::INFINITY; D],
-        high: [f64::NEG_INFINITY; D],
-        largest: 0.0,
-        bodies: 0,
-        cells: None,
-        slots: 0..0,
-        strips: 0..0,
-        records: 0..0,
-    };
+    const NONE: Level<D> =
+        Level { class: Class::NONE, cells: None, slots: 0..0, strips: 0..0, records: 0..0 };
 
     /// Its grid: with cells that hold about a body each, if that is asked for, or as the reach is.
     fn grid<T: Real>(&self, bodies: &impl Bodies<T, D>, filled: bool) -> Result<Cells<D>, Refusal> {
-        let (low, high) = (self.low, self.high);
-        let points = bodies.class_reach(self.largest, self.largest) <= T::UNDERFLOW;
+        let Class { low, high, largest, bodies: count, .. } = self.class;
+        let points = bodies.class_reach(largest, largest) <= T::UNDERFLOW;
         // The book knows cells as wide as the reach only.
         let filled = filled && bodies.margin() == Margin::Safe;
-        let least = if filled || points { spacing(low, high, self.bodies) } else { 0.0 };
-        Cells::of_class(bodies, (low, high), self.largest, least)
+        let least = if filled || points { spacing(low, high, count) } else { 0.0 };
+        Cells::of_class(bodies, (low, high), largest, least)
     }
 
     /// Would most cells as wide as the reach be empty?
     fn is_sparse<T: Real>(&self, bodies: &impl Bodies<T, D>) -> bool {
-        spacing(self.low, self.high, self.bodies) > bodies.class_reach(self.largest, self.largest)
-    }
-
-    fn take(&mut self, position: [f64; D], radius: f64) {
-        for (k, x) in position.into_iter().enumerate() {
-            self.low[k] = self.low[k].min(x);
-            self.high[k] = self.high[k].max(x);
-        }
-        self.largest = self.largest.max(radius);
-        self.bodies += 1;
+        let Class { low, high, largest, bodies: count, .. } = self.class;
+        spacing(low, high, count) > bodies.class_reach(largest, largest)
     }
 
     /// The first cell of the strip that holds a point.
@@ -105,7 +86,7 @@ impl<const D: usize> Levels<D> {
     /// Counts and measures the classes, and gives each that has bodies its grid.
     pub fn new<T: Real>(
         bodies: &impl Bodies<T, D>,
-        ratio: Option<f64>,
+        parting: &Parting,
     ) -> Result<Levels<D>, Refusal> {
         let n = bodies.len() as u32;
         let mut levels = Levels::NONE;
@@ -117,34 +98,24 @@ impl<const D: usize> Levels<D> {
                 largest = largest.max(bodies.radius(id));
             }),
         }
-        let mut border = largest;
-        levels.borders[0] = border;
-        levels.count = 1;
-        // Points have no level below them.
-        while let Some(ratio) = ratio.filter(|_| border > 0.0) {
-            border /= ratio;
-            if least > border || levels.count == MOST_LEVELS {
-                break;
-            }
-            levels.borders[levels.count] = border;
-            levels.count += 1;
-        }
+        levels.part(bodies, parting, least, largest);
         for id in 0..n {
             let radius = bodies.radius(id);
             let class = levels.class(radius);
-            levels.levels[class].take(bodies.position(id), radius);
+            levels.levels[class].class.take(bodies.position(id), radius);
         }
         let mut slots = 0;
         for level in &mut levels.levels[..levels.count] {
-            if level.bodies > 0 {
+            if level.class.bodies > 0 {
                 level.cells = Some(level.grid(bodies, true)?);
                 // One slot stays free, since there are fewer than 2^32 particles.
-                let wanted = (2 * level.bodies as u64).next_power_of_two().min(1 << 32) as usize;
+                let wanted =
+                    (2 * level.class.bodies as u64).next_power_of_two().min(1 << 32) as usize;
                 level.slots = slots..slots + wanted;
                 slots += wanted;
             }
         }
-        if levels.all().iter().any(|level| level.bodies > 0 && level.is_sparse(bodies)) {
+        if levels.all().iter().any(|level| level.class.bodies > 0 && level.is_sparse(bodies)) {
             let crowded = levels.crowded(bodies);
             let levels = levels.levels.iter_mut().zip(crowded);
             for (level, _) in levels.filter(|(_, crowded)| *crowded) {
@@ -152,6 +123,41 @@ impl<const D: usize> Levels<D> {
             }
         }
         Ok(levels)
+    }
+
+    /// Where the levels begin, for radii from `least` to `largest`.
+    fn part<T: Real>(
+        &mut self,
+        bodies: &impl Bodies<T, D>,
+        parting: &Parting,
+        least: f64,
+        largest: f64,
+    ) {
+        self.borders[0] = largest;
+        self.count = 1;
+        // One size has one level, and so have points.
+        if least >= largest {
+            return;
+        }
+        match parting {
+            Parting::Ratio(None) => {}
+            Parting::Ratio(Some(ratio)) => {
+                let mut border = largest / ratio;
+                while least <= border && self.count < MOST_LEVELS {
+                    self.borders[self.count] = border;
+                    self.count += 1;
+                    border /= ratio;
+                }
+            }
+            Parting::Borders(borders) => {
+                let below = borders.radii().iter().rev().filter(|&&radius| radius < largest);
+                for &radius in below {
+                    self.borders[self.count] = radius;
+                    self.count += 1;
+                }
+            }
+            Parting::Optimal => (self.borders, self.count) = optimal(bodies, largest),
+        }
     }
 
     /// Which levels have many bodies in the cells of most, judged by a sample. A small level may
@@ -165,7 +171,7 @@ impl<const D: usize> Levels<D> {
                 |key, k| splitmix64(key ^ u64::from(cells.index(position[k], k, &mut Silent)));
             (class, (0..D).fold(0, key))
         };
-        company(bodies.len(), place, |class| self.levels[class].bodies)
+        company(bodies.len(), place, |class| self.levels[class].class.bodies)
             .map(|company| company > CROWD)
     }
 
