@@ -157,7 +157,7 @@ struct Sorted<'a, const D: usize> {
 }
 
 /// Pairs that are looked at together: nearly all are of two particles, and then stay together.
-const TOGETHER: usize = 16;
+const TOGETHER: usize = 8;
 
 impl<const D: usize> Sink for Sorted<'_, D> {
     fn contact(&mut self, a: u32, b: u32) {
@@ -177,17 +177,24 @@ impl<const D: usize> Sink for Sorted<'_, D> {
             return pairs.iter().for_each(|&[a, b]| self.contact(a, b));
         }
         let n = self.made.particles();
+        let image = |pairs: &[[u32; 2]]| {
+            pairs.as_flattened().iter().fold(false, |image, &body| image | (body >= n))
+        };
         let (together, rest) = pairs.as_chunks::<TOGETHER>();
+        let whole = pairs.len() - rest.len();
         // Pairs from here on are of two particles.
         let mut from = 0;
         for (k, some) in together.iter().enumerate() {
-            if some.as_flattened().iter().fold(false, |image, &body| image | (body >= n)) {
+            if image(some) {
                 self.plain.contacts(&pairs[from..k * TOGETHER]);
                 some.iter().for_each(|&[a, b]| self.contact(a, b));
                 from = (k + 1) * TOGETHER;
             }
         }
-        self.plain.contacts(&pairs[from..pairs.len() - rest.len()]);
+        if !image(rest) {
+            return self.plain.contacts(&pairs[from..]);
+        }
+        self.plain.contacts(&pairs[from..whole]);
         rest.iter().for_each(|&[a, b]| self.contact(a, b));
     }
 }
