@@ -98,7 +98,7 @@ fn images_fit_the_bytes_of_the_formula() {
                 _ => 0,
             };
             let bodies = 1000 + images;
-            let fixed = 40 * images + 36 * wrapped + each * 8 * bodies;
+            let fixed = 40 * images + 37 * wrapped + each * 8 * bodies;
             let candidates = bytes - fixed - stored * (3 + each) * bodies;
             assert!(
                 candidates % 32 == 0 && (100..350).contains(&(candidates / 32)),
