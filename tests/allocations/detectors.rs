@@ -5,10 +5,12 @@ use contactbench::contact::{Arithmetic, Test};
 use contactbench::detect::any::AnyDetector;
 use contactbench::detect::table::{DetectorSpec, Entry, TABLE, find, parse};
 use contactbench::detect::{Options, Refusal};
+use contactbench::periodic::{Contacts, Finder, Periodic};
 use contactbench::run::alloc::{Usage, measure};
-use contactbench::scene::AnyScene;
 use contactbench::scene::spec::Spec;
+use contactbench::scene::{AnyScene, Lattice, Real};
 use contactbench::sink::Count;
+use contactbench::with_scene;
 
 fn scene(text: &str) -> AnyScene<'static> {
     Spec::parse(text).unwrap().make().unwrap()
@@ -49,8 +51,59 @@ fn formulas_hold_and_warm_calls_allocate_nothing() {
             one_thread(&parse(spec).unwrap(), text, Arithmetic::Exact);
         }
     }
+    for entry in TABLE.iter().filter(|entry| entry.is_ours() && entry.must_be_right()) {
+        for text in BOXES {
+            for arithmetic in Arithmetic::SAFE {
+                for outside in [false, true] {
+                    in_a_box(entry, text, arithmetic, outside);
+                }
+            }
+        }
+    }
     book_formulas();
     refusals_allocate_nothing();
+}
+
+const BOXES: [&str; 4] = [
+    "packed:n=3000",
+    "packed:dim=3,n=3000",
+    "loose:dim=3,n=3000",
+    "loose:n=3000,fraction=0.5,sizes=power,exponent=-3,size-ratio=20",
+];
+
+/// A scene in a box that is somewhat too small for it, or by far, so that particles are moved.
+fn in_a_box(entry: &Entry, text: &str, arithmetic: Arithmetic, outside: bool) {
+    let scene = scene(text);
+    let corners = with_scene!(&scene, scene => {
+        scene.centres().iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], centre| {
+            let x = centre[0].wide();
+            [low.min(x), high.max(x)]
+        })
+    });
+    let edge = (corners[1] - corners[0]) * if outside { 0.75 } else { 1.0 };
+    let lattice = Lattice::along_axes([edge; 3], [true, true, false]).unwrap();
+    let periodic = Periodic::new(scene, lattice).unwrap();
+    let mut contacts = Contacts::default();
+    let (mut finder, mut detector) =
+        (Finder::new(1 << 30), find("nbs").unwrap().make(Options::default()));
+    // Lists that have room.
+    finder.list(&periodic, &mut *detector, arithmetic, &mut contacts).unwrap();
+    let (mut finder, mut detector) = (Finder::new(1 << 30), entry.make(Options::default()));
+    let mut measured = || {
+        contacts.clear();
+        let list = || finder.list(&periodic, &mut *detector, arithmetic, &mut contacts).unwrap();
+        measure(list).1.expect("the counting allocator is installed")
+    };
+    let (cold, warm) = (measured(), measured());
+    let (images, formula) = (finder.formula_bytes(), detector.formula_bytes());
+    let what = format!("{} on {text} in {arithmetic} in a box of {edge}", entry.name);
+    assert!(finder.images() > 0 && !contacts.shifted.is_empty(), "{what}");
+    if entry.name == "binary-tree" {
+        assert!(cold.live_bytes >= images + formula, "{what}: {cold:?}, {images} + {formula}");
+    } else {
+        assert_eq!(cold.live_bytes, images + formula, "{what}: {images} + {formula}");
+    }
+    assert_eq!(warm.allocations, 0, "{what}: warm");
 }
 
 fn one_thread(spec: &DetectorSpec, text: &str, arithmetic: Arithmetic) {

@@ -69,7 +69,7 @@ impl Finder {
     }
 
     /// The bytes that images take by the formula, for the scene of the last call: `16 + 8D` for each
-    /// image, `8D + 8` for each particle near the lower faces of the box; `8D + 12` for each particle
+    /// image, `8D + 8` for each particle near the lower faces of the box; `8D + 13` for each particle
     /// if some are outside of it; 8 for each body if they have radii of their own; and the copy of
     /// all bodies where the arithmetic stores them otherwise than in f64.
     pub fn formula_bytes(&self) -> u64 {
@@ -157,12 +157,12 @@ struct Sorted<'a, const D: usize> {
 }
 
 /// Pairs that are looked at together: nearly all are of two particles, and then stay together.
-const TOGETHER: usize = 16;
+const TOGETHER: usize = 8;
 
 impl<const D: usize> Sink for Sorted<'_, D> {
     fn contact(&mut self, a: u32, b: u32) {
         let n = self.made.particles();
-        if self.made.are_as_given() && a.max(b) < n {
+        if self.made.are_as_given() && a.max(b) < n || self.made.are_together(a, b) {
             return self.plain.contact(a, b);
         }
         match self.made.pair(a, b) {
@@ -173,21 +173,39 @@ impl<const D: usize> Sink for Sorted<'_, D> {
     }
 
     fn contacts(&mut self, pairs: &[[u32; 2]]) {
-        if !self.made.are_as_given() {
-            return pairs.iter().for_each(|&[a, b]| self.contact(a, b));
+        let (n, made) = (self.made.particles(), self.made);
+        if made.are_as_given() {
+            let plain = |pairs: &[[u32; 2]]| {
+                !pairs.as_flattened().iter().fold(false, |image, &body| image | (body >= n))
+            };
+            self.sort(pairs, plain);
+        } else {
+            self.sort(pairs, |pairs| {
+                pairs.iter().fold(true, |plain, &[a, b]| plain & made.are_together(a, b))
+            });
         }
-        let n = self.made.particles();
+    }
+}
+
+impl<const D: usize> Sorted<'_, D> {
+    /// Copies pairs of two particles many at a time, where that is `plain` to see.
+    #[inline(always)]
+    fn sort(&mut self, pairs: &[[u32; 2]], plain: impl Fn(&[[u32; 2]]) -> bool) {
         let (together, rest) = pairs.as_chunks::<TOGETHER>();
-        // Pairs from here on are of two particles.
+        let whole = pairs.len() - rest.len();
+        // Pairs from here on are plain.
         let mut from = 0;
         for (k, some) in together.iter().enumerate() {
-            if some.as_flattened().iter().fold(false, |image, &body| image | (body >= n)) {
+            if !plain(some) {
                 self.plain.contacts(&pairs[from..k * TOGETHER]);
                 some.iter().for_each(|&[a, b]| self.contact(a, b));
                 from = (k + 1) * TOGETHER;
             }
         }
-        self.plain.contacts(&pairs[from..pairs.len() - rest.len()]);
+        if plain(rest) {
+            return self.plain.contacts(&pairs[from..]);
+        }
+        self.plain.contacts(&pairs[from..whole]);
         rest.iter().for_each(|&[a, b]| self.contact(a, b));
     }
 }

@@ -130,7 +130,7 @@ impl<const D: usize> Frame<D> {
     /// Numbers of the frame's own vectors as numbers of the given ones; `None` beyond 2^29.
     #[inline]
     pub fn given(&self, image: [i32; 3]) -> Option<[i32; 3]> {
-        if self.numbers == AS_GIVEN || image == [0; 3] {
+        if image == [0; 3] || self.numbers == AS_GIVEN {
             return Some(image);
         }
         let mut given = [0; 3];
@@ -181,7 +181,11 @@ impl<const D: usize> Frame<D> {
         let from_corner = std::array::from_fn(|k| x[k] - self.origin[k]);
         let mut image = [0; 3];
         for a in (0..3).filter(|&a| self.periodic[a]) {
-            let boxes = self.fraction(a, &from_corner).floor();
+            let fraction = self.fraction(a, &from_corner);
+            if (0.0..1.0).contains(&fraction) {
+                continue;
+            }
+            let boxes = fraction.floor();
             // Also where a difference overflows and it is no number.
             if boxes.is_nan() || boxes.abs() >= MOST {
                 return Err(Refusal::Away { particle: index, vector: a, boxes });

@@ -27,6 +27,8 @@ pub struct Images<const D: usize> {
     /// given.
     places: Vec<Point<f64, D>>,
     wraps: Vec<[i32; 3]>,
+    /// A byte for those numbers: nearly all pairs have the same, and need not look for more.
+    tags: Vec<u8>,
     /// Particles that may have images.
     candidates: Vec<Candidate<D>>,
     images: Vec<Body>,
@@ -121,7 +123,7 @@ impl<const D: usize> Images<D> {
                 self.radii.extend(self.images.iter().map(|body| radii[body.owner as usize]));
             }
         }
-        let Images { places, wraps, images, centres, radii, .. } = self;
+        let Images { places, wraps, tags, images, centres, radii, .. } = self;
         let shifted = !wraps.is_empty() || !images.is_empty();
         let owners = if wraps.is_empty() { given.centres() } else { places };
         let radii = match given.radii() {
@@ -133,6 +135,7 @@ impl<const D: usize> Images<D> {
             frame,
             owners,
             wraps,
+            tags,
             images,
             centres,
             radii,
@@ -146,6 +149,7 @@ impl<const D: usize> Images<D> {
     fn clear(&mut self) {
         self.places.clear();
         self.wraps.clear();
+        self.tags.clear();
         self.candidates.clear();
         self.images.clear();
         self.centres.clear();
@@ -166,7 +170,7 @@ impl<const D: usize> Images<D> {
         let given_most = found.most();
         let wrap = !found.fit(frame);
         if wrap {
-            budget.fixed += (given.len() * (8 * D + size_of::<[i32; 3]>())) as f64;
+            budget.fixed += (given.len() * (8 * D + size_of::<[i32; 3]>() + 1)) as f64;
             budget.holds(0.0)?;
             self.wrap(given, frame)?;
             found = survey(&self.places, frame, below, &mut self.candidates);
@@ -206,14 +210,17 @@ impl<const D: usize> Images<D> {
     fn wrap(&mut self, given: &Scene<'_, f64, D>, frame: &Frame<D>) -> Result<(), Refusal> {
         self.places.reserve_exact(given.len());
         self.wraps.reserve_exact(given.len());
+        self.tags.reserve_exact(given.len());
         for (index, centre) in given.centres().iter().enumerate() {
             let wrap = frame.wrap(index as u32, array(centre))?;
-            let place = frame.place(array(centre), wrap);
+            let x = array(centre);
+            let place = if wrap == [0; 3] { *x } else { frame.place(x, wrap) };
             if !place.iter().all(|x| x.is_finite()) {
                 return Err(Refusal::Range);
             }
             self.places.push(place.into());
             self.wraps.push(wrap);
+            self.tags.push(tag(wrap));
         }
         Ok(())
     }
@@ -287,6 +294,7 @@ pub struct Made<'a, const D: usize> {
     owners: &'a [Point<f64, D>],
     /// None if no particle was moved.
     wraps: &'a [[i32; 3]],
+    tags: &'a [u8],
     images: &'a [Body],
     centres: &'a [Point<f64, D>],
     radii: Radii<'a, f64>,
@@ -320,6 +328,14 @@ impl<'a, const D: usize> Made<'a, D> {
     /// Was no particle moved? Then contacts of two particles are without a shift.
     pub fn are_as_given(&self) -> bool {
         self.wraps.is_empty()
+    }
+
+    /// Are these two particles, moved alike? Then their contact is without a shift. If not so,
+    /// nothing is known.
+    #[inline(always)]
+    pub fn are_together(&self, a: u32, b: u32) -> bool {
+        let tag = |body: u32| self.tags.get(body as usize).copied().unwrap_or(FAR);
+        (tag(a) == tag(b)) & (tag(a) != FAR)
     }
 
     /// Which contact that of two bodies is; `None` for two images.
@@ -402,6 +418,17 @@ impl<'a, const D: usize> Made<'a, D> {
         };
         Scene::new(centres, radii).map_err(|_| Refusal::Range)
     }
+}
+
+/// The tag of numbers that have none.
+const FAR: u8 = u8::MAX;
+
+/// One for each three numbers of at most 2 in magnitude, and one for all others.
+fn tag(wrap: [i32; 3]) -> u8 {
+    if wrap.iter().any(|number| number.unsigned_abs() > 2) {
+        return FAR;
+    }
+    wrap.iter().fold(0, |tag, number| 5 * tag + (number + 2) as u8)
 }
 
 /// Does particle i touch an image of j? Exactly, for the numbers as given.

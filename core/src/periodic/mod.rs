@@ -10,8 +10,9 @@
 //!   no double need hold. So it does not matter which image of a particle a file names, nor which
 //!   vectors of the lattice.
 //! * **How it is found:** every image that can matter becomes a further body of an open scene
-//!   ([`images`]), and any detector of the table searches that. Boxes may be smaller than the
-//!   reach, skewed, and open along some vectors; particles may lie far outside.
+//!   ([`images`]), and any detector of the table searches that, by a [`Finder`], which keeps its
+//!   buffers and is what is timed. Boxes may be smaller than the reach, skewed, tilted by many box
+//!   lengths, and open along some vectors; particles may lie far outside.
 //! * **The truth** goes over all pairs and all their images ([`truth()`]).
 //!
 //! **Rounded arithmetics** decide from the coordinates of images, as a simulation code does that

@@ -199,15 +199,16 @@ fn go_over<const D: usize, const C: usize>(
     // In turns, as the corners of open scenes: a comparison need not wait for the one before it.
     const TURNS: usize = 4;
     let (mut low, mut high) = ([[f64::INFINITY; C]; TURNS], [[f64::NEG_INFINITY; C]; TURNS]);
-    let mut count = 0;
-    list.clear();
-    let mut take = |index: usize, turn: usize| {
-        let x = array(&centres[index]);
+    let mut widen = |x: &[f64; D], turn: usize| {
         let numbers = numbers(x);
         for k in 0..C {
             low[turn][k] = if numbers[k] < low[turn][k] { numbers[k] } else { low[turn][k] };
             high[turn][k] = if numbers[k] > high[turn][k] { numbers[k] } else { high[turn][k] };
         }
+    };
+    let mut count = 0;
+    list.clear();
+    let mut look = |x: &[f64; D], index: usize| {
         if wanted(x) {
             count += 1;
             if list.len() < list.capacity() {
@@ -215,14 +216,18 @@ fn go_over<const D: usize, const C: usize>(
             }
         }
     };
-    let whole = centres.len() - centres.len() % TURNS;
-    for first in (0..whole).step_by(TURNS) {
-        for turn in 0..TURNS {
-            take(first + turn, turn);
+    let (groups, rest) = centres.as_chunks::<TURNS>();
+    for (group, some) in groups.iter().enumerate() {
+        let some = some.each_ref().map(array);
+        (0..TURNS).for_each(|turn| widen(some[turn], turn));
+        // Most groups have none.
+        if some.iter().fold(false, |any, x| any | wanted(x)) {
+            (0..TURNS).for_each(|turn| look(some[turn], group * TURNS + turn));
         }
     }
-    for index in whole..centres.len() {
-        take(index, 0);
+    for (x, index) in rest.iter().map(array).zip(groups.len() * TURNS..) {
+        widen(x, 0);
+        look(x, index);
     }
     for turn in 1..TURNS {
         for k in 0..C {

@@ -134,7 +134,7 @@ fn agreed(
 }
 
 /// All pairs tested, or those of the particles that are chosen; in ascending order.
-fn tested<const D: usize>(
+pub(super) fn tested<const D: usize>(
     scene: &Scene<'_, f64, D>,
     frame: &Frame<D>,
     chosen: Option<&[bool]>,

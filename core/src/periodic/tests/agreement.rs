@@ -6,7 +6,7 @@ use super::super::stored::stored;
 use super::*;
 use crate::contact::{Bodies, any_bodies};
 use crate::probe::{Op, Silent};
-use crate::scene::{Stored, array};
+use crate::scene::array;
 use crate::with_stored;
 
 /// What has been compared.
@@ -24,8 +24,14 @@ fn agree<const D: usize>(seeds: std::ops::Range<u64>, seen: &mut Seen)
 where
     AnyScene<'static>: From<Scene<'static, f64, D>>,
 {
-    let mut detectors: Vec<_> =
-        detectors().map(|entry| (entry.name, entry.make(OPTIONS))).collect();
+    let mut detectors: Vec<_> = detectors()
+        .flat_map(|entry| {
+            let threads = if entry.threads { 1..3 } else { 1..2 };
+            threads.map(|threads| Options { threads, ..OPTIONS }).map(move |options| {
+                (entry.name, entry.make(options), Finder::new(LIMIT), Contacts::default())
+            })
+        })
+        .collect();
     for seed in seeds {
         let bag = random::<D>(seed, [Numbers::Real, Numbers::Dyadic][seed as usize / 4 % 2]);
         let periodic = bag.periodic();
@@ -34,9 +40,16 @@ where
                 assert!(arithmetic == Arithmetic::F32Cell, "{arithmetic}: {bag:?}");
                 continue;
             };
-            for (name, detector) in &mut detectors {
-                match ask(&mut **detector, &periodic, arithmetic) {
-                    Ok(found) => assert_eq!(found, truth.pairs, "{name} in {arithmetic}: {bag:?}"),
+            for (name, detector, finder, contacts) in &mut detectors {
+                contacts.clear();
+                match finder.list(&periodic, &mut **detector, arithmetic, contacts) {
+                    Ok(()) => {
+                        assert!(contacts.shifted.iter().all(|pair| pair.image != [0; 3]));
+                        let found = contacts.sorted();
+                        assert_eq!(found, truth.pairs, "{name} in {arithmetic}: {bag:?}");
+                        let counted = count(&mut **detector, &periodic, arithmetic).0;
+                        assert_eq!(counted, truth.digest, "{name} in {arithmetic}: {bag:?}");
+                    }
                     Err(refusal) => {
                         let expected = matches!(refusal, Refusal::Domain { .. });
                         assert!(expected, "{name} in {arithmetic}: {refusal}\n{bag:?}");

@@ -27,7 +27,11 @@ fn what_cannot_be_done_is_said_in_a_sentence() {
     let said = truth(&radii_in_another_unit.periodic(), Arithmetic::Exact, LIMIT).err();
     assert!(said.is_some_and(|said| said.to_string().contains("another unit")));
     // So many that they cannot be numbered.
-    assert!(matches!(refusal(&of(&[[0.5; 3]], 1e12, cube(1.0)), u64::MAX), Refusal::Images { .. }));
+    let said = refusal(&of(&[[0.5; 3]], 1e12, cube(1.0)), u64::MAX);
+    assert!(
+        matches!(said, Refusal::Images { images, .. } if (1e37..1e39).contains(&images)),
+        "{said}"
+    );
     assert!(matches!(refusal(&of(&[[0.0; 3]], 1.0, cube(1e-140)), LIMIT), Refusal::Images { .. }));
     let away = of(&[[0.5; 3], [0.5, 1e12, 0.5]], 0.25, cube(1.0));
     let said = refusal(&away, LIMIT);
@@ -36,9 +40,9 @@ fn what_cannot_be_done_is_said_in_a_sentence() {
     assert!(matches!(refusal(&of(&[[0.0; 3]], f64::MAX, cube(1.0)), LIMIT), Refusal::Range));
     // Hardly a box: what the shortest vectors tell apart is told apart.
     let skewed = [[1.0, 0.0, 0.0], [1.0, 2e-9, 0.0], [1.0, 1e-9, 2e-18]];
-    let flat = Lattice::new(skewed.map(|[x, y, z]| [x, y, 1e-2 * z]), [true; 3], [0.0; 3]);
+    let flat = Lattice::new(skewed.map(|[x, y, z]| [x, y, 0.0 * z]), [true; 3], [0.0; 3]);
     assert!(matches!(flat, Err(LatticeError::Flat { .. })), "{flat:?}");
-    all_find(&of(&[[0.5; 3]], 1e-19, skewed), &[]);
+    all_find(&of(&[[0.0; 3]], 1e-19, skewed), &[]);
     // Images fit, the list does not.
     let crowd = of(&[[0.5; 3]; 40], 0.5, cube(1.0));
     let found = truth(&crowd.periodic(), Arithmetic::Exact, LIMIT).unwrap().pairs.len() as u64;

@@ -122,6 +122,14 @@ fn scenes_that_codes_were_wrong_about() {
     // NeighbourLists#6: outside of the box, on both sides.
     let scene = bag(&[[-0.5, 1.0, 1.0], [8.5, 1.0, 1.0]], 0.5, cube(8.0), [true; 3]);
     all_find(&scene, &[pair(0, 1, [-1, 0, 0])]);
+    // Two bodies at the faces, 1 apart through both.
+    let scene = bag(&[[0.5, 4.0, 4.0], [7.5, 4.0, 4.0]], 0.5, cube(8.0), [true; 3]);
+    all_find(&scene, &[pair(0, 1, [-1, 0, 0])]);
+    all_find(&Bag { radii: Radii::Uniform(0.5f64.next_down()), ..scene }, &[]);
+    // The circumference is twice the distance, neither image is the one that is named: two
+    // contacts.
+    let scene = bag(&[[-4.0, 1.0, 1.0], [6.0, 1.0, 1.0]], 1.0, cube(4.0), [true; 3]);
+    all_find(&scene, &[pair(0, 1, [-3, 0, 0]), pair(0, 1, [-2, 0, 0])]);
     // FreeBird.jl#150: the circumference is twice the distance, so two images touch.
     let scene = bag(&[[0.0, 0.0], [2.0, 0.0]], 1.0, cube(4.0), [true, false, false]);
     all_find(&scene, &[pair(0, 1, [-1, 0, 0]), pair(0, 1, [0; 3])]);

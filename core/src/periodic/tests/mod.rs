@@ -2,6 +2,7 @@
 
 mod agreement;
 mod extremes;
+mod finder;
 mod golden;
 mod predicate;
 mod relations;
@@ -9,13 +10,14 @@ mod relations;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
+use super::truth::tested;
 use super::*;
 use crate::contact::Arithmetic;
 use crate::detect::any::AnyDetector;
 use crate::detect::table::{Entry, TABLE};
 use crate::detect::{Options, Refusal};
 use crate::probe::Tally;
-use crate::scene::{Radii, Scene};
+use crate::scene::{Radii, Scene, Stored};
 use crate::sink::Digest;
 
 const LIMIT: u64 = 1 << 28;

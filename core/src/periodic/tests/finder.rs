@@ -1,0 +1,264 @@
+//! The finder that keeps its buffers: lists and counts, errors, memory, boxes tilted far.
+
+use super::super::frame::Frame;
+use super::super::images::Images;
+use super::*;
+use crate::scene::lattice::{AS_GIVEN, Numbers as Rows};
+
+fn thousand(vectors: [[f64; 3]; 3]) -> Bag<3> {
+    let random = &mut ChaCha8Rng::seed_from_u64(8);
+    let centres = (0..1000).map(|_| std::array::from_fn(|_| 16.0 * random.random::<f64>()));
+    Bag {
+        // On a grid, so that whole vectors can be added without error.
+        centres: centres.map(|x: [f64; 3]| x.map(|x| (x * 1024.0).round() / 1024.0)).collect(),
+        radii: Radii::Uniform(0.5),
+        vectors,
+        periodic: [true; 3],
+        origin: [0.0; 3],
+    }
+}
+
+const CUBE: [[f64; 3]; 3] = [[16.0, 0.0, 0.0], [0.0, 16.0, 0.0], [0.0, 0.0, 16.0]];
+
+fn find(bag: &Bag<3>, finder: &mut Finder) -> Contacts {
+    let (mut contacts, mut detector) = (Contacts::default(), TABLE[0].make(OPTIONS));
+    finder.list(&bag.periodic(), &mut *detector, Arithmetic::Exact, &mut contacts).unwrap();
+    contacts
+}
+
+/// What was found before stays, whatever comes; and where it is refused, nothing is added.
+#[test]
+fn contacts_are_appended_or_left_as_they_were() {
+    let bag = thousand(CUBE);
+    let (truth, found) = (bag.truth(), find(&bag, &mut Finder::new(LIMIT)));
+    assert!(found.sorted() == truth && found.len() == truth.len() as u64 && !found.is_empty());
+    assert!(found.plain.len() > 200 && found.shifted.len() > 15);
+    assert_eq!(
+        found.digest(),
+        super::super::truth(&bag.periodic(), Arithmetic::Exact, LIMIT).unwrap().digest
+    );
+    let mut twice = found.clone();
+    let (mut finder, mut detector) = (Finder::new(LIMIT), TABLE[1].make(OPTIONS));
+    finder.list(&bag.periodic(), &mut *detector, Arithmetic::Exact, &mut twice).unwrap();
+    assert_eq!(twice.len(), 2 * found.len());
+    assert!(twice.plain.starts_with(&found.plain) && twice.shifted.starts_with(&found.shifted));
+    twice.clear();
+    assert!(twice.is_empty());
+    // The images fit, one of the lists does not.
+    let images = finder.formula_bytes();
+    for radius in [0.7, 2.5] {
+        let crowd = Bag { radii: Radii::Uniform(radius), ..bag.clone() };
+        let all = find(&crowd, &mut finder).len();
+        let limit = finder.formula_bytes();
+        assert!(limit > images);
+        for threads in [1, 2] {
+            for entry in detectors().filter(|entry| threads == 1 || entry.threads) {
+                let mut contacts = found.clone();
+                let mut detector = entry.make(Options { threads, ..OPTIONS });
+                let mut finder = Finder::new(limit);
+                let periodic = crowd.periodic();
+                let result =
+                    finder.list(&periodic, &mut *detector, Arithmetic::Exact, &mut contacts);
+                match result {
+                    Err(Refusal::Pairs { found, .. }) => assert_eq!(found, all, "{}", entry.name),
+                    Ok(()) if radius < 1.0 => continue,
+                    other => panic!("{}: {other:?}", entry.name),
+                }
+                assert!(contacts.plain == found.plain && contacts.shifted == found.shifted);
+            }
+        }
+    }
+    let other_unit = Bag { radii: Radii::Uniform(4000.0), ..bag };
+    let mut contacts = found.clone();
+    let refused =
+        finder.list(&other_unit.periodic(), &mut *detector, Arithmetic::F64, &mut contacts);
+    assert!(matches!(refused, Err(Refusal::Images { .. })));
+    assert!(contacts.sorted() == truth);
+}
+
+/// What the formula gives is enough, and a byte less is not, in every storage.
+#[test]
+fn images_fit_the_bytes_of_the_formula() {
+    let mut away = thousand(CUBE);
+    away.centres[7][1] += 48.0;
+    let mut each = thousand(CUBE);
+    each.radii = Radii::Each((0..1000).map(|k| 0.25 + 0.001 * f64::from(k % 200)).collect());
+    for (bag, wrapped, each) in [(thousand(CUBE), 0, 0), (away, 1000, 0), (each, 0, 1)] {
+        for arithmetic in Arithmetic::SAFE {
+            let (mut finder, mut detector) = (Finder::new(LIMIT), TABLE[0].make(OPTIONS));
+            let periodic = bag.periodic();
+            let mut list = |finder: &mut Finder| {
+                finder.list(&periodic, &mut *detector, arithmetic, &mut Contacts::default())
+            };
+            list(&mut finder).unwrap();
+            let (bytes, images) = (finder.formula_bytes(), finder.images());
+            let stored = match arithmetic {
+                Arithmetic::F32 => 4,
+                Arithmetic::F32Cell => 8,
+                _ => 0,
+            };
+            let bodies = 1000 + images;
+            let fixed = 40 * images + 37 * wrapped + each * 8 * bodies;
+            let candidates = bytes - fixed - stored * (3 + each) * bodies;
+            assert!(
+                candidates % 32 == 0 && (100..350).contains(&(candidates / 32)),
+                "{candidates}"
+            );
+            // Lists are longer than that.
+            let enough = Finder::new(bytes.max(30_000));
+            assert_eq!(list(&mut { enough }), Ok(()));
+            let refused = list(&mut Finder::new(bytes - 1));
+            assert!(matches!(refused, Err(Refusal::Images { .. })), "{refused:?}");
+        }
+    }
+}
+
+/// Adding large multiples of vectors to each other changes neither contacts nor, but by chance, the
+/// number of images.
+#[test]
+fn boxes_tilted_far_have_as_many_images() {
+    let mut finder = Finder::new(LIMIT);
+    let straight = find(&thousand(CUBE), &mut finder).sorted();
+    let images = finder.images();
+    assert!((150..250).contains(&images), "{images}");
+    // Rows: other vectors, in those of the cube; and the cube's vectors in them.
+    let shears: [(Rows, Rows); 4] = [
+        ([[1, 0, 0], [1, 1, 0], [0, 0, 1]], [[1, 0, 0], [-1, 1, 0], [0, 0, 1]]),
+        ([[1, 0, 0], [-1000, 1, 0], [0, 0, 1]], [[1, 0, 0], [1000, 1, 0], [0, 0, 1]]),
+        (
+            [[1, 0, 0], [700, 1, 0], [-90_000, 3000, 1]],
+            [[1, 0, 0], [-700, 1, 0], [2_190_000, -3000, 1]],
+        ),
+        (
+            [[0, 1, 0], [0, 100_000, 1], [1, 0, 2000]],
+            [[200_000_000, -2000, 1], [1, 0, 0], [-100_000, 1, 0]],
+        ),
+    ];
+    for (rows, back) in shears {
+        let times = |row: [i32; 3]| row.map(|number| 16.0 * f64::from(number));
+        let tilted = thousand(rows.map(times));
+        let found = find(&tilted, &mut finder);
+        let mut expected: Vec<_> = straight
+            .iter()
+            .map(|&ImagePair { i, j, image }| {
+                let image = std::array::from_fn(|b| (0..3).map(|a| image[a] * back[a][b]).sum());
+                ImagePair::new(i, j, image)
+            })
+            .collect();
+        expected.sort_unstable();
+        assert!(found.sorted() == expected, "{rows:?}");
+        let ratio = finder.images() as f64 / images as f64;
+        assert!((0.85..1.2).contains(&ratio), "{rows:?}: {ratio}");
+        assert!(tilted.truth() == expected, "{rows:?}");
+        assert_eq!(tilted.lattice().shortest(), 16.0);
+    }
+}
+
+/// The truth by the vectors as given, without a reduction: what is found by others is that.
+#[test]
+fn reduced_vectors_lose_nothing() {
+    let (mut contacts, mut boxes) = (0, 0);
+    for seed in 0..600 {
+        let bag = random::<3>(seed, Numbers::Real);
+        let periodic = bag.periodic();
+        let (lattice, AnyScene::Space(Stored::F64(scene))) = (periodic.lattice(), periodic.scene())
+        else {
+            panic!("made in space")
+        };
+        let Ok(given) = Frame::<3>::of(lattice, lattice, AS_GIVEN) else { continue };
+        let (reduced, numbers) = lattice.reduced();
+        if numbers == AS_GIVEN {
+            continue;
+        }
+        let Ok(pairs) = tested(scene, &given, None, LIMIT) else { continue };
+        let reduced = Frame::<3>::of(lattice, &reduced, numbers).unwrap();
+        assert_eq!(tested(scene, &reduced, None, LIMIT).as_ref(), Ok(&pairs), "{bag:?}");
+        let found = ask(&mut *TABLE[0].make(OPTIONS), &periodic, Arithmetic::Exact);
+        assert_eq!(found.as_ref(), Ok(&pairs), "{bag:?}");
+        (contacts, boxes) = (contacts + pairs.len(), boxes + 1);
+    }
+    assert!(contacts > 3000 && boxes > 200, "{contacts} {boxes}");
+}
+
+/// A particle meets itself if and only if its diameter reaches the shortest vector.
+#[test]
+fn the_shortest_vector_is_where_a_particle_meets_itself() {
+    for (vectors, shortest) in [
+        (CUBE, 16.0),
+        ([[3.0, 0.0, 0.0], [301.0, 4.0, 0.0], [0.0, -8000.0, 12.0]], 3.0),
+        ([[5.0, 0.0, 0.0], [5.0, 3.0, 0.0], [4.0, 3.0, 9.0]], 3.0),
+    ] {
+        let mut bag = Bag { centres: vec![[0.25; 3]], ..thousand(vectors) };
+        assert_eq!(bag.lattice().shortest(), shortest);
+        bag.radii = Radii::Uniform((0.5 * shortest).next_down());
+        all_find(&bag, &[]);
+        bag.radii = Radii::Uniform(0.5 * shortest);
+        assert!(!bag.truth().is_empty());
+        all_find(&bag, &bag.truth());
+    }
+}
+
+/// Particles that left the box by less than a reach are not moved, those far from it are, and
+/// wherever the box begins: images are few.
+#[test]
+fn images_are_few_wherever_particles_are() {
+    let mut finder = Finder::new(LIMIT);
+    find(&thousand(CUBE), &mut finder);
+    let images = finder.images() as f64;
+    let mut copied = 0;
+    for by in [[0.0, 0.0, 0.0], [0.125, 0.0, -0.0625], [16.0, -32.0, 1600.0], [7.5, -3.0, 100.0]] {
+        let mut moved = thousand(CUBE);
+        for (k, x) in moved.centres.iter_mut().enumerate() {
+            let only = if by[2] < 1000.0 || k % 2 == 0 { 1.0 } else { 0.0 };
+            (0..3).for_each(|axis| x[axis] += only * by[axis]);
+        }
+        let periodic = moved.periodic();
+        let AnyScene::Space(Stored::F64(scene)) = periodic.scene() else { panic!("in space") };
+        let mut buffers = Images::default();
+        let made = buffers.make(scene, periodic.lattice(), Arithmetic::Exact, LIMIT).unwrap();
+        assert!((made.ghosts() as f64 / images - 1.0).abs() < 0.2, "{by:?}: {}", made.ghosts());
+        copied += usize::from(!made.are_as_given());
+        all_find_few(&moved);
+    }
+    assert_eq!(copied, 1);
+}
+
+fn all_find_few(bag: &Bag<3>) {
+    let found = ask(&mut *TABLE[5].make(OPTIONS), &bag.periodic(), Arithmetic::Exact).unwrap();
+    assert!(found == bag.truth());
+}
+
+/// Enough particles for a second thread of any detector.
+#[test]
+fn several_threads_find_what_one_finds() {
+    let random = &mut ChaCha8Rng::seed_from_u64(9);
+    let mut bag = thousand(CUBE);
+    bag.vectors = CUBE.map(|vector| vector.map(|x| 3.0 * x));
+    bag.centres =
+        (0..24_000).map(|_| std::array::from_fn(|_| 48.0 * random.random::<f64>())).collect();
+    let mut outside = bag.clone();
+    outside.centres.iter_mut().step_by(3).for_each(|x| x[2] -= 48.0);
+    for bag in [bag, outside] {
+        let periodic = bag.periodic();
+        let mut truth = None;
+        for entry in detectors().filter(|entry| entry.threads && entry.name != "direct") {
+            let mut finder = Finder::new(LIMIT);
+            for arithmetic in [Arithmetic::Exact, Arithmetic::F64, Arithmetic::F32] {
+                let mut digests = [1, 2].map(|threads| {
+                    let mut contacts = Contacts::default();
+                    let mut detector = entry.make(Options { threads, ..OPTIONS });
+                    finder.list(&periodic, &mut *detector, arithmetic, &mut contacts).unwrap();
+                    assert!(contacts.shifted.iter().all(|pair| pair.image != [0; 3]));
+                    assert!(contacts.shifted.len() > 100 && contacts.plain.len() > 5000);
+                    contacts.digest()
+                });
+                let counted = count(&mut *entry.make(OPTIONS), &periodic, arithmetic).0;
+                assert_eq!(digests, [counted; 2], "{} in {arithmetic}", entry.name);
+                if arithmetic == Arithmetic::Exact {
+                    digests[0] = *truth.get_or_insert(digests[0]);
+                    assert_eq!(digests[0], digests[1], "{}", entry.name);
+                }
+            }
+        }
+    }
+}
