@@ -270,9 +270,12 @@ fn offset(
     let mut values =
         vec![("offset_diameters", json!(diameters)), ("f32_spacing_radii", json!(spacing))];
     if let (Contacts::Found { pairs, .. }, Some(rounded)) = (contacts, in_f32(scene, within)) {
-        let lacks = |list: &[ImagePair], pair: &&ImagePair| list.binary_search(pair).is_err();
-        let missed = pairs.iter().filter(|pair| lacks(&rounded, pair)).count();
-        let spurious = rounded.iter().filter(|pair| lacks(pairs, pair)).count();
+        let (mut both, mut others) = (0, rounded.iter().peekable());
+        for pair in pairs {
+            while others.next_if(|other| *other < pair).is_some() {}
+            both += usize::from(others.peek() == Some(&pair));
+        }
+        let (missed, spurious) = (pairs.len() - both, rounded.len() - both);
         text += &format!("; f32 would miss {} and add {spurious}", plural(missed, "contact"));
         values.extend([("f32_missed", json!(missed)), ("f32_spurious", json!(spurious))]);
     }
