@@ -96,6 +96,19 @@ fn experiments_say_that_a_file_is_open() {
         assert_eq!(ended.code, Some(0), "{}{}", ended.stdout, ended.stderr);
         std::fs::remove_dir_all(folder.join("out")).unwrap();
     }
+    // Where the file does not say whether its box repeats, that is said.
+    file(folder, "p.lmp", DATA);
+    for (open, said) in [("", true), ("open = true\n", false)] {
+        experiment(open);
+        let text = std::fs::read_to_string(folder.join("t.toml")).unwrap();
+        file(folder, "t.toml", text.replace("tilted.dump", "p.lmp"));
+        let ended = run(folder, &["run", "t.toml", "--out", "out"]);
+        assert_eq!(ended.code, Some(0), "{}{}", ended.stdout, ended.stderr);
+        let words = "p.lmp: the file does not say whether its box repeats: boundaries are taken as \
+                     open; open = true in the experiment says that they are\n";
+        assert_eq!(ended.stderr.contains(words), said, "{}", ended.stderr);
+        std::fs::remove_dir_all(folder.join("out")).unwrap();
+    }
     experiment("open = 1\n");
     refused(folder, &["run", "t.toml", "--out", "out"], &["open is 1; it must be true or false"]);
     let scene = ["scene", "file:path=tilted.dump,order=generated,open=true"];
