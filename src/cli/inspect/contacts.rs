@@ -1,5 +1,7 @@
 //! What radii and contacts say.
 
+use std::collections::HashSet;
+
 use serde_json::json;
 
 use crate::check::imaged;
@@ -14,7 +16,7 @@ use crate::pair_list::{Allowance, PairList};
 use crate::periodic::{self, ImagePair, Periodic};
 use crate::scene::{AnyScene, Radii, Real, Scene, Stored, array};
 use crate::sink::{Sink, Visit, normalise};
-use crate::with_scene;
+use crate::{oracle, with_scene};
 
 /// Couples whose distance differs from the sum of their radii by less than this share of it are
 /// near tangent.
@@ -27,8 +29,10 @@ const DETECTOR: &str = "bvh";
 /// The contacts of a scene.
 pub(super) enum Contacts {
     Found {
-        /// In ascending order; with image 0 where boundaries are open.
-        pairs: Vec<ImagePair>,
+        /// Where boundaries are open, in ascending order.
+        open: Vec<[u32; 2]>,
+        /// Those in a box that repeats.
+        boxed: Vec<ImagePair>,
         /// Near tangent couples, those just apart included.
         near: u64,
         /// The sum of the overlaps in mean radii.
@@ -53,22 +57,24 @@ impl Contacts {
     /// Those in a box that repeats.
     pub fn within(periodic: &Periodic<'_>) -> Contacts {
         let limit = Options::default().memory_limit;
-        let mut pairs = match imaged::contacts(periodic, limit) {
+        let pairs = match imaged::contacts(periodic, limit) {
             Ok(pairs) => pairs,
             Err(error) => return Contacts::Refused(format!("{error:#}")),
         };
-        pairs.sort_unstable();
         let depths = pairs.iter().map(|&pair| periodic::depth(periodic, pair));
         let (near, overlap) = depths.fold((0, 0.0), |(near, sum), depth| {
             (near + u64::from(depth < 2.0 * NEAR), sum + depth)
         });
         let near = near + imaged::nearly(periodic, 2.0 * NEAR, limit).len() as u64;
-        Contacts::Found { pairs, near, overlap }
+        Contacts::Found { open: Vec::new(), boxed: pairs, near, overlap }
     }
 
     /// Their number, where it is known.
     pub fn exact(&self) -> Option<u64> {
-        if let Contacts::Found { pairs, .. } = self { Some(pairs.len() as u64) } else { None }
+        match self {
+            Contacts::Found { open, boxed, .. } => Some((open.len() + boxed.len()) as u64),
+            _ => None,
+        }
     }
 }
 
@@ -122,8 +128,7 @@ where
         return Contacts::Refused(refusal.to_string());
     }
     normalise(&mut pairs);
-    let pairs = pairs.into_iter().map(|[i, j]| ImagePair { i, j, image: [0; 3] }).collect();
-    Contacts::Found { pairs, near, overlap: sum }
+    Contacts::Found { open: pairs, boxed: Vec::new(), near, overlap: sum }
 }
 
 /// Prints radii, contacts, and what rounding would do.
@@ -171,8 +176,9 @@ pub(super) fn report(
             ));
             *each
         }
-        Contacts::Found { pairs, near, overlap } => {
-            let (count, each) = (pairs.len(), 2.0 * pairs.len() as f64 / n as f64);
+        Contacts::Found { open, boxed: pairs, near, overlap } => {
+            let count = open.len() + pairs.len();
+            let each = 2.0 * count as f64 / n as f64;
             let mean = if count == 0 { 0.0 } else { overlap / count as f64 };
             let across = pairs.iter().filter(|pair| pair.image != [0; 3]).count();
             let own = pairs.iter().filter(|pair| pair.i == pair.j).count();
@@ -269,11 +275,11 @@ fn offset(
     );
     let mut values =
         vec![("offset_diameters", json!(diameters)), ("f32_spacing_radii", json!(spacing))];
-    if let (Contacts::Found { pairs, .. }, Some(rounded)) = (contacts, in_f32(scene, within)) {
-        let lacks = |list: &[ImagePair], pair: &&ImagePair| list.binary_search(pair).is_err();
-        let missed = pairs.iter().filter(|pair| lacks(&rounded, pair)).count();
-        let spurious = rounded.iter().filter(|pair| lacks(pairs, pair)).count();
-        text += &format!("; f32 would miss {} and add {spurious}", plural(missed, "contact"));
+    if let Some([missed, spurious]) = in_f32(scene, within, contacts) {
+        text += &format!(
+            "; f32 would miss {} and add {spurious}",
+            plural(usize::try_from(missed).unwrap_or(usize::MAX), "contact")
+        );
         values.extend([("f32_missed", json!(missed)), ("f32_spurious", json!(spurious))]);
     }
     lines.push(Line("offset", text, values));
@@ -285,19 +291,24 @@ fn offset(
     }
 }
 
-/// The contacts as f32 decides them, in ascending order.
-fn in_f32(scene: &AnyScene<'_>, within: Option<&Periodic<'_>>) -> Option<Vec<ImagePair>> {
+/// How many contacts f32 would miss, and how many it would add.
+fn in_f32(
+    scene: &AnyScene<'_>,
+    within: Option<&Periodic<'_>>,
+    contacts: &Contacts,
+) -> Option<[u64; 2]> {
+    let Contacts::Found { open, boxed, .. } = contacts else { return None };
     let mut detector = table::find(DETECTOR)?.make(Options::default());
     if let Some(periodic) = within {
         let limit = Options::default().memory_limit;
-        let pairs = periodic::contacts(periodic, &mut *detector, Arithmetic::F32, limit);
-        return pairs.ok().map(|mut pairs| {
-            pairs.sort_unstable();
-            pairs
-        });
+        let rounded = periodic::contacts(periodic, &mut *detector, Arithmetic::F32, limit).ok()?;
+        let known: HashSet<&ImagePair> = boxed.iter().collect();
+        let both = rounded.iter().filter(|pair| known.contains(pair)).count();
+        return Some([boxed.len() - both, rounded.len() - both].map(|count| count as u64));
     }
-    let (stored, mut pairs) = (scene.stored(Arithmetic::F32).ok()?, Vec::new());
-    detector.list(&stored, Test::Rounded, &mut pairs).ok()?;
-    normalise(&mut pairs);
-    Some(pairs.into_iter().map(|[i, j]| ImagePair { i, j, image: [0; 3] }).collect())
+    let (stored, mut rounded) = (scene.stored(Arithmetic::F32).ok()?, Vec::new());
+    detector.list(&stored, Test::Rounded, &mut rounded).ok()?;
+    normalise(&mut rounded);
+    let errors = oracle::compare(&rounded, open, scene);
+    Some([errors.missed, errors.spurious])
 }

@@ -442,7 +442,7 @@ fn boxes_that_cannot_be_used_are_refused_in_words() {
     let form = "write LX,LY or LX,LY,LZ, with a tilt LX,LY,LZ,XY,XZ,YZ, or the vectors row by \
                 row, four numbers for discs and nine for spheres";
     for (text, message) in [
-        ("1", format!("1 numbers are no box; {form}")),
+        ("1", format!("1 number is no box; {form}")),
         ("", format!("0 numbers are no box; {form}")),
         ("1,2,3,4,5", format!("5 numbers are no box; {form}")),
         ("1,two", format!("'two' is not a finite number; {form}")),

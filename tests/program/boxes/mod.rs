@@ -119,6 +119,17 @@ fn experiments_take_the_box_of_a_file() {
         let repeats = !keys.contains("open") && !keys.contains("none");
         assert_eq!(made > 0, repeats && keys != "path = \"bare.csv\"\n", "{keys}: {made}");
     }
+    // Where the file does not say whether its box repeats, that is said.
+    file(folder, "p.lmp", DATA);
+    for (keys, said) in [("", true), ("open = true\n", false), ("periodic = \"xy\"\n", false)] {
+        experiment(&format!("path = \"p.lmp\"\n{keys}"));
+        let ended = run(folder, &["run", "t.toml", "--out", "out"]);
+        assert_eq!(ended.code, Some(0), "{}{}", ended.stdout, ended.stderr);
+        let words = "p.lmp: the file does not say whether its box repeats: boundaries are taken as \
+                     open; open = true in the experiment says that they are\n";
+        assert_eq!(ended.stderr.contains(words), said, "{}", ended.stderr);
+        std::fs::remove_dir_all(folder.join("out")).unwrap();
+    }
     experiment("path = \"tilted.dump\"\nopen = 1\n");
     refused(folder, &["run", "t.toml", "--out", "out"], &["open is 1; it must be true or false"]);
     let scene = ["scene", "file:path=tilted.dump,order=generated,open=true"];
@@ -184,7 +195,9 @@ fn what_contradicts_itself_is_refused() {
         ("nan,5", "'nan' is not a finite number"),
         ("5", "1 number is no box"),
     ] {
-        refused(folder, &["detect", "cube.xyz", "--box", numbers], &[words]);
+        let ended = run(folder, &["detect", "cube.xyz", "--box", numbers]);
+        assert_eq!(ended.code, Some(2), "{numbers}");
+        assert!(ended.stderr.contains(words), "{numbers}: {}", ended.stderr);
     }
     // Verbs that take boundaries as open do not offer boxes.
     for (verb, offers) in [("detect", true), ("draw", true), ("scene", false), ("recommend", false)]
@@ -218,8 +231,8 @@ fn detect_names_the_images_that_touch() {
         let ended = good(folder, &["detect", "tilted.dump", "--detector", detector]);
         assert_eq!(ended.stdout, csv, "{detector}");
         for part in [
-            "tilted.dump: N = 4, 3D, 2 pairs, 1 of them across the box, which repeats along x and y (",
-            " images made), ",
+            "tilted.dump: N = 4, 3D, 2 pairs, 1 of them across the box, which repeats along x and y",
+            " (1 image made), ",
             detector,
         ] {
             assert!(ended.stderr.contains(part), "'{part}' in {}", ended.stderr);

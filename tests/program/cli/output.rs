@@ -41,7 +41,8 @@ fn no_one_and_two_particles_work() {
                         if n == 2 { "i,j\n0,1\n" } else { "i,j\n" },
                         "{detector} {arithmetic}"
                     );
-                    let summary = format!("few.csv: N = {n}, {dim}D, {} pairs, ", n / 2);
+                    let pairs = if n == 2 { "1 pair" } else { "0 pairs" };
+                    let summary = format!("few.csv: N = {n}, {dim}D, {pairs}, ");
                     assert!(
                         ended.stderr.starts_with(&summary) && ended.stderr.lines().count() == 1,
                         "{}",
