@@ -99,7 +99,7 @@ fn a_claim_takes_the_keys_of_its_kind() {
             "line 11, column 1",
             "has no key 'withn'; did you mean within?",
         ),
-        ("kind = \"faster\"\nvalue = \"n\"", "line 10, column 1", "it takes than, and"),
+        ("kind = \"faster\"\nvalue = \"n\"", "line 10, column 1", "it takes than, by, and"),
         (
             "kind = \"constnt\"",
             "line 9, column 8",
