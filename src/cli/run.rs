@@ -217,9 +217,8 @@ fn silent_boxes(experiment: &Experiment, quick: bool) -> anyhow::Result<()> {
     for spec in experiment.plan(quick)? {
         let text = |key: &str| spec.params.get(key).and_then(|value| value.as_str());
         let Some(path) = text("path").filter(|_| spec.name == "file") else { continue };
-        let open = spec.params.get("open");
-        let open = open.is_some_and(|open| *open == "true" || open.as_bool() == Some(true));
-        if open || !said.insert(path.to_string()) {
+        let told = text("open") == Some("true") || text("periodic").is_some();
+        if told || text("box").is_some() || !said.insert(path.to_string()) {
             continue;
         }
         let about = |options| io::load(Path::new(path), options).map(|(_, about)| about);
@@ -230,7 +229,7 @@ fn silent_boxes(experiment: &Experiment, quick: bool) -> anyhow::Result<()> {
         if Boundaries::AS_DECLARED.unknown(about.declared.as_ref()) {
             eprintln!(
                 "{path}: the file does not say whether its box repeats: boundaries are taken as \
-                 open; open = true in the experiment says that they are"
+                 open; say periodic = \"xyz\" in the experiment if it does, and open = true if not"
             );
         }
     }

@@ -28,8 +28,8 @@ fn json_of(folder: &Path, arguments: &[&str]) -> Value {
 fn counted(folder: &Path) -> Value {
     let rows = std::fs::read_to_string(folder.join("out/samples.jsonl")).unwrap();
     std::fs::remove_dir_all(folder.join("out")).unwrap();
-    let rows = rows.lines().map(|row| serde_json::from_str::<Value>(row).unwrap());
-    rows.filter(|row| row["pass"] == "count").next_back().unwrap()
+    let mut rows = rows.lines().map(|row| serde_json::from_str::<Value>(row).unwrap());
+    rows.find(|row| row["pass"] == "count").unwrap()
 }
 
 /// What a verb says that takes boundaries as open.
@@ -126,7 +126,8 @@ fn experiments_take_the_box_of_a_file() {
         let ended = run(folder, &["run", "t.toml", "--out", "out"]);
         assert_eq!(ended.code, Some(0), "{}{}", ended.stdout, ended.stderr);
         let words = "p.lmp: the file does not say whether its box repeats: boundaries are taken as \
-                     open; open = true in the experiment says that they are\n";
+                     open; say periodic = \"xyz\" in the experiment if it does, and open = true if \
+                     not\n";
         assert_eq!(ended.stderr.contains(words), said, "{}", ended.stderr);
         std::fs::remove_dir_all(folder.join("out")).unwrap();
     }

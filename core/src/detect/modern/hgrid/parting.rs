@@ -5,6 +5,7 @@ use std::fmt;
 use super::levels::MOST_LEVELS;
 
 /// Where the borders of levels are.
+#[expect(clippy::large_enum_variant, reason = "there is one for each detector, and it is copied")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Parting {
     /// The largest radius divided by a ratio, again and again; none: all sizes in one level.
