@@ -10,7 +10,8 @@ pub enum Refusal {
     /// The arrays would be larger than the limit.
     #[error(
         "{detector} needs {needed} bytes for this scene ({shape}), the limit is {limit} bytes; \
-         raise the memory limit, or use another detector: sorting is the leanest, direct needs nothing"
+         raise the memory limit, or use another detector: sorting is the leanest, direct needs \
+         nothing"
     )]
     Memory { detector: &'static str, needed: u64, limit: u64, shape: String },
     /// There are more pairs than a list may hold, or could; they were counted.

@@ -41,18 +41,7 @@ impl Verification {
         others: &[Naming],
         terms: Terms,
     ) -> anyhow::Result<Verification> {
-        let axes = periodic.lattice().periodic();
-        if let Some(images) = list.images {
-            let open = |image: &[i32; 3]| (0..3).any(|k| image[k] != 0 && !axes[k]);
-            if let Some(k) = images.iter().position(open) {
-                bail!(
-                    "pair {k} of the list (from 0) names the image {}, and the box repeats along \
-                     {}; give --periodic with all axes along which it repeats",
-                    images[k].map(|s| s.to_string()).join(","),
-                    io::boxes::along(axes)
-                );
-            }
-        }
+        along_axes(periodic, list.images)?;
         let truth = periodic::truth(periodic, terms.arithmetic, terms.memory_limit)?.pairs;
         let near = match terms.allowed.skin {
             skin if skin > 0.0 => within_gap(periodic, skin, terms.memory_limit)?,
@@ -99,6 +88,25 @@ impl Verification {
             self.reading = Some(Reading { declared, ..reading });
         }
     }
+}
+
+/// Refuses images along an axis that is open.
+pub(crate) fn along_axes(
+    periodic: &Periodic<'_>,
+    images: Option<&[[i32; 3]]>,
+) -> anyhow::Result<()> {
+    let axes = periodic.lattice().periodic();
+    let open = |image: &[i32; 3]| (0..3).any(|k| image[k] != 0 && !axes[k]);
+    let images = images.unwrap_or_default();
+    if let Some(k) = images.iter().position(open) {
+        bail!(
+            "pair {k} of the list (from 0) names the image {}, and the box repeats along {}; give \
+             --periodic with all axes along which it repeats",
+            images[k].map(|s| s.to_string()).join(","),
+            io::boxes::along(axes)
+        );
+    }
+    Ok(())
 }
 
 /// What is asked of a contact.

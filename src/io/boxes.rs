@@ -34,8 +34,8 @@ pub(crate) fn in_order(ranges: &[[f64; 2]], boundaries: Boundaries) -> anyhow::R
     for ([low, high], axis) in ranges.iter().zip(["x", "y", "z"]) {
         ensure!(
             low <= high,
-            "along {axis} the box goes from {low} to {high}; the lower bound stands first: mend the \
-             file, or give --box or --open"
+            "along {axis} the box goes from {low} to {high}; the lower bound stands first: mend \
+             the file, or give --box or --open"
         );
     }
     Ok(())

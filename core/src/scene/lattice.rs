@@ -36,7 +36,8 @@ pub enum LatticeError {
     Flat { vector: usize, height: f64 },
     /// Squares of its numbers overflow or vanish.
     #[error(
-        "vector {} of the box is {} long, and squares of it leave the range of f64; take other units",
+        "vector {} of the box is {} long, and squares of it leave the range of f64; take other \
+         units",
         vector + 1, shown(*length)
     )]
     Range { vector: usize, length: f64 },

@@ -1,6 +1,8 @@
 //! Which columns of a table hold the two particles and the image of the second, and which are not
 //! looked at.
 
+use std::collections::HashMap;
+
 use anyhow::{Context, ensure};
 
 use crate::io::lines::{Lines, listed, short, shown};
@@ -46,6 +48,8 @@ pub(super) struct Columns {
     /// Nobody says that those are images: they are until a number is not whole.
     guessed: bool,
     others: Vec<(usize, Other)>,
+    /// Which of the others have held whole numbers alone.
+    whole: Vec<usize>,
     count: usize,
 }
 
@@ -69,8 +73,14 @@ impl Columns {
             }
             let image = places.split_off(2);
             let pair = [places[0], places[1]];
-            let columns =
-                Columns { pair, image, guessed: false, others: vec![], count: usize::MAX };
+            let columns = Columns {
+                pair,
+                image,
+                guessed: false,
+                others: vec![],
+                whole: vec![],
+                count: usize::MAX,
+            };
             return Ok(Some(columns));
         }
         let mut pairs = PAIRS.iter().map(|[i, j]| at(i).zip(at(j)));
@@ -85,8 +95,9 @@ impl Columns {
             let named = !plain.is_empty() && !IMAGES.contains(&&*plain);
             (k, Other { name: short(&names[k]), named, whole: !harmless })
         };
-        let others = others.map(other).collect();
-        Ok(Some(Columns { pair: [i, j], image, guessed: false, others, count: names.len() }))
+        let others: Vec<(usize, Other)> = others.map(other).collect();
+        let whole = (0..others.len()).filter(|&m| others[m].1.whole).collect();
+        Ok(Some(Columns { pair: [i, j], image, guessed: false, others, whole, count: names.len() }))
     }
 
     /// The first two of so many that have no names. Two or three more may be images.
@@ -94,7 +105,7 @@ impl Columns {
         let guessed = [4, 5].contains(&count);
         let image = if guessed { (2..count).collect() } else { Vec::new() };
         let others = if guessed { Vec::new() } else { (2..count).map(unnamed).collect() };
-        Columns { pair: [0, 1], image, guessed, others, count }
+        Columns { pair: [0, 1], image, guessed, others, whole: Vec::new(), count }
     }
 
     /// Adds the pair of one line.
@@ -133,9 +144,8 @@ impl Columns {
                 Err(error) => return Err(error),
             }
         }
-        for (k, other) in self.others.iter_mut().filter(|(_, other)| other.whole) {
-            other.whole = cells.get(*k).is_some_and(|cell| whole(cell).is_some());
-        }
+        let others = &self.others;
+        self.whole.retain(|&m| cells.get(others[m].0).is_some_and(|cell| whole(cell).is_some()));
         if cells.len() > self.count {
             self.others.extend((self.count..cells.len()).map(unnamed));
             self.count = cells.len();
@@ -150,6 +160,8 @@ impl Columns {
             list.images.get_or_insert_default();
         }
         list.others = self.others.into_iter().map(|(_, other)| other).collect();
+        list.others.iter_mut().for_each(|other| other.whole = false);
+        self.whole.iter().for_each(|&m| list.others[m].whole = true);
     }
 }
 
@@ -171,11 +183,13 @@ fn of_one_compute(names: &[String]) -> Option<(usize, usize)> {
 
 /// The columns of images: none, two or three.
 fn images(names: &[String], place: impl Fn() -> String) -> anyhow::Result<Vec<usize>> {
-    let names: Vec<String> = names.iter().map(|name| plain(name)).collect();
+    let mut places = HashMap::new();
+    for (k, name) in names.iter().enumerate() {
+        places.entry(plain(name)).or_insert(k);
+    }
     for axes in AXES {
         for stem in IMAGES {
-            let at =
-                axes.map(|axis| names.iter().position(|name| *name == format!("{stem}{axis}")));
+            let at = axes.map(|axis| places.get(&format!("{stem}{axis}")).copied());
             match at {
                 [Some(x), Some(y), Some(z)] => return Ok(vec![x, y, z]),
                 [Some(x), Some(y), None] => return Ok(vec![x, y]),

@@ -110,6 +110,7 @@ fn reported(
 ) -> anyhow::Result<Vec<ImagePair>> {
     let n = periodic.scene().len();
     list.understood(periodic.scene().dim(), periodic.lattice().periodic())?;
+    imaged::along_axes(periodic, list.images.as_deref())?;
     let mut reported = Vec::new();
     for (k, [i, j]) in places(&list.pairs)?.into_iter().enumerate() {
         ensure!(

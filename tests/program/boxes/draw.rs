@@ -99,6 +99,7 @@ fn lists_are_drawn_with_their_images_and_without() {
         ("i,j\n0,9\n", "l.csv: the pair 0,9: the scene has 4 particles"),
         ("i,j\n-1,2\n", "l.csv: the pair -1,2: particles are numbered from 0"),
         ("0,1,2\n", "l.csv: column 3 may name the images"),
+        ("i,j,sx,sy,sz\n0,1,0,0,1\n", "names the image 0,0,1, and the box repeats along x and y"),
     ] {
         file(folder, "l.csv", list);
         refused(folder, &draw, &[words]);
