@@ -28,7 +28,10 @@ fn what_cannot_be_done_is_said_in_a_sentence() {
     assert!(said.is_some_and(|said| said.to_string().contains("another unit")));
     // So many that they cannot be numbered.
     let said = refusal(&of(&[[0.5; 3]], 1e12, cube(1.0)), u64::MAX);
-    assert!(matches!(said, Refusal::Images { images, .. } if (1e37..1e39).contains(&images)), "{said}");
+    assert!(
+        matches!(said, Refusal::Images { images, .. } if (1e37..1e39).contains(&images)),
+        "{said}"
+    );
     assert!(matches!(refusal(&of(&[[0.0; 3]], 1.0, cube(1e-140)), LIMIT), Refusal::Images { .. }));
     let away = of(&[[0.5; 3], [0.5, 1e12, 0.5]], 0.25, cube(1.0));
     let said = refusal(&away, LIMIT);
