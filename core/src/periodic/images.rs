@@ -185,7 +185,10 @@ impl<const D: usize> Images<D> {
             return Err(budget.refusal(near.about(given.len())));
         }
         loop {
-            let enough = (0..3).all(|a| near.below[a] <= below[a]);
+            // The box of a file may begin elsewhere than its particles; then the guess is worth
+            // nothing either way.
+            let idle = found.candidates > given.len() / 8 && below != near.below;
+            let enough = (0..3).all(|a| near.below[a] <= below[a]) && !idle;
             let room = found.candidates <= self.candidates.capacity();
             let bytes = (found.candidates * size_of::<Candidate<D>>()) as f64;
             if enough && room {
