@@ -280,8 +280,8 @@ const LEVELS: [[&str; 5]; 2] = [
         "integerise=21240 cell_probe=809 level_probe=2452 move=3000 contact_test=20062",
         "integerise=6000 list_push=3000 cell_probe=6000 level_probe=402 move=3000 \
          contact_test=35230",
-        "integerise=108480 list_push=49323 list_step=106646 list_reset=49323 cell_probe=21166 \
-         level_probe=5334 move=3000 bound_test=18946 contact_test=27139",
+        "integerise=105130 list_push=47648 list_step=92886 list_reset=47648 cell_probe=21166 \
+         level_probe=5808 move=3000 bound_test=18946 contact_test=16828",
     ],
     [
         "integerise=39438 cell_probe=3486 level_probe=11400 move=3000 contact_test=52934",
@@ -289,7 +289,7 @@ const LEVELS: [[&str; 5]; 2] = [
         "integerise=28818 cell_probe=2409 level_probe=5696 move=3000 contact_test=60402",
         "integerise=9000 list_push=3000 cell_probe=15000 level_probe=1228 move=3000 \
          contact_test=107716",
-        "integerise=263713 list_push=124481 list_step=341738 list_reset=124481 cell_probe=32509 \
-         level_probe=6738 move=3000 bound_test=18946 contact_test=106853",
+        "integerise=261969 list_push=123609 list_step=291751 list_reset=123609 cell_probe=32509 \
+         level_probe=8100 move=3000 bound_test=18946 contact_test=58911",
     ],
 ];

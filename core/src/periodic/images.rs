@@ -236,11 +236,12 @@ impl<const D: usize> Images<D> {
         budget: &Budget,
     ) -> Result<Corners<D>, Refusal> {
         loop {
-            let (made, corners) = self.fill_as_far_as_room(given, near);
+            let room = self.images.capacity().min(self.centres.capacity());
+            let (made, corners) = self.fill_as_far_as(room, given, near);
             budget.holds(made)?;
             // Exact: it is at most as large as the number of bodies.
             let made = made as usize;
-            if made == self.images.len() {
+            if made <= room {
                 return if self.are_finite() { Ok(corners) } else { Err(Refusal::Range) };
             }
             (self.images, self.centres) = (Vec::new(), Vec::new());
@@ -254,12 +255,13 @@ impl<const D: usize> Images<D> {
     }
 
     /// How many images there are, and the corners of all bodies if all could be made.
-    fn fill_as_far_as_room(
+    fn fill_as_far_as(
         &mut self,
+        room: usize,
         given: &Scene<'_, f64, D>,
         near: &Near<'_, D>,
     ) -> (f64, Corners<D>) {
-        let (frame, room) = (near.frame, self.images.capacity().min(self.centres.capacity()));
+        let frame = near.frame;
         let (mut low, mut high) = near.corners;
         let mut made = 0.0;
         for Candidate { place, owner } in &self.candidates {

@@ -187,9 +187,10 @@ fn how_many_times_as_fast_is_counted() {
         assert_eq!(words.contains("not 4.1 times as fast in 1"), by == "4.1", "{words}");
     }
     for by in ["0", "-1", "inf", "nan"] {
+        let head = "name = 'e'\ntitle = 't'\nquestion = '?'\nreading = '-'\ndetectors = ['nbs']\n";
+        let scene = "[[scene]]\nname = 'packed'\nn = 10\n";
         let text = format!(
-            "name = 'e'\ntitle = 't'\nquestion = '?'\nreading = '-'\ndetectors = ['nbs']\n[[scene]]\n\
-             name = 'packed'\nn = 10\n[[claim]]\nname = 'c'\nkind = 'faster'\nthan = 'nbs'\nby = {by}\n"
+            "{head}{scene}[[claim]]\nname = 'c'\nkind = 'faster'\nthan = 'nbs'\nby = {by}\n"
         );
         let error = Experiment::parse(&text, std::path::Path::new("")).unwrap_err();
         assert!(format!("{error:#}").contains("it must be a finite number over 0"), "{error:#}");

@@ -127,7 +127,8 @@ impl Curve {
         largest / least
     }
 
-    /// The sizes, over the largest, that 0, 1/(n-1), .. 1 of all bodies exceed, in `dim` dimensions.
+    /// The sizes, over the largest, that 0, 1/(n-1), .. 1 of all bodies exceed, in `dim`
+    /// dimensions.
     pub fn quantiles(&self, n: u64, dim: u32) -> impl Iterator<Item = f64> + use<> {
         let power = f64::from(dim);
         let largest = self.intervals().map(|[_, high, _]| high).fold(0.0, f64::max);

@@ -13,10 +13,10 @@
 //!    [`super::nbs3d`].
 //! 2. Each class is detected by plain NBS, as if there were no other.
 //! 3. For each class but the last its particles (A) and all smaller ones inside its box (F) are
-//!    put on two sets of lists of layers, in cells of its own reach. A loop over A finds each of
-//!    its layers once; its A go on lists of rows, and so do the F of that layer and of the two
-//!    beside it. In the same way rows become cells. Each A of a cell is checked against the F of
-//!    the three lists left, here and right: those of 3^D cells.
+//!    put on two sets of lists of layers, in cells as wide as an A and an F can reach. A loop over
+//!    A finds each of its layers once; its A go on lists of rows, and so do the F of that layer and
+//!    of the two beside it. In the same way rows become cells. Each A of a cell is checked against
+//!    the F of the three lists left, here and right: those of 3^D cells.
 //! 4. Lists are emptied by walking over particles. No loop over cells anywhere: that is why smaller
 //!    bodies come to the lists of the larger, where `hgrid` searches for the larger in the cells of
 //!    the smaller, which takes fewer tests; a giant has more of these cells than there are
@@ -176,7 +176,7 @@ impl<A, const D: usize> NbsLevels<A, D> {
             }
             let smaller = ids.end..bodies.len();
             let (own, below) = (largest(ids.clone()), largest(smaller.clone()));
-            let reach = bodies.class_reach(own, own).max(bodies.class_reach(own, below));
+            let reach = bodies.class_reach(own, own);
             let part = Part { bodies: *bodies, ids: &self.order[ids.clone()], reach };
             let (low, high) = bounds(&part);
             let wide = |low: &[f64; D], high: &[f64; D]| {
@@ -187,6 +187,7 @@ impl<A, const D: usize> NbsLevels<A, D> {
             let cross = if smaller.is_empty() {
                 None
             } else {
+                let reach = bodies.class_reach(own, below);
                 // Subtraction is monotone: what is within reach of a body is in the box as rounded.
                 let low = std::array::from_fn(|k| (low[k] - reach).max(whole_low[k]));
                 let high = std::array::from_fn(|k| (high[k] + reach).min(whole_high[k]));
