@@ -109,7 +109,8 @@ pub fn recommend(options: &Recommend) -> anyhow::Result<ExitCode> {
         let threads = plural(threads, "thread");
         writeln!(
             out,
-            "{name}: {n} {what}{within}, {contacts} contacts, {decided} arithmetic, {threads}, {} blocks",
+            "{name}: {n} {what}{within}, {contacts} contacts, {decided} arithmetic, {threads}, {} \
+             blocks",
             race.blocks
         )?;
         write!(

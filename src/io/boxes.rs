@@ -221,8 +221,8 @@ pub fn outside(points: impl Iterator<Item = [f64; 3]>, lattice: &Lattice) -> Vec
 }
 
 /// Who takes boxes, for those who do not.
-pub const KNOWN_TO: &str = "detect, verify, inspect, draw, check, recommend, run and scene, which know \
-                            boxes";
+pub const KNOWN_TO: &str = "detect, verify, inspect, draw, check, recommend, run and scene, which \
+                            know boxes";
 
 /// What there is to say of a box of which nobody says whether it repeats.
 pub const UNKNOWN: &str = "the file does not say whether its box repeats: boundaries are taken as \

@@ -68,10 +68,10 @@ impl Finder {
         self.find(periodic, detector, arithmetic, Some(tally), contacts)
     }
 
-    /// The bytes that images take by the formula, for the scene of the last call: `16 + 8D` for each
-    /// image, `8D + 8` for each particle near the lower faces of the box; `8D + 13` for each particle
-    /// if some are outside of it; 8 for each body if they have radii of their own; and the copy of
-    /// all bodies where the arithmetic stores them otherwise than in f64.
+    /// The bytes that images take by the formula, for the scene of the last call: `16 + 8D` for
+    /// each image, `8D + 8` for each particle near the lower faces of the box; `8D + 13` for each
+    /// particle if some are outside of it; 8 for each body if they have radii of their own; and the
+    /// copy of all bodies where the arithmetic stores them otherwise than in f64.
     pub fn formula_bytes(&self) -> u64 {
         self.bytes
     }

@@ -16,13 +16,13 @@
 //! refused: their vectors are so long and so nearly in one plane that no filter in f64 can tell
 //! their images apart.
 //!
-//! **Which vectors.** All this is true of any vectors of the lattice. Where the given ones make many
-//! more images than the shortest ([`Lattice::reduced`]), as in a box whose tilt is many box lengths,
-//! H are the shortest, whole numbers times the given ones. They are rounded: where a product with
-//! them stands above, what their errors ([`off_by`]) make of it is added to rab. T, and the numbers
-//! that bring particles into the box, are of these vectors; what a body is called, and everything
-//! that is decided, of the given ones ([`Frame::given`]). Vectors that are nearly as good are left
-//! as they are, so that particles in the box are in the frame, and need not be moved.
+//! **Which vectors.** All this is true of any vectors of the lattice. Where the given ones make
+//! many more images than the shortest ([`Lattice::reduced`]), as in a box whose tilt is many box
+//! lengths, H are the shortest, whole numbers times the given ones. They are rounded: where a
+//! product with them stands above, what their errors ([`off_by`]) make of it is added to rab. T,
+//! and the numbers that bring particles into the box, are of these vectors; what a body is called,
+//! and everything that is decided, of the given ones ([`Frame::given`]). Vectors that are nearly as
+//! good are left as they are, so that particles in the box are in the frame, and need not be moved.
 //!
 //! **Places.** x + S·H is computed with the errors of all products (by a fused multiplication) and
 //! of all sums (by two-sum) added up beside it. Both are exact, but for underflow in products, at

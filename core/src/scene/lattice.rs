@@ -49,8 +49,8 @@ pub enum LatticeError {
     Plane { vector: usize, value: f64 },
 }
 
-/// Faces nearer than this part of their vector's length are taken for one, once vectors are as short
-/// as can be: the dual vectors, from which filters are made, would have few digits left.
+/// Faces nearer than this part of their vector's length are taken for one, once vectors are as
+/// short as can be: the dual vectors, from which filters are made, would have few digits left.
 const FLATTEST: f64 = 1.0 / (1u64 << 30) as f64;
 
 impl Lattice {

@@ -73,7 +73,9 @@ pub(super) fn as_json(
             "found": failure.found.to_string(),
             "smallest": failure.wrong.as_ref().map(|wrong| wrong.to_string()),
             "particles": failure.smallest.scene.len(),
-            "worst": worst(failure).map(|(pair, depth)| json!({ "pair": [pair.i, pair.j], "image": pair.image, "depth": depth })),
+            "worst": worst(failure).map(|(pair, depth)| {
+                json!({ "pair": [pair.i, pair.j], "image": pair.image, "depth": depth })
+            }),
             "rounding": rounding(failure),
             "file": regression_file(failure, *path, options).display().to_string(),
         })

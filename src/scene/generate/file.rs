@@ -67,14 +67,14 @@ pub const GENERATOR: Generator = Generator {
             name: "box",
             kind: Kind::Text,
             default: [Preset::Absent; 2],
-            meaning: "the box, in the place of the file's: LX,LY,LZ or with a tilt LX,LY,LZ,XY,XZ,YZ",
+            meaning: "the box, in the place of the file's: LX,LY,LZ, with a tilt LX,LY,LZ,XY,XZ,YZ",
         },
         Parameter {
             name: "periodic",
             kind: Kind::Axes,
             default: [Preset::Absent; 2],
-            meaning: "the box repeats along these axes, whatever the file says: true, x, xy and so on, \
-                      none",
+            meaning: "the box repeats along these axes, whatever the file says: true, x, xy and so \
+                      on, none",
         },
         Parameter {
             name: "open",

@@ -18,7 +18,7 @@ const X: [bool; 3] = [true, false, false];
 pub const CASES: &[Case] = &[
     Case {
         name: "own-images-through-faces",
-        reason: "a particle meets its own images, and nobody else is there: pairs i < j are not all",
+        reason: "a particle meets its own images, and nobody else is there: pairs i < j miss all",
         source: "matscipy tests/test_neighbours.py: one body in a unit cube, cutoff 1.1",
         expect: Expect::Contacts([2, 3]),
         make: |dim| within(uniform(dim, &[[0.25; 3]], 0.55), cube(1.0), ALL),

@@ -22,7 +22,7 @@ fn check_passes_detectors_and_fails_the_control_that_finds_nothing() {
     );
     // What cells cannot number is refused, and said; no generated scene is such.
     assert!(
-        right.stdout.contains("scenes: generated 168, hard cases ")
+        right.stdout.contains("scenes: generated 210, hard cases ")
             && right.stdout.contains(" times: nbs: "),
         "{}",
         right.stdout

@@ -14,7 +14,7 @@ fn a_detector_takes_the_parameters_it_has() {
     let with = |detector: &'static str| ["a.csv", "--radius", "0.5", "--detector", detector];
     let allowed = "it is one of best, portable, avx2, avx512";
     refused(folder, &with("streamed-nbs:level=sse2"), &["level cannot be 'sse2'", allowed]);
-    refused(folder, &with("nbs:level=portable"), &["no parameter 'level'", "nbs takes no"]);
+    refused(folder, &with("sorting:level=portable"), &["no parameter 'level'", "sorting takes no"]);
     let ended = detected(folder, &with("streamed-nbs:level=portable,form=auto"));
     assert!(ended.stdout.contains("0,1"), "{}", ended.stdout);
     assert!(ended.stderr.contains(" streamed-nbs:level=portable, exact"), "{}", ended.stderr);

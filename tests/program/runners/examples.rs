@@ -25,7 +25,7 @@ fn the_example_in_python_passes() {
         ended.stdout
     );
     assert!(
-        ended.stdout.contains("generated 168")
+        ended.stdout.contains("generated 210")
             && ended.stdout.contains(" detections by my-detector: all agree"),
         "{}",
         ended.stdout

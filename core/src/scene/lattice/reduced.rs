@@ -7,10 +7,10 @@
 //! vector is the shortest of the lattice (Nguyen and Stehlé 2009, doi:10.1145/1597036.1597050,
 //! section 3).
 //!
-//! **What is exact.** The whole numbers, each of which is the sum of such steps: so the vectors span
-//! the same lattice, whatever was rounded. Lengths are of vectors computed anew from whole numbers
-//! and the vectors as given ([`shifted`]), so they have all their digits; rounding may only leave a
-//! vector that could be shorter by some last digits.
+//! **What is exact.** The whole numbers, each of which is the sum of such steps: so the vectors
+//! span the same lattice, whatever was rounded. Lengths are of vectors computed anew from whole
+//! numbers and the vectors as given ([`shifted`]), so they have all their digits; rounding may only
+//! leave a vector that could be shorter by some last digits.
 
 use super::{Lattice, dot, norm};
 
@@ -42,8 +42,8 @@ impl Lattice {
     }
 
     /// The length of the shortest vector of the lattice that is not zero, in f64, with an error of
-    /// some last digits; infinite where no vector is periodic. A particle touches an image of itself
-    /// if and only if its diameter is at least as long.
+    /// some last digits; infinite where no vector is periodic. A particle touches an image of
+    /// itself if and only if its diameter is at least as long.
     pub fn shortest(&self) -> f64 {
         let (reduced, _) = self.reduced();
         let lengths = (0..3).filter(|&a| self.periodic[a]).map(|a| norm(reduced.vectors[a]));
