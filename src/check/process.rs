@@ -176,7 +176,15 @@ impl Process {
             Some(client) => client,
             None => self.foreign.start(self.deadline)?,
         };
-        match client.message(request).and_then(|message| client.exchange(&message)) {
+        let message = match client.message(request) {
+            Ok(message) => message,
+            // Its version of the protocol cannot say this.
+            Err(failure) => {
+                self.client = Some(client);
+                return Err(Stop::Answer(Answer::Declined(failure.reason)));
+            }
+        };
+        match client.exchange(&message) {
             Ok(reply) => {
                 let impossible = client.impossible(request, &reply);
                 self.client = Some(client);
