@@ -432,7 +432,7 @@ fn hgrid(params: &Params, options: Options) -> Box<dyn AnyDetector> {
         },
     };
     let (plane, space) = (
-        hgrid::HGrid::<2>::with_levels(parting, options),
+        hgrid::HGrid::<2>::with_levels(parting.clone(), options),
         hgrid::HGrid::<3>::with_levels(parting, options),
     );
     Both::join(plane, space, options)

@@ -5,8 +5,7 @@ use std::fmt;
 use super::levels::MOST_LEVELS;
 
 /// Where the borders of levels are.
-#[expect(clippy::large_enum_variant, reason = "there is one for each detector, and it is copied")]
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Parting {
     /// The largest radius divided by a ratio, again and again; none: all sizes in one level.
     Ratio(Option<f64>),
@@ -17,32 +16,28 @@ pub enum Parting {
 }
 
 /// The largest radii of all levels but the coarsest, the smallest first.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Borders {
-    radii: [f64; MOST_LEVELS - 1],
-    count: usize,
-}
+#[derive(Clone, Debug, PartialEq)]
+pub struct Borders(Vec<f64>);
 
 impl Borders {
     /// From radii as in `0.1/0.3/1`: finite, over 0 and rising; none if they are not, or too many.
     pub fn parse(text: &str) -> Option<Borders> {
-        let mut borders = Borders { radii: [0.0; MOST_LEVELS - 1], count: 0 };
+        let mut radii = Vec::new();
         let mut last = 0.0;
         for piece in text.split('/') {
             let radius: f64 = piece.trim().parse().ok()?;
-            if !(radius.is_finite() && radius > last) {
+            if !(radius.is_finite() && radius > last) || radii.len() == MOST_LEVELS - 1 {
                 return None;
             }
-            *borders.radii.get_mut(borders.count)? = radius;
-            borders.count += 1;
+            radii.push(radius);
             last = radius;
         }
-        Some(borders)
+        Some(Borders(radii))
     }
 
     /// The smallest first.
     pub fn radii(&self) -> &[f64] {
-        &self.radii[..self.count]
+        &self.0
     }
 }
 

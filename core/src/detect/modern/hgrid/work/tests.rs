@@ -31,14 +31,14 @@ where
 }
 
 /// What `hgrid` counts, and what the model says of its levels.
-fn both<const D: usize>(scene: &Scene<'_, f64, D>, parting: Parting) -> [Work; 2] {
+fn both<const D: usize>(scene: &Scene<'_, f64, D>, parting: &Parting) -> [Work; 2] {
     let (mut tally, mut digest) = (Tally::default(), Digest::default());
-    let mut hgrid = HGrid::<D>::with_levels(parting, Options::default());
+    let mut hgrid = HGrid::<D>::with_levels(parting.clone(), Options::default());
     any::run(&mut hgrid, scene, Test::Exact, &mut tally, &mut digest).unwrap();
     let counted =
         Work { tests: tally.get(Op::ContactTest) as f64, looks: tally.get(Op::LevelProbe) as f64 };
     let bodies = any_bodies(scene, Test::Exact).unwrap();
-    let levels = Levels::new(&bodies, &parting).unwrap();
+    let levels = Levels::new(&bodies, parting).unwrap();
     let mut modelled = Work::default();
     let full = || levels.all().iter().enumerate().filter(|(_, level)| level.class.bodies > 0);
     for (number, level) in full() {
@@ -114,7 +114,7 @@ fn counted_work_is_as_modelled() {
                 // Where there are few large bodies, much depends on where they lie.
                 let scene = |seed| filled::<D>(power(3000, size, exponent), fraction, seed);
                 let scenes = [1, 2, 3, 4].map(scene);
-                for parting in partings {
+                for parting in &partings {
                     let (mut counted, mut modelled) = (0.0, 0.0);
                     for scene in &scenes {
                         let [a, b] = both(scene, parting).map(Work::all);
@@ -149,9 +149,9 @@ fn the_optimum_is_one() {
         ];
         for (seed, radii) in (1..).zip(scenes) {
             let scene = filled::<D>(radii, 0.5, seed);
-            let [optimal, _] = both(&scene, Parting::Optimal).map(Work::all);
+            let [optimal, _] = both(&scene, &Parting::Optimal).map(Work::all);
             for ratio in [None, Some(1.25), Some(1.6), Some(2.0), Some(2.5), Some(4.0), Some(8.0)] {
-                let [other, _] = both(&scene, Parting::Ratio(ratio)).map(Work::all);
+                let [other, _] = both(&scene, &Parting::Ratio(ratio)).map(Work::all);
                 assert!(optimal < 1.03 * other, "{D}D, {seed}, {ratio:?}: {optimal}, not {other}");
             }
         }
