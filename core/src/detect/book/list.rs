@@ -205,7 +205,8 @@ impl<const L: usize> Links<L> {
         }
     }
 
-    /// Tests the particles of the list that begins with `central` against those of the `mask` lists.
+    /// Tests the particles of the list that begins with `central` against those of the `mask`
+    /// lists.
     #[inline(always)]
     pub fn check_across<T: Real, const D: usize, const M: usize>(
         &self,
