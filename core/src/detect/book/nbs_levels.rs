@@ -22,8 +22,8 @@
 //!    the smaller, which takes fewer tests; a giant has more of these cells than there are
 //!    particles.
 //!
-//! * Cost: proportional to N in each class that is not smaller. Each F is pushed at most 1 + 3 (+
-//!   9) times for each class above it.
+//! * Cost: proportional to N in each class that is not smaller. For each class above it an F is
+//!   pushed at most 1 + 3 times, and 9 more in 3D.
 //! * Memory: `4(ny + 2nx + 2M) + 4(2cy + 2cx + 2N) + 4N` bytes in 2D, `4(nz + 2ny + 2nx + 3M) +
 //!   4(2cz + 2cy + 2cx + 3N) + 4N` in 3D, for M particles in the largest class, the most cells n.
 //!   along each axis of any class by itself, and c. with the smaller ones.
