@@ -182,13 +182,8 @@ pub static TABLE: &[Entry] = &[
         group: Group::Book,
         summary: "Munjiza-NBS: lists of layers, of rows, of cells; no binary search",
         cost: "N",
-<<<<<<< HEAD
-        memory: "4(ny + 2nx + 2N) in 2D, 4(nz + 2ny + 2nx + 3N) in 3D; with levels about \
-                 twice that",
-=======
         memory: "4(ny + 2nx + 2N) in 2D, 4(nz + 2ny + 2nx + 3N) in 3D; with levels \
                  about twice that",
->>>>>>> sizes
         limits: "memory: a particle so far away that nx + ny + nz exceeds the limit",
         threads: false,
         parameters: &[Parameter {
