@@ -12,8 +12,8 @@
 //!
 //! 1. The largest radius divided by the ratio, again and again, parts the radii into levels; or
 //!    they are given (`levels=0.1/0.3`: radii up to 0.1, up to 0.3, and the rest); or those are
-//!    taken in which a model of the work is least (`levels=optimal`, see `hgrid/work.rs`). A radius at a
-//!    border is below it. A level has cells as wide as the reach of its own largest
+//!    taken in which a model of the work is least (`levels=optimal`, see `hgrid/work.rs`). A radius
+//!    at a border is below it. A level has cells as wide as the reach of its own largest
 //!    radius ([`crate::contact::Bodies::class_reach`]), over the box of its own bodies; in a sparse
 //!    level as wide as its bodies are apart, unless a sample shows that they crowd.
 //! 2. Rows of cells along x are cut into strips of 8. Strips with bodies are found by a hash (open

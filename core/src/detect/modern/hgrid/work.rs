@@ -13,7 +13,7 @@
 //! The published optimum is that of cells of any size, for a number of levels that is given. Ours
 //! is over all partitions of the radii, parted into four per octave, and over all numbers of
 //! levels: larger bodies look for those of a level one by one, so the work in a level and of its
-//! visitors depends on where it begins and ends alone, and the best partition is found radius by radius.
+//! visitors depends on where it begins and ends alone, and the best is found radius by radius.
 
 use std::array::from_fn;
 
