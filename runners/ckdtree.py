@@ -22,8 +22,9 @@ def prepare(scene):
         # 0 is an axis that is open.
         edges = np.where(scene.box.periodic, scene.box.edges(), 0.0)
         centres, _ = scene.box.wrapped(centres)
-        # Rounded, a place may be at the far face, which the library refuses.
-        centres = np.where(scene.box.periodic & (centres >= edges), 0.0, centres)
+        # Rounded, a place may be at the far face, or before the near one, which the library refuses.
+        outside = (centres >= edges) | (centres < 0.0)
+        centres = np.where(scene.box.periodic & outside, 0.0, centres)
 
     def detect():
         tree = cKDTree(centres, balanced_tree=False, compact_nodes=False, boxsize=edges)

@@ -25,6 +25,8 @@ def prepare(scene):
         raise Refusal("freud needs points, a finite box and a distance above 0")
     box = freud.box.Box(edges[0], edges[1], edges[2] if scene.dim == 3 else 0.0, is2D=scene.dim == 2)
     if scene.box:
+        # Vectors along which it is open are long enough.
+        scene.box.holds(scene.reach)
         vectors = np.eye(3)
         vectors[: scene.dim, : scene.dim] = scene.box.vectors
         if np.count_nonzero(np.triu(vectors, 1)):
@@ -32,7 +34,6 @@ def prepare(scene):
         lx, ly, lz = np.diag(vectors)
         tilts = (vectors[1, 0] / ly, vectors[2, 0] / lz, vectors[2, 1] / lz)
         box = freud.box.Box(lx, ly, lz if scene.dim == 3 else 0.0, *tilts, is2D=scene.dim == 2)
-        box.periodic = [*scene.box.periodic, *[False] * (3 - scene.dim)]
         # Its boxes have their middle at the origin.
         middle = scene.box.origin + scene.box.vectors.sum(axis=0) / 2
         points = np.pad(scene.centres - middle, ((0, 0), (0, 3 - scene.dim)))

@@ -21,7 +21,7 @@ def prepare(scene):
     extent = np.ptp(points, axis=0) + 3.0 * scene.reach
     cell, periodic = np.diag(extent), np.zeros(3, bool)
     if scene.box:
-        cell[:d, :d] = np.where(scene.box.periodic[:, None], scene.box.vectors, cell[:d, :d])
+        cell[:d, :d] = scene.box.vectors
         periodic[:d] = scene.box.periodic
     # It compares with <.
     cutoff = float(np.nextafter(scene.reach, np.inf))

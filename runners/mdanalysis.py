@@ -25,6 +25,9 @@ def prepare(scene):
     if scene.box:
         if scene.dim == 2 or not scene.box.periodic.all():
             raise Refusal("MDAnalysis knows boxes that repeat along all of three vectors only")
+        if np.count_nonzero(np.triu(scene.box.vectors, 1)):
+            raise Refusal("MDAnalysis turns boxes whose vectors are not a lower triangle")
+        scene.box.holds(scene.reach)
         box = triclinic_box(*scene.box.vectors.astype("f4"))
         points, _ = scene.box.wrapped(points)
         points = points.astype("f4")

@@ -53,17 +53,37 @@ class Refusal(Exception):
 
 class Box:
     """The vectors of a box that repeats (dim, dim), one per row, whether it does along each of them,
-    and its corner."""
+    and its corner. Vectors along which it does not are at right angles to the others, and so long
+    that the box holds all centres with more than the reach to spare."""
 
-    def __init__(self, vectors, periodic, origin):
+    def __init__(self, centres, reach, vectors, periodic, origin):
         self.vectors, self.periodic = np.array(vectors), np.array(periodic)
         self.origin = np.array(origin)
+        if self.periodic.all() or not len(centres):
+            return
+        # Directions at right angles to all periodic vectors: the axes themselves, if they are.
+        free = np.flatnonzero(~self.periodic)
+        axes = np.eye(len(vectors))[free]
+        if np.any(axes @ self.vectors[self.periodic].T):
+            axes = np.linalg.svd(self.vectors[self.periodic])[2][len(vectors) - len(free) :]
+        for row, axis in zip(free, axes):
+            along = centres @ axis
+            low, high = along.min(), along.max()
+            self.vectors[row] = axis * (high - low + 4.0 * reach)
+            self.origin += axis * (low - 2.0 * reach - self.origin @ axis)
 
     def edges(self):
         """Its edges, if it is not tilted."""
         if np.count_nonzero(self.vectors - np.diag(np.diag(self.vectors))):
             raise Refusal("the library knows no tilted boxes")
         return np.diag(self.vectors)
+
+    def holds(self, reach):
+        """A refusal unless faces are at least twice the reach apart, as libraries want it that know
+        of each pair the nearest image only."""
+        heights = 1.0 / np.linalg.norm(np.linalg.inv(self.vectors), axis=0)
+        if np.float32(2.0 * reach) >= np.float32(heights.min()):
+            raise Refusal("the library wants boxes of more than twice the distance")
 
     def wrapped(self, centres):
         """Centres in the box, from its corner, and the whole numbers of vectors they were moved by."""
@@ -89,8 +109,8 @@ class Scene:
         self.dim, self.n, self.radius = dim, n, radius
         self.centres = np.ascontiguousarray(data[:, :dim])
         self.radii = np.ascontiguousarray(data[:, dim]) if radius is None else None
-        self.box = box and Box(**box)
         self.reach = 2.0 * (radius if radius is not None else float(self.radii.max(initial=0.0)))
+        self.box = box and Box(self.centres, self.reach, **box)
 
     def in_space(self):
         """The centres with z = 0 in 2D, for libraries that know only space; made once, outside the

@@ -28,8 +28,6 @@ def prepare(scene):
     if scene.box:
         d = scene.dim
         box[:d, :d] = scene.box.vectors
-        if not flat:
-            box = np.where(scene.box.periodic[:, None], box, np.diag(edges))
         periodic, asked = [*scene.box.periodic, *[False] * (3 - d)], "ijS"
     if scene.reach == 0.0:
         raise Refusal("vesin needs a cutoff above 0")

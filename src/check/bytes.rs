@@ -307,11 +307,10 @@ fn hold(scenes: &[Given], keep: bool) {
                     (Answer::Refused(_, 0), Err(_)) => None,
                     // Without wrapping, numbers of images are twice as large; rounded truths list
                     // pairs of two images, too.
-                    (_, Err(NoTruth::Refused(Refusal::Away { .. } | Refusal::Pairs { .. })))
-                        if given.lattice.is_some() =>
-                    {
-                        None
-                    }
+                    (
+                        Answer::Pairs(_) | Answer::Refused(_, 0),
+                        Err(NoTruth::Refused(Refusal::Away { .. } | Refusal::Pairs { .. })),
+                    ) if given.lattice.is_some() => None,
                     (_, Err(error)) => {
                         panic!(
                             "{} with {} arithmetic answers, but {error}:\n{}",

@@ -82,6 +82,8 @@ impl Lattice {
                 if let Some((vector, length)) = lengths.find(|(_, length)| out(*length)) {
                     return Err(LatticeError::Range { vector, length });
                 }
+                // Beside a vector of no length there is no direction.
+                let height = if height.is_nan() { 0.0 } else { height };
                 return Err(LatticeError::Flat { vector, height });
             }
         }

@@ -111,7 +111,7 @@ fn reported(
     let n = periodic.scene().len();
     list.understood(periodic.scene().dim(), periodic.lattice().periodic())?;
     imaged::along_axes(periodic, list.images.as_deref())?;
-    let mut reported = Vec::new();
+    let (mut reported, mut counts) = (Vec::new(), HashMap::<[u32; 2], usize>::new());
     for (k, [i, j]) in places(&list.pairs)?.into_iter().enumerate() {
         ensure!(
             (i as usize) < n && (j as usize) < n,
@@ -122,6 +122,11 @@ fn reported(
             Some(images) => reported.push(ImagePair::new(i, j, images[k])),
             None => {
                 let pair = [i.min(j), i.max(j)];
+                let count = counts.entry(pair).or_default();
+                *count += 1;
+                if *count > 1 {
+                    continue;
+                }
                 let of = |pair: &ImagePair| [pair.i, pair.j];
                 let start = contacts.partition_point(|other| of(other) < pair);
                 let same = contacts[start..].iter().take_while(|other| of(other) == pair);
@@ -136,11 +141,6 @@ fn reported(
     reported.sort_unstable();
     if list.images.is_none() {
         // As often as images touch, or once: nothing is repeated that may be an image.
-        let mut counts: HashMap<[u32; 2], usize> = HashMap::new();
-        let both = |[i, j]: [u32; 2]| [i.min(j), i.max(j)];
-        places(&list.pairs)?
-            .into_iter()
-            .for_each(|pair| *counts.entry(both(pair)).or_default() += 1);
         let mut kept = Vec::new();
         for same in reported.chunk_by(|a, b| [a.i, a.j] == [b.i, b.j]) {
             let count = counts.get(&[same[0].i, same[0].j]).copied().unwrap_or(1);

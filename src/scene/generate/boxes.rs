@@ -51,7 +51,11 @@ pub fn boxed<const D: usize>(
         vectors[k][k] = if inputs.n == 0 { diameter } else { edge * diameter };
     }
     if let Some(tilt) = tilt {
-        ensure!(axes[1], "a tilt moves images along y, and the box does not repeat along y");
+        let none = axes == [false; 3] || tilt == 0.0;
+        ensure!(
+            axes[1] || none,
+            "a tilt moves images along y, and the box does not repeat along y"
+        );
         vectors[1][0] = tilt * vectors[0][0];
     }
     let corner = inputs.number(OFFSET.name).unwrap_or(0.0) * diameter;
