@@ -308,7 +308,7 @@ fn hold(scenes: &[Given], keep: bool) {
                     // Without wrapping, numbers of images are twice as large; rounded truths list
                     // pairs of two images, too.
                     (
-                        Answer::Pairs(_) | Answer::Refused(_, 0),
+                        Answer::Right | Answer::Pairs(_),
                         Err(NoTruth::Refused(Refusal::Away { .. } | Refusal::Pairs { .. })),
                     ) if given.lattice.is_some() => None,
                     (_, Err(error)) => {

@@ -21,11 +21,12 @@ use crate::run::searcher::Loaded;
 use crate::scene::{AnyScene, Given, hard};
 
 /// Scenes that were once got wrong: see `tests/regressions`.
-const REGRESSIONS: [(&str, &str); 4] = [
+const REGRESSIONS: [(&str, &str); 5] = [
     ("far-apart.csv", include_str!("../../tests/regressions/far-apart.csv")),
     ("subnormal.csv", include_str!("../../tests/regressions/subnormal.csv")),
     ("tangent-3-4-5.csv", include_str!("../../tests/regressions/tangent-3-4-5.csv")),
     ("three-discs.csv", include_str!("../../tests/regressions/three-discs.csv")),
+    ("twice-around.xyz", include_str!("../../tests/regressions/twice-around.xyz")),
 ];
 
 /// Scenes of random bytes for each seed, and the lengths of the bytes: in longer ones particles are
@@ -128,10 +129,13 @@ impl<'a> Checker<'a> {
             if self.decided() {
                 break;
             }
-            let scene = io::from(text.as_bytes(), name, "csv", io::Options::default())?;
+            let ending = name.rsplit('.').next().unwrap_or_default();
+            let options = io::Options::default();
+            let (particles, _) = io::load_from(text.as_bytes(), name, ending, options)?;
+            let (scene, lattice) = particles.within(name, None)?;
             self.scene(
                 "regressions",
-                &scene.into(),
+                &Given { scene, lattice },
                 || format!("tests/regressions/{name}"),
                 arithmetics,
             )?;
