@@ -3,7 +3,8 @@
 //!
 //! Boxes around the particles, half of what each reaches to its like to each side, are put into a
 //! tree by binning, the crate's fast way to build one, and the tree is traversed against itself,
-//! which gives each pair of overlapping boxes once. Such boxes lose no pair ([`crate::filter`], section 2).
+//! which gives each pair of overlapping boxes once. Such boxes lose no pair ([`crate::filter`],
+//! section 2).
 
 use super::{PARRY, positions, squared_reach};
 use crate::contact::Bodies;
