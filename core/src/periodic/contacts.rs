@@ -122,6 +122,11 @@ impl List {
         self.found == (self.pairs.len() - self.before) as u64
     }
 
+    /// Those that were not there before.
+    pub(super) fn added(&mut self) -> &mut [ImagePair] {
+        &mut self.pairs[self.before..]
+    }
+
     /// One more.
     pub fn push(&mut self, pair: ImagePair) {
         let complete = self.is_complete();

@@ -11,6 +11,7 @@ use crate::probe::{Op, Probe, Tally};
 use crate::refusal::Refusal;
 use crate::scene::{AnyScene, Scene, Stored};
 use crate::sink::Sink;
+use crate::wide::{Kernel, Level, Wide};
 
 /// Finds contacts in boxes by a detector, call after call: it keeps its buffers.
 pub struct Finder {
@@ -135,7 +136,7 @@ impl Search<'_> {
         let allowance = Allowance::new(limit);
         let plain = PairList::behind(std::mem::take(&mut contacts.plain), &allowance);
         let shifted = List::behind(std::mem::take(&mut contacts.shifted), limit);
-        let mut sorted = Sorted { made: &made, plain, shifted };
+        let mut sorted = Sorted { made: &made, level: Level::best(), plain, shifted };
         let result = match tally {
             None => detector.list_images(&searched, &mut sorted),
             Some(tally) => {
@@ -143,7 +144,7 @@ impl Search<'_> {
                 detector.count_images(&searched, tally, &mut sorted)
             }
         };
-        let Sorted { plain, shifted, .. } = sorted;
+        let (plain, shifted) = sorted.end();
         contacts.end(plain, shifted, scene.len(), result)?;
         Ok((made.bytes(), made.ghosts()))
     }
@@ -152,7 +153,10 @@ impl Search<'_> {
 /// Contacts of bodies, sorted into those of particles and those with images.
 struct Sorted<'a, const D: usize> {
     made: &'a Made<'a, D>,
+    level: Level,
     plain: PairList<'a>,
+    /// Where particles are as given: of bodies, until all are found. Then their images are looked
+    /// up, one after the other; each look beside a detection would miss the cache.
     shifted: List,
 }
 
@@ -161,51 +165,90 @@ const TOGETHER: usize = 8;
 
 impl<const D: usize> Sink for Sorted<'_, D> {
     fn contact(&mut self, a: u32, b: u32) {
-        let n = self.made.particles();
-        if self.made.are_as_given() && a.max(b) < n || self.made.are_together(a, b) {
-            return self.plain.contact(a, b);
-        }
-        match self.made.pair(a, b) {
-            Some(ImagePair { i, j, image: [0, 0, 0] }) => self.plain.contact(i, j),
-            Some(pair) => self.shifted.push(pair),
-            None => {}
-        }
+        self.contacts(&[[a, b]]);
     }
 
     fn contacts(&mut self, pairs: &[[u32; 2]]) {
-        let (n, made) = (self.made.particles(), self.made);
+        self.level.run(Sort(self, pairs));
+    }
+}
+
+/// Sorts many, with vector instructions.
+struct Sort<'s, 'a, 'p, const D: usize>(&'s mut Sorted<'a, D>, &'p [[u32; 2]]);
+
+impl<const D: usize> Kernel for Sort<'_, '_, '_, D> {
+    type Output = ();
+    #[inline(always)]
+    fn run<W: Wide>(self, _: W) {
+        let Sort(sorted, pairs) = self;
+        let (n, made) = (sorted.made.particles(), sorted.made);
         if made.are_as_given() {
             let plain = |pairs: &[[u32; 2]]| {
                 !pairs.as_flattened().iter().fold(false, |image, &body| image | (body >= n))
             };
-            self.sort(pairs, plain);
+            sorted.sort(pairs, plain);
         } else {
-            self.sort(pairs, |pairs| {
+            sorted.sort(pairs, |pairs| {
                 pairs.iter().fold(true, |plain, &[a, b]| plain & made.are_together(a, b))
             });
         }
     }
 }
 
-impl<const D: usize> Sorted<'_, D> {
+impl<'a, const D: usize> Sorted<'a, D> {
     /// Copies pairs of two particles many at a time, where that is `plain` to see.
     #[inline(always)]
     fn sort(&mut self, pairs: &[[u32; 2]], plain: impl Fn(&[[u32; 2]]) -> bool) {
         let (together, rest) = pairs.as_chunks::<TOGETHER>();
-        let whole = pairs.len() - rest.len();
         // Pairs from here on are plain.
         let mut from = 0;
         for (k, some) in together.iter().enumerate() {
             if !plain(some) {
                 self.plain.contacts(&pairs[from..k * TOGETHER]);
-                some.iter().for_each(|&[a, b]| self.contact(a, b));
+                self.part(some, &plain);
                 from = (k + 1) * TOGETHER;
             }
         }
         if plain(rest) {
             return self.plain.contacts(&pairs[from..]);
         }
-        self.plain.contacts(&pairs[from..whole]);
-        rest.iter().for_each(|&[a, b]| self.contact(a, b));
+        self.plain.contacts(&pairs[from..pairs.len() - rest.len()]);
+        self.part(rest, &plain);
+    }
+
+    /// Takes at most so many apart, without a branch that depends on a pair: which of them are
+    /// beside an image is not to be foreseen. Pairs of two images are dropped.
+    #[inline(always)]
+    fn part(&mut self, some: &[[u32; 2]], plain: impl Fn(&[[u32; 2]]) -> bool) {
+        let n = self.made.particles();
+        let (mut kept, mut others) = ([[0; 2]; TOGETHER], [[0; 2]; TOGETHER]);
+        let [mut keep, mut other] = [0; 2];
+        for pair in some.iter().take(TOGETHER) {
+            let plain = plain(std::slice::from_ref(pair));
+            (kept[keep], others[other]) = (*pair, *pair);
+            keep += usize::from(plain);
+            other += usize::from(!plain & ((pair[0] < n) | (pair[1] < n)));
+        }
+        self.plain.contacts(&kept[..keep]);
+        for &[a, b] in &others[..other] {
+            if self.made.are_as_given() {
+                self.shifted.push(ImagePair { i: a.min(b), j: a.max(b), image: [0; 3] });
+                continue;
+            }
+            match self.made.pair(a, b) {
+                Some(ImagePair { i, j, image: [0, 0, 0] }) => self.plain.contact(i, j),
+                Some(pair) => self.shifted.push(pair),
+                None => {}
+            }
+        }
+    }
+
+    /// The lists, when all is found.
+    fn end(mut self) -> (PairList<'a>, List) {
+        if self.made.are_as_given() {
+            let named = |ImagePair { i, j, .. }| self.made.pair(i, j);
+            self.shifted.added().iter_mut().for_each(|pair| *pair = named(*pair).unwrap_or(*pair));
+        }
+        (self.plain, self.shifted)
     }
 }

@@ -151,9 +151,11 @@ impl<const D: usize> Frame<D> {
         std::array::from_fn(|b| (0..3).map(|a| most[a] * f64::from(self.numbers[a][b]).abs()).sum())
     }
 
-    /// Is every vector along the axis of its number? Then a fraction is one product.
+    /// Is every vector along the axis of its number, and not against it? Then a fraction is one
+    /// product, and grows with its coordinate.
     pub fn is_along_axes(&self) -> bool {
-        (0..3).all(|a| (0..D).all(|k| k == a || self.duals[a][k] == 0.0))
+        let along = |a: usize| (0..D).all(|k| k == a || self.duals[a][k] == 0.0);
+        (0..3).all(|a| along(a) && (self.scale(a) > 0.0 || !self.periodic[a]))
     }
 
     /// The part of the dual along its own axis.

@@ -264,9 +264,13 @@ impl<const D: usize> Images<D> {
         let frame = near.frame;
         let (mut low, mut high) = near.corners;
         let mut made = 0.0;
+        let mut sums = near.sums(given.largest_radius());
         for Candidate { place, owner } in &self.candidates {
             let index = *owner as usize;
-            let ranges = near.ranges(place, given.radius(index));
+            if let Radii::Each(radii) = given.radii() {
+                sums = near.sums(radii[index]);
+            }
+            let ranges = near.ranges(place, &sums);
             made += half(ranges);
             if made > room as f64 {
                 continue;

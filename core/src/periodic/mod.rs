@@ -138,11 +138,8 @@ impl ImagePair {
     /// The one name of the contact of `i` with the image of `j` shifted by `image`.
     pub fn new(i: u32, j: u32, image: [i32; 3]) -> ImagePair {
         let reverse = image.map(i32::wrapping_neg);
-        if j < i || (i == j && image < reverse) {
-            ImagePair { i: j, j: i, image: reverse }
-        } else {
-            ImagePair { i, j, image }
-        }
+        let reversed = j < i || (i == j && image < reverse);
+        ImagePair { i: i.min(j), j: i.max(j), image: if reversed { reverse } else { image } }
     }
 }
 

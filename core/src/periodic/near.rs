@@ -44,18 +44,19 @@ use crate::contact::{Arithmetic, Corners, Slack};
 use crate::filter::cells::spacing;
 use crate::refusal::Refusal;
 use crate::scene::{CellF32, Real, Scene, Storage, array};
+use crate::wide::{Kernel, Level, Wide};
 
 /// From the lowest to the highest T along each vector.
 type Ranges = [[i32; 2]; 3];
 
 /// How many T of these ranges are lexicographically positive; exact below 2^53.
-pub(super) fn half(ranges: Ranges) -> f64 {
-    let length = |[low, high]: [i32; 2]| f64::from((high - low + 1).max(0));
+pub(super) fn half([x, y, z]: Ranges) -> f64 {
+    // At most 2^30, and a product of two fits.
+    let length = |[low, high]: [i32; 2]| i64::from((high - low + 1).max(0));
     let positive = |[low, high]: [i32; 2]| length([low.max(1), high]);
-    let [x, y, z] = ranges;
-    let zero = |[low, high]: [i32; 2]| f64::from(u8::from(low <= 0 && high >= 0));
-    positive(x) * length(y) * length(z)
-        + zero(x) * (positive(y) * length(z) + zero(y) * positive(z))
+    let zero = |[low, high]: [i32; 2]| i64::from(low <= 0 && high >= 0);
+    let behind = zero(x) * (positive(y) * length(z) + zero(y) * positive(z));
+    (positive(x) * length(y)) as f64 * length(z) as f64 + behind as f64
 }
 
 /// Each of them, in ascending order.
@@ -155,87 +156,98 @@ pub(super) fn survey<const D: usize>(
     centres: &[Point<f64, D>],
     frame: &Frame<D>,
     below: [f64; 3],
-    candidates: &mut Vec<Candidate<D>>,
+    list: &mut Vec<Candidate<D>>,
 ) -> Survey<D> {
     if frame.is_along_axes() {
-        let scale: [f64; D] = std::array::from_fn(|k| frame.scale(k));
-        let below: [f64; D] = std::array::from_fn(|k| below[k]);
-        let is_near =
-            |x: &[f64; D]| (0..D).fold(false, |near, k| near | (x[k] * scale[k] <= below[k]));
-        let (corners, candidates) = go_over(centres, |x| *x, is_near, candidates);
+        // Some more, by the rounding of the quotient; none along an open axis.
+        let below: [f64; D] = std::array::from_fn(|k| {
+            let below = below[k] / frame.scale(k);
+            if frame.periodic[k] { below + (GROW - 1.0) * below.abs() } else { f64::NEG_INFINITY }
+        });
+        let (corners, candidates) =
+            Level::best().run(GoOver { centres, numbers: |x: &[f64; D]| *x, below, list });
         // Products with one number are as far apart as the corners, rounded or not.
-        let ends = |a: usize| {
-            let ends =
-                [corners.0, corners.1].map(|x| if a < D { x[a] * frame.scale(a) } else { 0.0 });
-            if ends[0] <= ends[1] { ends } else { [ends[1], ends[0]] }
-        };
-        let (low, high) = ([0, 1, 2].map(|a| ends(a)[0]), [0, 1, 2].map(|a| ends(a)[1]));
+        let fractions =
+            |x: [f64; D]| std::array::from_fn(|a| if a < D { x[a] * frame.scale(a) } else { 0.0 });
+        let (low, high) = (fractions(corners.0), fractions(corners.1));
         return Survey { corners, low, high, candidates };
     }
-    let fractions = |x: &[f64; D]| -> [f64; 3] { std::array::from_fn(|a| frame.fraction(a, x)) };
-    // Coordinates and fractions.
+    // Fractions and coordinates.
     let both = |x: &[f64; D]| -> [f64; 6] {
-        let fractions = fractions(x);
-        std::array::from_fn(|k| if k < 3 { fractions[k] } else { x[(k - 3).min(D - 1)] })
+        std::array::from_fn(|k| if k < 3 { frame.fraction(k, x) } else { x[(k - 3).min(D - 1)] })
     };
-    let is_near = |x: &[f64; D]| {
-        let fractions = fractions(x);
-        (0..3).fold(false, |near, a| near | (fractions[a] <= below[a]))
-    };
-    let ((low, high), candidates) = go_over(centres, both, is_near, candidates);
+    let below = [0, 1, 2, 3, 4, 5].map(|k| below.get(k).copied().unwrap_or(f64::NEG_INFINITY));
+    let ((low, high), candidates) =
+        Level::best().run(GoOver { centres, numbers: both, below, list });
     let corner = |of: [f64; 6]| std::array::from_fn(|k| of[3 + k]);
     let part = |of: [f64; 6]| std::array::from_fn(|a| of[a]);
     let corners = (corner(low), corner(high));
     Survey { corners, low: part(low), high: part(high), candidates }
 }
 
-/// The least and the largest of some numbers of each particle, and how many particles are wanted;
-/// they are listed, as far as there is room.
-fn go_over<const D: usize, const C: usize>(
-    centres: &[Point<f64, D>],
-    numbers: impl Fn(&[f64; D]) -> [f64; C],
-    wanted: impl Fn(&[f64; D]) -> bool,
-    list: &mut Vec<Candidate<D>>,
-) -> (([f64; C], [f64; C]), usize) {
-    // In turns, as the corners of open scenes: a comparison need not wait for the one before it.
-    const TURNS: usize = 4;
-    let (mut low, mut high) = ([[f64::INFINITY; C]; TURNS], [[f64::NEG_INFINITY; C]; TURNS]);
-    let mut widen = |x: &[f64; D], turn: usize| {
-        let numbers = numbers(x);
-        for k in 0..C {
-            low[turn][k] = if numbers[k] < low[turn][k] { numbers[k] } else { low[turn][k] };
-            high[turn][k] = if numbers[k] > high[turn][k] { numbers[k] } else { high[turn][k] };
-        }
-    };
-    let mut count = 0;
-    list.clear();
-    let mut look = |x: &[f64; D], index: usize| {
-        if wanted(x) {
-            count += 1;
-            if list.len() < list.capacity() {
-                list.push(Candidate { place: *x, owner: index as u32 });
+/// The least and the largest of some numbers of each particle, and how many particles have one that
+/// is not above some bound; they are listed, as far as there is room.
+struct GoOver<'a, N, const D: usize, const C: usize> {
+    centres: &'a [Point<f64, D>],
+    numbers: N,
+    below: [f64; C],
+    list: &'a mut Vec<Candidate<D>>,
+}
+
+impl<N, const D: usize, const C: usize> Kernel for GoOver<'_, N, D, C>
+where
+    N: Fn(&[f64; D]) -> [f64; C],
+{
+    type Output = (([f64; C], [f64; C]), usize);
+
+    #[inline(always)]
+    fn run<W: Wide>(self, _: W) -> Self::Output {
+        let GoOver { centres, numbers, below, list } = self;
+        let is_near = |numbers: &[f64; C]| {
+            numbers.iter().zip(&below).fold(false, |near, (number, below)| near | (number <= below))
+        };
+        // In turns, as the corners of open scenes: a comparison need not wait for the one before
+        // it.
+        const TURNS: usize = 4;
+        let (mut low, mut high) = ([[f64::INFINITY; C]; TURNS], [[f64::NEG_INFINITY; C]; TURNS]);
+        let mut widen = |numbers: &[f64; C], turn: usize| {
+            for (k, &x) in numbers.iter().enumerate() {
+                low[turn][k] = if x < low[turn][k] { x } else { low[turn][k] };
+                high[turn][k] = if x > high[turn][k] { x } else { high[turn][k] };
+            }
+        };
+        let mut count = 0;
+        list.clear();
+        let mut look = |x: &[f64; D], numbers: &[f64; C], index: usize| {
+            if is_near(numbers) {
+                count += 1;
+                if list.len() < list.capacity() {
+                    list.push(Candidate { place: *x, owner: index as u32 });
+                }
+            }
+        };
+        let (groups, rest) = centres.as_chunks::<TURNS>();
+        for (group, some) in groups.iter().enumerate() {
+            let all = some.each_ref().map(|x| numbers(array(x)));
+            all.iter().zip(0..).for_each(|(numbers, turn)| widen(numbers, turn));
+            // Most groups have none.
+            if all.iter().fold(false, |any, numbers| any | is_near(numbers)) {
+                (0..TURNS).for_each(|k| look(array(&some[k]), &all[k], group * TURNS + k));
             }
         }
-    };
-    let (groups, rest) = centres.as_chunks::<TURNS>();
-    for (group, some) in groups.iter().enumerate() {
-        let some = some.each_ref().map(array);
-        (0..TURNS).for_each(|turn| widen(some[turn], turn));
-        // Most groups have none.
-        if some.iter().fold(false, |any, x| any | wanted(x)) {
-            (0..TURNS).for_each(|turn| look(some[turn], group * TURNS + turn));
+        for (x, index) in rest.iter().map(array).zip(groups.len() * TURNS..) {
+            let numbers = numbers(x);
+            widen(&numbers, 0);
+            look(x, &numbers, index);
         }
-    }
-    for (x, index) in rest.iter().map(array).zip(groups.len() * TURNS..) {
-        widen(x, 0);
-        look(x, index);
-    }
-    for turn in 1..TURNS {
-        for k in 0..C {
-            (low[0][k], high[0][k]) = (low[0][k].min(low[turn][k]), high[0][k].max(high[turn][k]));
+        for turn in 1..TURNS {
+            for k in 0..C {
+                low[0][k] = low[0][k].min(low[turn][k]);
+                high[0][k] = high[0][k].max(high[turn][k]);
+            }
         }
+        ((low[0], high[0]), count)
     }
-    ((low[0], high[0]), count)
 }
 
 /// Without a call; of a number in the range of an i32.
@@ -345,16 +357,24 @@ impl<'a, const D: usize> Near<'a, D> {
         0.5 * particles as f64 * (0..3).map(along).product::<f64>()
     }
 
-    /// The T of an owner.
-    pub fn ranges(&self, place: &[f64; D], radius: f64) -> Ranges {
+    /// The numbers between which T and the fractions of an owner of this radius add up.
+    pub fn sums(&self, radius: f64) -> [[f64; 2]; 3] {
         let reach = self.reach.of(radius, self.storing);
+        std::array::from_fn(|a| {
+            let margin = (self.frame.lengths[a] * reach + self.more[a]) * GROW;
+            [self.low[a] - margin, self.high[a] + margin]
+        })
+    }
+
+    /// The T of an owner there.
+    #[inline]
+    pub fn ranges(&self, place: &[f64; D], sums: &[[f64; 2]; 3]) -> Ranges {
         std::array::from_fn(|a| {
             if !self.frame.periodic[a] {
                 return [0, 0];
             }
             let fraction = self.frame.fraction(a, place);
-            let margin = (self.frame.lengths[a] * reach + self.more[a]) * GROW;
-            let (low, high) = (self.low[a] - fraction - margin, self.high[a] - fraction + margin);
+            let [low, high] = sums[a].map(|sum| sum - fraction);
             [-floor(-low), floor(high)]
         })
     }
