@@ -304,7 +304,9 @@ fn hold(scenes: &[Given], keep: bool) {
                         .wrong(truth)
                         .filter(|wrong| arithmetic.is_safe() || !only_loses(wrong)),
                     // Where there is no truth because a square overflows, no detector may say more.
-                    (Answer::Refused(_, 0), Err(_)) => None,
+                    (Answer::Refused(_, 0) | Answer::Refused(Refusal::Pairs { .. }, _), Err(_)) => {
+                        None
+                    }
                     // Without wrapping, numbers of images are twice as large; rounded truths list
                     // pairs of two images, too.
                     (

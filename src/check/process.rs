@@ -15,6 +15,7 @@ use crate::check::contender::{Answer, Question, Respondent};
 use crate::check::{Differences, Wrong};
 use crate::contact::Arithmetic;
 use crate::io::exchange;
+use crate::memory::most_of_one;
 use crate::oracle;
 use crate::periodic::{Contacts, ImagePair};
 use crate::record::row::Outcome;
@@ -268,13 +269,15 @@ impl Process {
                 as_text(said)
             )));
         }
+        let Ok(pairs) = contacts.sorted(given.scene.len(), most_of_one()) else {
+            return Err(Wrong::Counts { said: own, truth: truth.digest }.into());
+        };
         if own != said && right {
-            let differences = Differences::new(contacts.sorted(), &truth.pairs);
+            let differences = Differences::new(pairs, &truth.pairs);
             return Err(breaks(format!(
                 "its sample is right, but not the pairs that it writes: {differences}"
             )));
         }
-        let pairs = contacts.sorted();
         let of_itself = |pair: ImagePair| pair.i == pair.j && pair.image == [0; 3];
         // How deep they are is nobody's question here.
         let errors = oracle::compare_by(&pairs, &truth.pairs, of_itself, |_| 0.0);

@@ -128,7 +128,7 @@ fn within(
     result.with_context(|| name.to_string())?;
     let bytes = contacts.plain.capacity() as u64 * PAIR_BYTES
         + contacts.shifted.capacity() as u64 * IMAGE_PAIR_BYTES;
-    let pairs = contacts.sorted();
+    let pairs = contacts.sorted(scene.len(), memory_limit).with_context(|| name.to_string())?;
     let memory = usage.map(|usage| usage.live_bytes.saturating_sub(bytes));
     match &options.output {
         Some(path) => io::write::images_of(path, &pairs, scene, lattice)?,

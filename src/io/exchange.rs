@@ -101,18 +101,6 @@ pub fn read_contacts(path: &Path, within: Option<usize>) -> anyhow::Result<Conta
     Ok(contacts)
 }
 
-/// Writes them so.
-pub fn write_contacts(
-    path: &Path,
-    contacts: &Contacts,
-    within: Option<usize>,
-) -> anyhow::Result<()> {
-    match within {
-        None => io::write::pairs(path, &contacts.plain),
-        Some(dim) => io::write::images(path, &contacts.sorted(), dim),
-    }
-}
-
 /// Reads pairs as a runner writes them: npy, `<u4`, shape (pairs, 2), C order.
 pub fn read_pairs(path: &Path) -> anyhow::Result<Vec<[u32; 2]>> {
     let name = path.display().to_string();

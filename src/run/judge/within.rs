@@ -43,8 +43,13 @@ impl Within {
         let pairs = if said == truth.digest {
             &truth.pairs
         } else {
-            fetched = match fetch() {
-                Ok(contacts) => contacts.sorted(),
+            let particles = self.periodic.scene().len();
+            let sorted = |contacts: Contacts| {
+                let sorted = contacts.sorted(particles, self.memory_limit);
+                sorted.map_err(|refusal| refusal.to_string())
+            };
+            fetched = match fetch().and_then(sorted) {
+                Ok(pairs) => pairs,
                 Err(why) => return Ok(Judged::unseen(&why)),
             };
             &fetched
