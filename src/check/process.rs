@@ -208,7 +208,7 @@ impl Process {
     /// The pairs that it writes; none if it does not.
     fn pairs(&mut self, given: &Given) -> Result<Option<Contacts>, Stop> {
         let n = given.scene.len();
-        let within = given.lattice.map(|_| given.scene.dim());
+        let box_dim = given.lattice.map(|_| given.scene.dim());
         let path: PathBuf = self.folder.path().join("pairs.npy");
         // What was written before is not the answer; mostly there is nothing to remove.
         let _ = std::fs::remove_file(&path);
@@ -217,7 +217,7 @@ impl Process {
             Reply::Unsupported | Reply::Error { .. } => return Ok(None),
             other => return Err(astray("pairs", &other)),
         };
-        let found = exchange::read_contacts(&path, within).map_err(|error| {
+        let found = exchange::read_contacts(&path, box_dim).map_err(|error| {
             // The name of a temporary file would say nothing.
             let why = format!("{error:#}").replace(&path.display().to_string(), "pairs.npy");
             breaks(format!("the file of its pairs: {why}"))

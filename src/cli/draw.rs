@@ -12,6 +12,7 @@ use crate::number::plural;
 use crate::periodic::Periodic;
 use crate::present::draw;
 use crate::present::draw::{Boxed, Highlighted, Look, Slice};
+use crate::scene::Given;
 
 /// Options of `draw`.
 #[derive(clap::Args)]
@@ -55,7 +56,7 @@ pub fn draw(options: &Draw) -> anyhow::Result<ExitCode> {
         Some("png") => true,
         _ => bail!("{place}: the ending of a picture must be .svg or .png"),
     };
-    let Some((name, (scene, lattice))) = options.source.within()? else {
+    let Some((name, Given { scene, lattice, .. })) = options.source.given()? else {
         bail!("there is nothing to draw; name a particle file, or a scene such as packed:n=200");
     };
     let limit = options.limit.bytes(scene.len());
@@ -90,7 +91,7 @@ pub fn draw(options: &Draw) -> anyhow::Result<ExitCode> {
                 }
             };
             let across = format!(", {} of them across the box", boxed.across);
-            (draw::svg_within(&boxed, &look)?, boxed.contacts, across, boxed.wrong)
+            (draw::svg_in_box(&boxed, &look)?, boxed.contacts, across, boxed.wrong)
         }
     };
     let bytes = if png { crate::present::svg::png(&picture)? } else { picture.into_bytes() };

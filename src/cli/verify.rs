@@ -23,7 +23,7 @@ use crate::number::{number, plural, wrap};
 use crate::oracle::Errors;
 use crate::periodic::{ImagePair, Periodic};
 use crate::present::table::{Cell, Column, Table};
-use crate::scene::{AnyScene, Lattice};
+use crate::scene::{AnyScene, Given, Lattice};
 
 /// So many pairs are shown of each kind.
 const SHOWN: usize = 5;
@@ -121,8 +121,8 @@ pub fn verify(options: &Verify) -> anyhow::Result<ExitCode> {
             (Naming::Base(base), [Naming::Base(1 - base)].into_iter().chain(ids).collect())
         }
     };
-    let (scene, lattice) =
-        particles.within(&options.file.display().to_string(), options.input.radius)?;
+    let Given { scene, lattice, .. } =
+        particles.given(&options.file.display().to_string(), options.input.radius)?;
     let terms = Terms {
         arithmetic: options.arithmetic,
         allowed: Allowed { both_sides: options.both_sides, skin: options.skin },
@@ -136,7 +136,7 @@ pub fn verify(options: &Verify) -> anyhow::Result<ExitCode> {
             list.understood(periodic.scene().dim(), periodic.lattice().periodic())
                 .with_context(|| options.pairs.display().to_string())?;
             let listed = Listed { pairs: &list.pairs, images: list.images.as_deref() };
-            let found = Verification::within(&periodic, listed, &naming, &others, terms)
+            let found = Verification::in_box(&periodic, listed, &naming, &others, terms)
                 .with_context(|| options.pairs.display().to_string())?;
             (periodic.scene(), Some(periodic.lattice()), found)
         }

@@ -66,8 +66,8 @@ pub fn read_scene(
 
 /// Reads pairs as a runner writes them: npy, `<u4`, shape (pairs, 2), C order. In a box of `dim`
 /// dimensions: `<i4`, shape (pairs, 2 + dim), the image of the second in the columns that follow.
-pub fn read_contacts(path: &Path, within: Option<usize>) -> anyhow::Result<Contacts> {
-    let Some(dim) = within else {
+pub fn read_contacts(path: &Path, box_dim: Option<usize>) -> anyhow::Result<Contacts> {
+    let Some(dim) = box_dim else {
         let plain = read_pairs(path)?;
         return Ok(Contacts { plain, shifted: Vec::new() });
     };

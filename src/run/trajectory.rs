@@ -66,7 +66,7 @@ impl Bounds {
 impl Trajectory {
     /// Writes a scene at rest to a file, the only frame.
     pub fn write_at_rest(path: &Path, given: &Given) -> anyhow::Result<Trajectory> {
-        let Given { scene, lattice } = given;
+        let Given { scene, lattice, .. } = given;
         let radius = exchange::write_scene(path, scene)?;
         Ok(Trajectory {
             frames: vec![path.to_path_buf()],
@@ -78,7 +78,7 @@ impl Trajectory {
     }
 
     /// The dimensions of its box, if it has one: then contacts have images.
-    pub fn within(&self) -> Option<usize> {
+    pub fn box_dim(&self) -> Option<usize> {
         self.bounds.as_ref().map(|_| self.dim as usize)
     }
 
@@ -87,7 +87,7 @@ impl Trajectory {
         let scene = exchange::read_scene(path, self.dim, self.n, self.radius)?;
         match &self.bounds {
             None => Ok(scene.into()),
-            Some(bounds) => Given::within(scene, bounds.lattice(self.dim as usize)?),
+            Some(bounds) => Given::in_box(scene, bounds.lattice(self.dim as usize)?),
         }
     }
 }

@@ -240,7 +240,7 @@ fn a_refusal_after_pairs_is_a_failure() {
     // In a box, where the bodies are a sphere and its images; it touches 32 of them.
     let sphere = Scene::<f64, 3>::new(vec![[0.5; 3].into()], Radii::Uniform(1.0)).unwrap();
     let cube = Lattice::along_axes([1.0; 3], [true; 3]).unwrap();
-    let given = Given::within(sphere.into(), cube).unwrap();
+    let given = Given::in_box(sphere.into(), cube).unwrap();
     let mutant = &MUTANTS[REFUSES_AFTER_REPORTING as usize];
     let limits = Limits::default();
     let report =

@@ -1,7 +1,7 @@
 //! Boxes: what files say of them, what the options make of that, and that no box is ignored.
 
 use super::*;
-use crate::io::boxes::{Axes, Edges, UNKNOWN};
+use crate::io::boxes::{Axes, Edges};
 use crate::scene::Lattice;
 
 /// The box in which a file's particles repeat, and the notes.
@@ -11,7 +11,10 @@ fn box_of(
     options: Options,
 ) -> Result<(Option<Lattice>, Vec<String>), String> {
     load_from(text.as_bytes(), "p", ending, options)
-        .map(|(particles, about)| (particles.lattice().copied(), about.notes))
+        .map(|(particles, about)| {
+            let notices = particles.notices().iter().map(|notice| notice.words(Place::Argument));
+            (particles.lattice().copied(), about.notes.into_iter().chain(notices).collect())
+        })
         .map_err(|error| format!("{error:#}"))
 }
 
@@ -110,7 +113,7 @@ fn scaled_coordinates_are_turned_into_lengths_in_boxes_of_every_shape() {
 
 #[test]
 fn boxes_of_which_nobody_says_whether_they_repeat_are_open_and_that_is_said() {
-    let unknown = || Ok((None, vec![UNKNOWN.to_string()]));
+    let unknown = || Ok((None, vec![Notice::Boundaries.words(Place::Argument)]));
     let old = dump("\n0 4\n0 5\n0 6\n", ATOM);
     let data =
         "c\n\n1 atoms\n0 4 xlo xhi\n0 5 ylo yhi\n0 6 zlo zhi\nAtoms # sphere\n\n1 1 1 1 1 1 1\n";
@@ -245,8 +248,9 @@ fn no_box_is_ignored() {
     assert_eq!(read(xyz, "xyz", HALF), Err(words("x, y and z")));
     // With a box, particles come with it.
     let (particles, _) = load_from(&xyz[..], "p", "xyz", HALF).unwrap();
-    let (scene, lattice) = particles.within("p", Some(0.5)).unwrap();
-    assert_eq!((scene.len(), lattice.is_some_and(|lattice| lattice.repeats())), (1, true));
+    let given = particles.given("p", Some(0.5)).unwrap();
+    assert_eq!(given.scene.len(), 1);
+    assert!(given.lattice.is_some_and(|lattice| lattice.repeats()));
 }
 
 #[test]
@@ -456,5 +460,5 @@ fn boxes_that_cannot_be_used_are_refused_in_words() {
             "it must be the axes along which the box repeats, as in x, xy or xyz, or none"
         );
     }
-    assert_eq!("zx".parse(), Ok(Axes([true, false, true])));
+    assert_eq!("zx".parse(), Ok(Axes::These([true, false, true])));
 }

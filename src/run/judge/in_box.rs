@@ -12,16 +12,16 @@ use crate::run::judge::{Judged, Nothing};
 use crate::sink::Digest;
 
 /// What is true of a scene in its box.
-pub(super) struct Within {
+pub(super) struct InBox {
     periodic: Periodic<'static>,
     /// For a list of contacts, in bytes.
     memory_limit: u64,
     known: HashMap<Arithmetic, Result<Rc<Truth>, Nothing>>,
 }
 
-impl Within {
-    pub fn new(periodic: Periodic<'static>, memory_limit: u64) -> Within {
-        Within { periodic, memory_limit, known: HashMap::new() }
+impl InBox {
+    pub fn new(periodic: Periodic<'static>, memory_limit: u64) -> InBox {
+        InBox { periodic, memory_limit, known: HashMap::new() }
     }
 
     /// The fingerprint of what the arithmetic's own contact test gives.
