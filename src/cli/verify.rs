@@ -99,7 +99,7 @@ pub fn verify(options: &Verify) -> anyhow::Result<ExitCode> {
     let columns = options.pairs_columns.as_deref().map(|text| text.split(',').map(str::trim));
     let columns: Vec<&str> = columns.into_iter().flatten().collect();
     let frame = options.pairs_frame.or(options.input.frame).unwrap_or(Frame::Last);
-    let list = pairs::read(&options.pairs, &columns, frame)?;
+    let mut list = pairs::read(&options.pairs, &columns, frame)?;
     let (particles, about) = input::load(
         &options.file,
         &options.input,
@@ -141,9 +141,13 @@ pub fn verify(options: &Verify) -> anyhow::Result<ExitCode> {
             (periodic.scene(), Some(periodic.lattice()), found)
         }
         None => {
+            let vectors = about.declared.as_ref().and_then(|of| of.vectors);
+            if vectors.is_none() {
+                list.without_box();
+            }
             let images = list.images.as_deref().unwrap_or_default();
             if let Some(k) = images.iter().position(|image| *image != [0; 3]) {
-                let remedy = match about.declared.as_ref().and_then(|of| of.vectors) {
+                let remedy = match vectors {
                     _ if options.input.open => "leave out --open",
                     Some(_) if options.input.periodic.is_some() => "leave out --periodic none",
                     Some(_) => "give --periodic with the axes along which the box repeats",

@@ -33,6 +33,8 @@ pub struct List {
     pub images: Option<Vec<[i32; 3]>>,
     /// They are named along the first two vectors alone.
     pub flat: bool,
+    /// Nothing says that they are images but their number: the columns have no names.
+    pub guessed: bool,
     /// Columns that were not looked at.
     pub others: Vec<Other>,
     /// Contacts with walls, which were left out.
@@ -68,6 +70,16 @@ impl List {
             );
         }
         Ok(())
+    }
+}
+
+impl List {
+    /// The list as one of a scene without a box: columns that may be images are something else.
+    pub fn without_box(&mut self) {
+        if std::mem::take(&mut self.guessed) {
+            self.images = None;
+            self.others.extend((2..if self.flat { 4 } else { 5 }).map(Other::unnamed));
+        }
     }
 }
 

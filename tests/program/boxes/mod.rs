@@ -1,5 +1,6 @@
 //! Files with boxes as users meet them: used or refused in words, never ignored.
 
+mod columns;
 mod draw;
 mod inspect;
 mod lists;
