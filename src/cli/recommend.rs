@@ -101,7 +101,7 @@ pub fn recommend(options: &Recommend) -> anyhow::Result<ExitCode> {
         writeln!(out, "{}", serde_json::to_string_pretty(&value)?)?;
     } else {
         let what = if scene.dim() == 2 { "discs" } else { "spheres" };
-        let within = match &given.lattice {
+        let boxed = match &given.lattice {
             Some(lattice) => format!(" repeating along {}", along(lattice.periodic())),
             None => String::new(),
         };
@@ -109,7 +109,7 @@ pub fn recommend(options: &Recommend) -> anyhow::Result<ExitCode> {
         let threads = plural(threads, "thread");
         writeln!(
             out,
-            "{name}: {n} {what}{within}, {contacts} contacts, {decided} arithmetic, {threads}, {} \
+            "{name}: {n} {what}{boxed}, {contacts} contacts, {decided} arithmetic, {threads}, {} \
              blocks",
             race.blocks
         )?;

@@ -120,10 +120,6 @@ impl<'a> Judge<'a> {
         (contacts, digest): (u64, &str),
         fetch: impl FnOnce() -> Result<Contacts, String>,
     ) -> anyhow::Result<Judged> {
-        if let Err(Nothing { reason, .. }) = self.truth(arithmetic)? {
-            let reason = format!("the answer cannot be checked: {reason}");
-            return Ok(Judged::without_pairs(Outcome::Refused, reason));
-        }
         let said = match protocol::digest(contacts, digest) {
             Ok(said) => said,
             Err(reason) => return Ok(Judged::without_pairs(Outcome::Wrong, reason)),
@@ -141,6 +137,10 @@ impl<'a> Judge<'a> {
             Of::Open(open) => open.judge(arithmetic, said, fetch),
             Of::InBox(boxed) => boxed.judge(arithmetic, said, fetch),
         }?;
+        let judged = judged.unwrap_or_else(|Nothing { reason, .. }| {
+            let reason = format!("the answer cannot be checked: {reason}");
+            Judged::without_pairs(Outcome::Refused, reason)
+        });
         if judged.errors.is_some() {
             self.seen.insert(key, judged.clone());
         }
@@ -241,6 +241,22 @@ mod tests {
             .unwrap();
         assert_eq!(judged.outcome, Outcome::Wrong);
         assert!(judged.reason.contains("16 lower-case hexadecimal digits"), "{}", judged.reason);
+    }
+
+    #[test]
+    fn what_nobody_knows_cannot_be_checked() {
+        let AnyScene::Plane(Stored::F64(scene)) = row().scene else { panic!("discs") };
+        let edges = Lattice::along_axes([8.0, 8.0, 1.0], [true, false, false]).unwrap();
+        let digest = Digest::from_pairs(&RIGHT);
+        for given in [row(), Given::in_box(scene.into(), edges).unwrap()] {
+            let mut judge = Judge::new(&given, 0).unwrap();
+            let said = (digest.contacts, &*digest.hex());
+            let judged = judge.judge("one", Arithmetic::Exact, said, || Ok(seen(&RIGHT))).unwrap();
+            assert_eq!((judged.outcome, judged.errors), (Outcome::Refused, None));
+            let words = "the answer cannot be checked: ";
+            assert!(judged.reason.starts_with(words), "{}", judged.reason);
+            assert_eq!(judge.contacts(Arithmetic::Exact).unwrap(), None);
+        }
     }
 
     #[test]

@@ -34,10 +34,10 @@ impl InBox {
         arithmetic: Arithmetic,
         said: Digest,
         fetch: impl FnOnce() -> Result<Contacts, String>,
-    ) -> anyhow::Result<Judged> {
+    ) -> anyhow::Result<Result<Judged, Nothing>> {
         let truth = match self.known(arithmetic)? {
             Ok(truth) => truth,
-            Err(Nothing { reason, .. }) => return Ok(Judged::unseen(&reason)),
+            Err(nothing) => return Ok(Err(nothing)),
         };
         let fetched;
         let pairs = if said == truth.digest {
@@ -50,7 +50,7 @@ impl InBox {
             };
             fetched = match fetch().and_then(sorted) {
                 Ok(pairs) => pairs,
-                Err(why) => return Ok(Judged::unseen(&why)),
+                Err(why) => return Ok(Ok(Judged::unseen(&why))),
             };
             &fetched
         };
@@ -58,7 +58,7 @@ impl InBox {
         if let Ok(exact) = self.known(Arithmetic::Exact)? {
             judged.errors = Some(self.compare(pairs, &exact));
         }
-        Ok(judged)
+        Ok(Ok(judged))
     }
 
     fn known(&mut self, arithmetic: Arithmetic) -> anyhow::Result<Result<Rc<Truth>, Nothing>> {
