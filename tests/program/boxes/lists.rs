@@ -325,6 +325,21 @@ fn the_usual_mistakes_in_boxes_are_recognised() {
         let said: String = ended.stdout.split_whitespace().collect::<Vec<_>>().join(" ");
         assert!(said.contains(&format!("hint: with {words}")), "'{words}' in:\n{}", ended.stdout);
     };
+    // Two mistakes at once.
+    for (how, words) in [
+        (&[tilted, "--periodic", "xy"][..], "a box that repeats along x and y"),
+        (&["5,4,4"], "a box without its tilt"),
+    ] {
+        let list = detect("doubled.csv", how);
+        let words = format!(
+            "radii 2 times as large: diameters taken for radii?, and {words}, {}",
+            all(&list)
+        );
+        of("p.csv", tilted, &list, &words);
+    }
+    let list = good(folder, &["detect", "doubled.csv"]).stdout;
+    let words = "radii 2 times as large: diameters taken for radii?, and open boundaries";
+    of("p.csv", tilted, &list, words);
     let list = detect("doubled.csv", &["1.5,4,4"]);
     let others = rows(&list, &|row| (row[0] != row[1]).then_some(row));
     assert!(pairs(&others) < pairs(&list));
