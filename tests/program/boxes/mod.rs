@@ -362,6 +362,10 @@ fn detect_names_the_images_that_touch() {
     let heap =
         ["detect", "heap.csv", "--box", "0.01,9", "--periodic", "x", "--memory-limit", "1MiB"];
     refused(folder, &heap, &["heap.csv: ", " pairs", "1048576"]);
+    // The sorted list of 780 contacts has 20 bytes for each.
+    let heap = ["detect", "heap.csv", "--box", "9,9", "--detector", "direct", "--memory-limit"];
+    refused(folder, &[&heap[..], &["15599"]].concat(), &["780 touching pairs", "15599 bytes"]);
+    good(folder, &[&heap[..], &["15600"]].concat());
     let many = ["detect", "cube.xyz", "--box", "1e-3,1,1", "--memory-limit", "400KiB"];
     refused(folder, &many, &["cube.xyz: ", "limit"]);
     // A plane of LAMMPS is periodic along z, too: whoever reads it in 3D is told.
