@@ -262,7 +262,7 @@ pub fn fuzz_box(data: &[u8]) {
     let vectors = [[edge(x), 0.0, 0.0], [tilt(y), edge(y), 0.0], [tilt(z), tilt(x), edge(z)]];
     let periodic = [flags & 1 != 0, flags & 2 != 0, flags & 4 != 0];
     let Ok(lattice) = Lattice::new(vectors, periodic, [0.0; 3]) else { return };
-    let Ok(given) = Given::within(scene, lattice) else { return };
+    let Ok(given) = Given::in_box(scene, lattice) else { return };
     hold(&[given], false);
 }
 
@@ -304,7 +304,9 @@ fn hold(scenes: &[Given], keep: bool) {
                         .wrong(truth)
                         .filter(|wrong| arithmetic.is_safe() || !only_loses(wrong)),
                     // Where there is no truth because a square overflows, no detector may say more.
-                    (Answer::Refused(_, 0), Err(_)) => None,
+                    (Answer::Refused(_, 0) | Answer::Refused(Refusal::Pairs { .. }, _), Err(_)) => {
+                        None
+                    }
                     // Without wrapping, numbers of images are twice as large; rounded truths list
                     // pairs of two images, too.
                     (
@@ -422,9 +424,9 @@ pub fn fuzz_reader(data: &[u8]) {
     };
     let ending = ["", "csv", "xyz", "txt"][usize::from(kind >> 6)];
     let read = io::load_from(data, "bytes", ending, options)
-        .and_then(|(particles, _)| particles.within("bytes", options.radius));
-    let (scene, lattice) = match read {
-        Ok(read) => read,
+        .and_then(|(particles, _)| particles.given("bytes", options.radius));
+    let Given { scene, lattice, .. } = match read {
+        Ok(given) => given,
         Err(error) => return clear(error),
     };
     let whole = |lattice: &Lattice| lattice.repeats() && (0..3).all(|k| lattice.height(k) > 0.0);

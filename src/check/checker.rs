@@ -132,10 +132,9 @@ impl<'a> Checker<'a> {
             let ending = name.rsplit('.').next().unwrap_or_default();
             let options = io::Options::default();
             let (particles, _) = io::load_from(text.as_bytes(), name, ending, options)?;
-            let (scene, lattice) = particles.within(name, None)?;
             self.scene(
                 "regressions",
-                &Given { scene, lattice },
+                &particles.given(name, None)?,
                 || format!("tests/regressions/{name}"),
                 arithmetics,
             )?;
@@ -261,7 +260,7 @@ fn simplest(
         return Ok((given.clone(), Some(found.clone())));
     }
     // The box stays as it is.
-    let within = |scene: AnyScene<'static>| Given { scene, lattice: given.lattice };
+    let in_box = |scene: AnyScene<'static>| Given { lattice: given.lattice, ..scene.into() };
     let wrong = |respondent: &mut dyn Respondent,
                  given: &Given,
                  fresh: bool|
@@ -280,9 +279,9 @@ fn simplest(
     let mut respondent = contender.respondent(options, limits.deadline.min(SHRINKING_DEADLINE))?;
     let mut hangs = 0;
     let mut smaller = |fresh: bool| {
-        within(shrink(&given.scene, limits.effort, |scene| {
+        in_box(shrink(&given.scene, limits.effort, |scene| {
             hangs < SHRINKING_HANGS
-                && match wrong(&mut *respondent, &within(scene.clone()), fresh) {
+                && match wrong(&mut *respondent, &in_box(scene.clone()), fresh) {
                     Ok(Some(Wrong::Hangs(_))) | Err(_) => {
                         hangs += 1;
                         false

@@ -177,7 +177,11 @@ pub fn answer(
                 (contacts.plain, reported) = (kept.pairs, kept.reported);
                 visited?;
             }
-            Loaded::InBox(_) => drop(searcher.count(scene, arithmetic, &mut contacts)?),
+            Loaded::InBox(_) => {
+                let counted = searcher.count(scene, arithmetic, &mut contacts);
+                reported = searcher.found_in_box();
+                counted?;
+            }
         }
         if contacts.digest() == expected.digest {
             searcher.list(scene, arithmetic, &mut contacts)?;
@@ -186,7 +190,13 @@ pub fn answer(
     };
     match catch_unwind(AssertUnwindSafe(both)) {
         Ok(Ok(())) if contacts.digest() == expected.digest => Answer::Right,
-        Ok(Ok(())) => Answer::Pairs(contacts.sorted()),
+        Ok(Ok(())) => match contacts.sorted(scene.particles(), searcher.memory_limit()) {
+            Ok(pairs) => Answer::Pairs(pairs),
+            Err(_) => {
+                let (said, truth) = (contacts.digest(), expected.digest);
+                Answer::Wrong(Wrong::Counts { said, truth })
+            }
+        },
         Ok(Err(refusal)) => Answer::Refused(refusal, reported),
         Err(cause) => {
             Answer::Panicked(match (cause.downcast_ref::<&str>(), cause.downcast_ref::<String>()) {

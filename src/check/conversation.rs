@@ -120,7 +120,7 @@ impl Talk<'_> {
     fn early(&mut self, missing: &Path) -> anyhow::Result<()> {
         let frames = vec![missing.to_path_buf()];
         let nowhere =
-            Request::Load(Trajectory { frames, dim: 2, n: 4, radius: Some(0.5), bounds: None });
+            Request::Load(Trajectory { frames, dim: 2, n: 4, radius: Some(0.5), in_box: None });
         for (when, request) in [
             ("asked for a sample before any scene", Request::Sample { min_ns: 1 }),
             ("given a file that is not there", nowhere),

@@ -34,7 +34,7 @@ pub struct Listed<'a> {
 impl Verification {
     /// As [`Verification::new`], in a box. An error also where the list names images along an axis
     /// that is open.
-    pub fn within(
+    pub fn in_box(
         periodic: &Periodic<'_>,
         list: Listed<'_>,
         naming: &Naming,
@@ -77,7 +77,7 @@ impl Verification {
         }
         let list = Listed { pairs, images: None };
         // A hint is not worth an error.
-        let Ok(found) = Verification::within(periodic, list, naming, others, terms) else { return };
+        let Ok(found) = Verification::in_box(periodic, list, naming, others, terms) else { return };
         let as_it_stands =
             Reading { listed: pairs.len() as u64, ..Reading::plain(naming.meaning()) };
         let reading = if found.is_same() { Some(as_it_stands) } else { found.reading };

@@ -15,6 +15,7 @@ use crate::check::contender::{Answer, Question, Respondent};
 use crate::check::{Differences, Wrong};
 use crate::contact::Arithmetic;
 use crate::io::exchange;
+use crate::memory::most_of_one;
 use crate::oracle;
 use crate::periodic::{Contacts, ImagePair};
 use crate::record::row::Outcome;
@@ -207,7 +208,7 @@ impl Process {
     /// The pairs that it writes; none if it does not.
     fn pairs(&mut self, given: &Given) -> Result<Option<Contacts>, Stop> {
         let n = given.scene.len();
-        let within = given.lattice.map(|_| given.scene.dim());
+        let box_dim = given.lattice.map(|_| given.scene.dim());
         let path: PathBuf = self.folder.path().join("pairs.npy");
         // What was written before is not the answer; mostly there is nothing to remove.
         let _ = std::fs::remove_file(&path);
@@ -216,7 +217,7 @@ impl Process {
             Reply::Unsupported | Reply::Error { .. } => return Ok(None),
             other => return Err(astray("pairs", &other)),
         };
-        let found = exchange::read_contacts(&path, within).map_err(|error| {
+        let found = exchange::read_contacts(&path, box_dim).map_err(|error| {
             // The name of a temporary file would say nothing.
             let why = format!("{error:#}").replace(&path.display().to_string(), "pairs.npy");
             breaks(format!("the file of its pairs: {why}"))
@@ -268,13 +269,15 @@ impl Process {
                 as_text(said)
             )));
         }
+        let Ok(pairs) = contacts.sorted(given.scene.len(), most_of_one()) else {
+            return Err(Wrong::Counts { said: own, truth: truth.digest }.into());
+        };
         if own != said && right {
-            let differences = Differences::new(contacts.sorted(), &truth.pairs);
+            let differences = Differences::new(pairs, &truth.pairs);
             return Err(breaks(format!(
                 "its sample is right, but not the pairs that it writes: {differences}"
             )));
         }
-        let pairs = contacts.sorted();
         let of_itself = |pair: ImagePair| pair.i == pair.j && pair.image == [0; 3];
         // How deep they are is nobody's question here.
         let errors = oracle::compare_by(&pairs, &truth.pairs, of_itself, |_| 0.0);

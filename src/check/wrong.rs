@@ -26,7 +26,8 @@ pub enum Wrong {
     },
     /// A runner broke the protocol: what it should have done, and what it did.
     Breaks(String),
-    /// A runner that does not give its pairs has others than the truth.
+    /// Pairs that nobody can see, of a runner that does not give them or too many for a list, are
+    /// others than the truth.
     Counts {
         /// What it says.
         said: Digest,
@@ -122,15 +123,14 @@ impl fmt::Display for Wrong {
             Wrong::Counts { said, truth } if said.contacts == truth.contacts => {
                 write!(
                     f,
-                    "it finds other pairs, as many as there are ({}); its runner does not say \
-                     which",
+                    "it finds other pairs, as many as there are ({}); nobody knows which",
                     said.contacts
                 )
             }
             Wrong::Counts { said, truth } => {
                 write!(
                     f,
-                    "it finds {} pairs, there are {}; its runner does not say which",
+                    "it finds {} pairs, there are {}; nobody knows which",
                     said.contacts, truth.contacts
                 )
             }

@@ -22,6 +22,7 @@ use crate::number::plural;
 use crate::pair_list::PAIR_BYTES;
 use crate::periodic::{Contacts, Finder, IMAGE_PAIR_BYTES, Periodic};
 use crate::run::alloc;
+use crate::scene::Given;
 use crate::sink::normalise;
 
 /// Options of `detect`.
@@ -66,11 +67,11 @@ pub fn detect(options: &Detect) -> anyhow::Result<ExitCode> {
         io::write::format(path)?;
     }
     crate::cli::use_threads(threads);
-    let Some((name, (given, lattice))) = options.source.within()? else {
+    let Some((name, Given { scene: given, lattice, .. })) = options.source.given()? else {
         bail!("name a particle file, or a scene such as packed:n=1000 (contactbench list scenes)");
     };
     if let Some(lattice) = lattice {
-        return within(options, &spec, &name, Periodic::new(given, lattice)?);
+        return in_box(options, &spec, &name, Periodic::new(given, lattice)?);
     }
     let scene = given
         .stored(options.arithmetic)
@@ -110,7 +111,7 @@ pub fn detect(options: &Detect) -> anyhow::Result<ExitCode> {
 }
 
 /// The same in a box that repeats: contacts with images of particles.
-fn within(
+fn in_box(
     options: &Detect,
     spec: &DetectorSpec,
     name: &str,
@@ -128,7 +129,7 @@ fn within(
     result.with_context(|| name.to_string())?;
     let bytes = contacts.plain.capacity() as u64 * PAIR_BYTES
         + contacts.shifted.capacity() as u64 * IMAGE_PAIR_BYTES;
-    let pairs = contacts.sorted();
+    let pairs = contacts.sorted(scene.len(), memory_limit).with_context(|| name.to_string())?;
     let memory = usage.map(|usage| usage.live_bytes.saturating_sub(bytes));
     match &options.output {
         Some(path) => io::write::images_of(path, &pairs, scene, lattice)?,

@@ -12,6 +12,7 @@ use crate::number::plural;
 use crate::periodic::Periodic;
 use crate::present::draw;
 use crate::present::draw::{Boxed, Highlighted, Look, Slice};
+use crate::scene::Given;
 
 /// Options of `draw`.
 #[derive(clap::Args)]
@@ -55,7 +56,7 @@ pub fn draw(options: &Draw) -> anyhow::Result<ExitCode> {
         Some("png") => true,
         _ => bail!("{place}: the ending of a picture must be .svg or .png"),
     };
-    let Some((name, (scene, lattice))) = options.source.within()? else {
+    let Some((name, Given { scene, lattice, notices })) = options.source.given()? else {
         bail!("there is nothing to draw; name a particle file, or a scene such as packed:n=200");
     };
     let limit = options.limit.bytes(scene.len());
@@ -71,8 +72,10 @@ pub fn draw(options: &Draw) -> anyhow::Result<ExitCode> {
         None => {
             let pairs = match &options.pairs {
                 None => Highlighted::from_scene(&scene, limit)?,
-                Some(path) => Highlighted::compare(&scene, draw::read(path)?, limit)
-                    .with_context(|| path.display().to_string())?,
+                Some(path) => {
+                    Highlighted::compare(&scene, draw::read(path, !notices.is_empty())?, limit)
+                        .with_context(|| path.display().to_string())?
+                }
             };
             let Highlighted { contacts, missed, spurious, duplicates, .. } = &pairs;
             let wrong = [missed.len(), spurious.len(), duplicates.len()];
@@ -90,7 +93,7 @@ pub fn draw(options: &Draw) -> anyhow::Result<ExitCode> {
                 }
             };
             let across = format!(", {} of them across the box", boxed.across);
-            (draw::svg_within(&boxed, &look)?, boxed.contacts, across, boxed.wrong)
+            (draw::svg_in_box(&boxed, &look)?, boxed.contacts, across, boxed.wrong)
         }
     };
     let bytes = if png { crate::present::svg::png(&picture)? } else { picture.into_bytes() };

@@ -8,9 +8,8 @@ use serde_json::{Value, json};
 
 use crate::cli::shared::input::{self, Input};
 use crate::cli::shared::terminal;
-use crate::io::{self, About, Particles, RadiusSource};
+use crate::io::{self, About, Notice, Particles, Place, RadiusSource};
 use crate::number::{number, wrap};
-use crate::scene::Given;
 use crate::scene::stats::stats;
 
 mod boxes;
@@ -46,19 +45,17 @@ pub fn inspect(options: &Inspect) -> anyhow::Result<ExitCode> {
     of_centres(&particles, options.input.dim, &mut lines, &mut warnings);
     if about.radius != RadiusSource::Missing {
         let source = about.radius.clone();
-        let (scene, lattice) =
-            particles.within(&options.file.display().to_string(), options.input.radius)?;
-        let given = Given { scene, lattice };
+        let given = particles.given(&options.file.display().to_string(), options.input.radius)?;
         let (scene, periodic) = (&given.scene, given.periodic()?);
-        let within = periodic.as_ref();
-        let contacts = within.map_or_else(|| Contacts::new(scene), Contacts::within);
-        contacts::report(scene, &source, within, &contacts, &mut lines, &mut warnings);
-        if let Some(periodic) = within {
+        let periodic = periodic.as_ref();
+        let contacts = periodic.map_or_else(|| Contacts::new(scene), Contacts::in_box);
+        contacts::report(scene, &source, periodic, &contacts, &mut lines, &mut warnings);
+        if let Some(periodic) = periodic {
             boxes::reach(periodic, &mut lines, &mut warnings);
         }
         if let Some(count) = contacts.exact() {
             let stats = stats(&given, count);
-            let of_box = within.is_some_and(|periodic| {
+            let of_box = periodic.is_some_and(|periodic| {
                 periodic.lattice().periodic()[..scene.dim()].iter().all(|&repeats| repeats)
             });
             let (fraction, of) = (
@@ -173,6 +170,9 @@ fn of_file(
     for note in &about.notes {
         warnings.push(note.clone());
     }
+    // Of what may be a plane more is said below.
+    let unknown = particles.notices().iter().find(|notice| **notice == Notice::Boundaries);
+    warnings.extend(unknown.map(|notice| notice.words(Place::Argument)));
 }
 
 /// What the centres say.

@@ -50,11 +50,11 @@ pub fn recommend(options: &Recommend) -> anyhow::Result<ExitCode> {
     let (seconds, threads) = (options.seconds, options.threads);
     ensure!((0.1..1e6).contains(&seconds), "--seconds {seconds}: give a number from 0.1 to 10^6");
     ensure!((1..=1024).contains(&threads), "--threads {threads}: give a number from 1 to 1024");
-    let Some((name, (scene, lattice))) = options.source.within()? else {
+    let Some((name, given)) = options.source.given()? else {
         bail!("name a particle file, or a scene such as packed:n=20000 (contactbench list scenes)");
     };
-    ensure!(!scene.is_empty(), "{name}: the scene has no particles; there is nothing to recommend");
-    let given = Given { scene, lattice };
+    let none = given.scene.is_empty();
+    ensure!(!none, "{name}: the scene has no particles; there is nothing to recommend");
     let history = history(&name)?;
     interrupt::end_runners_too().context("cannot listen to Ctrl-C")?;
     let program =
@@ -101,7 +101,7 @@ pub fn recommend(options: &Recommend) -> anyhow::Result<ExitCode> {
         writeln!(out, "{}", serde_json::to_string_pretty(&value)?)?;
     } else {
         let what = if scene.dim() == 2 { "discs" } else { "spheres" };
-        let within = match &given.lattice {
+        let boxed = match &given.lattice {
             Some(lattice) => format!(" repeating along {}", along(lattice.periodic())),
             None => String::new(),
         };
@@ -109,7 +109,7 @@ pub fn recommend(options: &Recommend) -> anyhow::Result<ExitCode> {
         let threads = plural(threads, "thread");
         writeln!(
             out,
-            "{name}: {n} {what}{within}, {contacts} contacts, {decided} arithmetic, {threads}, {} \
+            "{name}: {n} {what}{boxed}, {contacts} contacts, {decided} arithmetic, {threads}, {} \
              blocks",
             race.blocks
         )?;

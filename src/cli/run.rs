@@ -1,6 +1,5 @@
 //! `contactbench run`, and `contactbench` alone.
 
-use std::collections::BTreeSet;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -13,7 +12,6 @@ use crate::cli::shared::progress::Terminal;
 use crate::cli::shared::values;
 use crate::experiment::shard::Shard;
 use crate::experiment::{Experiment, builtin, detectors};
-use crate::io::{self, Boundaries};
 use crate::record::row::{Record, Row, WriteError, Writer};
 use crate::record::{folder, ledger, machines, provenance, row};
 use crate::run::contender::is_build;
@@ -136,9 +134,6 @@ fn run_named(options: &Run, name: &str) -> anyhow::Result<ExitCode> {
         machine: label.clone(),
     };
     let ready = job::prepare(&job)?;
-    for experiment in &experiments {
-        silent_boxes(experiment, options.quick)?;
-    }
     ensure!(
         ready.scenes() > 0 || options.shard.is_some(),
         "there is no scene to run: a list such as n = [] is empty; give it a value"
@@ -209,31 +204,6 @@ fn run_named(options: &Run, name: &str) -> anyhow::Result<ExitCode> {
         }
         Err(error) => Err(error),
     }
-}
-
-/// Says of which files nobody knows whether their boxes repeat: here boundaries are open.
-fn silent_boxes(experiment: &Experiment, quick: bool) -> anyhow::Result<()> {
-    let mut said = BTreeSet::new();
-    for spec in experiment.plan(quick)? {
-        let text = |key: &str| spec.params.get(key).and_then(|value| value.as_str());
-        let Some(path) = text("path").filter(|_| spec.name == "file") else { continue };
-        let told = text("open") == Some("true") || text("periodic").is_some();
-        if told || text("box").is_some() || !said.insert(path.to_string()) {
-            continue;
-        }
-        let about = |options| io::load(Path::new(path), options).map(|(_, about)| about);
-        // What cannot be read so is refused, or read, where the scene is made.
-        let Ok(about) = about(io::Options { frame: io::Frame::Last, ..io::Options::NONE }) else {
-            continue;
-        };
-        if Boundaries::AS_DECLARED.unknown(about.declared.as_ref()) {
-            eprintln!(
-                "{path}: the file does not say whether its box repeats: boundaries are taken as \
-                 open; say periodic = \"xyz\" in the experiment if it does, and open = true if not"
-            );
-        }
-    }
-    Ok(())
 }
 
 /// Another build of this program, by an absolute path.

@@ -9,7 +9,6 @@ use anyhow::Context;
 use crate::cli::shared::input::Input;
 use crate::cli::shared::values;
 use crate::io::write;
-use crate::scene::Given;
 
 /// Options of `scene`.
 #[derive(clap::Args)]
@@ -31,8 +30,7 @@ pub fn scene(options: &Scene) -> anyhow::Result<ExitCode> {
     if let Some(path) = &options.output {
         write::scene_format(path)?;
     }
-    let (scene, lattice) = options.input.within(&options.scene)?;
-    let given = Given { scene, lattice };
+    let given = options.input.given(&options.scene)?;
     match &options.output {
         Some(path) => {
             write::scene(path, &given)?;

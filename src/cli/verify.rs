@@ -23,7 +23,7 @@ use crate::number::{number, plural, wrap};
 use crate::oracle::Errors;
 use crate::periodic::{ImagePair, Periodic};
 use crate::present::table::{Cell, Column, Table};
-use crate::scene::{AnyScene, Lattice};
+use crate::scene::{AnyScene, Given, Lattice};
 
 /// So many pairs are shown of each kind.
 const SHOWN: usize = 5;
@@ -99,7 +99,7 @@ pub fn verify(options: &Verify) -> anyhow::Result<ExitCode> {
     let columns = options.pairs_columns.as_deref().map(|text| text.split(',').map(str::trim));
     let columns: Vec<&str> = columns.into_iter().flatten().collect();
     let frame = options.pairs_frame.or(options.input.frame).unwrap_or(Frame::Last);
-    let list = pairs::read(&options.pairs, &columns, frame)?;
+    let mut list = pairs::read(&options.pairs, &columns, frame)?;
     let (particles, about) = input::load(
         &options.file,
         &options.input,
@@ -121,8 +121,8 @@ pub fn verify(options: &Verify) -> anyhow::Result<ExitCode> {
             (Naming::Base(base), [Naming::Base(1 - base)].into_iter().chain(ids).collect())
         }
     };
-    let (scene, lattice) =
-        particles.within(&options.file.display().to_string(), options.input.radius)?;
+    let Given { scene, lattice, .. } =
+        particles.given(&options.file.display().to_string(), options.input.radius)?;
     let terms = Terms {
         arithmetic: options.arithmetic,
         allowed: Allowed { both_sides: options.both_sides, skin: options.skin },
@@ -136,14 +136,18 @@ pub fn verify(options: &Verify) -> anyhow::Result<ExitCode> {
             list.understood(periodic.scene().dim(), periodic.lattice().periodic())
                 .with_context(|| options.pairs.display().to_string())?;
             let listed = Listed { pairs: &list.pairs, images: list.images.as_deref() };
-            let found = Verification::within(&periodic, listed, &naming, &others, terms)
+            let found = Verification::in_box(&periodic, listed, &naming, &others, terms)
                 .with_context(|| options.pairs.display().to_string())?;
             (periodic.scene(), Some(periodic.lattice()), found)
         }
         None => {
+            let vectors = about.declared.as_ref().and_then(|of| of.vectors);
+            if vectors.is_none() {
+                list.without_box();
+            }
             let images = list.images.as_deref().unwrap_or_default();
             if let Some(k) = images.iter().position(|image| *image != [0; 3]) {
-                let remedy = match about.declared.as_ref().and_then(|of| of.vectors) {
+                let remedy = match vectors {
                     _ if options.input.open => "leave out --open",
                     Some(_) if options.input.periodic.is_some() => "leave out --periodic none",
                     Some(_) => "give --periodic with the axes along which the box repeats",

@@ -150,25 +150,46 @@ impl FromStr for Edges {
 /// As it is read.
 impl std::fmt::Display for Axes {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        if self.0 == [false; 3] {
-            return f.write_str("none");
-        }
-        let axes = ["x", "y", "z"].into_iter().zip(self.0);
+        let axes = match self {
+            Axes::All => return f.write_str("true"),
+            Axes::These([false, false, false]) => return f.write_str("none"),
+            Axes::These(axes) => ["x", "y", "z"].into_iter().zip(*axes),
+        };
         axes.filter(|(_, yes)| *yes).try_for_each(|(axis, _)| f.write_str(axis))
     }
 }
 
-/// Along which axes, or vectors, a box repeats: `xyz`, `xy`, `z`, `none`.
+/// Along which axes, or vectors, a box repeats: `xyz`, `xy`, `z`, `none`; or `true`, along all.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Axes(pub [bool; 3]);
+pub enum Axes {
+    /// All that there are, in the dimension of the particles.
+    All,
+    /// These.
+    These([bool; 3]),
+}
+
+impl Axes {
+    /// Along no axis.
+    pub const NONE: Axes = Axes::These([false; 3]);
+
+    /// The axes for particles of so many dimensions.
+    pub fn of(self, dim: usize) -> [bool; 3] {
+        match self {
+            Axes::All => [true, true, dim == 3],
+            Axes::These(axes) => axes,
+        }
+    }
+}
 
 impl FromStr for Axes {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Axes, String> {
         let mut axes = [false; 3];
-        if text == "none" {
-            return Ok(Axes(axes));
+        match text {
+            "true" => return Ok(Axes::All),
+            "none" | "false" => return Ok(Axes::NONE),
+            _ => {}
         }
         for letter in text.chars() {
             match "xyz".find(letter) {
@@ -184,7 +205,7 @@ impl FromStr for Axes {
                         or none"
                 .into());
         }
-        Ok(Axes(axes))
+        Ok(Axes::These(axes))
     }
 }
 
@@ -223,10 +244,6 @@ pub fn outside(points: impl Iterator<Item = [f64; 3]>, lattice: &Lattice) -> Vec
 /// Who takes boxes, for those who do not.
 pub const KNOWN_TO: &str = "detect, verify, inspect, draw, check, recommend, run and scene, which \
                             know boxes";
-
-/// What there is to say of a box of which nobody says whether it repeats.
-pub const UNKNOWN: &str = "the file does not say whether its box repeats: boundaries are taken as \
-                           open; say --periodic xyz if it does, and --open if not";
 
 /// What the options say of the box.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -270,7 +287,7 @@ impl Boundaries {
         if let Some((_, name)) = given.iter().find(|(given, _)| self.open && *given) {
             bail!("--open takes boundaries as open, and {name} says otherwise; leave one out");
         }
-        let none = self.periodic == Some(Axes([false; 3]));
+        let none = self.periodic == Some(Axes::NONE);
         ensure!(
             !(none && self.edges.is_some()),
             "--periodic none takes boundaries as open, and --box says otherwise; leave one out"
@@ -294,7 +311,8 @@ impl Boundaries {
         let vectors = declared.and_then(|declared| declared.vectors);
         let periodic = match (self.periodic, self.edges, flags) {
             _ if self.open => [false; 3],
-            (Some(Axes(axes)), ..) => {
+            (Some(axes), ..) => {
+                let axes = axes.of(dim);
                 ensure!(
                     axes == of_discs(axes),
                     "{name} holds discs, whose box repeats along x and y at most; leave z out of \
@@ -312,12 +330,7 @@ impl Boundaries {
             }
             (None, Some(edges), None) => of_discs([true, true, edges.space]),
             (None, None, Some(flags)) => flags,
-            (None, None, None) => {
-                if self.unknown(declared) {
-                    notes.push(UNKNOWN.into());
-                }
-                [false; 3]
-            }
+            (None, None, None) => [false; 3],
         };
         if !periodic.contains(&true) {
             if let Some(flags) = repeats {

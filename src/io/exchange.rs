@@ -66,8 +66,8 @@ pub fn read_scene(
 
 /// Reads pairs as a runner writes them: npy, `<u4`, shape (pairs, 2), C order. In a box of `dim`
 /// dimensions: `<i4`, shape (pairs, 2 + dim), the image of the second in the columns that follow.
-pub fn read_contacts(path: &Path, within: Option<usize>) -> anyhow::Result<Contacts> {
-    let Some(dim) = within else {
+pub fn read_contacts(path: &Path, box_dim: Option<usize>) -> anyhow::Result<Contacts> {
+    let Some(dim) = box_dim else {
         let plain = read_pairs(path)?;
         return Ok(Contacts { plain, shifted: Vec::new() });
     };
@@ -99,18 +99,6 @@ pub fn read_contacts(path: &Path, within: Option<usize>) -> anyhow::Result<Conta
         Ok(())
     })?;
     Ok(contacts)
-}
-
-/// Writes them so.
-pub fn write_contacts(
-    path: &Path,
-    contacts: &Contacts,
-    within: Option<usize>,
-) -> anyhow::Result<()> {
-    match within {
-        None => io::write::pairs(path, &contacts.plain),
-        Some(dim) => io::write::images(path, &contacts.sorted(), dim),
-    }
 }
 
 /// Reads pairs as a runner writes them: npy, `<u4`, shape (pairs, 2), C order.

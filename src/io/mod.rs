@@ -28,6 +28,7 @@ pub mod exchange;
 mod formats;
 mod frames;
 mod lines;
+mod notice;
 pub mod pairs;
 mod particles;
 mod scalars;
@@ -45,6 +46,7 @@ pub use formats::{FORMATS, Format};
 pub use frames::Frame;
 pub use lines::LONGEST_LINE;
 use lines::Source;
+pub use notice::{Notice, Place};
 pub use particles::Particles;
 pub(crate) use particles::room;
 
@@ -130,8 +132,7 @@ pub fn scene(path: &Path, options: Options) -> anyhow::Result<AnyScene<'static>>
 /// As [`scene`], in the box in which it repeats.
 pub fn given(path: &Path, options: Options) -> anyhow::Result<Given> {
     let (particles, _) = load(path, options)?;
-    let (scene, lattice) = particles.within(&path.display().to_string(), options.radius)?;
-    Ok(Given { scene, lattice })
+    particles.given(&path.display().to_string(), options.radius)
 }
 
 /// Reads particles from a stream; `name` stands in messages, `ending` is the file name's, in lower
@@ -206,6 +207,13 @@ pub fn load_from(
     particles.as_asked(name, options)?;
     let (dim, declared) = (particles.dim(), about.declared.as_ref());
     particles.lattice = options.boundaries.lattice(name, dim, declared, &mut about.notes)?;
+    if options.boundaries.unknown(declared) {
+        particles.notices.push(Notice::Boundaries);
+    }
+    let repeats = particles.lattice.as_ref().is_some_and(|lattice| lattice.periodic()[2]);
+    if options.dim.is_none() && repeats && particles.is_flat() {
+        particles.notices.push(Notice::Plane);
+    }
     if let (RadiusSource::Missing, Some(_)) = (&about.radius, options.radius) {
         about.radius = RadiusSource::Given;
     }

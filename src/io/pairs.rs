@@ -18,64 +18,10 @@ use crate::io::particles::room;
 use crate::sink::splitmix64;
 
 mod columns;
+mod list;
 use columns::Columns;
 pub use columns::Other;
-
-/// A contact list as it was read.
-#[derive(Debug, Default, PartialEq)]
-pub struct List {
-    /// The format's name.
-    pub format: &'static str,
-    /// Couples of numbers, in file order.
-    pub pairs: Vec<[i64; 2]>,
-    /// Which image of the second particle it is, for each, where the list says so: so many vectors
-    /// of the box are added to its place.
-    pub images: Option<Vec<[i32; 3]>>,
-    /// They are named along the first two vectors alone.
-    pub flat: bool,
-    /// Columns that were not looked at.
-    pub others: Vec<Other>,
-    /// Contacts with walls, which were left out.
-    pub walls: u64,
-    /// The numbers are those that the program gave its particles (LAMMPS), not places in a file.
-    pub ids: bool,
-    /// Every contact stands there from both sides (MercuryDPM), and was taken once.
-    pub both_sides: bool,
-}
-
-impl List {
-    /// Refuses a list for a box that repeats along some axes if it names images along too few, or
-    /// has columns that may name images and are not known to.
-    pub fn understood(&self, dim: usize, periodic: [bool; 3]) -> anyhow::Result<()> {
-        ensure!(
-            self.images.is_none() || !self.flat || dim == 2 || !periodic[2],
-            "images are named along two vectors, and the box repeats along z, too; add the third, \
-             sz"
-        );
-        if self.images.is_none() {
-            let names = |which: &dyn Fn(&Other) -> bool| -> Vec<&str> {
-                let such = self.others.iter().filter(|other| which(other));
-                such.map(|other| &*other.name).collect()
-            };
-            let (unnamed, whole) = (names(&|other| !other.named), names(&|other| other.whole));
-            let doubtful = if unnamed.is_empty() && whole.len() >= dim { whole } else { unnamed };
-            ensure!(
-                doubtful.is_empty(),
-                "{} may name the images that touch, and nothing says so; give --pairs-columns \
-                 I,J,SX,SY{}, or --pairs-columns I,J if not",
-                columns_of(&doubtful),
-                if dim == 2 { "" } else { ",SZ" }
-            );
-        }
-        Ok(())
-    }
-}
-
-/// Columns in words.
-pub fn columns_of(names: &[&str]) -> String {
-    let listed = crate::io::lines::listed(names);
-    format!("column{} {listed}", if names.len() == 1 { "" } else { "s" })
-}
+pub use list::{List, columns_of};
 
 /// Reads a contact list. `columns` names those of a LAMMPS dump or a CSV that hold the numbers:
 /// none, the two of the particles, or these and the two or three of the image.

@@ -6,9 +6,9 @@ use nalgebra::Point;
 
 use crate::io::boxes::{KNOWN_TO, along};
 use crate::io::lines::{number, short, shown};
-use crate::io::{About, Options, RadiusSource};
+use crate::io::{About, Notice, Options, RadiusSource};
 use crate::memory;
-use crate::scene::{AnyScene, Lattice, Radii, Scene};
+use crate::scene::{AnyScene, Given, Lattice, Radii, Scene};
 
 /// Room for one more, a quarter at a time: a list doubled may be twice as large as needed, and this
 /// is where the memory goes.
@@ -38,13 +38,19 @@ pub struct Particles {
     pub(crate) ids: Option<Vec<i64>>,
     /// The box, where it repeats.
     pub(crate) lattice: Option<Lattice>,
+    /// What the file leaves open.
+    pub(crate) notices: Vec<Notice>,
 }
 
 impl Particles {
     pub(crate) fn new(dim: usize, has_radii: bool) -> Particles {
         let centres =
             if dim == 2 { Centres::Plane(Vec::new()) } else { Centres::Space(Vec::new()) };
-        Particles { centres, radii: has_radii.then(Vec::new), ids: None, lattice: None }
+        Particles::of(centres, has_radii.then(Vec::new))
+    }
+
+    pub(crate) fn of(centres: Centres, radii: Option<Vec<f64>>) -> Particles {
+        Particles { centres, radii, ids: None, lattice: None, notices: Vec::new() }
     }
 
     /// The number of particles.
@@ -78,6 +84,11 @@ impl Particles {
     /// The box that repeats; none where boundaries are open, or taken as open.
     pub fn lattice(&self) -> Option<&Lattice> {
         self.lattice.as_ref()
+    }
+
+    /// What the file leaves open, to be said to whoever named it.
+    pub fn notices(&self) -> &[Notice] {
+        &self.notices
     }
 
     /// Spheres of which all have the same z, 0?
@@ -136,7 +147,7 @@ impl Particles {
                 radii.len()
             );
         }
-        Ok(Particles { centres: Centres::Space(points), radii, ids: None, lattice: None })
+        Ok(Particles::of(Centres::Space(points), radii))
     }
 
     /// Turns spheres with z = 0 into discs, if that is asked for; refuses what cannot be had.
@@ -177,16 +188,12 @@ impl Particles {
                 along(lattice.periodic())
             );
         }
-        self.within(name, radius).map(|(scene, _)| scene)
+        self.given(name, radius).map(|given| given.scene)
     }
 
     /// The particles, and the box in which they repeat: none where boundaries are open. Radii must
     /// be in the file or given.
-    pub fn within(
-        self,
-        name: &str,
-        radius: Option<f64>,
-    ) -> anyhow::Result<(AnyScene<'static>, Option<Lattice>)> {
+    pub fn given(self, name: &str, radius: Option<f64>) -> anyhow::Result<Given> {
         let radii = match (self.radii, radius) {
             (None, None) => bail!(
                 "{name} holds no radii; give --radius R (half the diameter; in an experiment \
@@ -206,7 +213,7 @@ impl Particles {
                 Scene::<f64, 3>::new(points, radii).with_context(|| name.to_string())?,
             ),
         };
-        Ok((scene, self.lattice))
+        Ok(Given { scene, lattice: self.lattice, notices: self.notices })
     }
 }
 

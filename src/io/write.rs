@@ -309,11 +309,11 @@ fn images_vtk<T: Real, const D: usize>(
         [(i, j, image), (j, i, image.map(i32::wrapping_neg))]
     };
     let across = || pairs.iter().filter(|pair| pair.image != [0; 3]);
-    let ghosts = 2 * across().count();
+    let images = 2 * across().count();
     writeln!(
         out,
         "# vtk DataFile Version 3.0\ncontacts\nASCII\nDATASET POLYDATA\nPOINTS {} double",
-        n + ghosts
+        n + images
     )?;
     let centre = |k: usize| array(&scene.centres()[k]).map(|x| x.wide());
     let flat = || (D == 2).then_some(0.0);
@@ -327,22 +327,22 @@ fn images_vtk<T: Real, const D: usize>(
         }
         line(out, place.into_iter().chain(flat()), " ")?;
     }
-    let lines = pairs.len() + ghosts / 2;
+    let lines = pairs.len() + images / 2;
     writeln!(out, "LINES {lines} {}", 3 * lines)?;
-    let mut ghost = n;
+    let mut image = n;
     for pair in pairs {
         if pair.image == [0; 3] {
             writeln!(out, "2 {} {}", pair.i, pair.j)?;
             continue;
         }
         for (from, ..) in both(pair) {
-            writeln!(out, "2 {from} {ghost}")?;
-            ghost += 1;
+            writeln!(out, "2 {from} {image}")?;
+            image += 1;
         }
     }
-    writeln!(out, "POINT_DATA {}\nSCALARS radius double 1\nLOOKUP_TABLE default", n + ghosts)?;
+    writeln!(out, "POINT_DATA {}\nSCALARS radius double 1\nLOOKUP_TABLE default", n + images)?;
     (0..n).try_for_each(|k| writeln!(out, "{:?}", scene.radius(k).wide()))?;
-    (0..ghosts).try_for_each(|_| writeln!(out, "0.0"))?;
+    (0..images).try_for_each(|_| writeln!(out, "0.0"))?;
     writeln!(out, "SCALARS image int 1\nLOOKUP_TABLE default")?;
-    (0..n + ghosts).try_for_each(|k| writeln!(out, "{}", u8::from(k >= n)))
+    (0..n + images).try_for_each(|k| writeln!(out, "{}", u8::from(k >= n)))
 }

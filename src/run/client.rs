@@ -236,12 +236,12 @@ impl Client {
 
     /// The contacts of the last frame, by way of a file; in a box of so many dimensions, if there
     /// is one. `Err` says why they cannot be had.
-    pub fn pairs(&mut self, path: &Path, within: Option<usize>) -> Result<Contacts, String> {
+    pub fn pairs(&mut self, path: &Path, box_dim: Option<usize>) -> Result<Contacts, String> {
         // What another runner wrote there is not this one's answer; mostly there is nothing to
         // remove.
         let _ = std::fs::remove_file(path);
         self.ask(&Request::Pairs { path: path.to_path_buf() }).map_err(|failure| failure.reason)?;
-        exchange::read_contacts(path, within).map_err(|e| e.to_string())
+        exchange::read_contacts(path, box_dim).map_err(|e| e.to_string())
     }
 
     fn receive(&mut self, limit: Duration) -> Result<Reply, Failure> {

@@ -1,5 +1,6 @@
 //! A run: what can be known to go wrong is said first, then scene after scene is measured.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use anyhow::Context;
@@ -50,6 +51,7 @@ impl Ready<'_> {
         let (job, folder, total) = (self.job, self.temporary.path(), self.scenes.len());
         let index = Index::new(job.done);
         let mut too_slow = TooSlow::new(job.done);
+        let mut noted = BTreeSet::new();
         for (k, (experiment, spec)) in self.scenes.iter().enumerate() {
             progress.scene(k, total, &describe(experiment, spec));
             let mut stage = Stage {
@@ -62,6 +64,7 @@ impl Ready<'_> {
                 origins,
                 span: None,
                 too_slow: &mut too_slow,
+                noted: &mut noted,
                 progress,
             };
             stage.run().with_context(|| {

@@ -1,13 +1,13 @@
 //! The judge: whether an answer is right, lossy or wrong, and why, is decided here and nowhere
 //! else.
 
+mod in_box;
 mod open;
-mod within;
 
 use std::collections::HashMap;
 
+use in_box::InBox;
 use open::Open;
-use within::Within;
 
 use crate::contact::Arithmetic;
 use crate::oracle::{Causes, Errors, NoTruth};
@@ -27,7 +27,7 @@ pub(crate) struct Judge<'a> {
 /// What is known of a scene.
 enum Of<'a> {
     Open(Open<'a>),
-    InBox(Within),
+    InBox(InBox),
 }
 
 /// Why nothing is known of a scene in an arithmetic.
@@ -105,7 +105,7 @@ impl<'a> Judge<'a> {
     pub fn new(given: &'a Given, memory_limit: u64) -> anyhow::Result<Judge<'a>> {
         let of = match given.periodic()? {
             None => Of::Open(Open::new(&given.scene, memory_limit)),
-            Some(periodic) => Of::InBox(Within::new(periodic, memory_limit)),
+            Some(periodic) => Of::InBox(InBox::new(periodic, memory_limit)),
         };
         Ok(Judge { of, seen: HashMap::new() })
     }
@@ -120,10 +120,6 @@ impl<'a> Judge<'a> {
         (contacts, digest): (u64, &str),
         fetch: impl FnOnce() -> Result<Contacts, String>,
     ) -> anyhow::Result<Judged> {
-        if let Err(Nothing { reason, .. }) = self.truth(arithmetic)? {
-            let reason = format!("the answer cannot be checked: {reason}");
-            return Ok(Judged::without_pairs(Outcome::Refused, reason));
-        }
         let said = match protocol::digest(contacts, digest) {
             Ok(said) => said,
             Err(reason) => return Ok(Judged::without_pairs(Outcome::Wrong, reason)),
@@ -139,8 +135,12 @@ impl<'a> Judge<'a> {
         };
         let judged = match &mut self.of {
             Of::Open(open) => open.judge(arithmetic, said, fetch),
-            Of::InBox(within) => within.judge(arithmetic, said, fetch),
+            Of::InBox(boxed) => boxed.judge(arithmetic, said, fetch),
         }?;
+        let judged = judged.unwrap_or_else(|Nothing { reason, .. }| {
+            let reason = format!("the answer cannot be checked: {reason}");
+            Judged::without_pairs(Outcome::Refused, reason)
+        });
         if judged.errors.is_some() {
             self.seen.insert(key, judged.clone());
         }
@@ -167,7 +167,7 @@ impl<'a> Judge<'a> {
     fn truth(&mut self, arithmetic: Arithmetic) -> anyhow::Result<Result<Digest, Nothing>> {
         match &mut self.of {
             Of::Open(open) => open.truth(arithmetic),
-            Of::InBox(within) => within.truth(arithmetic),
+            Of::InBox(boxed) => boxed.truth(arithmetic),
         }
     }
 }
@@ -244,11 +244,27 @@ mod tests {
     }
 
     #[test]
+    fn what_nobody_knows_cannot_be_checked() {
+        let AnyScene::Plane(Stored::F64(scene)) = row().scene else { panic!("discs") };
+        let edges = Lattice::along_axes([8.0, 8.0, 1.0], [true, false, false]).unwrap();
+        let digest = Digest::from_pairs(&RIGHT);
+        for given in [row(), Given::in_box(scene.into(), edges).unwrap()] {
+            let mut judge = Judge::new(&given, 0).unwrap();
+            let said = (digest.contacts, &*digest.hex());
+            let judged = judge.judge("one", Arithmetic::Exact, said, || Ok(seen(&RIGHT))).unwrap();
+            assert_eq!((judged.outcome, judged.errors), (Outcome::Refused, None));
+            let words = "the answer cannot be checked: ";
+            assert!(judged.reason.starts_with(words), "{}", judged.reason);
+            assert_eq!(judge.contacts(Arithmetic::Exact).unwrap(), None);
+        }
+    }
+
+    #[test]
     fn contacts_in_a_box_have_their_images() {
         use Outcome::{Ok, Wrong};
         let AnyScene::Plane(Stored::F64(scene)) = row().scene else { panic!("discs") };
         let edges = Lattice::along_axes([8.0, 8.0, 1.0], [true, false, false]).unwrap();
-        let given = Given::within(scene.into(), edges).unwrap();
+        let given = Given::in_box(scene.into(), edges).unwrap();
         let mut judge = Judge::new(&given, 1 << 20).unwrap();
         assert_eq!(judge.contacts(Arithmetic::Exact).unwrap(), Some(4));
         let through = |image: i32| {

@@ -226,8 +226,8 @@ impl Stage<'_> {
         };
         let Running { contender, arithmetic, .. } = running;
         let path = self.folder.join("pairs.npy");
-        let within = running.loads.last().and_then(Trajectory::within);
-        let fetch = || client.pairs(&path, within);
+        let box_dim = running.loads.last().and_then(Trajectory::box_dim);
+        let fetch = || client.pairs(&path, box_dim);
         let judged = judge.judge(&contender.name, *arithmetic, (contacts, digest), fetch)?;
         interrupt::check()?;
         row.outcome = judged.outcome;

@@ -47,7 +47,7 @@ impl Request {
     /// The message for a runner that speaks `version`; or why it cannot be said in that version.
     pub fn message(&self, version: u32) -> Result<Value, String> {
         let mut message = serde_json::to_value(self).map_err(|e| format!("no message: {e}"))?;
-        if let Request::Load(Trajectory { bounds: Some(_), .. }) = self
+        if let Request::Load(Trajectory { in_box: Some(_), .. }) = self
             && version < 3
         {
             return Err(format!(
@@ -194,7 +194,7 @@ mod tests {
             dim: 2,
             n: 4,
             radius: Some(0.5),
-            bounds: None,
+            in_box: None,
         })
     }
 

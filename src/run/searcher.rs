@@ -19,6 +19,14 @@ pub enum Loaded {
 }
 
 impl Loaded {
+    /// How many particles there are.
+    pub fn particles(&self) -> usize {
+        match self {
+            Loaded::Open(scene) => scene.len(),
+            Loaded::InBox(periodic) => periodic.scene().len(),
+        }
+    }
+
     /// The scene as detectors get it in an arithmetic.
     ///
     /// # Errors
@@ -28,14 +36,6 @@ impl Loaded {
             Some(periodic) => Loaded::InBox(periodic),
             None => Loaded::Open(given.scene.stored(arithmetic)?),
         })
-    }
-
-    /// The dimensions of its box, if it has one.
-    pub fn within(&self) -> Option<usize> {
-        match self {
-            Loaded::Open(_) => None,
-            Loaded::InBox(periodic) => Some(periodic.scene().dim()),
-        }
     }
 }
 
@@ -52,6 +52,16 @@ impl Searcher {
     pub fn new(spec: &DetectorSpec, options: Options) -> Searcher {
         let memory_limit = options.memory_limit;
         Searcher { detector: spec.make(options), finder: Finder::new(memory_limit), memory_limit }
+    }
+
+    /// What a list of contacts may take, in bytes.
+    pub fn memory_limit(&self) -> u64 {
+        self.memory_limit
+    }
+
+    /// How many contacts the last detection in a box has reported, also if it was refused.
+    pub fn found_in_box(&self) -> u64 {
+        self.finder.found()
     }
 
     /// The detector, to be asked otherwise.

@@ -14,7 +14,7 @@ use std::time::Instant;
 use crate::contact::Arithmetic;
 use crate::detect::table::DetectorSpec;
 use crate::detect::{Options, Refusal};
-use crate::io::exchange;
+use crate::io;
 use crate::periodic::Contacts;
 use crate::record::provenance;
 use crate::run::alloc;
@@ -111,8 +111,15 @@ impl Server {
             Request::Memory => self.memory(),
             Request::Pairs { path } => {
                 self.detect()?;
-                let within = loaded(&self.scene)?.within();
-                exchange::write_contacts(&path, &self.contacts, within).map_err(error)?;
+                match loaded(&self.scene)? {
+                    Loaded::Open(_) => io::write::pairs(&path, &self.contacts.plain),
+                    Loaded::InBox(periodic) => {
+                        let (scene, limit) = (periodic.scene(), self.options.memory_limit);
+                        let pairs = self.contacts.sorted(scene.len(), limit).map_err(refused)?;
+                        io::write::images(&path, &pairs, scene.dim())
+                    }
+                }
+                .map_err(error)?;
                 Ok(Reply::Pairs { contacts: self.contacts.len() })
             }
             Request::Quit => Ok(Reply::Loaded),

@@ -6,6 +6,7 @@
 //! right after one with several threads its copies, if the experiment asks for them. Rows go to the
 //! record one by one. What the record holds already (of a killed run) is not measured again.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 use std::time::Instant;
 
@@ -16,6 +17,7 @@ use rand_chacha::ChaCha8Rng;
 use crate::contact::Arithmetic;
 use crate::experiment::Experiment;
 use crate::experiment::plan::FEWEST_BLOCKS;
+use crate::io::Place;
 use crate::record::done::{Index, TooSlow};
 use crate::record::id::CellId;
 use crate::record::row::{Outcome, Pass, Row, Writer};
@@ -56,6 +58,8 @@ pub(crate) struct Stage<'a> {
     /// What timed rows say of their time.
     pub span: Option<String>,
     pub too_slow: &'a mut TooSlow,
+    /// What was said of files.
+    pub noted: &'a mut BTreeSet<String>,
     pub progress: &'a mut dyn Progress,
 }
 
@@ -72,9 +76,21 @@ impl Stage<'_> {
         if self.is_complete(&contenders, &given)? {
             return Ok(());
         }
+        self.note(&given);
         let mut judge = Judge::new(&given, self.experiment.memory_limit_mib << 20)?;
         let running = self.enter_all(contenders, &given, &mut judge)?;
         self.blocks(running, blocks, &mut judge)
+    }
+
+    /// Says once what the scene's file leaves open.
+    fn note(&mut self, given: &Given) {
+        let path = self.spec.params.get("path").and_then(|path| path.as_str()).unwrap_or_default();
+        for notice in &given.notices {
+            let text = format!("{path}: {}", notice.words(Place::Experiment));
+            if self.noted.insert(text.clone()) {
+                self.progress.note(&text);
+            }
+        }
     }
 
     /// Starts the contenders one after the other; gives those that are to be timed.

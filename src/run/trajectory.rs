@@ -24,12 +24,12 @@ pub struct Trajectory {
     pub radius: Option<f64>,
     /// The box in which they repeat; absent where boundaries are open.
     #[serde(default, rename = "box", skip_serializing_if = "Option::is_none")]
-    pub bounds: Option<Bounds>,
+    pub in_box: Option<BoxMessage>,
 }
 
 /// A box in a message: `dim` vectors of `dim` numbers.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Bounds {
+pub struct BoxMessage {
     /// One per row.
     pub vectors: Vec<Vec<f64>>,
     /// Along which of them the scene repeats.
@@ -38,10 +38,10 @@ pub struct Bounds {
     pub origin: Vec<f64>,
 }
 
-impl Bounds {
-    fn new(lattice: &Lattice, dim: usize) -> Bounds {
+impl BoxMessage {
+    fn new(lattice: &Lattice, dim: usize) -> BoxMessage {
         let vectors = &lattice.vectors()[..dim];
-        Bounds {
+        BoxMessage {
             vectors: vectors.iter().map(|vector| vector[..dim].to_vec()).collect(),
             periodic: lattice.periodic()[..dim].to_vec(),
             origin: lattice.origin()[..dim].to_vec(),
@@ -49,7 +49,7 @@ impl Bounds {
     }
 
     fn lattice(&self, dim: usize) -> anyhow::Result<Lattice> {
-        let Bounds { vectors, periodic, origin } = self;
+        let BoxMessage { vectors, periodic, origin } = self;
         let all = vectors.iter().chain([origin]).all(|numbers| numbers.len() == dim);
         ensure!(
             all && vectors.len() == dim && periodic.len() == dim,
@@ -66,28 +66,28 @@ impl Bounds {
 impl Trajectory {
     /// Writes a scene at rest to a file, the only frame.
     pub fn write_at_rest(path: &Path, given: &Given) -> anyhow::Result<Trajectory> {
-        let Given { scene, lattice } = given;
+        let Given { scene, lattice, .. } = given;
         let radius = exchange::write_scene(path, scene)?;
         Ok(Trajectory {
             frames: vec![path.to_path_buf()],
             dim: scene.dim() as u32,
             n: scene.len() as u64,
             radius,
-            bounds: lattice.as_ref().map(|lattice| Bounds::new(lattice, scene.dim())),
+            in_box: lattice.as_ref().map(|lattice| BoxMessage::new(lattice, scene.dim())),
         })
     }
 
     /// The dimensions of its box, if it has one: then contacts have images.
-    pub fn within(&self) -> Option<usize> {
-        self.bounds.as_ref().map(|_| self.dim as usize)
+    pub fn box_dim(&self) -> Option<usize> {
+        self.in_box.as_ref().map(|_| self.dim as usize)
     }
 
     /// Reads one of the files.
     pub fn read_frame(&self, path: &Path) -> anyhow::Result<Given> {
         let scene = exchange::read_scene(path, self.dim, self.n, self.radius)?;
-        match &self.bounds {
+        match &self.in_box {
             None => Ok(scene.into()),
-            Some(bounds) => Given::within(scene, bounds.lattice(self.dim as usize)?),
+            Some(in_box) => Given::in_box(scene, in_box.lattice(self.dim as usize)?),
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use anyhow::bail;
 
+use crate::io::Notice;
 use crate::io::boxes::{KNOWN_TO, along};
 use crate::periodic::Periodic;
 use crate::scene::{AnyScene, Lattice};
@@ -13,11 +14,13 @@ pub struct Given {
     pub scene: AnyScene<'static>,
     /// The box in which they repeat; none where boundaries are open.
     pub lattice: Option<Lattice>,
+    /// What the file that it was read from leaves open.
+    pub notices: Vec<Notice>,
 }
 
 impl<S: Into<AnyScene<'static>>> From<S> for Given {
     fn from(scene: S) -> Given {
-        Given { scene: scene.into(), lattice: None }
+        Given { scene: scene.into(), lattice: None, notices: Vec::new() }
     }
 }
 
@@ -26,9 +29,9 @@ impl Given {
     ///
     /// # Errors
     /// A box of discs that leaves their plane.
-    pub fn within(scene: AnyScene<'static>, lattice: Lattice) -> anyhow::Result<Given> {
+    pub fn in_box(scene: AnyScene<'static>, lattice: Lattice) -> anyhow::Result<Given> {
         let (scene, lattice) = Periodic::new(scene, lattice)?.into_parts();
-        Ok(Given { scene, lattice: lattice.repeats().then_some(lattice) })
+        Ok(Given { lattice: lattice.repeats().then_some(lattice), ..scene.into() })
     }
 
     /// The particles, for those who know no boxes; `name` is that of the scene.
@@ -49,9 +52,9 @@ impl Given {
     /// As the core takes it, if there is a box.
     ///
     /// # Errors
-    /// As [`Given::within`].
+    /// As [`Given::in_box`].
     pub fn periodic(&self) -> anyhow::Result<Option<Periodic<'static>>> {
-        let within = |lattice: &Lattice| Periodic::new(self.scene.clone(), *lattice);
-        Ok(self.lattice.as_ref().map(within).transpose()?)
+        let periodic = |lattice: Lattice| Periodic::new(self.scene.clone(), lattice);
+        Ok(self.lattice.map(periodic).transpose()?)
     }
 }

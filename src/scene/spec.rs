@@ -142,13 +142,14 @@ impl Spec {
         then(generator, &inputs).with_context(|| format!("cannot make the scene '{}'", self.name))
     }
 
-    fn ordered(&self, Given { scene, lattice }: Given) -> Given {
-        let scene = match self.order {
-            Order::Generated => scene,
-            Order::Shuffled => scene.reordered(&shuffled(scene.len(), self.seed)),
-            Order::Morton => scene.reordered(&morton(&scene)),
+    fn ordered(&self, given: Given) -> Given {
+        let scene = &given.scene;
+        let order = match self.order {
+            Order::Generated => return given,
+            Order::Shuffled => shuffled(scene.len(), self.seed),
+            Order::Morton => morton(scene),
         };
-        Given { scene, lattice }
+        Given { scene: scene.reordered(&order), ..given }
     }
 }
 

@@ -86,7 +86,7 @@ fn chained_hash(scene: &AnyScene<'_>) -> u64 {
 
 /// The statistics of a scene in which `contacts` pairs touch.
 pub fn stats(given: &Given, contacts: u64) -> Stats {
-    let Given { scene, lattice } = given;
+    let Given { scene, lattice, .. } = given;
     let (n, lattice) = (scene.len(), lattice.as_ref());
     let (packing_fraction, box_diameters) = with_scene!(scene, scene => {
         (packing_fraction(scene, lattice), box_diameters(scene, lattice))

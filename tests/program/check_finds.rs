@@ -11,7 +11,7 @@ use contactbench::detect::table::{self, Entry, Group, Role};
 use contactbench::detect::{Declare, Detector, Options, Refusal};
 use contactbench::io;
 use contactbench::probe::Probe;
-use contactbench::scene::Real;
+use contactbench::scene::{Given, Lattice, Radii, Real, Scene};
 use contactbench::sink::Sink;
 
 /// Direct checking that is wrong in way `WAY`.
@@ -74,8 +74,8 @@ impl<T: Real, const D: usize, const WAY: u8> Detector<T, D> for Mutant<WAY> {
                 }
             }
         }
-        if WAY == REFUSES_AFTER_REPORTING && n == 17 {
-            return Err(Refusal::Particles { detector: "mutant", n: 17, limit: 16 });
+        if WAY == REFUSES_AFTER_REPORTING && n >= 17 {
+            return Err(Refusal::Particles { detector: "mutant", n: n.into(), limit: 16 });
         }
         Ok(())
     }
@@ -237,6 +237,16 @@ fn a_refusal_after_pairs_is_a_failure() {
         (failure.wrong.clone(), failure.smallest.scene.len()),
         (Some(Wrong::RefusesLate(136)), 17)
     );
+    // In a box, where the bodies are a sphere and its images; it touches 32 of them.
+    let sphere = Scene::<f64, 3>::new(vec![[0.5; 3].into()], Radii::Uniform(1.0)).unwrap();
+    let cube = Lattice::along_axes([1.0; 3], [true; 3]).unwrap();
+    let given = Given::in_box(sphere.into(), cube).unwrap();
+    let mutant = &MUTANTS[REFUSES_AFTER_REPORTING as usize];
+    let limits = Limits::default();
+    let report =
+        check::check_scene(&given, "box", &[mutant], &[Arithmetic::Exact], &limits).unwrap();
+    let [failure] = &report.failures[..] else { panic!("{:?}", report.refused) };
+    assert_eq!(failure.found, Wrong::RefusesLate(16));
 }
 
 #[test]

@@ -20,11 +20,7 @@ pub fn contacts(
 ) -> Result<Vec<ImagePair>, Refusal> {
     let mut contacts = Contacts::default();
     Finder::new(limit).list(periodic, detector, arithmetic, &mut contacts)?;
-    let (found, particles) = (contacts.len(), periodic.scene().len() as u64);
-    if found > limit / IMAGE_PAIR_BYTES {
-        return Err(Refusal::Pairs { found, particles, room: limit });
-    }
-    Ok(contacts.sorted())
+    contacts.sorted(periodic.scene().len(), limit)
 }
 
 /// The contacts of a periodic scene as they are listed.
@@ -60,12 +56,20 @@ impl Contacts {
         digest
     }
 
-    /// All, in ascending order.
-    pub fn sorted(&self) -> Vec<ImagePair> {
-        let mut pairs: Vec<_> =
-            without_shift(&self.plain).chain(self.shifted.iter().copied()).collect();
+    /// All, in ascending order: a list of at most `limit` bytes, of a scene of so many particles.
+    ///
+    /// # Errors
+    /// [`Refusal::Pairs`] if it would be longer.
+    pub fn sorted(&self, particles: usize, limit: u64) -> Result<Vec<ImagePair>, Refusal> {
+        let (found, mut pairs) = (self.len(), Vec::new());
+        let fits = found <= limit / IMAGE_PAIR_BYTES;
+        // A list beside those that there are.
+        if !fits || pairs.try_reserve_exact(self.plain.len() + self.shifted.len()).is_err() {
+            return Err(Refusal::Pairs { found, particles: particles as u64, room: limit });
+        }
+        pairs.extend(without_shift(&self.plain).chain(self.shifted.iter().copied()));
         pairs.sort_unstable();
-        pairs
+        Ok(pairs)
     }
 
     /// Takes lists that were taken from it, with what has been found; without it on an error.
@@ -116,6 +120,11 @@ impl List {
     /// Goes on behind these.
     pub fn behind(pairs: Vec<ImagePair>, limit: u64) -> List {
         List { before: pairs.len(), pairs, found: 0, limit }
+    }
+
+    /// How many contacts have been found, whether there was room for them or not.
+    pub fn found(&self) -> u64 {
+        self.found
     }
 
     fn is_complete(&self) -> bool {

@@ -21,6 +21,7 @@ pub struct Finder {
     space: Buffers<3>,
     bytes: u64,
     images: u64,
+    found: u64,
 }
 
 #[derive(Default)]
@@ -33,7 +34,7 @@ impl Finder {
     /// Images may take so many bytes, and each list of contacts as many.
     pub fn new(limit: u64) -> Finder {
         let (plane, space) = (Buffers::default(), Buffers::default());
-        Finder { limit, plane, space, bytes: 0, images: 0 }
+        Finder { limit, plane, space, bytes: 0, images: 0, found: 0 }
     }
 
     /// The complete list of contacts, appended: what is timed. A second call on a scene of the same
@@ -82,6 +83,11 @@ impl Finder {
         self.images
     }
 
+    /// How many contacts were found in the last call, even if it was refused in the end.
+    pub fn found(&self) -> u64 {
+        self.found
+    }
+
     fn find(
         &mut self,
         periodic: &Periodic<'_>,
@@ -90,8 +96,10 @@ impl Finder {
         tally: Option<&mut Tally>,
         contacts: &mut Contacts,
     ) -> Result<(), Refusal> {
-        let Finder { limit, plane, space, .. } = self;
-        let search = Search { periodic, detector, arithmetic, limit: *limit, tally, contacts };
+        let Finder { limit, plane, space, found, .. } = self;
+        *found = 0;
+        let search =
+            Search { periodic, detector, arithmetic, limit: *limit, tally, contacts, found };
         let (bytes, images) = match periodic.scene() {
             AnyScene::Plane(scene) => search.among(&scene.widened(), plane),
             AnyScene::Space(scene) => search.among(&scene.widened(), space),
@@ -108,6 +116,7 @@ struct Search<'a> {
     limit: u64,
     tally: Option<&'a mut Tally>,
     contacts: &'a mut Contacts,
+    found: &'a mut u64,
 }
 
 impl Search<'_> {
@@ -121,7 +130,7 @@ impl Search<'_> {
         for<'x> Searched<'x>: From<Imaged<'x, D>>,
         for<'x> AnyScene<'x>: From<Stored<'x, D>>,
     {
-        let Search { periodic, detector, arithmetic, limit, tally, contacts } = self;
+        let Search { periodic, detector, arithmetic, limit, tally, contacts, found } = self;
         let made = buffers.images.make(scene, periodic.lattice(), arithmetic, limit)?;
         let (test, decide) = (arithmetic.test(), |a, b| made.touch(a, b));
         let searched = match buffers.copies.of(&made, arithmetic)? {
@@ -145,6 +154,7 @@ impl Search<'_> {
             }
         };
         let (plain, shifted) = sorted.end();
+        *found = plain.found() + shifted.found();
         contacts.end(plain, shifted, scene.len(), result)?;
         Ok((made.bytes(), made.ghosts()))
     }

@@ -46,6 +46,7 @@ struct Body {
 }
 
 /// What may be taken, and for what.
+#[derive(Clone, Copy)]
 struct Budget {
     particles: u64,
     limit: u64,
@@ -88,6 +89,11 @@ impl Budget {
         }
         Err(self.refusal(images))
     }
+
+    /// Makes room in a list for so many more, where there are so many images.
+    fn room<T>(&self, list: &mut Vec<T>, more: usize, images: usize) -> Result<(), Refusal> {
+        list.try_reserve_exact(more).map_err(|_| self.refusal(images as f64))
+    }
 }
 
 impl<const D: usize> Images<D> {
@@ -118,7 +124,8 @@ impl<const D: usize> Images<D> {
             corners = Some(self.fill(given, &near, &budget)?);
             slack = near.slack(corners, given.len() + self.images.len());
             if let Radii::Each(radii) = given.radii() {
-                self.radii.reserve_exact(radii.len() + self.images.len());
+                let images = self.images.len();
+                budget.room(&mut self.radii, radii.len() + images, images)?;
                 self.radii.extend_from_slice(radii);
                 self.radii.extend(self.images.iter().map(|body| radii[body.owner as usize]));
             }
@@ -142,7 +149,7 @@ impl<const D: usize> Images<D> {
             largest_radius: given.largest_radius(),
             corners,
             slack: if shifted { slack } else { Slack::NONE },
-            bytes: budget.needed(images.len() as f64) as u64,
+            budget,
         })
     }
 
@@ -172,7 +179,7 @@ impl<const D: usize> Images<D> {
         if wrap {
             budget.fixed += (given.len() * (8 * D + size_of::<[i32; 3]>() + 1)) as f64;
             budget.holds(0.0)?;
-            self.wrap(given, frame)?;
+            self.wrap(given, frame, budget)?;
             found = survey(&self.places, frame, below, &mut self.candidates);
         }
         let wraps = self.wraps.iter().fold([0; 3], |most: [u32; 3], wrap| {
@@ -201,7 +208,7 @@ impl<const D: usize> Images<D> {
                 budget.holds(0.0)?;
                 budget.fixed = fixed;
                 self.candidates = Vec::new();
-                self.candidates.reserve_exact(found.candidates);
+                budget.room(&mut self.candidates, found.candidates, 0)?;
             } else {
                 below = near.below;
             }
@@ -210,10 +217,15 @@ impl<const D: usize> Images<D> {
         }
     }
 
-    fn wrap(&mut self, given: &Scene<'_, f64, D>, frame: &Frame<D>) -> Result<(), Refusal> {
-        self.places.reserve_exact(given.len());
-        self.wraps.reserve_exact(given.len());
-        self.tags.reserve_exact(given.len());
+    fn wrap(
+        &mut self,
+        given: &Scene<'_, f64, D>,
+        frame: &Frame<D>,
+        budget: &Budget,
+    ) -> Result<(), Refusal> {
+        budget.room(&mut self.places, given.len(), 0)?;
+        budget.room(&mut self.wraps, given.len(), 0)?;
+        budget.room(&mut self.tags, given.len(), 0)?;
         for (index, centre) in given.centres().iter().enumerate() {
             let wrap = frame.wrap(index as u32, array(centre))?;
             let x = array(centre);
@@ -245,8 +257,8 @@ impl<const D: usize> Images<D> {
                 return if self.are_finite() { Ok(corners) } else { Err(Refusal::Range) };
             }
             (self.images, self.centres) = (Vec::new(), Vec::new());
-            self.images.reserve_exact(made);
-            self.centres.reserve_exact(made);
+            budget.room(&mut self.images, made, made)?;
+            budget.room(&mut self.centres, made, made)?;
         }
     }
 
@@ -310,7 +322,7 @@ pub struct Made<'a, const D: usize> {
     largest_radius: f64,
     corners: Option<Corners<D>>,
     slack: Slack,
-    bytes: u64,
+    budget: Budget,
 }
 
 impl<'a, const D: usize> Made<'a, D> {
@@ -326,7 +338,15 @@ impl<'a, const D: usize> Made<'a, D> {
 
     /// What is held for this scene, in bytes.
     pub fn bytes(&self) -> u64 {
-        self.bytes
+        self.budget.needed(self.images.len() as f64) as u64
+    }
+
+    /// Makes room in an empty list for so many of the bodies' numbers.
+    ///
+    /// # Errors
+    /// [`Refusal::Images`].
+    pub(super) fn room<T>(&self, list: &mut Vec<T>, count: usize) -> Result<(), Refusal> {
+        self.budget.room(list, count, self.images.len())
     }
 
     /// How near the places of the bodies are to the true ones, as a slack of the exact test.
@@ -418,12 +438,20 @@ impl<'a, const D: usize> Made<'a, D> {
     /// A copy of all bodies.
     ///
     /// # Errors
-    /// None that we know of.
+    /// [`Refusal::Images`] where there is no memory for it.
     pub fn open(&self) -> Result<Scene<'static, f64, D>, Refusal> {
-        let centres: Vec<_> = self.places().copied().map(Point::from).collect();
+        let places = self.places();
+        let mut centres = Vec::new();
+        self.room(&mut centres, places.len())?;
+        centres.extend(places.copied().map(Point::from));
         let radii = match &self.radii {
             Radii::Uniform(r) => Radii::Uniform(*r),
-            Radii::Each(radii) => Radii::Each(radii.to_vec().into()),
+            Radii::Each(radii) => {
+                let mut copy = Vec::new();
+                self.room(&mut copy, radii.len())?;
+                copy.extend_from_slice(radii);
+                Radii::Each(copy.into())
+            }
         };
         Scene::new(centres, radii).map_err(|_| Refusal::Range)
     }

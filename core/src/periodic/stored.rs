@@ -29,16 +29,18 @@ impl<const D: usize> Copies<D> {
     /// The bodies as the arithmetic stores them; `None` where that is as they are.
     ///
     /// # Errors
-    /// [`Refusal::Stored`].
+    /// [`Refusal::Stored`]; [`Refusal::Images`] where there is no memory for them.
     pub fn of(
         &mut self,
         made: &Made<'_, D>,
         arithmetic: Arithmetic,
     ) -> Result<Option<Stored<'_, D>>, Refusal> {
-        let stored = match arithmetic.storage() {
-            Storage::F64 => return Ok(None),
+        let refused = |error| refused(arithmetic, error);
+        match arithmetic.storage() {
+            Storage::F64 => Ok(None),
             Storage::F32 => {
-                self.single.fill(made, |x, _| f32::place(x), f32::nearest).map(Stored::F32)
+                let scene = self.single.fill(made, |x, _| f32::place(x), f32::nearest)?;
+                Ok(Some(Stored::F32(scene.map_err(refused)?)))
             }
             Storage::Cell => {
                 let (mut low, mut high) = ([f64::INFINITY; D], [f64::NEG_INFINITY; D]);
@@ -48,13 +50,13 @@ impl<const D: usize> Copies<D> {
                     }
                 }
                 let empty = made.places().len() == 0;
-                ByCells::new((low, high), made.largest_radius(), empty).and_then(|cells| {
-                    let length = |r| cells.length(r);
-                    self.cells.fill(made, |x, k| cells.coordinate(x, k), length).map(Stored::Cell)
-                })
+                let cells =
+                    ByCells::new((low, high), made.largest_radius(), empty).map_err(refused)?;
+                let length = |r| cells.length(r);
+                let scene = self.cells.fill(made, |x, k| cells.coordinate(x, k), length)?;
+                Ok(Some(Stored::Cell(scene.map_err(refused)?)))
             }
-        };
-        stored.map(Some).map_err(|error| refused(arithmetic, error))
+        }
     }
 }
 
@@ -64,28 +66,33 @@ impl<T: Real, const D: usize> Copied<T, D> {
         made: &Made<'_, D>,
         coordinate: impl Fn(f64, usize) -> T,
         length: impl Fn(f64) -> T,
-    ) -> Result<Scene<'_, T, D>, SceneError> {
+    ) -> Result<Result<Scene<'_, T, D>, SceneError>, Refusal> {
         let place = |x: &[f64; D]| Point::from(std::array::from_fn(|k| coordinate(x[k], k)));
-        fit(&mut self.centres, made.places().map(place));
+        fit(made, &mut self.centres, made.places().map(place))?;
         let radii = match made.radii() {
             Radii::Uniform(r) => Radii::Uniform(length(*r)),
             Radii::Each(radii) => {
-                fit(&mut self.radii, radii.iter().map(|&r| length(r)));
+                fit(made, &mut self.radii, radii.iter().map(|&r| length(r)))?;
                 Radii::Each(self.radii.as_slice().into())
             }
         };
-        Scene::new(self.centres.as_slice(), radii)
+        Ok(Scene::new(self.centres.as_slice(), radii))
     }
 }
 
 /// Replaces what a buffer holds; one that is too small is not held beside the new one.
-fn fit<A>(buffer: &mut Vec<A>, items: impl ExactSizeIterator<Item = A>) {
+fn fit<A, const D: usize>(
+    made: &Made<'_, D>,
+    buffer: &mut Vec<A>,
+    items: impl ExactSizeIterator<Item = A>,
+) -> Result<(), Refusal> {
     buffer.clear();
     if items.len() > buffer.capacity() {
         *buffer = Vec::new();
-        buffer.reserve_exact(items.len());
+        made.room(buffer, items.len())?;
     }
     buffer.extend(items);
+    Ok(())
 }
 
 fn refused(arithmetic: Arithmetic, error: SceneError) -> Refusal {

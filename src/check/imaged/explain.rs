@@ -147,8 +147,26 @@ impl Search<'_> {
         truth: &[ImagePair],
         terms: Terms,
     ) -> anyhow::Result<()> {
-        let plain = &of.reading;
-        // A part of the contacts.
+        self.partly(of, &of.reading, periodic, truth)?;
+        self.decided(of, periodic, truth, terms)?;
+        self.sized(of, periodic, truth, terms)?;
+        if self.best.wrong > 0 {
+            self.boxed(of, &of.reading, periodic, terms)?;
+        }
+        if self.best.wrong > 0 {
+            self.sized_and_boxed(of, periodic, terms)?;
+        }
+        Ok(())
+    }
+
+    /// A part of the contacts.
+    fn partly(
+        &mut self,
+        of: &Found<'_>,
+        plain: &Reading,
+        periodic: &Periodic<'_>,
+        truth: &[ImagePair],
+    ) -> anyhow::Result<()> {
         let only = |keep: &dyn Fn(&ImagePair) -> bool| -> Vec<ImagePair> {
             truth.iter().copied().filter(|pair| keep(pair)).collect()
         };
@@ -169,11 +187,6 @@ impl Search<'_> {
             if self.best.wrong > 0 && part.len() < truth.len() {
                 self.consider(of, periodic, &part, &[], Reading { taken, ..plain.clone() })?;
             }
-        }
-        self.decided(of, periodic, truth, terms)?;
-        self.sized(of, periodic, truth, terms)?;
-        if self.best.wrong > 0 {
-            self.boxed(of, periodic, terms)?;
         }
         Ok(())
     }
@@ -281,6 +294,7 @@ impl Search<'_> {
     fn boxed(
         &mut self,
         of: &Found<'_>,
+        plain: &Reading,
         periodic: &Periodic<'_>,
         terms: Terms,
     ) -> anyhow::Result<()> {
@@ -308,11 +322,37 @@ impl Search<'_> {
                 continue;
             };
             let Ok(truth) = contacts(&other, terms.memory_limit) else { continue };
-            self.consider(of, &other, &truth, &[], Reading { taken, ..of.reading.clone() })?;
+            self.consider(of, &other, &truth, &[], Reading { taken, ..plain.clone() })?;
             if self.best.wrong == 0 {
                 break;
             }
         }
+        Ok(())
+    }
+
+    /// Diameters taken for radii, or the other way, in another box or part of it: only where that
+    /// explains all.
+    fn sized_and_boxed(
+        &mut self,
+        of: &Found<'_>,
+        periodic: &Periodic<'_>,
+        terms: Terms,
+    ) -> anyhow::Result<()> {
+        let before = self.best.clone();
+        for by in [0.5, 2.0] {
+            let Ok(sized) = swollen(periodic, |r| (by * r).min(f64::MAX)) else { continue };
+            let Ok(truth) = contacts(&sized, terms.memory_limit) else { continue };
+            let deviation = Some(Deviation::Radii(by));
+            let plain = Reading { deviation, ..of.reading.clone() };
+            self.partly(of, &plain, &sized, &truth)?;
+            if self.best.wrong > 0 {
+                self.boxed(of, &plain, &sized, terms)?;
+            }
+            if self.best.wrong == 0 {
+                return Ok(());
+            }
+        }
+        self.best = before;
         Ok(())
     }
 }

@@ -23,7 +23,7 @@ fn verify(
 ) -> Verification {
     let terms = Terms { arithmetic: Arithmetic::Exact, allowed, memory_limit: 1 << 28 };
     let list = Listed { pairs, images };
-    Verification::within(periodic, list, &Naming::Base(0), &[Naming::Base(1)], terms).unwrap()
+    Verification::in_box(periodic, list, &Naming::Base(0), &[Naming::Base(1)], terms).unwrap()
 }
 
 /// Missed, spurious, repeated, and with itself.

@@ -17,12 +17,11 @@ use verdicts::{as_json, verdicts};
 use crate::check::{self, Limits, Report, contender};
 use crate::cli::shared::arithmetic::arithmetic;
 use crate::cli::shared::ci::Outputs;
-use crate::cli::shared::input::Input;
+use crate::cli::shared::input::{Input, OPTIONS};
 use crate::cli::shared::values;
 use crate::contact::Arithmetic;
 use crate::detect::Options;
 use crate::run::interrupt;
-use crate::scene::Given;
 
 /// Options of `check`.
 #[derive(clap::Args)]
@@ -43,9 +42,9 @@ pub struct Check {
     /// several times) instead of the scenes of the check
     #[arg(long, value_parser = values::SCENE, hide_possible_values = true)]
     scene: Vec<String>,
-    /// With --scene: boundaries are open, whatever the file says of its box
-    #[arg(long, requires = "scene")]
-    open: bool,
+    /// What the files of --scene do not say
+    #[command(flatten)]
+    input: Input,
     /// Seeds to try at most
     #[arg(long, default_value_t = Limits::default().seeds, value_parser = values::whole::<u64>)]
     seeds: u64,
@@ -97,6 +96,10 @@ pub fn check(options: &Check) -> anyhow::Result<ExitCode> {
         "--deadline {deadline}: give a number from 0.001 to 10^9"
     );
     ensure!(options.seeds >= 1, "--seeds 0: at least one is needed");
+    ensure!(
+        !options.scene.is_empty() || !options.input.is_said(),
+        "{OPTIONS} belong to a particle file; name one with --scene"
+    );
     let limits = Limits {
         seeds: options.seeds,
         time: Duration::from_secs_f64(seconds),
@@ -115,13 +118,13 @@ pub fn check(options: &Check) -> anyhow::Result<ExitCode> {
             runners(command, options, &limits, &mut broken, &mut out)?
         }
     };
+    let read = |path: &String| Ok((path.clone(), options.input.given(path)?));
+    let scenes = options.scene.iter().map(read).collect::<anyhow::Result<Vec<_>>>()?;
     let mut reports: Vec<Checked<'_>> = Vec::new();
     for group in &groups {
         let Group { contenders, arithmetics } = group;
-        for path in &options.scene {
-            let (scene, lattice) = Input { open: options.open, ..Input::default() }.within(path)?;
-            let given = Given { scene, lattice };
-            let report = check::one_scene(&given, path, contenders, arithmetics, &limits)?;
+        for (path, given) in &scenes {
+            let report = check::one_scene(given, path, contenders, arithmetics, &limits)?;
             reports.push(Checked { group, report, path: Some(path) });
         }
         if options.scene.is_empty() {

@@ -55,7 +55,7 @@ impl Contacts {
     }
 
     /// Those in a box that repeats.
-    pub fn within(periodic: &Periodic<'_>) -> Contacts {
+    pub fn in_box(periodic: &Periodic<'_>) -> Contacts {
         let limit = Options::default().memory_limit;
         let pairs = match imaged::contacts(periodic, limit) {
             Ok(pairs) => pairs,
@@ -135,7 +135,7 @@ where
 pub(super) fn report(
     scene: &AnyScene<'_>,
     source: &RadiusSource,
-    within: Option<&Periodic<'_>>,
+    periodic: Option<&Periodic<'_>>,
     contacts: &Contacts,
     lines: &mut Vec<Line>,
     warnings: &mut Vec<String>,
@@ -182,7 +182,7 @@ pub(super) fn report(
             let mean = if count == 0 { 0.0 } else { overlap / count as f64 };
             let across = pairs.iter().filter(|pair| pair.image != [0; 3]).count();
             let own = pairs.iter().filter(|pair| pair.i == pair.j).count();
-            let boxed = match within {
+            let boxed = match periodic {
                 None => String::new(),
                 Some(_) => format!(", {across} of them across the box, {own} of one with itself"),
             };
@@ -192,14 +192,14 @@ pub(super) fn report(
                 number(each),
                 number(mean)
             );
-            let boundaries = if within.is_some() { "periodic" } else { "open" };
+            let boundaries = if periodic.is_some() { "periodic" } else { "open" };
             let mut values = vec![
                 ("contacts", json!(count)),
                 ("coordination", json!(each)),
                 ("mean_overlap", json!(mean)),
                 ("boundaries", json!(boundaries)),
             ];
-            if within.is_some() {
+            if periodic.is_some() {
                 values.extend([("contacts_across", json!(across)), ("contacts_own", json!(own))]);
             }
             lines.push(Line("contacts", text, values));
@@ -246,13 +246,13 @@ pub(super) fn report(
             "{each:.1} contacts per particle are more than a packing of hard bodies has; {what}"
         ));
     }
-    offset(scene, within, mean, contacts, lines, warnings);
+    offset(scene, periodic, mean, contacts, lines, warnings);
 }
 
 /// How far from the origin the scene is, and what f32 would make of it.
 fn offset(
     scene: &AnyScene<'_>,
-    within: Option<&Periodic<'_>>,
+    periodic: Option<&Periodic<'_>>,
     mean: f64,
     contacts: &Contacts,
     lines: &mut Vec<Line>,
@@ -275,7 +275,7 @@ fn offset(
     );
     let mut values =
         vec![("offset_diameters", json!(diameters)), ("f32_spacing_radii", json!(spacing))];
-    if let Some([missed, spurious]) = in_f32(scene, within, contacts) {
+    if let Some([missed, spurious]) = in_f32(scene, periodic, contacts) {
         text += &format!(
             "; f32 would miss {} and add {spurious}",
             plural(usize::try_from(missed).unwrap_or(usize::MAX), "contact")
@@ -294,12 +294,12 @@ fn offset(
 /// How many contacts f32 would miss, and how many it would add.
 fn in_f32(
     scene: &AnyScene<'_>,
-    within: Option<&Periodic<'_>>,
+    periodic: Option<&Periodic<'_>>,
     contacts: &Contacts,
 ) -> Option<[u64; 2]> {
     let Contacts::Found { open, boxed, .. } = contacts else { return None };
     let mut detector = table::find(DETECTOR)?.make(Options::default());
-    if let Some(periodic) = within {
+    if let Some(periodic) = periodic {
         let limit = Options::default().memory_limit;
         let rounded = periodic::contacts(periodic, &mut *detector, Arithmetic::F32, limit).ok()?;
         let known: HashSet<&ImagePair> = boxed.iter().collect();

@@ -6,11 +6,11 @@ use anyhow::{bail, ensure};
 
 use crate::cli::shared::values;
 use crate::io;
-use crate::io::boxes::{Axes, Edges, UNKNOWN};
-use crate::io::{Boundaries, Chosen, Format, Frame};
+use crate::io::boxes::{Axes, Edges};
+use crate::io::{Boundaries, Chosen, Format, Frame, Place};
 use crate::nearest::{hint, nearest};
 use crate::scene::spec::{GENERATORS, Spec};
-use crate::scene::{AnyScene, Given, Lattice};
+use crate::scene::{AnyScene, Given};
 
 /// What a file does not say.
 #[derive(clap::Args, Clone, Copy, Debug, Default, PartialEq)]
@@ -47,9 +47,6 @@ pub struct Input {
 pub const OPTIONS: &str =
     "--radius, --dim, --frame, --columns, --format, --box, --periodic and --open";
 
-/// A scene, and the box in which it repeats.
-pub type Within = (AnyScene<'static>, Option<Lattice>);
-
 impl Input {
     /// The same for the readers.
     pub fn options(&self) -> io::Options {
@@ -66,37 +63,39 @@ impl Input {
     }
 
     /// Was anything said?
-    pub fn given(&self) -> bool {
+    pub fn is_said(&self) -> bool {
         *self != Input::default()
     }
 
     /// The scene of a file, or of a generator such as `packed:dim=3,n=1000`. What is there as a
     /// file is a file. One with a box that repeats is refused.
     pub fn scene(&self, text: &str) -> anyhow::Result<AnyScene<'static>> {
-        let of_file = |particles: io::Particles| Ok((particles.scene(text, self.radius)?, None));
-        let (scene, lattice) = self.make(text, of_file)?;
-        Given { scene, lattice }.open(text)
+        let of_file = |particles: io::Particles| Ok(particles.scene(text, self.radius)?.into());
+        self.make(text, of_file)?.open(text)
     }
 
     /// The same with the box in which it repeats, for those who know what to do with one.
-    pub fn within(&self, text: &str) -> anyhow::Result<Within> {
-        self.make(text, |particles| particles.within(text, self.radius))
+    pub fn given(&self, text: &str) -> anyhow::Result<Given> {
+        self.make(text, |particles| particles.given(text, self.radius))
     }
 
     fn make(
         &self,
         text: &str,
-        of: impl FnOnce(io::Particles) -> anyhow::Result<Within>,
-    ) -> anyhow::Result<Within> {
+        of: impl FnOnce(io::Particles) -> anyhow::Result<Given>,
+    ) -> anyhow::Result<Given> {
         let generated =
             text.split_once(':').is_some_and(|(name, _)| is_generator(name)) || is_generator(text);
         if generated && !Path::new(text).exists() {
             ensure!(
-                !self.given(),
+                !self.is_said(),
                 "{OPTIONS} belong to files; write dim=3 and the like into the scene: {text}"
             );
-            let Given { scene, lattice } = Spec::parse(text)?.given()?;
-            return Ok((scene, lattice));
+            let given = Spec::parse(text)?.given()?;
+            for notice in &given.notices {
+                eprintln!("{text}: {}", notice.words(Place::Spec));
+            }
+            return Ok(given);
         }
         let path = Path::new(text);
         if !path.exists() {
@@ -133,17 +132,8 @@ pub fn load(
         let last = about.frames - 1;
         eprintln!("{text}: frame {last}, the last of 0 to {last}, is read (--frame)");
     }
-    if options.boundaries.unknown(about.declared.as_ref()) {
-        eprintln!("{text}: {UNKNOWN}");
-    }
-    let asked = input.dim.is_some();
-    if !asked
-        && particles.is_flat()
-        && particles.lattice().is_some_and(|lattice| lattice.periodic()[2])
-    {
-        eprintln!(
-            "{text}: z is 0 for all, and the box repeats along z: if these are discs, give --dim 2"
-        );
+    for notice in particles.notices() {
+        eprintln!("{text}: {}", notice.words(Place::Argument));
     }
     Ok((particles, about))
 }

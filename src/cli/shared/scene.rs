@@ -4,9 +4,9 @@ use std::path::Path;
 
 use anyhow::ensure;
 
-use crate::cli::shared::input::{Input, OPTIONS, Within};
+use crate::cli::shared::input::{Input, OPTIONS};
 use crate::cli::shared::values;
-use crate::scene::AnyScene;
+use crate::scene::{AnyScene, Given};
 
 /// Where a scene comes from.
 #[derive(clap::Args)]
@@ -27,8 +27,8 @@ impl Source {
     }
 
     /// The same with the box in which it repeats, for those who know what to do with one.
-    pub fn within(&self) -> anyhow::Result<Option<(String, Within)>> {
-        self.named(|text| self.input.within(text))
+    pub fn given(&self) -> anyhow::Result<Option<(String, Given)>> {
+        self.named(|text| self.input.given(text))
     }
 
     fn named<T>(
@@ -36,7 +36,10 @@ impl Source {
         make: impl FnOnce(&str) -> anyhow::Result<T>,
     ) -> anyhow::Result<Option<(String, T)>> {
         let Some(text) = &self.scene else {
-            ensure!(!self.input.given(), "{OPTIONS} belong to a particle file, and none is named");
+            ensure!(
+                !self.input.is_said(),
+                "{OPTIONS} belong to a particle file, and none is named"
+            );
             return Ok(None);
         };
         let scene = make(text)?;

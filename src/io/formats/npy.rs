@@ -171,7 +171,7 @@ pub(crate) fn zip(
             x.into_iter().zip(y).zip(z).map(|((x, y), z)| Point::from([x, y, z])).collect(),
         ),
     };
-    Ok(Particles { centres, radii, ids: None, lattice: None })
+    Ok(Particles::of(centres, radii))
 }
 
 impl Source<'_> {

@@ -40,6 +40,13 @@ pub struct Other {
     pub whole: bool,
 }
 
+impl Other {
+    /// The column of that number from 0.
+    pub(super) fn unnamed(k: usize) -> Other {
+        Other { name: (k + 1).to_string(), named: false, whole: false }
+    }
+}
+
 /// The columns of a table.
 pub(super) struct Columns {
     pair: [usize; 2],
@@ -156,6 +163,7 @@ impl Columns {
     /// What is to be said of the columns when all lines are read.
     pub fn end(self, list: &mut List) {
         list.flat = self.image.len() == 2;
+        list.guessed = self.guessed && !self.image.is_empty();
         if !self.image.is_empty() {
             list.images.get_or_insert_default();
         }
@@ -166,7 +174,7 @@ impl Columns {
 }
 
 fn unnamed(k: usize) -> (usize, Other) {
-    (k, Other { name: (k + 1).to_string(), named: false, whole: false })
+    (k, Other::unnamed(k))
 }
 
 /// Small letters and figures alone.

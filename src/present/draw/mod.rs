@@ -18,20 +18,20 @@
 //!
 //! * `flat`: spheres become circles in the plane of the slice; `pairs`: what is drawn between them,
 //!   and where it comes from.
-//! * `within`: a scene that repeats, with the images that something touches; `outline`: its box.
+//! * `boxed`: a scene that repeats, with the images that something touches; `outline`: its box.
 //! * `page_coordinates`: from lengths of the scene to pixels; `sheet`: the picture.
 
+mod boxed;
 mod flat;
 mod outline;
 mod page_coordinates;
 mod pairs;
 mod sheet;
-mod within;
 
 use anyhow::ensure;
+pub use boxed::Boxed;
 pub use flat::Slice;
 pub use pairs::{Highlighted, find, read};
-pub use within::Boxed;
 
 use crate::contact::Arithmetic;
 use crate::scene::AnyScene;
@@ -76,7 +76,7 @@ pub fn svg(scene: &AnyScene<'_>, pairs: &Highlighted, look: &Look) -> anyhow::Re
 }
 
 /// The same of a scene in its box. Refuses the cells, which are those of an open scene.
-pub fn svg_within(boxed: &Boxed<'_>, look: &Look) -> anyhow::Result<String> {
+pub fn svg_in_box(boxed: &Boxed<'_>, look: &Look) -> anyhow::Result<String> {
     ensure!(
         !look.grid,
         "--grid shows the cells of open boundaries, and the box repeats; leave it out, or give \

@@ -161,9 +161,12 @@ pub fn depth_of(scene: &AnyScene<'_>, [i, j]: [u32; 2]) -> f64 {
 }
 
 /// Reads a list of pairs of any format of [`io::pairs`], whose numbers are places in the file from
-/// 0; images are refused.
-pub fn read(path: &Path) -> anyhow::Result<Vec<[u32; 2]>> {
-    let list = io::pairs::read(path, &[], Frame::Only)?;
+/// 0; images are refused, also those without a name if the file of the scene has a box.
+pub fn read(path: &Path, has_box: bool) -> anyhow::Result<Vec<[u32; 2]>> {
+    let mut list = io::pairs::read(path, &[], Frame::Only)?;
+    if !has_box {
+        list.without_box();
+    }
     if let Some(k) = list.images.iter().flatten().position(|image| *image != [0; 3]) {
         let [i, j] = list.pairs[k];
         bail!(
@@ -222,11 +225,15 @@ mod tests {
     fn lists_are_read_or_refused_with_the_place() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("pairs.csv");
-        for text in
-            ["i,j\n0,1\n2,3\n", "0,1\n\n# more\n2,3,0.25", "0 1\n2\t3\n", "i;j\r\n0;1\r\n2;3\r\n"]
-        {
+        for text in [
+            "i,j\n0,1\n2,3\n",
+            "0,1\n\n# more\n2,3,0.25",
+            "0 1\n2\t3\n",
+            "i;j\r\n0;1\r\n2;3\r\n",
+            "0 1 1 2\n2 3 1 1\n",
+        ] {
             std::fs::write(&path, text).unwrap();
-            assert_eq!(read(&path).unwrap(), [[0, 1], [2, 3]], "{text:?}");
+            assert_eq!(read(&path, false).unwrap(), [[0, 1], [2, 3]], "{text:?}");
         }
         for (text, words) in [
             ("i,j\n0,1\n2,x\n", "pairs.csv:3: column 2: 'x' is not the number of a particle"),
@@ -236,7 +243,7 @@ mod tests {
             ("i,j\r0,1\r2,3\r", "pairs.csv:1: a line ends in a carriage return alone"),
         ] {
             std::fs::write(&path, text).unwrap();
-            let error = format!("{:#}", read(&path).unwrap_err());
+            let error = format!("{:#}", read(&path, false).unwrap_err());
             assert!(error.contains(words), "{text:?}: {error}");
         }
     }

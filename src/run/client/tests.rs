@@ -38,7 +38,7 @@ fn a_runner_that_does_not_leave_is_asked_by_a_signal_before_it_is_killed() {
 #[test]
 fn several_frames_are_not_available_in_version_1() {
     let frames = vec!["a.npy".into(), "b.npy".into()];
-    let load = Request::Load(Trajectory { frames, dim: 2, n: 4, radius: Some(0.5), bounds: None });
+    let load = Request::Load(Trajectory { frames, dim: 2, n: 4, radius: Some(0.5), in_box: None });
     let answering = "echo 'HELLO'; while read -r line; do echo '{\"reply\":\"loaded\"}'; done";
     let failure = shell(1, answering).ask(&load).unwrap_err();
     assert_eq!(failure.outcome, Outcome::Unavailable);

@@ -43,10 +43,10 @@ impl<'a> Open<'a> {
         arithmetic: Arithmetic,
         said: Digest,
         fetch: impl FnOnce() -> Result<Contacts, String>,
-    ) -> anyhow::Result<Judged> {
+    ) -> anyhow::Result<Result<Judged, Nothing>> {
         let truths = match self.known(arithmetic)? {
             Ok(truths) => truths,
-            Err(Nothing { reason, .. }) => return Ok(Judged::unseen(&reason)),
+            Err(nothing) => return Ok(Err(nothing)),
         };
         let fetched;
         let pairs = if said == truths.rounded.digest {
@@ -57,7 +57,7 @@ impl<'a> Open<'a> {
                     normalise(&mut plain);
                     plain
                 }
-                Err(why) => return Ok(Judged::unseen(&why)),
+                Err(why) => return Ok(Ok(Judged::unseen(&why))),
             };
             &fetched
         };
@@ -73,7 +73,7 @@ impl<'a> Open<'a> {
                 stored: compare(pairs, &truths.exact, &truths.stored),
             });
         }
-        Ok(judged)
+        Ok(Ok(judged))
     }
 
     fn known(&mut self, arithmetic: Arithmetic) -> anyhow::Result<Result<Truths, Nothing>> {

@@ -43,7 +43,7 @@ pub fn boxed<const D: usize>(
         ensure!(tilt.is_none(), "a tilt belongs to a box that repeats: add periodic=true");
         return Ok(Given::from(scene));
     };
-    let Axes(axes) = text.parse().map_err(anyhow::Error::msg)?;
+    let axes = text.parse::<Axes>().map_err(anyhow::Error::msg)?.of(D);
     let diameter = inputs.number(DIAMETER.name)?;
     let mut vectors = [[0.0; 3]; 3];
     for (k, edge) in edges.into_iter().enumerate() {
@@ -61,5 +61,5 @@ pub fn boxed<const D: usize>(
     let corner = inputs.number(OFFSET.name).unwrap_or(0.0) * diameter;
     let mut origin = [0.0; 3];
     origin[..D].fill(corner);
-    Given::within(scene.into(), Lattice::new(vectors, axes, origin)?)
+    Given::in_box(scene.into(), Lattice::new(vectors, axes, origin)?)
 }

@@ -172,11 +172,11 @@ impl Generator {
             }
         }
         let mut all = BTreeMap::new();
-        // A file has its own dimension, and nobody has looked.
-        let of_values = if self.name == file::NAME { 3 } else { dim };
+        // A file has its own, and nobody has looked.
+        let known = (self.name != file::NAME).then_some(dim);
         for parameter in self.params {
             let value = match params.get(parameter.name) {
-                Some(value) => match parameter.kind.check(value, of_values) {
+                Some(value) => match parameter.kind.check(value, known) {
                     Ok(value) => value,
                     Err(must) => {
                         bail!("{}: {} is {value}; it must be {must}", self.name, parameter.name)
@@ -227,8 +227,10 @@ impl Kind {
         }
     }
 
-    /// The value in its one canonical form (2 becomes 2.0 for a number), or what it must be.
-    fn check(&self, value: &Value, dim: u32) -> Result<Value, String> {
+    /// The value in its one canonical form (2 becomes 2.0 for a number), or what it must be. The
+    /// dimension of files is not known.
+    fn check(&self, value: &Value, known: Option<u32>) -> Result<Value, String> {
+        let dim = known.unwrap_or(3);
         let number = |good: fn(f64) -> bool| {
             value.as_f64().filter(|&x| x.is_finite() && good(x)).map(Value::from)
         };
@@ -253,23 +255,16 @@ impl Kind {
                 None => text(&|text| ["true", "false"].contains(&text)),
             },
             Kind::Axes => {
-                let all = if dim == 2 { "xy" } else { "xyz" };
                 let text = match value.as_bool() {
-                    Some(yes) => {
-                        if yes {
-                            all
-                        } else {
-                            "none"
-                        }
-                    }
-                    None => match value.as_str().unwrap_or_default() {
-                        "true" => all,
-                        "false" => "none",
-                        text => text,
-                    },
+                    Some(yes) => yes.to_string(),
+                    None => value.as_str().unwrap_or_default().into(),
                 };
-                let axes = text.parse::<Axes>().ok().filter(|axes| dim == 3 || !axes.0[2]);
-                axes.map(|axes| axes.to_string().into())
+                let axes = text.parse::<Axes>().ok().map(|axes| match known {
+                    Some(dim) => Axes::These(axes.of(dim as usize)),
+                    None => axes,
+                });
+                let fits = |axes: &Axes| dim == 3 || !axes.of(2)[2];
+                axes.filter(fits).map(|axes| axes.to_string().into())
             }
             Kind::Word(words) => text(&|word| words[usize::from(dim == 3)].contains(&word)),
             Kind::Text => text(&|text| !text.is_empty()),

@@ -21,7 +21,7 @@ pub const CASES: &[Case] = &[
         reason: "a particle meets its own images, and nobody else is there: pairs i < j miss all",
         source: "matscipy tests/test_neighbours.py: one body in a unit cube, cutoff 1.1",
         expect: Expect::Contacts([2, 3]),
-        make: |dim| within(uniform(dim, &[[0.25; 3]], 0.55), cube(1.0), ALL),
+        make: |dim| in_box(uniform(dim, &[[0.25; 3]], 0.55), cube(1.0), ALL),
         ..BOXES
     },
     Case {
@@ -29,14 +29,14 @@ pub const CASES: &[Case] = &[
         reason: "images that are shifted along two vectors at once",
         source: "matscipy tests/test_neighbours.py: cutoff 1.5",
         expect: Expect::Contacts([4, 9]),
-        make: |dim| within(uniform(dim, &[[0.25; 3]], 0.75), cube(1.0), ALL),
+        make: |dim| in_box(uniform(dim, &[[0.25; 3]], 0.75), cube(1.0), ALL),
         ..BOXES
     },
     Case {
         name: "own-images-through-corners",
         reason: "images that are shifted along all vectors at once",
         expect: Expect::Contacts([4, 13]),
-        make: |dim| within(uniform(dim, &[[0.25; 3]], 0.9), cube(1.0), ALL),
+        make: |dim| in_box(uniform(dim, &[[0.25; 3]], 0.9), cube(1.0), ALL),
         ..BOXES
     },
     Case {
@@ -44,7 +44,7 @@ pub const CASES: &[Case] = &[
         reason: "the second image along a vector is exactly in touch: one image to either side is \
                  not enough",
         expect: Expect::Contacts([6, 16]),
-        make: |dim| within(uniform(dim, &[[0.25; 3]], 1.0), cube(1.0), ALL),
+        make: |dim| in_box(uniform(dim, &[[0.25; 3]], 1.0), cube(1.0), ALL),
         ..BOXES
     },
     Case {
@@ -52,7 +52,7 @@ pub const CASES: &[Case] = &[
         reason: "the box repeats along one vector, and is shorter than the reach along all",
         source: "matscipy tests/test_neighbours.py: pbc along x",
         expect: Expect::Contacts([1, 1]),
-        make: |dim| within(uniform(dim, &[[0.25; 3]], 0.55), cube(1.0), X),
+        make: |dim| in_box(uniform(dim, &[[0.25; 3]], 0.55), cube(1.0), X),
         ..BOXES
     },
     Case {
@@ -61,7 +61,7 @@ pub const CASES: &[Case] = &[
         reason: "open along the vector in the middle",
         source: "matscipy tests/test_neighbours.py: pbc along x and z",
         expect: Expect::Contacts([0, 2]),
-        make: |dim| within(uniform(dim, &[[0.25; 3]], 0.55), cube(1.0), [true, false, true]),
+        make: |dim| in_box(uniform(dim, &[[0.25; 3]], 0.55), cube(1.0), [true, false, true]),
         ..BOXES
     },
     Case {
@@ -69,7 +69,7 @@ pub const CASES: &[Case] = &[
         reason: "two bodies exactly in touch through a face of a wide box",
         source: "NeighbourLists.jl#6: two atoms 1.0 apart in a box of 8",
         expect: Expect::Contacts([1, 1]),
-        make: |dim| within(uniform(dim, &facing(0.0), 0.5), cube(8.0), ALL),
+        make: |dim| in_box(uniform(dim, &facing(0.0), 0.5), cube(8.0), ALL),
         ..BOXES
     },
     Case {
@@ -77,14 +77,14 @@ pub const CASES: &[Case] = &[
         reason: "as in-touch-through-a-face, in a box whose edge is a last bit longer: no image \
                  touches, and a coordinate of one, rounded, says that it does",
         expect: Expect::Contacts([0, 0]),
-        make: |dim| within(uniform(dim, &facing(0.0), 0.5), cube(8f64.next_up()), ALL),
+        make: |dim| in_box(uniform(dim, &facing(0.0), 0.5), cube(8f64.next_up()), ALL),
         ..BOXES
     },
     Case {
         name: "a-last-bit-over-a-face",
         reason: "as in-touch-through-a-face, in a box whose edge is a last bit shorter",
         expect: Expect::Contacts([1, 1]),
-        make: |dim| within(uniform(dim, &facing(0.0), 0.5), cube(8f64.next_down()), ALL),
+        make: |dim| in_box(uniform(dim, &facing(0.0), 0.5), cube(8f64.next_down()), ALL),
         ..BOXES
     },
     Case {
@@ -94,7 +94,7 @@ pub const CASES: &[Case] = &[
         source: "FreeBird.jl#150: images counted once",
         expect: Expect::Contacts([2, 2]),
         make: |dim| {
-            within(
+            in_box(
                 uniform(dim, &[[0.5, 1.0, 1.0], [1.5, 1.0, 1.0]], 0.5),
                 edges([2.0, 9.0, 9.0]),
                 X,
@@ -107,7 +107,7 @@ pub const CASES: &[Case] = &[
         reason: "a coordinate of -5e-17, which a box of edge 1 wraps to 1.0, outside of it",
         source: "NeighbourLists.jl#28 and #38",
         expect: Expect::Contacts([1, 1]),
-        make: |dim| within(uniform(dim, &quarter(-5e-17), 0.125), cube(1.0), ALL),
+        make: |dim| in_box(uniform(dim, &quarter(-5e-17), 0.125), cube(1.0), ALL),
         ..BOXES
     },
     Case {
@@ -115,7 +115,7 @@ pub const CASES: &[Case] = &[
         reason: "as barely-below-zero, on the other side: the image is too far by less than a last \
                  bit of its coordinate",
         expect: Expect::Contacts([0, 0]),
-        make: |dim| within(uniform(dim, &quarter(5e-17), 0.125), cube(1.0), ALL),
+        make: |dim| in_box(uniform(dim, &quarter(5e-17), 0.125), cube(1.0), ALL),
         ..BOXES
     },
     Case {
@@ -125,7 +125,7 @@ pub const CASES: &[Case] = &[
         expect: Expect::Contacts([1, 1]),
         make: |dim| {
             let places = [[0.5, 0.5, 0.5], [two_to(-60), 0.5, 0.5]];
-            within(uniform(dim, &places, 0.25), cube(1.0), X)
+            in_box(uniform(dim, &places, 0.25), cube(1.0), X)
         },
         ..BOXES
     },
@@ -135,7 +135,7 @@ pub const CASES: &[Case] = &[
                  there are neighbours, so that a cell is the neighbour of another on both sides",
         source: "GPUMD#190",
         expect: Expect::Contacts([3, 3]),
-        make: |dim| within(uniform(dim, &row(3), 0.5), edges([3.0, 9.0, 9.0]), X),
+        make: |dim| in_box(uniform(dim, &row(3), 0.5), edges([3.0, 9.0, 9.0]), X),
         ..BOXES
     },
     Case {
@@ -143,7 +143,7 @@ pub const CASES: &[Case] = &[
         reason: "as a-box-of-three-reaches, a little shorter: only two cells fit",
         source: "GPUMD#190: neighbours lost near x = 0",
         expect: Expect::Contacts([3, 3]),
-        make: |dim| within(uniform(dim, &row(3), 0.5), edges([3.0 - two_to(-40), 9.0, 9.0]), X),
+        make: |dim| in_box(uniform(dim, &row(3), 0.5), edges([3.0 - two_to(-40), 9.0, 9.0]), X),
         ..BOXES
     },
     Case {
@@ -151,14 +151,14 @@ pub const CASES: &[Case] = &[
         reason: "as a-box-of-three-reaches, a little longer: the last contact is gone",
         source: "GPUMD#190",
         expect: Expect::Contacts([2, 2]),
-        make: |dim| within(uniform(dim, &row(3), 0.5), edges([3.0 + two_to(-40), 9.0, 9.0]), X),
+        make: |dim| in_box(uniform(dim, &row(3), 0.5), edges([3.0 + two_to(-40), 9.0, 9.0]), X),
         ..BOXES
     },
     Case {
         name: "a-box-of-two-reaches",
         reason: "two cells along each axis: every cell is its neighbour's neighbour on both sides",
         expect: Expect::Contacts([8, 24]),
-        make: |dim| within(uniform(dim, &lattice(dim, 2, |k| k), 0.5), cube(2.0), ALL),
+        make: |dim| in_box(uniform(dim, &lattice(dim, 2, |k| k), 0.5), cube(2.0), ALL),
         ..BOXES
     },
     Case {
@@ -197,7 +197,7 @@ pub const CASES: &[Case] = &[
                  the numbers as given to say, not for the lattice",
         make: |dim| {
             let places = lattice(dim, 6, |k| (k + 0.1) / 3.0);
-            within(uniform(dim, &places, 0.5 / 3.0), cube(2.0), ALL)
+            in_box(uniform(dim, &places, 0.5 / 3.0), cube(2.0), ALL)
         },
         ..BOXES
     },
@@ -207,21 +207,21 @@ pub const CASES: &[Case] = &[
                  image is -3, not one beside the box",
         source: "NeighbourLists.jl#6; lammps#1378",
         expect: Expect::Contacts([1, 1]),
-        make: |dim| within(uniform(dim, &facing(24.0), 0.5), cube(8.0), ALL),
+        make: |dim| in_box(uniform(dim, &facing(24.0), 0.5), cube(8.0), ALL),
         ..BOXES
     },
     Case {
         name: "outside-by-millions-of-vectors",
         reason: "as outside-by-three-vectors, 2^28 of them",
         expect: Expect::Contacts([1, 1]),
-        make: |dim| within(uniform(dim, &facing(two_to(31)), 0.5), cube(8.0), ALL),
+        make: |dim| in_box(uniform(dim, &facing(two_to(31)), 0.5), cube(8.0), ALL),
         ..BOXES
     },
     Case {
         name: "on-both-faces",
         reason: "one particle at 0 and one at the edge's length, which is the same place",
         expect: Expect::Contacts([1, 1]),
-        make: |dim| within(uniform(dim, &[[0.0, 2.0, 2.0], [4.0, 2.0, 2.0]], 0.5), cube(4.0), ALL),
+        make: |dim| in_box(uniform(dim, &[[0.0, 2.0, 2.0], [4.0, 2.0, 2.0]], 0.5), cube(4.0), ALL),
         ..BOXES
     },
     Case {
@@ -230,7 +230,7 @@ pub const CASES: &[Case] = &[
         expect: Expect::Contacts([pairs(5), pairs(5)]),
         make: |dim| {
             let places = [0.0, 1.0, -2.0, 3.0, 64.0].map(|k| [0.375 + k, 0.25 - k, 0.5]);
-            within(uniform(dim, &places, 0.25), cube(1.0), ALL)
+            in_box(uniform(dim, &places, 0.25), cube(1.0), ALL)
         },
         ..BOXES
     },
@@ -238,7 +238,7 @@ pub const CASES: &[Case] = &[
         name: "from-corner-to-corner",
         reason: "a contact through all faces at once",
         expect: Expect::Contacts([1, 1]),
-        make: |dim| within(uniform(dim, &[[0.25; 3], [7.75; 3]], 0.45), cube(8.0), ALL),
+        make: |dim| in_box(uniform(dim, &[[0.25; 3], [7.75; 3]], 0.45), cube(8.0), ALL),
         ..BOXES
     },
     Case {
@@ -247,7 +247,7 @@ pub const CASES: &[Case] = &[
         expect: Expect::Contacts([1, 1]),
         make: |dim| {
             let places = [[0.0, 1.0, 1.0], [4.0, 1.0, 1.0], [2.0, 1.0, 1.0]];
-            within(uniform(dim, &places, 0.0), cube(4.0), ALL)
+            in_box(uniform(dim, &places, 0.0), cube(4.0), ALL)
         },
         ..BOXES
     },
@@ -258,7 +258,7 @@ pub const CASES: &[Case] = &[
         expect: Expect::Contacts([0, 1]),
         make: |dim| {
             let places = [[0.25, 3.0, 0.25], [7.25, 3.0, 0.25], [0.25, 3.0, 7.25]];
-            within(uniform(dim, &places, 0.5), cube(8.0), [true, true, false])
+            in_box(uniform(dim, &places, 0.5), cube(8.0), [true, true, false])
         },
         ..BOXES
     },
@@ -268,7 +268,7 @@ pub const CASES: &[Case] = &[
         expect: Expect::Contacts([15, 15]),
         make: |dim| {
             let places = [[8.0, 0.125, 1.0], [8.5, 0.125, 1.0]];
-            within(uniform(dim, &places, 0.5), edges([64.0, 0.25, 9.0]), [false, true, false])
+            in_box(uniform(dim, &places, 0.5), edges([64.0, 0.25, 9.0]), [false, true, false])
         },
         ..BOXES
     },
@@ -277,7 +277,7 @@ pub const CASES: &[Case] = &[
         reason: "a radius of two edges: hundreds of images, of itself and of the small ones",
         make: |dim| {
             let bodies = [([0.5; 3], 2.0), ([0.25, 0.75, 0.5], 0.25), ([0.0; 3], 0.0)];
-            within(each(dim, &bodies), cube(1.0), ALL)
+            in_box(each(dim, &bodies), cube(1.0), ALL)
         },
         ..BOXES
     },
@@ -321,7 +321,7 @@ pub const CASES: &[Case] = &[
         expect: Expect::Contacts([2, 3]),
         make: |dim| {
             let vectors = [[2.0, 1.0, 0.0], [1.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-            within(uniform(dim, &[[0.25; 3]], 0.55), vectors, ALL)
+            in_box(uniform(dim, &[[0.25; 3]], 0.55), vectors, ALL)
         },
         ..BOXES
     },
@@ -332,7 +332,7 @@ pub const CASES: &[Case] = &[
         expect: Expect::Contacts([3, 0]),
         make: |dim| {
             let vectors = [[1.0, 0.0, 0.0], [0.5, 0.875, 0.0], [0.0, 0.0, 1.0]];
-            within(uniform(dim, &[[0.25; 3]], 0.51), vectors, ALL)
+            in_box(uniform(dim, &[[0.25; 3]], 0.51), vectors, ALL)
         },
         ..BOXES
     },
@@ -344,7 +344,7 @@ pub const CASES: &[Case] = &[
         expect: Expect::Contacts([0, 6]),
         make: |dim| {
             let vectors = [[0.0, 2.0, 2.0], [2.0, 0.0, 2.0], [2.0, 2.0, 0.0]];
-            within(uniform(dim, &[[0.25; 3]], 1.45), vectors, ALL)
+            in_box(uniform(dim, &[[0.25; 3]], 1.45), vectors, ALL)
         },
         ..BOXES
     },
@@ -352,7 +352,7 @@ pub const CASES: &[Case] = &[
         name: "nobody-in-a-box",
         reason: "no particles, and a box all the same",
         expect: Expect::Contacts([0, 0]),
-        make: |dim| within(uniform(dim, &[], 0.5), cube(1.0), ALL),
+        make: |dim| in_box(uniform(dim, &[], 0.5), cube(1.0), ALL),
         ..BOXES
     },
 ];
@@ -384,7 +384,7 @@ fn row(n: u32) -> Vec<Place> {
 fn tiled(dim: u32, scale: f64, offset: f64) -> Steps {
     let sites = by_dim(dim, [6, 4]);
     let places = lattice(dim, sites, |k| (offset + 0.25 + k) * scale);
-    within(uniform(dim, &places, 0.5 * scale), cube(f64::from(sites) * scale), ALL)
+    in_box(uniform(dim, &places, 0.5 * scale), cube(f64::from(sites) * scale), ALL)
 }
 
 /// Two bodies that touch through the faces across y of a sheared box, one above the other but for
@@ -392,5 +392,5 @@ fn tiled(dim: u32, scale: f64, offset: f64) -> Steps {
 fn sheared(dim: u32, tilt: f64, aside: f64) -> Steps {
     let places = [[1.0, 0.25, 3.0], [1.0 + aside, 7.25, 3.0]];
     let vectors = [[8.0, 0.0, 0.0], [8.0 * tilt, 8.0, 0.0], [0.0, 0.0, 8.0]];
-    within(uniform(dim, &places, 0.5), vectors, ALL)
+    in_box(uniform(dim, &places, 0.5), vectors, ALL)
 }

@@ -23,9 +23,9 @@ pub fn each(dim: u32, bodies: &[(Place, f64)]) -> Steps {
 }
 
 /// The same steps in a box that repeats along some of its vectors, with its corner at the origin.
-pub fn within(steps: Steps, vectors: [Place; 3], periodic: [bool; 3]) -> Steps {
+pub fn in_box(steps: Steps, vectors: [Place; 3], periodic: [bool; 3]) -> Steps {
     let lattice = Lattice::new(vectors, periodic, [0.0; 3])?;
-    steps?.into_iter().map(|step| Given::within(step.scene, lattice)).collect()
+    steps?.into_iter().map(|step| Given::in_box(step.scene, lattice)).collect()
 }
 
 /// The steps of all parts, in order.

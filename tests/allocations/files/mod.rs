@@ -44,7 +44,7 @@ fn rows(scene: &AnyScene<'_>) -> Vec<Vec<f64>> {
 fn read_rows(bytes: &[u8], ending: &str, options: Options) -> (Vec<Vec<f64>>, io::About) {
     let (particles, about) =
         load(bytes, ending, options).unwrap_or_else(|error| panic!("{ending}: {error}"));
-    (rows(&particles.within("p", options.radius).unwrap().0), about)
+    (rows(&particles.given("p", options.radius).unwrap().scene), about)
 }
 
 fn gz(bytes: &[u8]) -> Vec<u8> {

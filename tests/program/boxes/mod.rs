@@ -1,5 +1,6 @@
 //! Files with boxes as users meet them: used or refused in words, never ignored.
 
+mod columns;
 mod draw;
 mod inspect;
 mod lists;
@@ -93,6 +94,7 @@ fn experiments_take_the_box_of_a_file() {
     let folder = folder.path();
     file(folder, "tilted.dump", TILTED);
     file(folder, "bare.csv", "x,y,z,r\n0.25,1,1,0.5\n3.25,1,1,0.5\n");
+    file(folder, "discs.csv", "x,y,r\n0.25,1,0.5\n3.25,1,0.5\n");
     let experiment = |keys: &str| {
         let text = format!(
             "name = \"t\"\ntitle = \"t\"\nquestion = \"?\"\nreading = \"-\"\nblocks = \
@@ -108,6 +110,7 @@ fn experiments_take_the_box_of_a_file() {
         ("path = \"tilted.dump\"\nperiodic = \"x\"\n", 1),
         ("path = \"bare.csv\"\n", 0),
         ("path = \"bare.csv\"\nbox = \"4,4,4\"\n", 1),
+        ("path = \"discs.csv\"\nbox = \"4,4\"\nperiodic = true\n", 1),
         ("path = \"bare.csv\"\nbox = \"4,4,4\"\nperiodic = \"yz\"\n", 0),
     ] {
         experiment(keys);
@@ -131,6 +134,16 @@ fn experiments_take_the_box_of_a_file() {
         assert_eq!(ended.stderr.contains(words), said, "{}", ended.stderr);
         std::fs::remove_dir_all(folder.join("out")).unwrap();
     }
+    // Once, and of the frame that is read.
+    let frame = |flags: &str| TILTED.replace(" pp pp ff", flags);
+    file(folder, "two.dump", frame("") + &frame(" pp pp ff"));
+    for (frame, said) in [("0", 1), ("1", 0)] {
+        experiment(&format!("path = \"two.dump\"\nframe = \"{frame}\"\nseed = [1, 2]\n"));
+        let ended = run(folder, &["run", "t.toml", "--out", "out"]);
+        let words = "two.dump: the file does not say";
+        assert_eq!(ended.stderr.matches(words).count(), said, "{}", ended.stderr);
+        std::fs::remove_dir_all(folder.join("out")).unwrap();
+    }
     experiment("path = \"tilted.dump\"\nopen = 1\n");
     refused(folder, &["run", "t.toml", "--out", "out"], &["open is 1; it must be true or false"]);
     let scene = ["scene", "file:path=tilted.dump,order=generated,open=true"];
@@ -150,6 +163,19 @@ fn nobody_is_left_to_guess_about_a_data_file() {
         let ended = good(folder, &[verb, "p.lmp", "--open"]);
         assert!(!ended.stderr.contains("box"), "{}", ended.stderr);
     }
+    // Also where a scene is named so.
+    let of_scene = "file:path=p.lmp: the file does not say whether its box repeats: boundaries are \
+                    taken as open; say periodic=xyz if it does, and open=true if not\n";
+    let check = ["check", "--detector", "direct", "--scene"];
+    for verb in [&["detect"][..], &["scene"], &["draw", "-o", "p.svg"], &check] {
+        let ended = good(folder, &[verb, &["file:path=p.lmp"]].concat());
+        assert_eq!(ended.stderr.matches(of_scene).count(), 1, "{}", ended.stderr);
+        let ended = good(folder, &[verb, &["file:path=p.lmp,open=true"]].concat());
+        assert!(!ended.stderr.contains("box"), "{}", ended.stderr);
+    }
+    file(folder, "plane.xyz", CUBE.replace("1 1 0.5", "1 0 0.5"));
+    let ended = good(folder, &["detect", "file:path=plane.xyz"]);
+    assert!(ended.stderr.contains("if these are discs, give dim=2\n"), "{}", ended.stderr);
     let found = json_of(folder, &["inspect", "p.lmp", "--json"]);
     assert_eq!(found["warnings"], json!([unknown]));
     assert_eq!(found["periodic"], json!([false, false, false]));
@@ -161,6 +187,55 @@ fn nobody_is_left_to_guess_about_a_data_file() {
     assert_eq!(found["periodic"], json!([true, true, false]));
     let ended = refused(folder, &["trace", "nbs", "p.lmp", "--periodic", "xy"], &[]);
     assert_eq!(ended.stderr, format!("contactbench: p.lmp: {OPEN}"));
+}
+
+#[test]
+fn discs_in_a_box_come_back_from_a_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let scene = "packed:dim=2,n=12,periodic=true";
+    good(folder, &["scene", scene, "-o", "discs.xyz"]);
+    let (text, pairs) = (
+        std::fs::read_to_string(folder.join("discs.xyz")).unwrap(),
+        good(folder, &["detect", scene, "-o", "pairs.csv"]),
+    );
+    assert!(pairs.stderr.contains("the box, which repeats along x and y"), "{}", pairs.stderr);
+    let of = |keys: &str| format!("file:path=discs.xyz,order=generated{keys}");
+    for from in ["discs.xyz", &of(""), &of(",periodic=true"), &of(",dim=2,periodic=xy")] {
+        assert_eq!(good(folder, &["scene", from]).stdout, text, "{from}");
+        good(folder, &["check", "--detector", "nbs", "--scene", from]);
+        good(folder, &["draw", from, "-o", "discs.svg"]);
+    }
+    for boundaries in [&[][..], &["--periodic", "xy"], &["--periodic", "true"]] {
+        let verify = ["verify", "discs.xyz", "--pairs", "pairs.csv"];
+        good(folder, &[&verify, boundaries].concat());
+    }
+    let beyond = ["detect", "discs.xyz", "--periodic", "xyz"];
+    refused(folder, &beyond, &["repeats along x and y at most"]);
+}
+
+#[test]
+fn check_takes_the_box_as_other_verbs_do() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    // It touches three pairs of its own images.
+    file(folder, "one.csv", "x,y,z\n0.25,0.5,7\n");
+    for (arguments, missed) in [
+        (&["--box", "1,1,1"][..], 3),
+        (&["--box", "1,1,1", "--periodic", "xz"], 2),
+        (&["--box", "1,0,0,0,1,0,3,0,1"], 3),
+        (&["--open"], 0),
+    ] {
+        let check = ["check", "--scene", "one.csv", "--radius", "0.5", "--detector"];
+        good(folder, &[&check[..], &["direct"], arguments].concat());
+        let ended = run(folder, &[&check[..], &["nothing"], arguments].concat());
+        assert_eq!(ended.code, Some(i32::from(missed > 0)), "{}", ended.stdout);
+        let words = format!(": {missed} missed, 0 spurious");
+        assert_eq!(ended.stdout.contains(&words), missed > 0, "{}", ended.stdout);
+    }
+    refused(folder, &["check", "--box", "1,1,1"], &["belong to a particle file", "--scene"]);
+    let scene = ["check", "--scene", "packed:n=9", "--open"];
+    refused(folder, &scene, &["--open belong to files"]);
 }
 
 #[test]
@@ -201,7 +276,9 @@ fn what_contradicts_itself_is_refused() {
         assert!(ended.stderr.contains(words), "{numbers}: {}", ended.stderr);
     }
     // Verbs that take boundaries as open do not offer boxes.
-    for (verb, offers) in [("detect", true), ("draw", true), ("scene", true), ("trace", false)] {
+    for (verb, offers) in
+        [("check", true), ("detect", true), ("draw", true), ("scene", true), ("trace", false)]
+    {
         let help = good(folder, &[verb, "--help"]).stdout;
         assert!(help.contains("--open"), "{help}");
         assert_eq!([help.contains("--box"), help.contains("--periodic")], [offers; 2], "{help}");
@@ -285,6 +362,10 @@ fn detect_names_the_images_that_touch() {
     let heap =
         ["detect", "heap.csv", "--box", "0.01,9", "--periodic", "x", "--memory-limit", "1MiB"];
     refused(folder, &heap, &["heap.csv: ", " pairs", "1048576"]);
+    // The sorted list of 780 contacts has 20 bytes for each.
+    let heap = ["detect", "heap.csv", "--box", "9,9", "--detector", "direct", "--memory-limit"];
+    refused(folder, &[&heap[..], &["15599"]].concat(), &["780 touching pairs", "15599 bytes"]);
+    good(folder, &[&heap[..], &["15600"]].concat());
     let many = ["detect", "cube.xyz", "--box", "1e-3,1,1", "--memory-limit", "400KiB"];
     refused(folder, &many, &["cube.xyz: ", "limit"]);
     // A plane of LAMMPS is periodic along z, too: whoever reads it in 3D is told.

@@ -31,7 +31,10 @@ fn find(bag: &Bag<3>, finder: &mut Finder) -> Contacts {
 fn contacts_are_appended_or_left_as_they_were() {
     let bag = thousand(CUBE);
     let (truth, found) = (bag.truth(), find(&bag, &mut Finder::new(LIMIT)));
-    assert!(found.sorted() == truth && found.len() == truth.len() as u64 && !found.is_empty());
+    let bytes = found.len() * IMAGE_PAIR_BYTES;
+    assert!(found.sorted(1000, bytes).unwrap() == truth && !found.is_empty());
+    let refused = Refusal::Pairs { found: found.len(), particles: 1000, room: bytes - 1 };
+    assert_eq!(found.sorted(1000, bytes - 1), Err(refused));
     assert!(found.plain.len() > 200 && found.shifted.len() > 15);
     assert_eq!(
         found.digest(),
@@ -60,7 +63,9 @@ fn contacts_are_appended_or_left_as_they_were() {
                 let result =
                     finder.list(&periodic, &mut *detector, Arithmetic::Exact, &mut contacts);
                 match result {
-                    Err(Refusal::Pairs { found, .. }) => assert_eq!(found, all, "{}", entry.name),
+                    Err(Refusal::Pairs { found, .. }) => {
+                        assert_eq!([found, finder.found()], [all; 2], "{}", entry.name);
+                    }
                     Ok(()) if radius < 1.0 => continue,
                     other => panic!("{}: {other:?}", entry.name),
                 }
@@ -73,7 +78,7 @@ fn contacts_are_appended_or_left_as_they_were() {
     let refused =
         finder.list(&other_unit.periodic(), &mut *detector, Arithmetic::F64, &mut contacts);
     assert!(matches!(refused, Err(Refusal::Images { .. })));
-    assert!(contacts.sorted() == truth);
+    assert!(contacts.sorted(1000, u64::MAX).unwrap() == truth);
 }
 
 /// What the formula gives is enough, and a byte less is not, in every storage.
@@ -118,7 +123,7 @@ fn images_fit_the_bytes_of_the_formula() {
 #[test]
 fn boxes_tilted_far_have_as_many_images() {
     let mut finder = Finder::new(LIMIT);
-    let straight = find(&thousand(CUBE), &mut finder).sorted();
+    let straight = find(&thousand(CUBE), &mut finder).sorted(1000, u64::MAX).unwrap();
     let images = finder.images();
     assert!((150..250).contains(&images), "{images}");
     // Rows: other vectors, in those of the cube; and the cube's vectors in them.
@@ -146,7 +151,7 @@ fn boxes_tilted_far_have_as_many_images() {
             })
             .collect();
         expected.sort_unstable();
-        assert!(found.sorted() == expected, "{rows:?}");
+        assert!(found.sorted(1000, u64::MAX).unwrap() == expected, "{rows:?}");
         let ratio = finder.images() as f64 / images as f64;
         assert!((0.85..1.2).contains(&ratio), "{rows:?}: {ratio}");
         assert!(tilted.truth() == expected, "{rows:?}");

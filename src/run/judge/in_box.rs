@@ -12,16 +12,16 @@ use crate::run::judge::{Judged, Nothing};
 use crate::sink::Digest;
 
 /// What is true of a scene in its box.
-pub(super) struct Within {
+pub(super) struct InBox {
     periodic: Periodic<'static>,
     /// For a list of contacts, in bytes.
     memory_limit: u64,
     known: HashMap<Arithmetic, Result<Rc<Truth>, Nothing>>,
 }
 
-impl Within {
-    pub fn new(periodic: Periodic<'static>, memory_limit: u64) -> Within {
-        Within { periodic, memory_limit, known: HashMap::new() }
+impl InBox {
+    pub fn new(periodic: Periodic<'static>, memory_limit: u64) -> InBox {
+        InBox { periodic, memory_limit, known: HashMap::new() }
     }
 
     /// The fingerprint of what the arithmetic's own contact test gives.
@@ -34,18 +34,23 @@ impl Within {
         arithmetic: Arithmetic,
         said: Digest,
         fetch: impl FnOnce() -> Result<Contacts, String>,
-    ) -> anyhow::Result<Judged> {
+    ) -> anyhow::Result<Result<Judged, Nothing>> {
         let truth = match self.known(arithmetic)? {
             Ok(truth) => truth,
-            Err(Nothing { reason, .. }) => return Ok(Judged::unseen(&reason)),
+            Err(nothing) => return Ok(Err(nothing)),
         };
         let fetched;
         let pairs = if said == truth.digest {
             &truth.pairs
         } else {
-            fetched = match fetch() {
-                Ok(contacts) => contacts.sorted(),
-                Err(why) => return Ok(Judged::unseen(&why)),
+            let particles = self.periodic.scene().len();
+            let sorted = |contacts: Contacts| {
+                let sorted = contacts.sorted(particles, self.memory_limit);
+                sorted.map_err(|refusal| refusal.to_string())
+            };
+            fetched = match fetch().and_then(sorted) {
+                Ok(pairs) => pairs,
+                Err(why) => return Ok(Ok(Judged::unseen(&why))),
             };
             &fetched
         };
@@ -53,7 +58,7 @@ impl Within {
         if let Ok(exact) = self.known(Arithmetic::Exact)? {
             judged.errors = Some(self.compare(pairs, &exact));
         }
-        Ok(judged)
+        Ok(Ok(judged))
     }
 
     fn known(&mut self, arithmetic: Arithmetic) -> anyhow::Result<Result<Rc<Truth>, Nothing>> {

@@ -1,0 +1,43 @@
+//! What a file leaves open about its box, for whoever reads it.
+
+/// Something that a file leaves open, and that decides which contacts there are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Notice {
+    /// It has a box and does not say whether that repeats: boundaries are taken as open.
+    Boundaries,
+    /// All z are 0, and the box repeats along z.
+    Plane,
+}
+
+/// Where the file is named, and so how its options are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// As an argument.
+    Argument,
+    /// In a scene, as in `file:path=p.dump`.
+    Spec,
+    /// In an experiment.
+    Experiment,
+}
+
+impl Notice {
+    /// The sentence, with the remedy.
+    pub fn words(self, place: Place) -> String {
+        let [periodic, open, plane] = match place {
+            Place::Argument => ["--periodic xyz", "--open", "--dim 2"],
+            Place::Spec => ["periodic=xyz", "open=true", "dim=2"],
+            Place::Experiment => {
+                ["periodic = \"xyz\" in the experiment", "open = true", "file-dim = 2"]
+            }
+        };
+        match self {
+            Notice::Boundaries => format!(
+                "the file does not say whether its box repeats: boundaries are taken as open; say \
+                 {periodic} if it does, and {open} if not"
+            ),
+            Notice::Plane => format!(
+                "z is 0 for all, and the box repeats along z: if these are discs, give {plane}"
+            ),
+        }
+    }
+}
