@@ -8,10 +8,12 @@
 //! radii is the rounded distance, sums that need 60 bits, couples that leave their axis by as
 //! little as 2^-900; scales from 2^-1010 to 2^970, offsets up to 10^12 diameters. First the contact
 //! test alone answers, then every detector, on scenes of isolated couples within one ulp of the
-//! borders of cells. Column *exact* is the share of decisions that the filter left to exact
-//! arithmetic, *other* counts wrong labels, signs of depth, self-contacts and refusals, and *f64*
-//! is the share of couples that the rounded test decides wrongly: the proof that these couples can
-//! find an error. Ends with 1 if there is one.
+//! borders of cells, and in boxes that repeat, where couples meet through faces, edges and corners,
+//! and particles meet images of themselves (*offset*: how many boxes away particles are). Column
+//! *exact* is the share of decisions that the filter left to exact arithmetic, *other* counts wrong
+//! labels, signs of depth, self-contacts and refusals, and *f64* is the share of couples that the
+//! rounded test decides wrongly: the proof that these couples can find an error. Ends with 1 if
+//! there is one.
 
 mod campaign;
 
@@ -19,13 +21,13 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use campaign::counts::What;
-use campaign::{Line, Plan, detectors, predicate, table, total};
+use campaign::{Line, Plan, boxes, detectors, predicate, table, total};
 use clap::Parser;
 use contactbench::contact::Test;
 
 #[derive(Parser)]
 struct Arguments {
-    /// Couples for the contact test, and decisions of detectors.
+    /// Couples for the contact test, and decisions of detectors, in open space and in boxes.
     #[arg(long, default_value_t = 1_000_000)]
     pairs: u64,
     /// The same seed gives the same couples.
@@ -42,8 +44,9 @@ fn main() -> ExitCode {
     let _ = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
     let plan = Plan { pairs, seed, test: Test::Exact };
     println!("near-tangent couples, seed {seed}\n");
-    let errors =
-        part("The contact test", predicate, plan) + part("Every detector", detectors, plan);
+    let errors = part("The contact test", predicate, plan)
+        + part("Every detector", detectors, plan)
+        + part("Every detector, in boxes that repeat", boxes, plan);
     println!("{errors} errors in all");
     ExitCode::from(u8::from(errors > 0))
 }

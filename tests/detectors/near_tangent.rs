@@ -5,7 +5,7 @@
 mod campaign;
 
 use campaign::counts::What;
-use campaign::{Plan, detectors, predicate, table, total};
+use campaign::{Plan, boxes, detectors, predicate, table, total};
 use contactbench::contact::Test;
 
 const PLAN: Plan = Plan { pairs: 30_000, seed: 7, test: Test::Exact };
@@ -51,11 +51,32 @@ fn detectors_neither_lose_nor_add_nor_repeat_a_couple_on_the_borders_of_cells() 
     );
 }
 
-/// The campaign can fail: with rounded decisions it does, in both parts.
+#[test]
+fn detectors_in_boxes_neither_lose_nor_add_nor_repeat_a_couple() {
+    let lines = boxes(Plan { pairs: 10 * PLAN.pairs, ..PLAN });
+    let sum = total(&lines);
+    assert_eq!(sum.errors(), 0, "\n{}", table(&lines));
+    for line in &lines {
+        let seen = [What::Tangent, What::Overlap, What::Apart].map(|what| line.counts.get(what));
+        assert!(
+            seen[0] > 20 && seen[1] > 100 && seen[2] > 100,
+            "{} in {}D are all of one kind\n{}",
+            line.name,
+            line.dim,
+            table(&lines)
+        );
+    }
+    let wrong = sum.get(What::RoundedWrong);
+    assert!(wrong > 1_000 && sum.get(What::Exact) > 50_000, "\n{}", table(&lines));
+}
+
+/// The campaign can fail: with rounded decisions it does, in all parts.
 #[test]
 fn rounded_decisions_are_found_out() {
     let plan = Plan { pairs: 10_000, test: Test::Rounded, ..PLAN };
     let (predicate, detectors) = (total(&predicate(plan)), total(&detectors(plan)));
     assert!(predicate.get(What::Missed) > 500 && predicate.get(What::Spurious) > 500);
     assert!(detectors.get(What::Missed) > 20 && detectors.get(What::Spurious) > 500);
+    let boxes = total(&boxes(Plan { pairs: 10 * plan.pairs, ..plan }));
+    assert!(boxes.get(What::Missed) > 20 && boxes.get(What::Spurious) > 500);
 }

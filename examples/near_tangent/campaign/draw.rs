@@ -26,9 +26,23 @@ impl Draw {
         self.below(2 * n + 1) - n
     }
 
+    /// 0, and half as often 1 or -1.
+    pub fn bit(&mut self) -> i64 {
+        if self.once_in(3) { 2 * self.below(2) - 1 } else { 0 }
+    }
+
     /// True once in n times.
     pub fn once_in(&mut self, n: i64) -> bool {
         self.below(n) == 0
+    }
+
+    /// The numbers below n in any order.
+    pub fn order(&mut self, n: usize) -> Vec<usize> {
+        let mut order: Vec<usize> = (0..n).collect();
+        for k in (1..n).rev() {
+            order.swap(k, self.below(k as i64 + 1) as usize);
+        }
+        order
     }
 
     /// 0 up to 1.

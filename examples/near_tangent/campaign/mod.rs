@@ -1,11 +1,15 @@
 //! The campaign: which rows, how many couples for each, run in parallel, and what came of it.
 
+pub mod boxes;
 pub mod counts;
 pub mod couples;
 pub mod draw;
+pub mod near;
 pub mod predicate;
 pub mod scenes;
+pub mod whole;
 
+use boxes::Shape;
 use contactbench::contact::Test;
 use counts::{Counts, What};
 use couples::{Batch, Family};
@@ -20,6 +24,7 @@ pub const OFFSETS: [f64; 5] = [0.0, 1e3, 1e6, 1e9, 1e12];
 pub struct Line {
     pub name: &'static str,
     pub dim: usize,
+    /// In diameters; of boxes, in their vectors.
     pub offset: f64,
     pub counts: Counts,
 }
@@ -27,8 +32,8 @@ pub struct Line {
 /// What is to be done.
 #[derive(Clone, Copy)]
 pub struct Plan {
-    /// Couples for the contact test, and decisions (couples times detectors) for the detectors;
-    /// rounded up to whole batches and scenes.
+    /// Couples for the contact test, and decisions (couples times detectors) for the detectors, in
+    /// open space and in boxes; about so many, in whole batches and scenes.
     pub pairs: u64,
     pub seed: u64,
     /// The test under trial: exact; the rounded one must be found wrong.
@@ -103,6 +108,38 @@ pub fn detectors(plan: Plan) -> Vec<Line> {
         .zip(counts)
         .map(|((sizes, dim, offset), counts)| Line { name: name(sizes), dim, offset, counts })
         .collect()
+}
+
+/// Particles in boxes are named by images up to so many vectors away.
+const AWAY: [i64; 3] = [0, 1_000, 1_000_000];
+
+/// Every detector in boxes that repeat.
+pub fn boxes(plan: Plan) -> Vec<Line> {
+    let (plane, space) = (Sphere::<2>::new(), Sphere::<3>::new());
+    let mut rows = Vec::new();
+    for dim in [2, 3] {
+        for shape in Shape::ALL {
+            rows.extend(AWAY.map(|away| (shape, dim, away)));
+        }
+    }
+    let decisions = rows.len() as u64 * scenes::detectors(true).len() as u64 * boxes::COUPLES;
+    let scenes = vec![plan.pairs.div_ceil(decisions); rows.len()];
+    let counts = in_parallel(&scenes, |row, index| {
+        let (shape, dim, away) = rows[row];
+        let draw = &mut Draw::new(plan.seed, 1 << 61 | (row as u64) << 40 | index);
+        if dim == 2 {
+            boxes::Row { sphere: &plane, shape, away }.run(index, plan.test, draw)
+        } else {
+            boxes::Row { sphere: &space, shape, away }.run(index, plan.test, draw)
+        }
+    });
+    let line = |((shape, dim, away), counts): ((Shape, usize, i64), Counts)| Line {
+        name: shape.name(),
+        dim,
+        offset: away as f64,
+        counts,
+    };
+    rows.into_iter().zip(counts).map(line).collect()
 }
 
 /// Runs so many pieces of every row, in any order, and adds them up by row.

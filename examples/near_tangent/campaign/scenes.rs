@@ -21,7 +21,8 @@ use contactbench::sink::Visit;
 use nalgebra::Point;
 
 use super::counts::{Counts, What};
-use super::draw::{Draw, Sphere, direction, power, square};
+use super::draw::{Draw, Sphere, power};
+use super::near::{Lengths, Near};
 
 /// Every so many scenes of a row, the first included, a small one is given to the detectors that
 /// test all pairs, too.
@@ -83,9 +84,8 @@ impl<const D: usize> Row<'_, D> {
         } else {
             (1i64 << 52) as f64 / self.offset
         };
-        let multiple =
-            (room * (1.0 - 0.3 * draw.unit()) / self.sphere.length as f64) as i64 / 2 * 2;
-        let reach = multiple.max(2) * self.sphere.length;
+        let lengths = Lengths::new(self.sphere, room, self.sizes, draw);
+        let (reach, fine) = (lengths.reach, lengths.fine);
         let low = if self.offset == 0.0 { -cells * reach / 2 } else { 1 << 52 };
         let exponent = match index % 4 {
             0 => -52,
@@ -93,9 +93,6 @@ impl<const D: usize> Row<'_, D> {
             2 => draw.within(200) as i32,
             _ => draw.within(480) as i32,
         };
-        // Coordinates in units, radii in half fine units, in which the reach has 54 bits: one of
-        // them is one ulp of a radius, or less.
-        let fine = reach.leading_zeros() as i32 - 11;
         // Two lone bodies hold the corners of the box.
         let (mut points, mut radii, mut truths) =
             (vec![[low; D], [low + cells * reach; D]], vec![reach << fine; 2], Vec::new());
@@ -111,36 +108,12 @@ impl<const D: usize> Row<'_, D> {
                     }
                 }
             });
-            let part = if self.sizes && draw.once_in(2) {
-                1 + draw.below(multiple.max(2) / 2)
-            } else {
-                multiple.max(2)
-            };
-            let sum = part * self.sphere.length;
-            let mut vector = [0; D];
-            match draw.below(4) {
-                0 => vector = self.sphere.any(draw).map(|x| x * part),
-                1 => vector = direction(draw, sum),
-                _ => {
-                    vector[draw.below(D as i64) as usize] = if draw.once_in(2) { sum } else { -sum }
-                }
-            }
-            vector[draw.below(D as i64) as usize] += draw.within(1);
-            let sum = sum << fine;
-            let (mut ra, mut rb) = (sum, sum);
-            // Neither radius may exceed half the reach.
-            if 2 * sum <= reach << fine {
-                let shift = draw.below(sum + 1);
-                (ra, rb) = (sum + shift, (sum - shift + draw.within(1)).abs());
-            }
-            truths.push(square(&vector.map(|x| x << (fine + 1))).cmp(&square(&[ra + rb])));
+            let Near { vector, radii: pair, truth } = lengths.near(draw);
+            truths.push(truth);
             points.extend([a, std::array::from_fn(|k| a[k] + vector[k])]);
-            radii.extend([ra, rb]);
+            radii.extend(pair);
         }
-        let mut order: Vec<usize> = (0..points.len()).collect();
-        for k in (1..order.len()).rev() {
-            order.swap(k, draw.below(k as i64 + 1) as usize);
-        }
+        let order = draw.order(points.len());
         let (unit, half) = (power(exponent), power(exponent - fine - 1));
         let centres: Vec<_> =
             order.iter().map(|&i| Point::from(points[i].map(|x| x as f64 * unit))).collect();

@@ -32,18 +32,42 @@ pub const TILT: Parameter = Parameter {
     meaning: "the images along y are moved along x by this, in edges of the box along x",
 };
 
+/// How the box of a scene repeats.
+#[derive(Clone, Copy, Debug)]
+pub struct Repeats {
+    /// Along which axes.
+    pub axes: [bool; 3],
+    /// By how much the images along y are moved along x, in edges.
+    pub tilt: Option<f64>,
+}
+
+impl Repeats {
+    /// As asked for; `None` for a scene without a box.
+    pub fn new(inputs: &Inputs<'_>) -> anyhow::Result<Option<Repeats>> {
+        let tilt = inputs.number(TILT.name).ok();
+        let Ok(text) = inputs.text(PERIODIC.name) else {
+            ensure!(tilt.is_none(), "a tilt belongs to a box that repeats: add periodic=true");
+            return Ok(None);
+        };
+        let axes = text.parse::<Axes>().map_err(anyhow::Error::msg)?.of(inputs.dim as usize);
+        let none = axes == [false; 3] || tilt.is_none_or(|tilt| tilt == 0.0);
+        ensure!(
+            axes[1] || none,
+            "a tilt moves images along y, and the box does not repeat along y"
+        );
+        Ok(Some(Repeats { axes, tilt }))
+    }
+}
+
 /// The scene in its box, if it has one. `edges` are in diameters.
 pub fn boxed<const D: usize>(
     inputs: &Inputs<'_>,
     scene: impl Into<AnyScene<'static>>,
     edges: [f64; D],
 ) -> anyhow::Result<Given> {
-    let tilt = inputs.number(TILT.name).ok();
-    let Ok(text) = inputs.text(PERIODIC.name) else {
-        ensure!(tilt.is_none(), "a tilt belongs to a box that repeats: add periodic=true");
+    let Some(Repeats { axes, tilt }) = Repeats::new(inputs)? else {
         return Ok(Given::from(scene));
     };
-    let axes = text.parse::<Axes>().map_err(anyhow::Error::msg)?.of(D);
     let diameter = inputs.number(DIAMETER.name)?;
     let mut vectors = [[0.0; 3]; 3];
     for (k, edge) in edges.into_iter().enumerate() {
@@ -51,11 +75,6 @@ pub fn boxed<const D: usize>(
         vectors[k][k] = if inputs.n == 0 { diameter } else { edge * diameter };
     }
     if let Some(tilt) = tilt {
-        let none = axes == [false; 3] || tilt == 0.0;
-        ensure!(
-            axes[1] || none,
-            "a tilt moves images along y, and the box does not repeat along y"
-        );
         vectors[1][0] = tilt * vectors[0][0];
     }
     let corner = inputs.number(OFFSET.name).unwrap_or(0.0) * diameter;

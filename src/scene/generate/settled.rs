@@ -13,20 +13,23 @@
 //! Random sequential addition (Feder 1980, doi:10.1016/0022-5193(80)90358-6) by falling radius.
 //! Every centre is uniform in a square (cube) with a corner at the origin, whose volume is that of
 //! all bodies over `fraction`, and drawn again until the body overlaps no earlier one by more than
-//! `overlap` of the sum of their radii (as computed in f64). Bodies may reach over the border. Of
-//! one size up to about 0.54 of a square and 0.38 of a cube can be filled so without overlap; with
-//! many sizes more. A body that has found no place after 100,000 draws ends it, or 1,000 draws for
-//! each body altogether: the request is refused, with the fraction that was reached.
+//! `overlap` of the sum of their radii (as computed in f64). Bodies may reach over the border;
+//! where the box repeats, images of earlier bodies count as those do. Of one size up to about 0.54
+//! of a square and 0.38 of a cube can be filled so without overlap; with many sizes more. A body
+//! that has found no place after 100,000 draws ends it, or 1,000 draws for each body altogether:
+//! the request is refused, with the fraction that was reached; as is a box in which the largest
+//! body would overlap its own image by more.
 
 use anyhow::ensure;
 
-use crate::scene::Scene;
+use crate::scene::generate::boxes::{PERIODIC, Repeats, TILT, boxed};
 use crate::scene::generate::draw::Draw;
 use crate::scene::generate::sizes::{
     EXPONENT, GIANTS, GRADING, SHARE, SIZE_RATIO, SIZES, unit_radii,
 };
 use crate::scene::generate::table::{Generator, Kind, Parameter, Preset, no_history};
 use crate::scene::generate::{DIAMETER, Inputs, OFFSET, assemble, box_edge, room};
+use crate::scene::{AnyScene, Given, Scene};
 
 /// The table line.
 pub const GENERATOR: Generator = Generator {
@@ -43,6 +46,8 @@ pub const GENERATOR: Generator = Generator {
         SHARE,
         GIANTS,
         GRADING,
+        PERIODIC,
+        TILT,
         Parameter {
             name: "fraction",
             kind: Kind::Positive,
@@ -56,9 +61,7 @@ pub const GENERATOR: Generator = Generator {
             meaning: "how far two bodies may overlap, over the sum of their radii",
         },
     ],
-    make: |inputs| {
-        Ok(if inputs.dim == 2 { make::<2>(inputs)?.into() } else { make::<3>(inputs)?.into() })
-    },
+    make: |inputs| if inputs.dim == 2 { make::<2>(inputs) } else { make::<3>(inputs) },
     history: no_history,
 };
 
@@ -72,7 +75,10 @@ const CELLS: f64 = 4.0;
 /// No body.
 const NONE: u32 = u32::MAX;
 
-fn make<const D: usize>(inputs: &Inputs<'_>) -> anyhow::Result<Scene<'static, f64, D>> {
+fn make<const D: usize>(inputs: &Inputs<'_>) -> anyhow::Result<Given>
+where
+    AnyScene<'static>: From<Scene<'static, f64, D>>,
+{
     let mut draw = Draw::new(inputs.seed);
     let mut radii = unit_radii(inputs, &mut draw)?;
     if let Some(radii) = &mut radii {
@@ -80,13 +86,22 @@ fn make<const D: usize>(inputs: &Inputs<'_>) -> anyhow::Result<Scene<'static, f6
     }
     let fraction = inputs.number("fraction")?;
     let edge = box_edge::<D>(inputs.n, radii.as_deref(), fraction);
+    let repeats = Repeats::new(inputs)?.filter(|repeats| repeats.axes != [false; 3]);
     let mut placed = Placed::<D> {
         edge,
+        repeats,
         apart: 1.0 - inputs.number("overlap")?,
         centres: room(inputs.n)?,
         next: room(inputs.n)?,
         layers: Vec::new(),
     };
+    // The largest diameter is 1. Then no body meets an image beyond the next.
+    ensure!(
+        repeats.is_none() || inputs.n == 0 || edge >= placed.apart,
+        "the box has an edge of {edge:.3} largest diameters, so that the largest body overlaps its \
+         own image by more than is allowed; take a larger n, a smaller fraction or more overlap"
+    );
+    let mut images = Vec::new();
     let mut drawn = 0;
     for k in 0..inputs.n {
         let radius = |k: u64| radii.as_ref().map_or(0.5, |radii| radii[k as usize]);
@@ -97,7 +112,9 @@ fn make<const D: usize>(inputs: &Inputs<'_>) -> anyhow::Result<Scene<'static, f6
         let mut tries = 0;
         loop {
             let centre = [(); D].map(|()| edge * draw.unit());
-            if placed.has_room(centre, radius(k), |other| radius(u64::from(other))) {
+            placed.images(centre, radius(k), &mut images);
+            let other = |other| radius(u64::from(other));
+            if images.iter().all(|&image| placed.has_room(image, radius(k), other)) {
                 placed.put(centre);
                 break;
             }
@@ -114,7 +131,7 @@ fn make<const D: usize>(inputs: &Inputs<'_>) -> anyhow::Result<Scene<'static, f6
         }
     }
     let centres = placed.centres.into_iter();
-    assemble(inputs, centres, radii)
+    boxed(inputs, assemble(inputs, centres, radii)?, [edge; D])
 }
 
 /// In units of a ball's.
@@ -125,6 +142,8 @@ fn volume<const D: usize>(radii: impl Iterator<Item = f64>) -> f64 {
 /// What is there already: a grid for each layer of sizes, with lists.
 struct Placed<const D: usize> {
     edge: f64,
+    /// How the box repeats, if it does.
+    repeats: Option<Repeats>,
     /// Two bodies must be at least so far apart, over the sum of their radii.
     apart: f64,
     centres: Vec<[f64; D]>,
@@ -157,9 +176,46 @@ impl<const D: usize> Placed<D> {
         Ok(())
     }
 
+    /// The places of a body, the one within the box first, from which one within may be too near.
+    fn images(&self, centre: [f64; D], radius: f64, images: &mut Vec<[f64; D]>) {
+        images.clear();
+        images.push(centre);
+        let Some(Repeats { axes, tilt }) = self.repeats else { return };
+        let largest = self.layers.first().map_or(0.0, |layer| layer.largest);
+        let reach = self.reach(radius, largest);
+        // Along x last, since images along y are moved along it.
+        for k in (0..D).rev().filter(|&k| axes[k]) {
+            for there in 0..images.len() {
+                for side in [-1.0, 1.0] {
+                    let mut image = images[there];
+                    image[k] += side * self.edge;
+                    if !(-reach..=self.edge + reach).contains(&image[k]) {
+                        continue;
+                    }
+                    if let (1, Some(tilt)) = (k, tilt) {
+                        image[0] += side * tilt * self.edge;
+                        if axes[0] {
+                            image[0] -= self.edge * (image[0] / self.edge).floor();
+                        }
+                    }
+                    images.push(image);
+                }
+            }
+        }
+    }
+
+    /// So far away, or a little less, no body of this size is too near to one of that.
+    fn reach(&self, radius: f64, largest: f64) -> f64 {
+        1.000_001 * self.apart * (radius + largest)
+    }
+
     fn has_room(&self, centre: [f64; D], radius: f64, other: impl Fn(u32) -> f64) -> bool {
         self.apart == 0.0
             || self.layers.iter().all(|layer| {
+                let reach = self.reach(radius, layer.largest);
+                if !centre.iter().all(|x| (-reach..=self.edge + reach).contains(x)) {
+                    return true;
+                }
                 // Cells are wider than any reach here.
                 let [low, high] = [-1_isize, 1].map(|step| {
                     centre.map(|x| {

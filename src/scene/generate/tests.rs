@@ -2,7 +2,7 @@
 
 use crate::contact::Arithmetic;
 use crate::scene::spec::{GENERATORS, Spec};
-use crate::scene::stats::{scene_hash, stats};
+use crate::scene::stats::{hash, stats};
 use crate::scene::{AnyScene, Radii, Real, Stored, array};
 use crate::with_scene;
 
@@ -50,6 +50,10 @@ fn the_bits_of_every_generator_are_fixed() {
         ("loose:n=1000,dim=3,size-ratio=2", "0x980151858b518bb2"),
         ("clustered:n=1000,dim=2", "0x8ec565ed90433fa6"),
         ("clustered:n=1000,dim=3", "0xda33f6880b5d96c0"),
+        ("settled:n=1000,dim=2", "0xe6c9c45199a43501"),
+        ("settled:n=1000,dim=3,size-ratio=20,sizes=power,exponent=-3", "0xad646e9c6bc0cda2"),
+        ("settled:n=1000,dim=2,periodic=true,tilt=0.3", "0xb32fb22818130268"),
+        ("settled:n=1000,dim=3,size-ratio=5,periodic=xz,fraction=0.4", "0x970b09deac741be7"),
         ("couples:n=1000,diameter=0.1,offset=-1e6", "0xecf507fc024c29a1"),
         ("couples:n=1000,dim=3", "0xb961674a383b5b0b"),
         ("loose:n=1000,diameter=0.1,offset=-1e3", "0x6acd44cd61215b57"),
@@ -58,7 +62,7 @@ fn the_bits_of_every_generator_are_fixed() {
         ("pack-c:n=1000,s=200", "0x527e55c942cbfea8"),
         ("pack-d:n=1000,s=3", "0x79c787aa6020bd27"),
     ];
-    let found = golden.map(|(text, _)| (text, scene_hash(&make(text))));
+    let found = golden.map(|(text, _)| (text, hash(&Spec::parse(text).unwrap().given().unwrap())));
     assert_eq!(found, golden.map(|(text, hash)| (text, hash.to_string())));
 }
 
@@ -313,6 +317,41 @@ fn settled_bodies_overlap_as_far_as_asked() {
     let error = Spec::parse("settled:n=500,fraction=0.8").unwrap().make().unwrap_err();
     let words = format!("{error:#}");
     assert!(words.contains("no room for body") && words.contains("0.8 was asked for"), "{words}");
+}
+
+#[test]
+fn settled_bodies_overlap_no_image_by_more_than_is_asked() {
+    use crate::periodic;
+    let mut through_faces = 0;
+    for (text, overlap) in [
+        ("settled:n=1000,fraction=0.45,overlap=0,periodic=true", 0.0),
+        ("settled:n=1000,fraction=0.45,overlap=0,periodic=true,tilt=0.37", 0.0),
+        ("settled:n=500,fraction=0.4,overlap=0,periodic=y,tilt=-2.6", 0.0),
+        ("settled:n=800,dim=3,fraction=0.3,overlap=0,periodic=true,tilt=1.5,diameter=0.1", 0.0),
+        (
+            "settled:n=1500,dim=3,fraction=0.5,size-ratio=20,sizes=power,exponent=-3,periodic=xz",
+            0.05,
+        ),
+        ("settled:n=1500,fraction=0.6,size-ratio=50,sizes=binary,share=0.4,periodic=x", 0.05),
+        // One cell for all.
+        ("settled:n=2,fraction=0.4,overlap=0,periodic=true,tilt=0.5", 0.0),
+        ("settled:n=3,dim=3,fraction=0.9,overlap=0.4,periodic=true", 0.4),
+    ] {
+        for seed in 1..4 {
+            let given = Spec::parse(&format!("{text},seed={seed}")).unwrap().given().unwrap();
+            let periodic = given.periodic().unwrap().unwrap();
+            let truth = periodic::truth(&periodic, Arithmetic::Exact, 1 << 28).unwrap();
+            let depths = truth.pairs.iter().map(|&pair| periodic::depth(&periodic, pair));
+            let deepest = depths.fold(0.0, f64::max);
+            // Depths are over the mean radius.
+            assert!(deepest <= 2.0 * overlap + 1e-12, "{text}: {deepest}");
+            through_faces += truth.pairs.iter().filter(|pair| pair.image != [0; 3]).count();
+        }
+    }
+    assert!(through_faces > 100, "{through_faces}");
+    let refused = Spec::parse("settled:n=1,fraction=0.9,periodic=true").unwrap().make();
+    let words = format!("{:#}", refused.unwrap_err());
+    assert!(words.contains("overlaps its own image"), "{words}");
 }
 
 #[test]

@@ -2,10 +2,10 @@
 //! right.
 //!
 //! A small reference detector is made wrong in one way at a time ([`ways::Way`]) and given every
-//! hard case, in both dimensions and every safe arithmetic. A mutant that no case finds out means
-//! that a case is missing. Refusing is not being wrong. Changes that look wrong but are not
-//! ([`ways::right`]) must pass everything: a mutant that only seems to be one would make the
-//! catalogue look weak.
+//! hard case, in both dimensions and every safe arithmetic; one that knows images ([`boxes`]) is
+//! given those of boxes. A mutant that no case finds out means that a case is missing. Refusing is
+//! not being wrong. Changes that look wrong but are not ([`ways::right`]) must pass everything: a
+//! mutant that only seems to be one would make the catalogue look weak.
 //!
 //! Cases of more work than [`LIGHT`] are tried only on mutants that no lighter one finds out, so
 //! the number of cases that find a mutant out is that among the light ones. The right ones among
@@ -13,6 +13,7 @@
 //!
 //! `cargo test --test detectors mutants -- --nocapture` prints the table of mutants.
 
+mod boxes;
 mod reference;
 mod ways;
 

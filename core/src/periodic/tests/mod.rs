@@ -4,6 +4,7 @@ mod agreement;
 mod extremes;
 mod finder;
 mod golden;
+mod particles;
 mod predicate;
 mod relations;
 

@@ -1,0 +1,262 @@
+//! The third part: whole detectors in boxes that repeat, on couples that meet through faces, edges
+//! and corners, and on particles that meet many images of each other and of themselves.
+//!
+//! ```text
+//!   +-----.-----------.-----+     every couple about a site of its own, six reaches from the next,
+//!   |                 b     |     also through the faces: so nothing else touches. First sites lie
+//!   a           a           a     on the faces; then particles are named by other images, up to
+//!   |            b          |     many boxes away, and the box by other vectors of its lattice
+//!   +-----.-----------------+
+//! ```
+//!
+//! In small boxes the gaps of all pairs and images are computed, in whole numbers of 128 bits.
+
+use std::cmp::Ordering;
+
+use contactbench::contact::{Arithmetic, Test};
+use contactbench::detect::any::AnyDetector;
+use contactbench::periodic::{self, Contacts, Finder, ImagePair, Periodic};
+use contactbench::probe::{Op, Tally};
+use contactbench::scene::{AnyScene, Scene};
+
+use super::counts::{Counts, What};
+use super::draw::{Draw, Sphere};
+use super::near::{Lengths, Near};
+use super::scenes::detectors;
+use super::whole::Whole;
+
+/// Bytes of images, and of lists.
+const LIMIT: u64 = 1 << 28;
+/// Reaches from couple to couple.
+const PITCH: i64 = 6;
+/// Every so many scenes of a row, the first included, detectors are asked in the rounded
+/// arithmetics, too, and the truth of the library is compared with the construction.
+pub const ALSO: u64 = 8;
+/// About so many couples are in a scene.
+pub const COUPLES: u64 = 50;
+
+/// What a box is like.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Shape {
+    /// Edges along the axes.
+    Straight,
+    /// Vectors in lower triangular form, each tilted by up to a whole edge of the others.
+    Tilted,
+    /// As `Tilted`, by other vectors of the same lattice, which are long and nearly in a plane.
+    Skewed,
+    /// Smaller than the reach; tilted, skewed, or neither.
+    Small,
+}
+
+impl Shape {
+    pub const ALL: [Shape; 4] = [Shape::Straight, Shape::Tilted, Shape::Skewed, Shape::Small];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Shape::Straight => "straight boxes",
+            Shape::Tilted => "tilted boxes",
+            Shape::Skewed => "skewed boxes",
+            Shape::Small => "small boxes",
+        }
+    }
+}
+
+/// What the scenes of one row have in common.
+pub struct Row<'a, const D: usize> {
+    pub sphere: &'a Sphere<D>,
+    pub shape: Shape,
+    /// Particles are named by images up to so many vectors away; 0: by the next at most, and
+    /// numbers have all the bits there are.
+    pub away: i64,
+}
+
+impl<const D: usize> Row<'_, D> {
+    /// Vectors of about these lengths in lower triangular form, repeating along some.
+    fn lattice(&self, edges: [i64; D], tilted: bool, draw: &mut Draw) -> Whole<D> {
+        let (mut vectors, mut periodic) = ([[0; D]; 3], [false; 3]);
+        for v in 0..D {
+            vectors[v][v] = edges[v] + draw.bit();
+            for k in 0..if tilted { v } else { 0 } {
+                vectors[v][k] = match draw.below(3) {
+                    0 => draw.bit(),
+                    1 => edges[k] / 2 + draw.bit(),
+                    _ => draw.below(edges[k]),
+                };
+            }
+            periodic[v] = !draw.once_in(4);
+        }
+        periodic[draw.below(D as i64) as usize] = true;
+        let (points, radii, meetings) = (Vec::new(), Vec::new(), Vec::new());
+        Whole { points, radii, vectors, periodic, fine: 0, meetings }
+    }
+
+    /// The largest coordinate in the box: there is room for images and for other vectors.
+    fn room(&self) -> f64 {
+        let bits = if self.shape == Shape::Skewed { 46 } else { 53 };
+        (1i64 << bits) as f64 / (3 * self.away + 1) as f64
+    }
+
+    /// A couple at every site.
+    fn couples(&self, index: u64, draw: &mut Draw) -> Whole<D> {
+        let most = if D == 2 { [1, 6, 10] } else { [1, 3, 4] };
+        let sites: i64 = most[(index % 3) as usize];
+        let room = self.room() / (PITCH * (sites + 1)) as f64;
+        let lengths = Lengths::new(self.sphere, room, index / 3 % 2 == 1, draw);
+        let (reach, edge) = (lengths.reach, PITCH * lengths.reach);
+        let mut whole = self.lattice([sites * edge; D], self.shape != Shape::Straight, draw);
+        whole.fine = lengths.fine;
+        // As far from a face as images are made.
+        let margin = (i128::from(reach) * (1 << 18) / ((1 << 18) - 1)) as i64;
+        for site in 0..sites.pow(D as u32) {
+            let a: [i64; D] = std::array::from_fn(|k| {
+                let side = if draw.once_in(2) { 1 } else { -1 };
+                let beside = match draw.below(4) {
+                    0 => draw.within(1),
+                    1 => side * reach + draw.within(1),
+                    2 => side * margin + draw.within(1),
+                    _ => draw.within(reach),
+                };
+                site / sites.pow(k as u32) % sites * edge + beside
+            });
+            let Near { vector, radii, truth } = lengths.near(draw);
+            let i = whole.points.len();
+            whole.points.extend([a, std::array::from_fn(|k| a[k] + vector[k])]);
+            whole.radii.extend(radii);
+            whole.meetings.push(([i, i + 1], [0; 3], truth));
+        }
+        whole
+    }
+
+    /// One to three particles in a box whose edges are a fifth or a third of the reach, where many
+    /// images are at that distance.
+    fn few(&self, index: u64, draw: &mut Draw) -> Whole<D> {
+        let parts = if D == 2 { 5 } else { 3 };
+        let (turn, one_size) = (index % 3, (index / 3).is_multiple_of(2));
+        let edge = (self.room() / 8.0 * (1.0 - 0.3 * draw.unit())) as i64 / 2 * 2;
+        let mut whole = self.lattice([edge; D], turn > 0 && draw.once_in(2), draw);
+        let reach = parts * edge;
+        whole.fine = reach.leading_zeros() as i32 - 11;
+        for k in 0..=turn {
+            whole.points.push(std::array::from_fn(|_| match draw.below(3) {
+                0 => draw.bit(),
+                1 => edge / 2 + draw.bit(),
+                _ => draw.below(edge),
+            }));
+            // One size, or several whose sums are whole numbers of edges.
+            let part = if one_size || k == 0 { parts } else { draw.below(parts) };
+            let more = if one_size { 0 } else { draw.bit() };
+            whole.radii.push((((part * edge) << whole.fine) + more).abs());
+        }
+        whole.meet();
+        whole
+    }
+
+    /// Scene number `index` with its contacts, and the power of two that is its unit.
+    fn scene(&self, index: u64, draw: &mut Draw) -> (Whole<D>, i32) {
+        let mut whole = if self.shape == Shape::Small {
+            self.few(index, draw)
+        } else {
+            self.couples(index, draw)
+        };
+        whole.name_other_images(self.away, draw);
+        if self.shape == Shape::Skewed || self.shape == Shape::Small && index % 3 > 1 {
+            whole.take_other_vectors(draw);
+        }
+        whole.shuffle(draw);
+        let exponent = match index % 4 {
+            0 => -52,
+            1 => 0,
+            2 => draw.within(200) as i32,
+            _ => draw.within(400) as i32,
+        };
+        (whole, exponent)
+    }
+
+    /// Gives scene number `index` to all detectors.
+    pub fn run(&self, index: u64, test: Test, draw: &mut Draw) -> Counts
+    where
+        AnyScene<'static>: From<Scene<'static, f64, D>>,
+    {
+        let mut counts = Counts::default();
+        let (whole, exponent) = self.scene(index, draw);
+        let Some(periodic) = whole.periodic(exponent, draw) else {
+            counts.add(What::Refused, 1);
+            return counts;
+        };
+        let expected = whole.expected();
+        for (_, truth) in &expected {
+            counts.add([What::Overlap, What::Tangent, What::Apart][(*truth as i8 + 1) as usize], 1);
+        }
+        let also = index.is_multiple_of(ALSO);
+        if also {
+            counts += library(&periodic, &expected);
+        }
+        let under_trial = if test == Test::Exact { Arithmetic::Exact } else { Arithmetic::F64 };
+        let mut finder = Finder::new(LIMIT);
+        let mut detectors = detectors(true);
+        for (name, detector) in &mut detectors {
+            counts += compare(&mut **detector, &mut finder, &periodic, under_trial, &expected);
+            if *name == "nbs" {
+                let rounded =
+                    compare(&mut **detector, &mut finder, &periodic, Arithmetic::F64, &expected);
+                counts.add(What::Rounded, expected.len() as u64);
+                counts.add(What::RoundedWrong, rounded.errors());
+            }
+        }
+        for arithmetic in Arithmetic::SAFE.into_iter().filter(|&a| also && a != Arithmetic::Exact) {
+            // What f32 cannot hold it need not find.
+            let Ok(truth) = periodic::truth(&periodic, arithmetic, LIMIT) else { continue };
+            let touching: Vec<_> =
+                truth.pairs.into_iter().map(|pair| (pair, Ordering::Less)).collect();
+            for (_, detector) in &mut detectors {
+                counts += compare(&mut **detector, &mut finder, &periodic, arithmetic, &touching);
+            }
+        }
+        counts
+    }
+}
+
+/// The truth and the depths of the library against the construction.
+fn library(periodic: &Periodic<'_>, expected: &[(ImagePair, Ordering)]) -> Counts {
+    let mut counts = Counts::default();
+    let touching: Vec<ImagePair> =
+        expected.iter().filter(|(_, truth)| truth.is_le()).map(|(pair, _)| *pair).collect();
+    match periodic::truth(periodic, Arithmetic::Exact, LIMIT) {
+        Ok(truth) => counts.add(What::Label, u64::from(truth.pairs != touching)),
+        Err(_) => counts.add(What::Refused, 1),
+    }
+    for (pair, truth) in expected {
+        let depth = periodic::depth(periodic, *pair);
+        counts.add(What::Depth, u64::from(0.0f64.partial_cmp(&depth) != Some(*truth)));
+    }
+    counts
+}
+
+/// One detection, every contact held to what is expected.
+fn compare(
+    detector: &mut dyn AnyDetector,
+    finder: &mut Finder,
+    periodic: &Periodic<'_>,
+    arithmetic: Arithmetic,
+    expected: &[(ImagePair, Ordering)],
+) -> Counts {
+    let (mut counts, mut tally) = (Counts::default(), Tally::default());
+    let mut contacts = Contacts::default();
+    let found = finder.count(periodic, detector, arithmetic, &mut tally, &mut contacts);
+    counts.add(What::Refused, u64::from(found.is_err()));
+    counts.add(What::Pairs, expected.len() as u64);
+    counts.add(What::Exact, tally.get(Op::ExactTest));
+    let mut seen = vec![0u64; expected.len()];
+    for pair in periodic::without_shift(&contacts.plain).chain(contacts.shifted) {
+        match expected.binary_search_by_key(&pair, |(pair, _)| *pair) {
+            Ok(place) if expected[place].1.is_le() => seen[place] += 1,
+            _ if pair.i == pair.j && pair.image == [0; 3] => counts.add(What::Itself, 1),
+            _ => counts.add(What::Spurious, 1),
+        }
+    }
+    for ((_, truth), seen) in expected.iter().zip(seen) {
+        counts.add(What::Missed, u64::from(truth.is_le() && seen == 0));
+        counts.add(What::Duplicate, seen.saturating_sub(1));
+    }
+    counts
+}
