@@ -21,6 +21,7 @@ pub const FILES: &[(&str, &str)] = &[
     ("hard-cases", include_str!("../../experiments/hard-cases.toml")),
     ("vectors", include_str!("../../experiments/vectors.toml")),
     ("sizes", include_str!("../../experiments/sizes.toml")),
+    ("sizes-million", include_str!("../../experiments/sizes-million.toml")),
     ("periodic", include_str!("../../experiments/periodic.toml")),
     ("price", include_str!("../../experiments/price.toml")),
     ("scale", include_str!("../../experiments/scale.toml")),
