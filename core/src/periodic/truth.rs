@@ -66,7 +66,8 @@ pub fn truth(
 
 /// What is true, in exact arithmetic, of particles and images as they are stored for an arithmetic:
 /// brought into the box, copied across its faces, and rounded. Against [`truth()`] in exact
-/// arithmetic it shows what storing them changes, against that in the arithmetic what its test does.
+/// arithmetic it shows what storing them changes, against that in the arithmetic what its test
+/// does.
 ///
 /// # Errors
 /// As [`truth()`].
