@@ -59,7 +59,7 @@ pub(crate) struct Judged {
     pub reason: String,
     /// Against exact decisions on the scene as given. `None` where the pairs are not known.
     pub errors: Option<Errors>,
-    /// The same by cause; in a box they are not told apart, since what is stored are images.
+    /// The same by cause; in a box, particles and images are what is stored.
     pub causes: Option<Causes>,
 }
 
@@ -257,6 +257,31 @@ mod tests {
             assert!(judged.reason.starts_with(words), "{}", judged.reason);
             assert_eq!(judge.contacts(Arithmetic::Exact).unwrap(), None);
         }
+    }
+
+    #[test]
+    fn errors_in_a_box_have_their_causes() {
+        use Outcome::Ok;
+        // Through a face, by 2^-30 too far: along x that is lost where coordinates are stored in
+        // f32, across it where the test rounds squares in f64.
+        let judged = |x: f64, y: f64, arithmetic| {
+            let centres = [[x, y], [7.5, 4.0]].map(nalgebra::Point::from).to_vec();
+            let scene: Scene<'_, f64, 2> = Scene::new(centres, Radii::Uniform(0.5)).unwrap();
+            let edges = Lattice::along_axes([8.0, 8.0, 1.0], [true, false, false]).unwrap();
+            let given = Given::in_box(scene.into(), edges).unwrap();
+            let mut judge = Judge::new(&given, 1 << 20).unwrap();
+            let shifted = vec![ImagePair::new(0, 1, [-1, 0, 0])];
+            let contacts = Contacts { plain: Vec::new(), shifted };
+            let digest = contacts.digest();
+            let said = (digest.contacts, &*digest.hex());
+            let judged = judge.judge("one", arithmetic, said, || Result::Ok(contacts)).unwrap();
+            assert_eq!(judged.outcome, Ok, "{}", judged.reason);
+            let Causes { representation, predicate, search, .. } = judged.causes.unwrap();
+            [judged.errors.unwrap(), representation, predicate, search].map(|e| e.spurious)
+        };
+        assert_eq!(judged(0.5, 4.0, Arithmetic::Exact), [0, 0, 0, 0]);
+        assert_eq!(judged(0.5 + 2f64.powi(-30), 4.0, Arithmetic::F32), [1, 1, 0, 0]);
+        assert_eq!(judged(0.5, 4.0 + 2f64.powi(-30), Arithmetic::F64), [1, 0, 1, 0]);
     }
 
     #[test]

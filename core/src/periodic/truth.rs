@@ -14,16 +14,17 @@
 //! way, as in [`crate::oracle`].
 //!
 //! **Rounded.** What a rounded test says depends on rounded images, so those are given: the truth
-//! is that of the open scene of all bodies that detectors get ([`super::images`]), as stored.
+//! is that of the open scene of all bodies that detectors get ([`super::images`]), as stored. The
+//! exact truth of those is between the two ([`truth_as_stored`]).
 
 use super::contacts::List;
 use super::frame::{Frame, MOST, U};
 use super::images::{Images, touches};
 use super::stored::stored;
 use super::{IMAGE_PAIR_BYTES, ImagePair, Periodic};
-use crate::contact::Arithmetic;
 use crate::contact::depth::depth_of_image;
 use crate::contact::image::Shift;
+use crate::contact::{Arithmetic, Test};
 use crate::detect::{Options, table};
 use crate::oracle::{self, NoTruth, SAMPLE};
 use crate::refusal::Refusal;
@@ -60,9 +61,38 @@ pub fn truth(
         AnyScene::Plane(scene) => of(periodic, &scene.widened(), arithmetic, limit),
         AnyScene::Space(scene) => of(periodic, &scene.widened(), arithmetic, limit),
     }?;
-    let mut digest = Digest::default();
-    pairs.iter().for_each(|&ImagePair { i, j, image }| digest.image(i, j, image));
-    Ok(Truth { pairs, digest })
+    Ok(Truth::new(pairs))
+}
+
+/// What is true, in exact arithmetic, of particles and images as they are stored for an arithmetic:
+/// brought into the box, copied across its faces, and rounded. Against [`truth()`] in exact
+/// arithmetic it shows what storing them changes, against that in the arithmetic what its test
+/// does.
+///
+/// # Errors
+/// As [`truth()`].
+pub fn truth_as_stored(
+    periodic: &Periodic<'_>,
+    arithmetic: Arithmetic,
+    limit: u64,
+) -> Result<Truth, NoTruth> {
+    let pairs = match periodic.scene() {
+        AnyScene::Plane(scene) => {
+            bodies(periodic, &scene.widened(), arithmetic, Test::Exact, limit)
+        }
+        AnyScene::Space(scene) => {
+            bodies(periodic, &scene.widened(), arithmetic, Test::Exact, limit)
+        }
+    }?;
+    Ok(Truth::new(pairs))
+}
+
+impl Truth {
+    fn new(pairs: Vec<ImagePair>) -> Truth {
+        let mut digest = Digest::default();
+        pairs.iter().for_each(|&ImagePair { i, j, image }| digest.image(i, j, image));
+        Truth { pairs, digest }
+    }
 }
 
 fn of<const D: usize>(
@@ -75,20 +105,34 @@ where
     AnyScene<'static>: From<Scene<'static, f64, D>>,
 {
     if arithmetic != Arithmetic::Exact {
-        let mut images = Images::default();
-        let images = images.make(scene, periodic.lattice(), arithmetic, limit)?;
-        let stored = stored(&AnyScene::from(images.open()?), arithmetic)?;
-        let truth = oracle::truth_as_stored(&stored, arithmetic.test(), limit)?;
-        let mut list = List::new(limit);
-        let pairs = truth.pairs.iter().filter_map(|&[a, b]| images.pair(a, b));
-        pairs.for_each(|pair| list.push(pair));
-        return Ok(list.end(scene.len())?);
+        return bodies(periodic, scene, arithmetic, arithmetic.test(), limit);
     }
     let frame = Frame::new(periodic.lattice())?;
     if scene.len() > BRUTE_FORCE {
         return agreed(periodic, limit, |chosen| tested(scene, &frame, Some(chosen), limit));
     }
     Ok(tested(scene, &frame, None, limit)?)
+}
+
+/// Of the bodies that detectors get, as stored, by a test.
+fn bodies<const D: usize>(
+    periodic: &Periodic<'_>,
+    scene: &Scene<'_, f64, D>,
+    arithmetic: Arithmetic,
+    test: Test,
+    limit: u64,
+) -> Result<Vec<ImagePair>, NoTruth>
+where
+    AnyScene<'static>: From<Scene<'static, f64, D>>,
+{
+    let mut images = Images::default();
+    let images = images.make(scene, periodic.lattice(), arithmetic, limit)?;
+    let stored = stored(&AnyScene::from(images.open()?), arithmetic)?;
+    let truth = oracle::truth_as_stored(&stored, test, limit)?;
+    let mut list = List::new(limit);
+    let pairs = truth.pairs.iter().filter_map(|&[a, b]| images.pair(a, b));
+    pairs.for_each(|pair| list.push(pair));
+    Ok(list.end(scene.len())?)
 }
 
 /// What two detectors agree on, and testing random particles against all others.

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use std::rc::Rc;
 
 use crate::contact::Arithmetic;
-use crate::oracle::{Errors, compare_by};
+use crate::oracle::{Causes, Errors, compare_by};
 use crate::periodic::{self, Contacts, ImagePair, Periodic, Truth, depth};
 use crate::run::judge::open::or_nothing;
 use crate::run::judge::{Judged, Nothing};
@@ -16,7 +16,16 @@ pub(super) struct InBox {
     periodic: Periodic<'static>,
     /// For a list of contacts, in bytes.
     memory_limit: u64,
-    known: HashMap<Arithmetic, Result<Rc<Truth>, Nothing>>,
+    known: HashMap<(Arithmetic, Decided), Result<Rc<Truth>, Nothing>>,
+}
+
+/// Who decides what is true in an arithmetic.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+enum Decided {
+    /// Its own contact test.
+    ByItself,
+    /// Exact decisions, on particles and images as it stores them.
+    AsStored,
 }
 
 impl InBox {
@@ -54,20 +63,49 @@ impl InBox {
             };
             &fetched
         };
-        let mut judged = Judged::by(&self.compare(pairs, &truth), arithmetic);
+        let own = self.compare(pairs, &truth);
+        let mut judged = Judged::by(&own, arithmetic);
         if let Ok(exact) = self.known(Arithmetic::Exact)? {
             judged.errors = Some(self.compare(pairs, &exact));
+            if let Ok(stored) = self.stored(arithmetic)? {
+                judged.causes = Some(Causes {
+                    representation: self.compare(&stored.pairs, &exact),
+                    predicate: self.compare(&truth.pairs, &stored),
+                    search: own,
+                    stored: self.compare(pairs, &stored),
+                });
+            }
         }
         Ok(Ok(judged))
     }
 
     fn known(&mut self, arithmetic: Arithmetic) -> anyhow::Result<Result<Rc<Truth>, Nothing>> {
-        if let Some(known) = self.known.get(&arithmetic) {
+        self.decided(arithmetic, Decided::ByItself)
+    }
+
+    fn stored(&mut self, arithmetic: Arithmetic) -> anyhow::Result<Result<Rc<Truth>, Nothing>> {
+        match arithmetic {
+            // It stores no images.
+            Arithmetic::Exact => self.known(arithmetic),
+            _ => self.decided(arithmetic, Decided::AsStored),
+        }
+    }
+
+    fn decided(
+        &mut self,
+        arithmetic: Arithmetic,
+        decided: Decided,
+    ) -> anyhow::Result<Result<Rc<Truth>, Nothing>> {
+        if let Some(known) = self.known.get(&(arithmetic, decided)) {
             return Ok(known.clone());
         }
-        let found = periodic::truth(&self.periodic, arithmetic, self.memory_limit);
+        let truth = match decided {
+            Decided::ByItself => periodic::truth,
+            Decided::AsStored => periodic::truth_as_stored,
+        };
+        let found = truth(&self.periodic, arithmetic, self.memory_limit);
         let found = or_nothing(found.map(Rc::new))?;
-        self.known.insert(arithmetic, found.clone());
+        self.known.insert((arithmetic, decided), found.clone());
         Ok(found)
     }
 
