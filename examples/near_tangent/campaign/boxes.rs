@@ -118,7 +118,9 @@ impl<const D: usize> Row<'_, D> {
                 };
                 site / sites.pow(k as u32) % sites * edge + beside
             });
-            let Near { vector, radii, truth } = lengths.near(draw);
+            // Some are as large as the reach: among small ones alone boxes have too many cells.
+            let sizes = lengths.sizes && site > 0;
+            let Near { vector, radii, truth } = Lengths { sizes, ..lengths }.near(draw);
             let i = whole.points.len();
             whole.points.extend([a, std::array::from_fn(|k| a[k] + vector[k])]);
             whole.radii.extend(radii);

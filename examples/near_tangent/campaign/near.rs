@@ -6,12 +6,13 @@ use super::draw::{Draw, Sphere, direction, square};
 
 /// The lengths of a scene as whole numbers: coordinates in units, radii in half fine units, in
 /// which the reach has 54 bits. One of them is one ulp of a radius, or less.
+#[derive(Clone, Copy)]
 pub struct Lengths<'a, const D: usize> {
-    sphere: &'a Sphere<D>,
+    pub sphere: &'a Sphere<D>,
     /// Of the sphere's length.
-    multiple: i64,
+    pub multiple: i64,
     /// Couples of several sizes; else one radius for all.
-    sizes: bool,
+    pub sizes: bool,
     /// The largest sum of two radii.
     pub reach: i64,
     /// Fine units are 2^-this.
