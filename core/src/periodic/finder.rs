@@ -70,15 +70,16 @@ impl Finder {
         self.find(periodic, detector, arithmetic, Some(tally), contacts)
     }
 
-    /// The bytes that images take by the formula, for the scene of the last call: `16 + 8D` for
-    /// each image, `8D + 8` for each particle near the lower faces of the box; `8D + 13` for each
-    /// particle if some are outside of it; 8 for each body if they have radii of their own; and the
-    /// copy of all bodies where the arithmetic stores them otherwise than in f64.
+    /// The bytes that images take by the formula, for the scene of the last call, 0 if it was
+    /// refused: `16 + 8D` for each image, `8D + 8` for each particle near the lower faces of the
+    /// box; `8D + 13` for each particle if some are outside of it; 8 for each body if they have
+    /// radii of their own; and the copy of all bodies where the arithmetic stores them otherwise
+    /// than in f64.
     pub fn formula_bytes(&self) -> u64 {
         self.bytes
     }
 
-    /// How many images were made in the last call.
+    /// How many images were made in the last call, 0 if it was refused.
     pub fn images(&self) -> u64 {
         self.images
     }
@@ -96,15 +97,14 @@ impl Finder {
         tally: Option<&mut Tally>,
         contacts: &mut Contacts,
     ) -> Result<(), Refusal> {
-        let Finder { limit, plane, space, found, .. } = self;
-        *found = 0;
+        let Finder { limit, plane, space, bytes, images, found } = self;
+        (*bytes, *images, *found) = (0, 0, 0);
         let search =
             Search { periodic, detector, arithmetic, limit: *limit, tally, contacts, found };
-        let (bytes, images) = match periodic.scene() {
+        (*bytes, *images) = match periodic.scene() {
             AnyScene::Plane(scene) => search.among(&scene.widened(), plane),
             AnyScene::Space(scene) => search.among(&scene.widened(), space),
         }?;
-        (self.bytes, self.images) = (bytes, images);
         Ok(())
     }
 }
@@ -165,8 +165,8 @@ struct Sorted<'a, const D: usize> {
     made: &'a Made<'a, D>,
     level: Level,
     plain: PairList<'a>,
-    /// Where particles are as given: of bodies, until all are found. Then their images are looked
-    /// up, one after the other; each look beside a detection would miss the cache.
+    /// Where particles are as given: a particle and the body of an image, until all are found. Then
+    /// the images are looked up, one after the other; a look beside a detection misses the cache.
     shifted: List,
 }
 
@@ -175,7 +175,11 @@ const TOGETHER: usize = 8;
 
 impl<const D: usize> Sink for Sorted<'_, D> {
     fn contact(&mut self, a: u32, b: u32) {
-        self.contacts(&[[a, b]]);
+        let (n, made) = (self.made.particles(), self.made);
+        if made.are_as_given() && a.max(b) < n || made.are_together(a, b) {
+            return self.plain.contact(a, b);
+        }
+        self.other(a, b);
     }
 
     fn contacts(&mut self, pairs: &[[u32; 2]]) {
@@ -227,7 +231,7 @@ impl<'a, const D: usize> Sorted<'a, D> {
     }
 
     /// Takes at most so many apart, without a branch that depends on a pair: which of them are
-    /// beside an image is not to be foreseen. Pairs of two images are dropped.
+    /// beside an image is not to be foreseen.
     #[inline(always)]
     fn part(&mut self, some: &[[u32; 2]], plain: impl Fn(&[[u32; 2]]) -> bool) {
         let n = self.made.particles();
@@ -237,27 +241,34 @@ impl<'a, const D: usize> Sorted<'a, D> {
             let plain = plain(std::slice::from_ref(pair));
             (kept[keep], others[other]) = (*pair, *pair);
             keep += usize::from(plain);
+            // Pairs of two images are dropped.
             other += usize::from(!plain & ((pair[0] < n) | (pair[1] < n)));
         }
         self.plain.contacts(&kept[..keep]);
-        for &[a, b] in &others[..other] {
-            if self.made.are_as_given() {
+        others[..other].iter().for_each(|&[a, b]| self.other(a, b));
+    }
+
+    /// A contact that may be one with an image.
+    fn other(&mut self, a: u32, b: u32) {
+        if self.made.are_as_given() {
+            if a.min(b) < self.made.particles() {
                 self.shifted.push(ImagePair { i: a.min(b), j: a.max(b), image: [0; 3] });
-                continue;
             }
-            match self.made.pair(a, b) {
-                Some(ImagePair { i, j, image: [0, 0, 0] }) => self.plain.contact(i, j),
-                Some(pair) => self.shifted.push(pair),
-                None => {}
-            }
+            return;
+        }
+        match self.made.pair(a, b) {
+            Some(ImagePair { i, j, image: [0, 0, 0] }) => self.plain.contact(i, j),
+            Some(pair) => self.shifted.push(pair),
+            None => {}
         }
     }
 
     /// The lists, when all is found.
     fn end(mut self) -> (PairList<'a>, List) {
         if self.made.are_as_given() {
-            let named = |ImagePair { i, j, .. }| self.made.pair(i, j);
-            self.shifted.added().iter_mut().for_each(|pair| *pair = named(*pair).unwrap_or(*pair));
+            for pair in self.shifted.added() {
+                *pair = self.made.through(pair.i, pair.j);
+            }
         }
         (self.plain, self.shifted)
     }

@@ -146,6 +146,11 @@ impl<const D: usize> Frame<D> {
         Some(given)
     }
 
+    /// Are its vectors those that were given?
+    pub fn is_as_given(&self) -> bool {
+        self.numbers == AS_GIVEN
+    }
+
     /// Images by up to so many of the frame's own vectors have so many of the given ones.
     pub fn most_given(&self, most: [f64; 3]) -> [f64; 3] {
         std::array::from_fn(|b| (0..3).map(|a| most[a] * f64::from(self.numbers[a][b]).abs()).sum())

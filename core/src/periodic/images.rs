@@ -14,7 +14,7 @@ use nalgebra::Point;
 
 use super::ImagePair;
 use super::frame::Frame;
-use super::near::{Candidate, Near, Reach, for_half, half, survey};
+use super::near::{Candidate, Near, Reach, for_half, half, one_step, survey};
 use crate::contact::image::{self, Shift};
 use crate::contact::{Arithmetic, Corners, Decided, Imaged, Slack};
 use crate::refusal::Refusal;
@@ -44,6 +44,9 @@ struct Body {
     owner: u32,
     image: [i32; 3],
 }
+
+/// A step along each vector.
+const STEPS: [[i32; 3]; 3] = [[1, 0, 0], [0, 1, 0], [0, 0, 1]];
 
 /// What may be taken, and for what.
 #[derive(Clone, Copy)]
@@ -277,6 +280,9 @@ impl<const D: usize> Images<D> {
         let (mut low, mut high) = near.corners;
         let mut made = 0.0;
         let mut sums = near.sums(given.largest_radius());
+        // Then a sum of two is as near to the place as `Frame::place` is, and is told without a
+        // branch that depends on the face.
+        let by_steps = self.wraps.is_empty() && frame.is_as_given();
         for Candidate { place, owner } in &self.candidates {
             let index = *owner as usize;
             if let Radii::Each(radii) = given.radii() {
@@ -291,16 +297,22 @@ impl<const D: usize> Images<D> {
                 Some(wrap) => (*wrap, array(&given.centres()[index])),
                 None => ([0; 3], place),
             };
-            for_half(ranges, |shift| {
-                // Always: so large numbers were refused.
-                let Some(shift) = frame.given(shift) else { return };
-                let image = std::array::from_fn(|a| wrap[a] + shift[a]);
-                let place = frame.place(x, image);
+            let mut add = |image: [i32; 3], place: [f64; D]| {
                 for k in 0..D {
                     (low[k], high[k]) = (low[k].min(place[k]), high[k].max(place[k]));
                 }
                 self.images.push(Body { owner: *owner, image });
                 self.centres.push(place.into());
+            };
+            if let (Some(a), true) = (one_step(ranges), by_steps) {
+                add(STEPS[a], std::array::from_fn(|k| x[k] + frame.vectors[a][k]));
+                continue;
+            }
+            for_half(ranges, |shift| {
+                // Always: so large numbers were refused.
+                let Some(shift) = frame.given(shift) else { return };
+                let image = std::array::from_fn(|a| wrap[a] + shift[a]);
+                add(image, frame.place(x, image));
             });
         }
         (made, (low, high))
@@ -365,6 +377,14 @@ impl<'a, const D: usize> Made<'a, D> {
     pub fn are_together(&self, a: u32, b: u32) -> bool {
         let tag = |body: u32| self.tags.get(body as usize).copied().unwrap_or(FAR);
         (tag(a) == tag(b)) & (tag(a) != FAR)
+    }
+
+    /// Which contact that of a particle and an image is, in any order, where particles are as
+    /// given.
+    #[inline]
+    pub fn through(&self, a: u32, b: u32) -> ImagePair {
+        let Body { owner, image } = self.images[(a.max(b) - self.particles()) as usize];
+        ImagePair::new(a.min(b), owner, image)
     }
 
     /// Which contact that of two bodies is; `None` for two images.
