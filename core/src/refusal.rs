@@ -69,6 +69,11 @@ pub enum Refusal {
         }
     )]
     Images { particles: u64, images: f64, reach: f64, needed: f64, limit: u64 },
+    /// The system gives no memory, though the limit allows it.
+    #[error(
+        "memory for {bytes} bytes could not be had; end other programs, or take fewer particles"
+    )]
+    Exhausted { bytes: u64 },
     /// A particle so far from its periodic box that its image has no number.
     #[error(
         "particle {particle} is {boxes:e} boxes away from the periodic box along its vector {}, \
@@ -112,6 +117,7 @@ impl Refusal {
             Refusal::Pairs { .. }
                 | Refusal::Crowd { .. }
                 | Refusal::Images { .. }
+                | Refusal::Exhausted { .. }
                 | Refusal::Away { .. }
                 | Refusal::Skewed { .. }
                 | Refusal::Range

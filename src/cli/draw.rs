@@ -56,7 +56,7 @@ pub fn draw(options: &Draw) -> anyhow::Result<ExitCode> {
         Some("png") => true,
         _ => bail!("{place}: the ending of a picture must be .svg or .png"),
     };
-    let Some((name, Given { scene, lattice, notices })) = options.source.given()? else {
+    let Some((name, Given { scene, lattice, has_box, .. })) = options.source.given()? else {
         bail!("there is nothing to draw; name a particle file, or a scene such as packed:n=200");
     };
     let limit = options.limit.bytes(scene.len());
@@ -72,10 +72,8 @@ pub fn draw(options: &Draw) -> anyhow::Result<ExitCode> {
         None => {
             let pairs = match &options.pairs {
                 None => Highlighted::from_scene(&scene, limit)?,
-                Some(path) => {
-                    Highlighted::compare(&scene, draw::read(path, !notices.is_empty())?, limit)
-                        .with_context(|| path.display().to_string())?
-                }
+                Some(path) => Highlighted::compare(&scene, draw::read(path, has_box)?, limit)
+                    .with_context(|| path.display().to_string())?,
             };
             let Highlighted { contacts, missed, spurious, duplicates, .. } = &pairs;
             let wrong = [missed.len(), spurious.len(), duplicates.len()];

@@ -171,7 +171,7 @@ fn of_file(
         warnings.push(note.clone());
     }
     // Of what may be a plane more is said below.
-    let unknown = particles.notices().iter().find(|notice| **notice == Notice::Boundaries);
+    let unknown = particles.notices().iter().find(|&&notice| notice == Notice::Boundaries);
     warnings.extend(unknown.map(|notice| notice.words(Place::Argument)));
 }
 

@@ -18,7 +18,7 @@ use crate::cli::shared::terminal;
 use crate::contact::Arithmetic;
 use crate::io;
 use crate::io::boxes::along;
-use crate::io::{Frame, pairs};
+use crate::io::{Frame, Place, pairs};
 use crate::number::{number, plural, wrap};
 use crate::oracle::Errors;
 use crate::periodic::{ImagePair, Periodic};
@@ -105,6 +105,8 @@ pub fn verify(options: &Verify) -> anyhow::Result<ExitCode> {
         &options.input,
         io::Options { ids: true, ..options.input.options() },
     )?;
+    let file = options.file.display().to_string();
+    input::tell(&file, particles.notices(), Place::Argument);
     let ids = particles.ids().map(Naming::by_id);
     let (naming, others) = match (options.base, ids) {
         (None, Some(ids)) if options.ids || list.ids => {
@@ -121,8 +123,7 @@ pub fn verify(options: &Verify) -> anyhow::Result<ExitCode> {
             (Naming::Base(base), [Naming::Base(1 - base)].into_iter().chain(ids).collect())
         }
     };
-    let Given { scene, lattice, .. } =
-        particles.given(&options.file.display().to_string(), options.input.radius)?;
+    let Given { scene, lattice, .. } = particles.given(&file, options.input.radius)?;
     let terms = Terms {
         arithmetic: options.arithmetic,
         allowed: Allowed { both_sides: options.both_sides, skin: options.skin },

@@ -201,8 +201,8 @@ impl FromStr for Axes {
             }
         }
         if axes == [false; 3] {
-            return Err("it must be the axes along which the box repeats, as in x, xy or xyz, \
-                        or none"
+            return Err("it must be the axes along which the box repeats, as in x, xy or xyz; \
+                        or true for all, none or false for no axis"
                 .into());
         }
         Ok(Axes::These(axes))

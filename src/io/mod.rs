@@ -207,6 +207,7 @@ pub fn load_from(
     particles.as_asked(name, options)?;
     let (dim, declared) = (particles.dim(), about.declared.as_ref());
     particles.lattice = options.boundaries.lattice(name, dim, declared, &mut about.notes)?;
+    particles.has_box = declared.is_some_and(|declared| declared.vectors.is_some());
     if options.boundaries.unknown(declared) {
         particles.notices.push(Notice::Boundaries);
     }

@@ -38,6 +38,8 @@ pub struct Particles {
     pub(crate) ids: Option<Vec<i64>>,
     /// The box, where it repeats.
     pub(crate) lattice: Option<Lattice>,
+    /// The file has one, whether that repeats or not.
+    pub(crate) has_box: bool,
     /// What the file leaves open.
     pub(crate) notices: Vec<Notice>,
 }
@@ -50,7 +52,8 @@ impl Particles {
     }
 
     pub(crate) fn of(centres: Centres, radii: Option<Vec<f64>>) -> Particles {
-        Particles { centres, radii, ids: None, lattice: None, notices: Vec::new() }
+        let (ids, lattice, notices) = (None, None, Vec::new());
+        Particles { centres, radii, ids, lattice, has_box: false, notices }
     }
 
     /// The number of particles.
@@ -213,7 +216,8 @@ impl Particles {
                 Scene::<f64, 3>::new(points, radii).with_context(|| name.to_string())?,
             ),
         };
-        Ok(Given { scene, lattice: self.lattice, notices: self.notices })
+        let Particles { lattice, has_box, notices, .. } = self;
+        Ok(Given { scene, lattice, has_box, notices })
     }
 }
 

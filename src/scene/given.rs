@@ -14,13 +14,15 @@ pub struct Given {
     pub scene: AnyScene<'static>,
     /// The box in which they repeat; none where boundaries are open.
     pub lattice: Option<Lattice>,
-    /// What the file that it was read from leaves open.
+    /// The file that it was read from has a box, whether that repeats or not.
+    pub has_box: bool,
+    /// What that file leaves open.
     pub notices: Vec<Notice>,
 }
 
 impl<S: Into<AnyScene<'static>>> From<S> for Given {
     fn from(scene: S) -> Given {
-        Given { scene: scene.into(), lattice: None, notices: Vec::new() }
+        Given { scene: scene.into(), lattice: None, has_box: false, notices: Vec::new() }
     }
 }
 

@@ -1,6 +1,7 @@
 //! Lists of the contacts of a periodic scene.
 
 use super::finder::Finder;
+use super::images::reserve;
 use super::{IMAGE_PAIR_BYTES, ImagePair, Periodic, without_shift};
 use crate::contact::Arithmetic;
 use crate::detect::any::AnyDetector;
@@ -59,14 +60,14 @@ impl Contacts {
     /// All, in ascending order: a list of at most `limit` bytes, of a scene of so many particles.
     ///
     /// # Errors
-    /// [`Refusal::Pairs`] if it would be longer.
+    /// [`Refusal::Pairs`] if it would be longer; [`Refusal::Exhausted`].
     pub fn sorted(&self, particles: usize, limit: u64) -> Result<Vec<ImagePair>, Refusal> {
         let (found, mut pairs) = (self.len(), Vec::new());
-        let fits = found <= limit / IMAGE_PAIR_BYTES;
-        // A list beside those that there are.
-        if !fits || pairs.try_reserve_exact(self.plain.len() + self.shifted.len()).is_err() {
+        if found > limit / IMAGE_PAIR_BYTES {
             return Err(Refusal::Pairs { found, particles: particles as u64, room: limit });
         }
+        // A list beside those that there are.
+        reserve(&mut pairs, self.plain.len() + self.shifted.len())?;
         pairs.extend(without_shift(&self.plain).chain(self.shifted.iter().copied()));
         pairs.sort_unstable();
         Ok(pairs)

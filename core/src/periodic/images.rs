@@ -49,7 +49,6 @@ struct Body {
 const STEPS: [[i32; 3]; 3] = [[1, 0, 0], [0, 1, 0], [0, 0, 1]];
 
 /// What may be taken, and for what.
-#[derive(Clone, Copy)]
 struct Budget {
     particles: u64,
     limit: u64,
@@ -92,11 +91,15 @@ impl Budget {
         }
         Err(self.refusal(images))
     }
+}
 
-    /// Makes room in a list for so many more, where there are so many images.
-    fn room<T>(&self, list: &mut Vec<T>, more: usize, images: usize) -> Result<(), Refusal> {
-        list.try_reserve_exact(more).map_err(|_| self.refusal(images as f64))
-    }
+/// Makes room in a list for so many more.
+///
+/// # Errors
+/// [`Refusal::Exhausted`].
+pub(super) fn reserve<T>(list: &mut Vec<T>, more: usize) -> Result<(), Refusal> {
+    let bytes = (more as u64).saturating_mul(size_of::<T>() as u64);
+    list.try_reserve_exact(more).map_err(|_| Refusal::Exhausted { bytes })
 }
 
 impl<const D: usize> Images<D> {
@@ -105,7 +108,7 @@ impl<const D: usize> Images<D> {
     ///
     /// # Errors
     /// [`Refusal::Images`] if they are more, before they are made; [`Refusal::Away`],
-    /// [`Refusal::Skewed`], [`Refusal::Range`].
+    /// [`Refusal::Skewed`], [`Refusal::Range`], [`Refusal::Exhausted`].
     pub fn make<'a>(
         &'a mut self,
         given: &'a Scene<'a, f64, D>,
@@ -127,8 +130,7 @@ impl<const D: usize> Images<D> {
             corners = Some(self.fill(given, &near, &budget)?);
             slack = near.slack(corners, given.len() + self.images.len());
             if let Radii::Each(radii) = given.radii() {
-                let images = self.images.len();
-                budget.room(&mut self.radii, radii.len() + images, images)?;
+                reserve(&mut self.radii, radii.len() + self.images.len())?;
                 self.radii.extend_from_slice(radii);
                 self.radii.extend(self.images.iter().map(|body| radii[body.owner as usize]));
             }
@@ -152,7 +154,7 @@ impl<const D: usize> Images<D> {
             largest_radius: given.largest_radius(),
             corners,
             slack: if shifted { slack } else { Slack::NONE },
-            budget,
+            bytes: budget.needed(images.len() as f64) as u64,
         })
     }
 
@@ -182,7 +184,7 @@ impl<const D: usize> Images<D> {
         if wrap {
             budget.fixed += (given.len() * (8 * D + size_of::<[i32; 3]>() + 1)) as f64;
             budget.holds(0.0)?;
-            self.wrap(given, frame, budget)?;
+            self.wrap(given, frame)?;
             found = survey(&self.places, frame, below, &mut self.candidates);
         }
         let wraps = self.wraps.iter().fold([0; 3], |most: [u32; 3], wrap| {
@@ -211,7 +213,7 @@ impl<const D: usize> Images<D> {
                 budget.holds(0.0)?;
                 budget.fixed = fixed;
                 self.candidates = Vec::new();
-                budget.room(&mut self.candidates, found.candidates, 0)?;
+                reserve(&mut self.candidates, found.candidates)?;
             } else {
                 below = near.below;
             }
@@ -220,15 +222,10 @@ impl<const D: usize> Images<D> {
         }
     }
 
-    fn wrap(
-        &mut self,
-        given: &Scene<'_, f64, D>,
-        frame: &Frame<D>,
-        budget: &Budget,
-    ) -> Result<(), Refusal> {
-        budget.room(&mut self.places, given.len(), 0)?;
-        budget.room(&mut self.wraps, given.len(), 0)?;
-        budget.room(&mut self.tags, given.len(), 0)?;
+    fn wrap(&mut self, given: &Scene<'_, f64, D>, frame: &Frame<D>) -> Result<(), Refusal> {
+        reserve(&mut self.places, given.len())?;
+        reserve(&mut self.wraps, given.len())?;
+        reserve(&mut self.tags, given.len())?;
         for (index, centre) in given.centres().iter().enumerate() {
             let wrap = frame.wrap(index as u32, array(centre))?;
             let x = array(centre);
@@ -260,8 +257,8 @@ impl<const D: usize> Images<D> {
                 return if self.are_finite() { Ok(corners) } else { Err(Refusal::Range) };
             }
             (self.images, self.centres) = (Vec::new(), Vec::new());
-            budget.room(&mut self.images, made, made)?;
-            budget.room(&mut self.centres, made, made)?;
+            reserve(&mut self.images, made)?;
+            reserve(&mut self.centres, made)?;
         }
     }
 
@@ -334,7 +331,7 @@ pub struct Made<'a, const D: usize> {
     largest_radius: f64,
     corners: Option<Corners<D>>,
     slack: Slack,
-    budget: Budget,
+    bytes: u64,
 }
 
 impl<'a, const D: usize> Made<'a, D> {
@@ -350,15 +347,7 @@ impl<'a, const D: usize> Made<'a, D> {
 
     /// What is held for this scene, in bytes.
     pub fn bytes(&self) -> u64 {
-        self.budget.needed(self.images.len() as f64) as u64
-    }
-
-    /// Makes room in an empty list for so many of the bodies' numbers.
-    ///
-    /// # Errors
-    /// [`Refusal::Images`].
-    pub(super) fn room<T>(&self, list: &mut Vec<T>, count: usize) -> Result<(), Refusal> {
-        self.budget.room(list, count, self.images.len())
+        self.bytes
     }
 
     /// How near the places of the bodies are to the true ones, as a slack of the exact test.
@@ -458,17 +447,17 @@ impl<'a, const D: usize> Made<'a, D> {
     /// A copy of all bodies.
     ///
     /// # Errors
-    /// [`Refusal::Images`] where there is no memory for it.
+    /// [`Refusal::Exhausted`].
     pub fn open(&self) -> Result<Scene<'static, f64, D>, Refusal> {
         let places = self.places();
         let mut centres = Vec::new();
-        self.room(&mut centres, places.len())?;
+        reserve(&mut centres, places.len())?;
         centres.extend(places.copied().map(Point::from));
         let radii = match &self.radii {
             Radii::Uniform(r) => Radii::Uniform(*r),
             Radii::Each(radii) => {
                 let mut copy = Vec::new();
-                self.room(&mut copy, radii.len())?;
+                reserve(&mut copy, radii.len())?;
                 copy.extend_from_slice(radii);
                 Radii::Each(copy.into())
             }

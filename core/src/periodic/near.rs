@@ -12,11 +12,11 @@
 //! lowa - fj - M <= Ta <= higha - fj + M,    M = |ga| (R + 2E) + 8u m + 2c off(a),
 //! ```
 //!
-//! and the roundings of these two sums, (lowa - M) - fj and (higha + M) - fj, are at most 3u (4m +
-//! M): we take 64u m for both terms in m, and M(1 + 2^-40). A lexicographically positive T has a Ta
-//! of at least 1, so that fj is at most higha + M, less 1, for some a. One pass over the scene finds
-//! its corners and fractions and, by a guess of this bound, the particles whose images are looked
-//! at; where the guess was too low there is another.
+//! and the roundings of these two sums, (lowa - M) - fj and (higha + M) - fj, are at most
+//! 3u (4m + M): we take 64u m for both terms in m, and M(1 + 2^-40). A lexicographically positive T
+//! has a Ta of at least 1, so that fj is at most higha + M, less 1, for some a. One pass over the
+//! scene finds its corners and fractions and, by a guess of this bound, the particles whose images
+//! are looked at; where the guess was too low there is another.
 //!
 //! **Reach.** In exact arithmetic R = rj + rmax. A rounded arithmetic of unit v accepts up to its
 //! own reach ([`Slack::reach`]), and storing moves coordinates and radii by v, relatively

@@ -2,7 +2,7 @@
 
 use nalgebra::Point;
 
-use super::images::Made;
+use super::images::{Made, reserve};
 use crate::contact::Arithmetic;
 use crate::refusal::Refusal;
 use crate::scene::{AnyScene, ByCells, CellF32, Radii, Real, Scene, SceneError, Storage, Stored};
@@ -29,7 +29,7 @@ impl<const D: usize> Copies<D> {
     /// The bodies as the arithmetic stores them; `None` where that is as they are.
     ///
     /// # Errors
-    /// [`Refusal::Stored`]; [`Refusal::Images`] where there is no memory for them.
+    /// [`Refusal::Stored`]; [`Refusal::Exhausted`].
     pub fn of(
         &mut self,
         made: &Made<'_, D>,
@@ -68,11 +68,11 @@ impl<T: Real, const D: usize> Copied<T, D> {
         length: impl Fn(f64) -> T,
     ) -> Result<Result<Scene<'_, T, D>, SceneError>, Refusal> {
         let place = |x: &[f64; D]| Point::from(std::array::from_fn(|k| coordinate(x[k], k)));
-        fit(made, &mut self.centres, made.places().map(place))?;
+        fit(&mut self.centres, made.places().map(place))?;
         let radii = match made.radii() {
             Radii::Uniform(r) => Radii::Uniform(length(*r)),
             Radii::Each(radii) => {
-                fit(made, &mut self.radii, radii.iter().map(|&r| length(r)))?;
+                fit(&mut self.radii, radii.iter().map(|&r| length(r)))?;
                 Radii::Each(self.radii.as_slice().into())
             }
         };
@@ -81,15 +81,11 @@ impl<T: Real, const D: usize> Copied<T, D> {
 }
 
 /// Replaces what a buffer holds; one that is too small is not held beside the new one.
-fn fit<A, const D: usize>(
-    made: &Made<'_, D>,
-    buffer: &mut Vec<A>,
-    items: impl ExactSizeIterator<Item = A>,
-) -> Result<(), Refusal> {
+fn fit<A>(buffer: &mut Vec<A>, items: impl ExactSizeIterator<Item = A>) -> Result<(), Refusal> {
     buffer.clear();
     if items.len() > buffer.capacity() {
         *buffer = Vec::new();
-        made.room(buffer, items.len())?;
+        reserve(buffer, items.len())?;
     }
     buffer.extend(items);
     Ok(())

@@ -331,13 +331,16 @@ impl Search<'_> {
     }
 
     /// Diameters taken for radii, or the other way, in another box or part of it: only where that
-    /// explains all.
+    /// explains all, and not of so many particles that some twenty detections would take long.
     fn sized_and_boxed(
         &mut self,
         of: &Found<'_>,
         periodic: &Periodic<'_>,
         terms: Terms,
     ) -> anyhow::Result<()> {
+        if periodic.scene().len() > 100_000 {
+            return Ok(());
+        }
         let before = self.best.clone();
         for by in [0.5, 2.0] {
             let Ok(sized) = swollen(periodic, |r| (by * r).min(f64::MAX)) else { continue };

@@ -110,6 +110,8 @@ pub fn check(options: &Check) -> anyhow::Result<ExitCode> {
     quiet_panics();
     let mut out: Box<dyn Write> =
         if options.json { Box::new(std::io::sink()) } else { Box::new(std::io::stdout().lock()) };
+    let read = |path: &String| Ok((path.clone(), options.input.given(path)?));
+    let scenes = options.scene.iter().map(read).collect::<anyhow::Result<Vec<_>>>()?;
     let mut broken = Vec::new();
     let groups = match &options.runner {
         None => vec![detectors(options)?],
@@ -118,8 +120,6 @@ pub fn check(options: &Check) -> anyhow::Result<ExitCode> {
             runners(command, options, &limits, &mut broken, &mut out)?
         }
     };
-    let read = |path: &String| Ok((path.clone(), options.input.given(path)?));
-    let scenes = options.scene.iter().map(read).collect::<anyhow::Result<Vec<_>>>()?;
     let mut reports: Vec<Checked<'_>> = Vec::new();
     for group in &groups {
         let Group { contenders, arithmetics } = group;

@@ -7,7 +7,7 @@ use anyhow::{bail, ensure};
 use crate::cli::shared::values;
 use crate::io;
 use crate::io::boxes::{Axes, Edges};
-use crate::io::{Boundaries, Chosen, Format, Frame, Place};
+use crate::io::{Boundaries, Chosen, Format, Frame, Notice, Place};
 use crate::nearest::{hint, nearest};
 use crate::scene::spec::{GENERATORS, Spec};
 use crate::scene::{AnyScene, Given};
@@ -92,9 +92,7 @@ impl Input {
                 "{OPTIONS} belong to files; write dim=3 and the like into the scene: {text}"
             );
             let given = Spec::parse(text)?.given()?;
-            for notice in &given.notices {
-                eprintln!("{text}: {}", notice.words(Place::Spec));
-            }
+            tell(text, &given.notices, Place::Spec);
             return Ok(given);
         }
         let path = Path::new(text);
@@ -109,7 +107,9 @@ impl Input {
                 );
             }
         }
-        of(load(path, self, self.options())?.0)
+        let (particles, _) = load(path, self, self.options())?;
+        tell(text, particles.notices(), Place::Argument);
+        of(particles)
     }
 }
 
@@ -132,10 +132,14 @@ pub fn load(
         let last = about.frames - 1;
         eprintln!("{text}: frame {last}, the last of 0 to {last}, is read (--frame)");
     }
-    for notice in particles.notices() {
-        eprintln!("{text}: {}", notice.words(Place::Argument));
-    }
     Ok((particles, about))
+}
+
+/// Says what a file leaves open about its box.
+pub fn tell(name: &str, notices: &[Notice], place: Place) {
+    for notice in notices {
+        eprintln!("{name}: {}", notice.words(place));
+    }
 }
 
 /// With the file beside it that may be meant, where there is none of that name.

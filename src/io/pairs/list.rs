@@ -59,7 +59,7 @@ impl List {
     pub fn without_box(&mut self) {
         if std::mem::take(&mut self.guessed) {
             self.images = None;
-            self.others.extend((2..if self.flat { 4 } else { 5 }).map(Other::unnamed));
+            self.others.splice(..0, (2..if self.flat { 4 } else { 5 }).map(Other::unnamed));
         }
     }
 }

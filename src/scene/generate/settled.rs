@@ -176,7 +176,7 @@ impl<const D: usize> Placed<D> {
         Ok(())
     }
 
-    /// The places of a body, the one within the box first, from which one within may be too near.
+    /// The body, and those of its images that a body in the box may be too near to.
     fn images(&self, centre: [f64; D], radius: f64, images: &mut Vec<[f64; D]>) {
         images.clear();
         images.push(centre);
@@ -204,7 +204,7 @@ impl<const D: usize> Placed<D> {
         }
     }
 
-    /// So far away, or a little less, no body of this size is too near to one of that.
+    /// Beyond this distance no body of this size is too near to one of that.
     fn reach(&self, radius: f64, largest: f64) -> f64 {
         1.000_001 * self.apart * (radius + largest)
     }

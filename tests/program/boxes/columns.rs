@@ -135,4 +135,6 @@ fn columns_without_names_are_no_images_where_there_is_no_box() {
     file(folder, "p.xyz", "2\nLattice=\"4 0 0 0 4 0 0 0 4\"\nA 0 0 0\nA 1 0 0\n");
     let open = ["verify", "p.xyz", "--radius", "0.5", "--open", "--pairs", "list.csv"];
     refused(folder, &open, &words);
+    let draw = ["draw", "p.xyz", "--radius", "0.5", "--open", "--pairs", "list.csv"];
+    refused(folder, &draw, &words);
 }

@@ -157,10 +157,13 @@ fn nobody_is_left_to_guess_about_a_data_file() {
     file(folder, "p.lmp", DATA);
     let unknown = "the file does not say whether its box repeats: boundaries are taken as open; \
                    say --periodic xyz if it does, and --open if not";
-    for verb in ["detect", "inspect", "scene"] {
-        let ended = good(folder, &[verb, "p.lmp"]);
-        assert!(ended.stderr.starts_with(&format!("p.lmp: {unknown}\n")), "{}", ended.stderr);
-        let ended = good(folder, &[verb, "p.lmp", "--open"]);
+    file(folder, "none.csv", "i,j\n");
+    let verify = ["verify", "--pairs", "none.csv"];
+    for verb in [&["detect"][..], &["inspect"], &["scene"], &verify] {
+        let ended = run(folder, &[verb, &["p.lmp"]].concat());
+        let said = ended.stdout + &ended.stderr;
+        assert_eq!(said.matches(unknown).count(), 1, "{verb:?}: {said}");
+        let ended = run(folder, &[verb, &["p.lmp", "--open"]].concat());
         assert!(!ended.stderr.contains("box"), "{}", ended.stderr);
     }
     // Also where a scene is named so.

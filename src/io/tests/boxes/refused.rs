@@ -206,7 +206,8 @@ fn boxes_that_cannot_be_used_are_refused_in_words() {
     for text in ["", "xx", "xw", "XY", "x,y", "all"] {
         assert_eq!(
             text.parse::<Axes>().unwrap_err(),
-            "it must be the axes along which the box repeats, as in x, xy or xyz, or none"
+            "it must be the axes along which the box repeats, as in x, xy or xyz; or true \
+             for all, none or false for no axis"
         );
     }
     assert_eq!("zx".parse(), Ok(Axes::These([true, false, true])));
