@@ -198,7 +198,7 @@ fn rows(scene: &AnyScene<'_>, test: Test, rows: Rows) -> Result<Vec<[u32; 2]>, R
 fn agreed(scene: &AnyScene<'_>, test: Test, limit: u64) -> Result<Vec<[u32; 2]>, NoTruth> {
     let options = Options { memory_limit: limit, ..Options::default() };
     let mut first: Option<(&'static str, Vec<[u32; 2]>)> = None;
-    for name in ["nbs", "sorting", "binary-tree", "screening"] {
+    for name in judges(scene) {
         let Some(entry) = table::find(name).filter(|entry| entry.role == Role::Detector) else {
             continue;
         };
@@ -230,6 +230,19 @@ fn agreed(scene: &AnyScene<'_>, test: Test, limit: u64) -> Result<Vec<[u32; 2]>,
         return Err(NoTruth::TooLarge { n: scene.len() });
     }
     Ok(brute_force(scene, test, limit)?)
+}
+
+/// Detectors of different families, those first that are fast: cells as large as the largest body
+/// hold nearly all particles where radii differ much.
+fn judges(scene: &AnyScene<'_>) -> [&'static str; 4] {
+    let differ = with_scene!(scene, scene => {
+        let large = 0.5 * scene.largest_radius().wide();
+        (0..scene.len()).any(|k| scene.radius(k).wide() < large)
+    });
+    match differ {
+        false => ["nbs", "sorting", "binary-tree", "screening"],
+        true => ["kd-tree", "hgrid", "nbs", "sorting"],
+    }
 }
 
 /// Tests random particles against all others.
@@ -360,6 +373,17 @@ fn depth_of(scene: &AnyScene<'_>, [i, j]: [u32; 2]) -> f64 {
 mod tests {
     use super::*;
     use crate::scene::{Radii, Scene};
+
+    #[test]
+    fn scenes_of_one_large_body_are_judged_without_its_cells() {
+        let with = |small: f64| {
+            let centres = [0.0, 3.0].map(|x| nalgebra::Point::from([x, 0.0])).to_vec();
+            let scene: AnyScene<'_> =
+                Scene::new(centres, Radii::Each(vec![1.0, small].into())).unwrap().into();
+            judges(&scene)[0]
+        };
+        assert_eq!([1.0, 0.5, 0.499, 0.0].map(with), ["nbs", "nbs", "kd-tree", "kd-tree"]);
+    }
 
     #[test]
     fn errors_are_counted_apart() {
