@@ -10,7 +10,8 @@
 //! 1. [`scene`]: a generator, or a file ([`io`]), makes a set of centres and radii.
 //! 2. The crate `contactbench-core` finds and counts contacts: [`contact`], [`filter`], [`detect`],
 //!    [`probe`], [`sink`], [`wide`]; [`oracle`] is the truth that every answer must meet;
-//!    [`periodic`] has boxes.
+//!    [`periodic`] has boxes;
+//!    [`track`] keeps lists while bodies move, and [`moving`] holds those to the truth.
 //! 3. [`mod@check`]: every detector against the truth on many small scenes.
 //! 4. [`experiment`]: what is asked, as a TOML file; [`run`]: every detector answers in a process
 //!    of its own, and rows are appended to the [`record`].
@@ -39,8 +40,8 @@
 //! ```
 
 pub use contactbench_core::{
-    contact, crowd, detect, event, filter, memory, oracle, pair_list, periodic, probe, sink, wide,
-    with_scene,
+    contact, crowd, detect, event, filter, memory, oracle, pair_list, periodic, probe, sink, track,
+    wide, with_scene,
 };
 
 pub mod cells;
@@ -49,6 +50,7 @@ pub mod cli;
 pub mod experiment;
 pub mod findings;
 pub mod io;
+pub mod moving;
 pub mod nearest;
 pub mod number;
 pub mod present;

@@ -5,7 +5,7 @@ use std::process::ExitCode;
 use clap::Parser;
 use contactbench::cli::{
     Cli, Verb, check, compare, detect, draw, inspect, list, merge, new_detector, recommend, report,
-    run, runner, scene, shell, trace, verify,
+    run, runner, scene, shell, trace, track, verify,
 };
 use contactbench::record::faults::Damaged;
 use contactbench::run::alloc::Counting;
@@ -42,6 +42,7 @@ fn main() -> ExitCode {
         Some(Verb::Recommend(options)) => recommend::recommend(&options),
         Some(Verb::Draw(options)) => draw::draw(&options),
         Some(Verb::Trace(options)) => trace::trace(&options),
+        Some(Verb::Track(options)) => track::track(&options),
         Some(Verb::Completions(options)) => shell::completions(&options),
         Some(Verb::Runner(options)) => runner::serve(&options),
     };

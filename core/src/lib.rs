@@ -29,7 +29,8 @@
 //!    [`memory`] says what limit fits the machine.
 //! 6. [`oracle`]: the true contacts, by testing all pairs, and what an answer got wrong.
 //! 7. [`periodic`]: scenes that repeat, found by the same detectors, and their truth.
-//! 8. [`wide`]: sixteen floats at a time.
+//! 8. [`track`]: frames of bodies that move, and lists that are kept between them.
+//! 9. [`wide`]: sixteen floats at a time.
 //!
 //! Each imports only those before it (detectors use [`wide`], the oracle uses detectors). There is
 //! no file (but for the system's word on its memory), process, figure or command line here; those
@@ -51,6 +52,7 @@ pub mod probe;
 pub mod refusal;
 pub mod scene;
 pub mod sink;
+pub mod track;
 pub mod wide;
 
 pub use contacts::{Contacts, Error, contacts};

@@ -94,6 +94,9 @@ pub enum Refusal {
     /// The images of a periodic box do not fit the storage of an arithmetic.
     #[error("with its images the scene cannot be stored for {arithmetic}: {error}; use exact")]
     Stored { arithmetic: &'static str, error: SceneError },
+    /// Bodies of a kept list that are larger by half of the skin are too large for numbers.
+    #[error("with a skin of {skin:e} bodies are too large for f64; take a smaller skin")]
+    Skin { skin: f64 },
     /// The library behind a peer cannot be trusted with the scene.
     #[error("{detector}: {reason}")]
     Library { detector: &'static str, reason: String },
@@ -124,6 +127,15 @@ impl Refusal {
                 | Refusal::Stored { .. }
         )
     }
+}
+
+/// Makes room in a list for so many more.
+///
+/// # Errors
+/// [`Refusal::Exhausted`].
+pub(crate) fn reserve<T>(list: &mut Vec<T>, more: usize) -> Result<(), Refusal> {
+    let bytes = (more as u64).saturating_mul(size_of::<T>() as u64);
+    list.try_reserve_exact(more).map_err(|_| Refusal::Exhausted { bytes })
 }
 
 /// Boxes with more images than this for each particle are much smaller than the bodies.

@@ -12,7 +12,9 @@ use crate::detect::table::{self, TABLE};
 use crate::experiment::builtin;
 use crate::present::table::{Cell, Column, Table};
 use crate::scene::hard::{self, Case, Expect};
+use crate::scene::motion::Kind;
 use crate::scene::spec::{GENERATORS, Parameter};
+use crate::track;
 
 /// Options of `list`.
 #[derive(clap::Args)]
@@ -33,6 +35,10 @@ enum What {
     Arithmetics,
     /// Generators with their parameters
     Scenes,
+    /// Ways in which a scene moves (contactbench track)
+    Motions,
+    /// Lists of near pairs, and the rules by which they are built again
+    Trackers,
     /// With their questions
     Experiments,
     /// Scenes on which detectors go wrong, with the reason and its source (only when asked for)
@@ -41,7 +47,14 @@ enum What {
 
 impl What {
     /// A hundred hard cases would bury the rest: they are not among these.
-    const USUAL: [What; 4] = [What::Detectors, What::Arithmetics, What::Scenes, What::Experiments];
+    const USUAL: [What; 6] = [
+        What::Detectors,
+        What::Arithmetics,
+        What::Scenes,
+        What::Motions,
+        What::Trackers,
+        What::Experiments,
+    ];
 
     /// Its name in JSON.
     fn name(self) -> &'static str {
@@ -49,6 +62,8 @@ impl What {
             What::Detectors => "detectors",
             What::Arithmetics => "arithmetics",
             What::Scenes => "scenes",
+            What::Motions => "motions",
+            What::Trackers => "trackers",
             What::Experiments => "experiments",
             What::HardCases => "hard_cases",
         }
@@ -59,6 +74,8 @@ impl What {
             What::Detectors => detectors(),
             What::Arithmetics => arithmetics(),
             What::Scenes => scenes(),
+            What::Motions => motions(),
+            What::Trackers => trackers(),
             What::Experiments => experiments()?,
             What::HardCases => hard_cases(),
         })
@@ -72,6 +89,14 @@ impl What {
                 .map(|it| json!({ "name": it.name(), "summary": it.summary() }))
                 .collect(),
             What::Scenes => scenes_json(),
+            What::Motions => Kind::ALL
+                .iter()
+                .map(|it| json!({ "name": it.name(), "summary": it.summary() }))
+                .collect(),
+            What::Trackers => track::FORMS
+                .iter()
+                .map(|(form, summary)| json!({ "name": form, "summary": summary }))
+                .collect(),
             What::Experiments => builtin::all()?
                 .iter()
                 .map(|it| {
@@ -169,6 +194,19 @@ fn detector_json(it: &table::Entry) -> Value {
 fn arithmetics() -> Table {
     let row = |it: Arithmetic| entry(it.name(), [it.summary().to_string()]);
     titled("ARITHMETICS", Arithmetic::ALL.into_iter().map(row))
+}
+
+fn motions() -> Table {
+    let row = |it: Kind| entry(it.name(), [it.summary().to_string()]);
+    titled(
+        "MOTIONS (with speed=NUMBER, in diameters per frame, and seed=NUMBER)",
+        Kind::ALL.map(row),
+    )
+}
+
+fn trackers() -> Table {
+    let row = |&(form, summary): &(&str, &str)| entry(form, [summary.to_string()]);
+    titled("TRACKERS (skins in diameters of the largest body)", track::FORMS.iter().map(row))
 }
 
 /// The default of a generator's parameter in 2D or 3D.

@@ -16,6 +16,7 @@ pub mod scene;
 mod shared;
 pub mod shell;
 pub mod trace;
+pub mod track;
 pub mod verify;
 
 use clap::{Parser, Subcommand};
@@ -101,6 +102,12 @@ pub enum Verb {
                             screening packed:n=12 -o lecture\nWithout a scene the book's worked \
                             example is shown.")]
     Trace(trace::Trace),
+    /// Moves a scene, frame by frame, and says what lists of near pairs cost and miss
+    #[command(after_help = "Example: contactbench track packed:dim=3,n=10000 --motion \
+                            drift:speed=0.01\nExample: contactbench track packing.csv --motion \
+                            vortex --tracker 'verlet(nbs,skin=0.3,rule=lammps-10-1-yes)'\nExit \
+                            code 1 if a tracker missed a contact that promises to miss none.")]
+    Track(track::Track),
     /// Writes a completion script for your shell
     #[command(after_help = "Example: contactbench completions bash\nWrite it to a file such as \
                             ~/.local/share/bash-completion/completions/contactbench")]

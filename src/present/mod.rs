@@ -13,3 +13,4 @@ pub mod sections;
 pub mod svg;
 pub mod table;
 pub mod trace;
+pub mod tracking;

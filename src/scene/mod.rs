@@ -4,6 +4,7 @@
 pub mod generate;
 mod given;
 pub mod hard;
+pub mod motion;
 pub mod order;
 pub mod spec;
 pub mod stats;

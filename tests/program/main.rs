@@ -24,6 +24,7 @@ mod records;
 mod resume;
 mod runners;
 mod seeing;
+mod track;
 mod users;
 
 // What the file that `new-detector` writes finds around it in the crate of detectors.

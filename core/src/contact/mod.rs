@@ -27,9 +27,8 @@
 //! centre: [`image`]. What detectors see are rounded places, and a [`Slack`] that says so:
 //! [`Imaged`], made by [`crate::periodic`].
 //!
-//! **Room.** What may come has its place already. Velocities: the reach of a step is the reach at
-//! rest plus the longest way of a pair, and the filters need nothing else; whether two bodies touch
-//! during the step is one more rule.
+//! **Steps.** Whether two bodies that move touch between two frames is decided as exactly:
+//! [`swept`].
 
 pub mod arithmetic;
 pub mod bodies;
@@ -38,6 +37,7 @@ pub mod exact;
 pub mod image;
 pub mod rule;
 pub mod slack;
+pub mod swept;
 
 pub use arithmetic::{Arithmetic, Test, UnknownArithmetic};
 pub use bodies::{

@@ -1,12 +1,11 @@
 //! Lists of the contacts of a periodic scene.
 
 use super::finder::Finder;
-use super::images::reserve;
 use super::{IMAGE_PAIR_BYTES, ImagePair, Periodic, without_shift};
 use crate::contact::Arithmetic;
 use crate::detect::any::AnyDetector;
 use crate::pair_list::PairList;
-use crate::refusal::Refusal;
+use crate::refusal::{Refusal, reserve};
 use crate::sink::Digest;
 
 /// All contacts, in ascending order. Images may take `limit` bytes, and the list as many.

@@ -1,7 +1,8 @@
 //! The contacts of a periodic scene, by any detector, call after call.
 
 use super::contacts::{Contacts, List};
-use super::images::{Images, Made};
+use super::images::Images;
+use super::made::Made;
 use super::stored::Copies;
 use super::{ImagePair, Periodic};
 use crate::contact::{Arithmetic, Asked, Decided, Imaged};

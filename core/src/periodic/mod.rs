@@ -44,6 +44,7 @@ mod contacts;
 mod finder;
 mod frame;
 pub mod images;
+pub mod made;
 mod near;
 mod stored;
 mod truth;

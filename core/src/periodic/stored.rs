@@ -2,9 +2,9 @@
 
 use nalgebra::Point;
 
-use super::images::{Made, reserve};
+use super::made::Made;
 use crate::contact::Arithmetic;
-use crate::refusal::Refusal;
+use crate::refusal::{Refusal, reserve};
 use crate::scene::{AnyScene, ByCells, CellF32, Radii, Real, Scene, SceneError, Storage, Stored};
 
 /// Room for a copy in another storage.

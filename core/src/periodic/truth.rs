@@ -19,7 +19,8 @@
 
 use super::contacts::List;
 use super::frame::{Frame, MOST, U};
-use super::images::{Images, touches};
+use super::images::Images;
+use super::made::touches;
 use super::stored::stored;
 use super::{IMAGE_PAIR_BYTES, ImagePair, Periodic};
 use crate::contact::depth::depth_of_image;

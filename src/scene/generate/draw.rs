@@ -9,6 +9,8 @@ const GENERATOR_STREAM: u64 = 0;
 const SHUFFLE_STREAM: u64 = 1;
 const SIZES_STREAM: u64 = 2;
 const ORDER_OF_SIZES_STREAM: u64 = 3;
+/// And those after it: one for each frame.
+const MOTION_STREAM: u64 = 1 << 32;
 
 /// A seeded source of uniform and normal numbers.
 pub struct Draw {
@@ -25,6 +27,11 @@ impl Draw {
     /// The source for radii, where they do not come between the draws of a generator.
     pub fn of_sizes(seed: u64) -> Draw {
         Draw { rng: stream(seed, SIZES_STREAM), spare: None }
+    }
+
+    /// The source for a frame of a motion.
+    pub fn of_motion(seed: u64, frame: u64) -> Draw {
+        Draw { rng: stream(seed, MOTION_STREAM.wrapping_add(frame)), spare: None }
     }
 
     /// Uniform in [0, 1), a multiple of 2^-53.

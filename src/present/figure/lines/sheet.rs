@@ -150,7 +150,10 @@ impl<'a> Sheet<'a> {
                 x_labels: k + self.columns >= self.plot.panels.len(),
             };
             let heading = format!("{}, {}D", panel.scene, panel.dim);
-            canvas.text(&heading, (left + 2.0, top - 13.0), Text::new(19.0, INK).bold())?;
+            // Smaller where it would run into its neighbour.
+            let fits = (self.panel.0 - 2.0) / width(&heading, 19.0, true)?;
+            let text = Text::new(19.0 * fits.min(1.0), INK).bold();
+            canvas.text(&heading, (left + 2.0, top - 13.0), text)?;
             area.draw(canvas, panel, &self.shared, self.styles)?;
         }
         let bottom =

@@ -1,0 +1,326 @@
+//! What is kept between frames: particles in spatial order, and the list of near pairs.
+
+use nalgebra::Point;
+
+use super::rule::{Budget, Rule, Ways};
+use super::travel::{TopTwo, at_most, square};
+use crate::contact::{Bodies, Slack, Test};
+use crate::detect::any::AnyDetector;
+use crate::filter::Near;
+use crate::pair_list::{PAIR_BYTES, PairList};
+use crate::probe::Silent;
+use crate::refusal::{Refusal, reserve};
+use crate::scene::{AnyScene, Radii, Real, Scene, array};
+use crate::sink::Sink;
+
+/// Particles stand in places, so that those near one another are side by side in memory; listed
+/// pairs are of places.
+#[derive(Default)]
+pub(super) struct Kept<const D: usize> {
+    /// The particle in each place.
+    order: Vec<u32>,
+    /// Where it was when the list was built.
+    then: Vec<Point<f64, D>>,
+    /// Where it was in the last frame.
+    now: Vec<Point<f64, D>>,
+    radii: KeptRadii,
+    listed: Vec<[u32; 2]>,
+    /// Frames since the list was built; none if there is no list.
+    age: Option<u32>,
+    /// The longest way in each of them, added up.
+    summed: f64,
+    cells: Cells,
+}
+
+enum KeptRadii {
+    Uniform(f64),
+    Each {
+        /// By particle.
+        given: Vec<f64>,
+        /// By place.
+        placed: Vec<f64>,
+    },
+}
+
+impl Default for KeptRadii {
+    fn default() -> KeptRadii {
+        KeptRadii::Uniform(0.0)
+    }
+}
+
+impl<const D: usize> Kept<D> {
+    /// The list is of no use any more.
+    pub fn forget(&mut self) {
+        self.age = None;
+    }
+
+    /// Bytes of the arrays, where the list has room for as many pairs as it holds.
+    pub fn bytes(&self) -> u64 {
+        let n = self.order.len() as u64;
+        let radii = match self.radii {
+            KeptRadii::Each { .. } => 16 * n,
+            KeptRadii::Uniform(_) => 0,
+        };
+        n * (4 + 16 * D as u64) + radii + self.listed.len() as u64 * PAIR_BYTES + self.cells.bytes()
+    }
+
+    /// Brings the particles to their places in this frame, and says how far they have gone and how
+    /// many frames ago the list was built. None if there is no list, or it is of other particles.
+    pub fn follow<T: Real>(&mut self, scene: &Scene<'_, T, D>, rule: Rule) -> Option<(u32, Ways)> {
+        let age = self.age?.saturating_add(1);
+        let centres = scene.centres();
+        if centres.len() != self.order.len() || !self.radii.are(scene) {
+            return None;
+        }
+        let (mut top, mut step) = (TopTwo::default(), 0.0f64);
+        let places = self.order.iter().zip(&mut self.now).zip(&self.then);
+        match rule {
+            Rule::Summed => places.for_each(|((&particle, now), then)| {
+                let at = wide(&centres[particle as usize]);
+                top.take(square(array(&at), array(then)));
+                step = step.max(square(array(&at), array(now)));
+                *now = at;
+            }),
+            _ => places.for_each(|((&particle, now), then)| {
+                *now = wide(&centres[particle as usize]);
+                top.take(square(array(now), array(then)));
+            }),
+        }
+        if rule == Rule::Summed {
+            self.summed = (self.summed + at_most(step)).next_up();
+        }
+        self.age = Some(age);
+        let ways = Ways {
+            square: top.first,
+            first: at_most(top.first),
+            second: at_most(top.second),
+            summed: self.summed,
+        };
+        Some((age, ways))
+    }
+
+    /// Lists all pairs whose bodies are at most twice `half` apart in this frame.
+    pub fn build<T: Real>(
+        &mut self,
+        scene: &Scene<'_, T, D>,
+        half: f64,
+        detector: &mut dyn AnyDetector,
+    ) -> Result<(), Refusal>
+    where
+        for<'a> AnyScene<'a>: From<Scene<'a, f64, D>>,
+    {
+        self.age = None;
+        let n = scene.len();
+        for points in [&mut self.then, &mut self.now] {
+            points.clear();
+            reserve(points, n)?;
+        }
+        self.then.extend(scene.centres().iter().map(wide));
+        self.cells.order(&self.then, &mut self.order)?;
+        self.now.extend(self.order.iter().map(|&particle| self.then[particle as usize]));
+        self.then.copy_from_slice(&self.now);
+        self.radii.take(scene, &self.order)?;
+        let larger = |r: f64| (r + half).next_up();
+        let wider = match &self.radii {
+            KeptRadii::Each { placed, .. } => {
+                let mut radii = Vec::new();
+                reserve(&mut radii, n)?;
+                radii.extend(placed.iter().map(|&r| larger(r)));
+                Radii::Each(radii.into())
+            }
+            KeptRadii::Uniform(r) => Radii::Uniform(larger(*r)),
+        };
+        let wider =
+            Scene::new(&self.now[..], wider).map_err(|_| Refusal::Skin { skin: 2.0 * half })?;
+        self.listed.clear();
+        detector.list(&wider.into(), Test::Exact, &mut self.listed)?;
+        (self.age, self.summed) = (Some(0), 0.0);
+        Ok(())
+    }
+
+    /// Pairs in the list.
+    pub fn listed(&self) -> u64 {
+        self.listed.len() as u64
+    }
+
+    /// Hands the listed pairs that touch in this frame to `pairs`.
+    pub fn pass<T: Real, B: Bodies<T, D>>(&self, bodies: B, pairs: &mut PairList<'_>) {
+        match &self.radii {
+            KeptRadii::Each { placed, .. } => {
+                let slack = bodies.slack();
+                let near =
+                    |[a, b]: [u32; 2]| Near::new(placed[a as usize] + placed[b as usize], slack);
+                self.pass_by(bodies, near, pairs);
+            }
+            KeptRadii::Uniform(r) => {
+                let near = Near::new(r + r, bodies.slack());
+                self.pass_by(bodies, |_| near, pairs);
+            }
+        }
+    }
+
+    fn pass_by<T: Real, B: Bodies<T, D>>(
+        &self,
+        bodies: B,
+        near: impl Fn([u32; 2]) -> Near,
+        pairs: &mut PairList<'_>,
+    ) {
+        const BLOCK: usize = 256;
+        let (now, order) = (&self.now[..], &self.order[..]);
+        let mut touching = [[0; 2]; BLOCK];
+        for block in self.listed.chunks(BLOCK) {
+            let (mut len, mut open) = (0, false);
+            for &[a, b] in block {
+                let near = near([a, b]);
+                let square = square(array(&now[a as usize]), array(&now[b as usize]));
+                touching[len % BLOCK] = [order[a as usize], order[b as usize]];
+                // Without a branch: nobody can foresee which of the listed pairs touch.
+                len += usize::from(square <= near.inner);
+                open |= (square > near.inner) & (square <= near.outer);
+            }
+            pairs.contacts(&touching[..len]);
+            if open {
+                self.pass_open(bodies, block, &near, pairs);
+            }
+        }
+    }
+
+    /// Those pairs of a block that copies do not decide.
+    #[cold]
+    fn pass_open<T: Real, B: Bodies<T, D>>(
+        &self,
+        bodies: B,
+        block: &[[u32; 2]],
+        near: &impl Fn([u32; 2]) -> Near,
+        pairs: &mut PairList<'_>,
+    ) {
+        for &[a, b] in block {
+            let (at_a, at_b) = (array(&self.now[a as usize]), array(&self.now[b as usize]));
+            let open = near([a, b]).verdict(square(at_a, at_b)).is_none();
+            let [i, j] = [self.order[a as usize], self.order[b as usize]];
+            if open && bodies.touch(i, j, &mut Silent) {
+                pairs.contact(i, j);
+            }
+        }
+    }
+}
+
+impl KeptRadii {
+    /// Are these the radii of the scene?
+    fn are<T: Real, const D: usize>(&self, scene: &Scene<'_, T, D>) -> bool {
+        match (self, scene.radii()) {
+            (KeptRadii::Uniform(kept), Radii::Uniform(r)) => *kept == r.wide(),
+            (KeptRadii::Each { given, .. }, Radii::Each(radii)) => {
+                given.len() == radii.len()
+                    && given.iter().zip(&**radii).all(|(a, b)| *a == b.wide())
+            }
+            _ => false,
+        }
+    }
+
+    fn take<T: Real, const D: usize>(
+        &mut self,
+        scene: &Scene<'_, T, D>,
+        order: &[u32],
+    ) -> Result<(), Refusal> {
+        *self = match scene.radii() {
+            Radii::Uniform(r) => KeptRadii::Uniform(r.wide()),
+            Radii::Each(radii) => {
+                let (mut given, mut placed) = match std::mem::take(self) {
+                    KeptRadii::Each { given, placed } => (given, placed),
+                    KeptRadii::Uniform(_) => Default::default(),
+                };
+                for list in [&mut given, &mut placed] {
+                    list.clear();
+                    reserve(list, radii.len())?;
+                }
+                given.extend(radii.iter().map(|r| r.wide()));
+                placed.extend(order.iter().map(|&particle| given[particle as usize]));
+                KeptRadii::Each { given, placed }
+            }
+        };
+        Ok(())
+    }
+}
+
+/// Cells in rows, by which particles are put in order; no answer depends on them.
+#[derive(Default)]
+struct Cells {
+    /// Of each particle.
+    cell: Vec<u32>,
+    /// Where the particles of each cell begin.
+    starts: Vec<u32>,
+}
+
+impl Cells {
+    fn bytes(&self) -> u64 {
+        4 * (self.cell.len() + self.starts.len()) as u64
+    }
+
+    /// Puts the particles into the order of at most one cell for each particle.
+    fn order<const D: usize>(
+        &mut self,
+        points: &[Point<f64, D>],
+        order: &mut Vec<u32>,
+    ) -> Result<(), Refusal> {
+        let n = points.len();
+        let (mut low, mut high) = ([f64::INFINITY; D], [f64::NEG_INFINITY; D]);
+        for point in points {
+            for k in 0..D {
+                (low[k], high[k]) = (low[k].min(point[k]), high[k].max(point[k]));
+            }
+        }
+        // Where they overflow all particles are in the first cell, and stay as they are.
+        let extent: [f64; D] = std::array::from_fn(|k| high[k] - low[k]);
+        let count = |edge: f64| extent.map(|extent| (extent / edge).floor() + 1.0);
+        let mut edge = extent.iter().fold(0.0f64, |most, &extent| most.max(extent));
+        while edge > f64::MIN_POSITIVE && edge < f64::INFINITY {
+            if count(0.5 * edge).iter().product::<f64>() > n as f64 {
+                break;
+            }
+            edge *= 0.5;
+        }
+        let counts = match edge > 0.0 && edge < f64::INFINITY {
+            true => count(edge).map(|count| count as usize),
+            false => [1; D],
+        };
+        for (list, len) in [(&mut self.cell, n), (order, n)] {
+            list.clear();
+            reserve(list, len)?;
+        }
+        self.starts.clear();
+        reserve(&mut self.starts, counts.iter().product::<usize>() + 1)?;
+        self.starts.resize(counts.iter().product::<usize>() + 1, 0);
+        for point in points {
+            let cell = (0..D).rev().fold(0, |cell, k| {
+                let along = ((point[k] - low[k]) / edge) as usize;
+                cell * counts[k] + along.min(counts[k] - 1)
+            });
+            self.cell.push(cell as u32);
+            self.starts[cell + 1] += 1;
+        }
+        for cell in 1..self.starts.len() {
+            self.starts[cell] += self.starts[cell - 1];
+        }
+        order.resize(n, 0);
+        for (particle, &cell) in self.cell.iter().enumerate() {
+            let place = &mut self.starts[cell as usize];
+            order[*place as usize] = particle as u32;
+            *place += 1;
+        }
+        Ok(())
+    }
+}
+
+fn wide<T: Real, const D: usize>(centre: &Point<T, D>) -> Point<f64, D> {
+    Point::from(array(centre).map(Real::wide))
+}
+
+/// What a list with this half of a skin has to give away, under a test with this slack: 7 of the
+/// page of filters.
+pub(super) fn budget(half: f64, slack: Slack, largest: f64) -> Budget {
+    let skin = 2.0 * half;
+    let rounding = 2.0 * largest * slack.relative + slack.absolute;
+    let ways = if rounding == 0.0 { skin } else { (skin - rounding).next_down() };
+    Budget { skin, ways }
+}

@@ -1,0 +1,108 @@
+//! Trackers: which bodies touch, in frames that come one after the other?
+//!
+//! A simulation does not ask once. Bodies move a little, and it asks again; so codes keep a list of
+//! all pairs that are nearly in touch, the *Verlet list* (Verlet 1967, doi:10.1103/PhysRev.159.98),
+//! and look only at those until some body has moved too far. How long the list serves is decided by
+//! a [`Rule`]; what is safe to leave out is proved on the page of filters ([`crate::filter`], 7).
+//!
+//! A tracker stands above any detector of the table. It gives, for each frame, what the detector
+//! would give: the pairs that the contact test accepts in that frame, complete if its rule is safe,
+//! so that answers can be held to the truth frame by frame.
+//!
+//! ```
+//! use contactbench_core::contact::Test;
+//! use contactbench_core::detect::Options;
+//! use contactbench_core::scene::{AnyScene, Radii, Scene};
+//! use contactbench_core::track::{self, Tracker};
+//!
+//! // Two discs that come nearer by a tenth of a diameter in each frame.
+//! let frame = |k: f64| -> AnyScene<'_> {
+//!     let centres = vec![[0.0, 0.0].into(), [1.25 - 0.1 * k, 0.0].into()];
+//!     Scene::new(centres, Radii::Uniform(0.5)).unwrap().into()
+//! };
+//! let spec = track::parse("verlet(nbs,skin=0.4,rule=top-two)")?;
+//! let mut tracker = spec.make(Options::default());
+//! let (mut pairs, mut built) = (Vec::new(), 0);
+//! for k in 0..5 {
+//!     pairs.clear();
+//!     built += tracker.step(&frame(f64::from(k)), Test::Exact, &mut pairs)?.built as u32;
+//!     assert_eq!(pairs.len(), usize::from(k >= 3));
+//! }
+//! assert_eq!(built, 1);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod kept;
+mod rule;
+mod spec;
+#[cfg(test)]
+mod tests;
+mod travel;
+mod verlet;
+
+use std::time::Duration;
+
+pub use rule::Rule;
+pub use spec::{FORMS, TrackerError, TrackerSpec, parse};
+
+use crate::contact::Test;
+use crate::detect::any::AnyDetector;
+use crate::refusal::Refusal;
+use crate::scene::AnyScene;
+
+/// Finds the contacts of frames: scenes of the same particles, one after the other.
+pub trait Tracker: Send {
+    /// The pairs of this frame, each once, appended to `pairs` in any order.
+    ///
+    /// Frames may be of any scene: where the number of particles or a radius is another than
+    /// before, a list is built anew.
+    ///
+    /// # Errors
+    /// What the detector refuses, and [`Refusal::Pairs`]; `pairs` is then as it was, and the next
+    /// frame is taken as the first.
+    fn step(
+        &mut self,
+        frame: &AnyScene<'_>,
+        test: Test,
+        pairs: &mut Vec<[u32; 2]>,
+    ) -> Result<Step, Refusal>;
+
+    /// Bytes that the tracker and its detector need between frames, by formula; without the list of
+    /// contacts, which is the caller's.
+    fn formula_bytes(&self) -> u64;
+}
+
+/// What a tracker did for a frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Step {
+    /// It asked its detector.
+    pub built: bool,
+    /// Pairs that it looked at, in touch or not.
+    pub listed: u64,
+    /// What LAMMPS calls a dangerous build: the rule was broken at the first frame at which it was
+    /// looked at, so it may have been broken before.
+    pub dangerous: bool,
+    /// Time for building, of the whole time of the step.
+    pub building: Duration,
+}
+
+/// Asks its detector in every frame.
+struct EveryStep(Box<dyn AnyDetector>);
+
+impl Tracker for EveryStep {
+    fn step(
+        &mut self,
+        frame: &AnyScene<'_>,
+        test: Test,
+        pairs: &mut Vec<[u32; 2]>,
+    ) -> Result<Step, Refusal> {
+        let (started, before) = (std::time::Instant::now(), pairs.len());
+        self.0.list(frame, test, pairs)?;
+        let listed = (pairs.len() - before) as u64;
+        Ok(Step { built: true, listed, dangerous: false, building: started.elapsed() })
+    }
+
+    fn formula_bytes(&self) -> u64 {
+        self.0.formula_bytes()
+    }
+}

@@ -1,0 +1,220 @@
+//! Which tracker, over which detector: written `every-step(nbs)` or
+//! `verlet(streamed-nbs,skin=0.2,rule=half-skin)`.
+
+use std::fmt;
+
+use super::rule::Rule;
+use super::verlet::Verlet;
+use super::{EveryStep, Tracker};
+use crate::detect::Options;
+use crate::detect::spec::{self, DetectorSpec, SpecError};
+
+/// A tracker over a detector of the table. Its text ([`fmt::Display`]) is the normal form, and
+/// [`parse`] gives the spec back.
+#[derive(Clone, Debug, PartialEq)]
+pub enum TrackerSpec {
+    /// The detector is asked in every frame.
+    EveryStep(DetectorSpec),
+    /// A list of near pairs is kept.
+    Verlet {
+        /// Who builds it.
+        detector: DetectorSpec,
+        /// How far apart listed bodies may be at most, from surface to surface, in diameters of the
+        /// largest body.
+        skin: f64,
+        /// When it is built again.
+        rule: Rule,
+    },
+}
+
+impl TrackerSpec {
+    /// A tracker that has seen no frame. Its lists may take the memory limit of `options`, and its
+    /// detector as much.
+    pub fn make(&self, options: Options) -> Box<dyn Tracker> {
+        match self {
+            TrackerSpec::EveryStep(detector) => Box::new(EveryStep(detector.make(options))),
+            TrackerSpec::Verlet { detector, skin, rule } => {
+                let limit = options.memory_limit;
+                Box::new(Verlet::new(detector.make(options), *skin, *rule, limit))
+            }
+        }
+    }
+
+    /// Who is asked.
+    pub fn detector(&self) -> &DetectorSpec {
+        match self {
+            TrackerSpec::EveryStep(detector) | TrackerSpec::Verlet { detector, .. } => detector,
+        }
+    }
+
+    /// No contact is missed, whatever moves.
+    pub fn is_safe(&self) -> bool {
+        match self {
+            TrackerSpec::EveryStep(_) => true,
+            TrackerSpec::Verlet { rule, .. } => rule.is_safe(),
+        }
+    }
+}
+
+impl fmt::Display for TrackerSpec {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            TrackerSpec::EveryStep(detector) => write!(f, "every-step({detector})"),
+            TrackerSpec::Verlet { detector, skin, rule } => {
+                write!(f, "verlet({detector},skin={skin},rule={rule})")
+            }
+        }
+    }
+}
+
+/// How trackers are written, and what each does.
+pub const FORMS: [(&str, &str); 7] = [
+    ("every-step(DETECTOR)", "asks the detector in every frame; DETECTOR alone is the same"),
+    (
+        "verlet(DETECTOR,skin=S,rule=RULE)",
+        "lists all pairs whose bodies are at most S apart, and looks at those only until the rule \
+         has the list built again; skin=0.1 and rule=top-two where none is given",
+    ),
+    ("rule=top-two", "when the two that have gone farthest have together gone the skin: safe"),
+    ("rule=half-skin", "when one has gone half of the skin: safe"),
+    ("rule=summed", "when the longest ways of all frames, added up, are half of the skin: safe"),
+    ("rule=every-K", "in every K-th frame, whatever moves: not safe"),
+    (
+        "rule=lammps-DELAY-EVERY-yes",
+        "as LAMMPS's neigh_modify delay every check (yes or no); its default is lammps-0-1-yes: \
+         not safe where frames are not looked at",
+    ),
+];
+
+/// What is wrong with the text of a [`TrackerSpec`].
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum TrackerError {
+    /// Another form.
+    #[error("'{0}' is no tracker; write every-step(DETECTOR) or verlet(DETECTOR,skin=S,rule=RULE)")]
+    Form(String),
+    /// Not a length.
+    #[error("'{text}': skin cannot be '{value}'; it is a number of at least 0, in diameters")]
+    Skin {
+        /// The whole text.
+        text: String,
+        /// As given.
+        value: String,
+    },
+    /// No such rule.
+    #[error(
+        "'{text}': rule cannot be '{value}'; it is half-skin, top-two, summed, every-K or \
+         lammps-DELAY-EVERY-yes (or -no)"
+    )]
+    Rule {
+        /// The whole text.
+        text: String,
+        /// As given.
+        value: String,
+    },
+    /// One parameter, two values.
+    #[error("'{text}': {name} is given twice; leave out one of the two")]
+    Twice {
+        /// The whole text.
+        text: String,
+        /// The parameter.
+        name: &'static str,
+    },
+    /// The detector in it.
+    #[error(transparent)]
+    Detector(#[from] SpecError),
+}
+
+/// Where none is given: a tenth of a diameter, as in the granular benchmark of LAMMPS
+/// (`bench/in.chute`).
+const SKIN: f64 = 0.1;
+
+/// The tracker that a text asks for; of a detector alone, one that asks it in every frame.
+///
+/// # Errors
+/// Other forms, and what is wrong with the detector.
+pub fn parse(text: &str) -> Result<TrackerSpec, TrackerError> {
+    let whole = || text.to_string();
+    let Some((name, rest)) = text.trim().split_once('(') else {
+        return Ok(TrackerSpec::EveryStep(spec::parse(text)?));
+    };
+    let inner = rest.strip_suffix(')').ok_or_else(|| TrackerError::Form(whole()))?;
+    match name.trim() {
+        "every-step" => Ok(TrackerSpec::EveryStep(spec::parse(inner)?)),
+        "verlet" => verlet(text, inner),
+        _ => Err(TrackerError::Form(whole())),
+    }
+}
+
+/// What is not a parameter of trackers belongs to the detector.
+fn verlet(text: &str, inner: &str) -> Result<TrackerSpec, TrackerError> {
+    let whole = || text.to_string();
+    let (mut skin, mut rule, mut detector) = (None, None, Vec::new());
+    for piece in inner.split(',') {
+        let twice = |name| TrackerError::Twice { text: whole(), name };
+        match piece.trim().split_once('=') {
+            Some(("skin", value)) => {
+                let wrong = || TrackerError::Skin { text: whole(), value: value.into() };
+                let length: f64 = value.trim().parse().map_err(|_| wrong())?;
+                if !(length >= 0.0 && length.is_finite()) {
+                    return Err(wrong());
+                }
+                if skin.replace(length).is_some() {
+                    return Err(twice("skin"));
+                }
+            }
+            Some(("rule", value)) => {
+                let wrong = || TrackerError::Rule { text: whole(), value: value.into() };
+                if rule.replace(value.trim().parse().map_err(|()| wrong())?).is_some() {
+                    return Err(twice("rule"));
+                }
+            }
+            _ => detector.push(piece),
+        }
+    }
+    Ok(TrackerSpec::Verlet {
+        detector: spec::parse(&detector.join(","))?,
+        skin: skin.unwrap_or(SKIN),
+        rule: rule.unwrap_or(Rule::TopTwo),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn trackers_are_read_as_they_are_written() {
+        for (text, normal) in [
+            ("nbs", "every-step(nbs)"),
+            ("every-step(streamed-nbs:form=dense)", "every-step(streamed-nbs:form=dense)"),
+            ("verlet(nbs)", "verlet(nbs,skin=0.1,rule=top-two)"),
+            (
+                " verlet( rule=every-5 , streamed-nbs:form=dense, level=portable,skin=1e-3)",
+                "verlet(streamed-nbs:form=dense,level=portable,skin=0.001,rule=every-5)",
+            ),
+        ] {
+            let spec = parse(text).unwrap_or_else(|error| panic!("{text}: {error}"));
+            assert_eq!(spec.to_string(), normal);
+            assert_eq!(parse(normal), Ok(spec));
+        }
+    }
+
+    #[test]
+    fn what_makes_no_sense_is_refused_in_a_sentence() {
+        for (text, says) in [
+            ("verlet(nbs", "is no tracker"),
+            ("skin(nbs)", "is no tracker"),
+            ("verlet(nbx)", "there is no detector 'nbx'"),
+            ("verlet()", "there is no detector ''"),
+            ("verlet(nbs,skin=-1)", "skin cannot be '-1'"),
+            ("verlet(nbs,skin=nan)", "skin cannot be 'nan'"),
+            ("verlet(nbs,skin=inf)", "skin cannot be 'inf'"),
+            ("verlet(nbs,rule=never)", "rule cannot be 'never'"),
+            ("verlet(nbs,skin=1,skin=2)", "skin is given twice"),
+            ("verlet(nbs,rule=summed,rule=top-two)", "rule is given twice"),
+        ] {
+            let error = parse(text).unwrap_err().to_string();
+            assert!(error.contains(says), "{text}: {error}");
+        }
+    }
+}

@@ -1,0 +1,290 @@
+use nalgebra::Point;
+
+use super::*;
+use crate::contact::Arithmetic;
+use crate::detect::Options;
+use crate::detect::table::TABLE;
+use crate::oracle;
+use crate::scene::{Radii, Scene};
+use crate::sink::{normalise, splitmix64};
+
+/// Uniform in [-1, 1), from a count.
+struct Draw(u64);
+
+impl Draw {
+    fn symmetric(&mut self) -> f64 {
+        self.0 += 1;
+        (splitmix64(self.0) >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    }
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Motion {
+    /// Straight flight.
+    Flight,
+    /// About the first place.
+    Swing,
+    /// A few go far, the others rest.
+    Few,
+}
+
+/// Frames of discs or spheres in a box in which each touches a few.
+fn frames<const D: usize>(
+    n: usize,
+    sizes: bool,
+    motion: Motion,
+    seed: u64,
+) -> Vec<AnyScene<'static>>
+where
+    AnyScene<'static>: From<Scene<'static, f64, D>>,
+{
+    let mut draw = Draw(seed << 32);
+    let edge = 0.6 * (n as f64).powf(1.0 / D as f64);
+    let mut points = |size: f64| -> Vec<[f64; D]> {
+        (0..n).map(|_| std::array::from_fn(|_| size * draw.symmetric())).collect()
+    };
+    let (first, velocities) = (points(edge), points(0.07));
+    let radii = match sizes {
+        true => Radii::Each((0..n).map(|k| 0.1 + 0.4 * (k % 7) as f64 / 6.0).collect()),
+        false => Radii::Uniform(0.5),
+    };
+    let frame = |k: u32| {
+        let along = |i: usize, axis: usize| match motion {
+            Motion::Flight => f64::from(k) * velocities[i][axis],
+            Motion::Swing => f64::from(k % 5) * velocities[(i + k as usize) % n][axis],
+            Motion::Few if i.is_multiple_of(9) => f64::from(k) * 3.0 * velocities[i][axis],
+            Motion::Few => 0.0,
+        };
+        let centres: Vec<Point<f64, D>> = (0..n)
+            .map(|i| Point::from(std::array::from_fn(|axis| first[i][axis] + along(i, axis))))
+            .collect();
+        Scene::new(centres, radii.clone()).unwrap().into()
+    };
+    (0..12).map(frame).collect()
+}
+
+/// Pair-steps missed and pair-steps in all; pairs that do not touch are no matter of rules.
+fn missed(
+    tracker: &mut dyn Tracker,
+    frames: &[AnyScene<'_>],
+    arithmetic: Arithmetic,
+) -> [usize; 2] {
+    let (mut missed, mut all, mut pairs) = (0, 0, Vec::new());
+    for frame in frames {
+        let Ok(frame) = frame.stored(arithmetic) else { continue };
+        let truth = oracle::truth_as_stored(&frame, arithmetic.test(), 1 << 30).unwrap().pairs;
+        pairs.clear();
+        tracker.step(&frame, arithmetic.test(), &mut pairs).unwrap();
+        normalise(&mut pairs);
+        let errors = oracle::compare(&pairs, &truth, &frame);
+        assert_eq!([errors.spurious, errors.duplicate, errors.self_pairs], [0; 3], "{errors}");
+        missed += errors.missed as usize;
+        all += truth.len();
+    }
+    [missed, all]
+}
+
+fn tracker(text: &str) -> Box<dyn Tracker> {
+    parse(text).unwrap().make(Options { memory_limit: 1 << 26, threads: 1 })
+}
+
+#[test]
+fn safe_rules_miss_nothing_over_any_detector_in_any_arithmetic() {
+    let mut all = 0;
+    for (seed, motion) in [Motion::Flight, Motion::Swing, Motion::Few].into_iter().enumerate() {
+        for sizes in [false, true] {
+            let scenes = [
+                frames::<2>(70, sizes, motion, seed as u64),
+                frames::<3>(70, sizes, motion, 7 + seed as u64),
+            ];
+            for entry in TABLE.iter().filter(|it| it.role == crate::detect::table::Role::Detector) {
+                for arithmetic in Arithmetic::ALL {
+                    for rule in ["half-skin", "top-two", "summed"] {
+                        for skin in ["0", "0.02", "0.5"] {
+                            let text = format!("verlet({},skin={skin},rule={rule})", entry.name);
+                            for frames in &scenes {
+                                let mut tracker = tracker(&text);
+                                let found = missed(&mut *tracker, frames, arithmetic);
+                                assert_eq!(found[0], 0, "{text} {motion:?} {arithmetic:?}");
+                                all += found[1];
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+    assert!(all > 500_000, "{all}");
+}
+
+/// Couples that are, when the list is built, a few units in the last place nearer or farther than
+/// the skin, and are in touch, or not by as little, when they have gone just so far.
+#[test]
+fn couples_at_the_limit_of_the_skin_are_not_lost() {
+    let (mut draw, mut touching, mut unlisted) = (Draw(3), 0, 0);
+    let rules = ["half-skin", "top-two", "summed"];
+    for round in 0..6_000u32 {
+        let radius = 0.5 + 0.25 * draw.symmetric();
+        let skin = [0.01, 0.3, 1.7, 40.0][round as usize % 4];
+        let (reach, gap) = (2.0 * radius, 2.0 * (skin * radius));
+        let offset = [0.0, 0.1, 1e3][round as usize % 3] * draw.symmetric();
+        let direction = [draw.symmetric(), draw.symmetric()];
+        let length = direction[0].hypot(direction[1]);
+        // The one goes this share of the gap, the other the rest.
+        let share = [0.0, 0.5, 0.5 + 0.5 * draw.symmetric()][round as usize % 3];
+        let at = |along: f64| direction.map(|x| offset + x / length * along);
+        let near = |point: [f64; 2], draw: &mut Draw| {
+            point.map(|x| match (3.0 * draw.symmetric()).round() as i32 {
+                0 => x,
+                1.. => x.next_up(),
+                _ => x.next_down(),
+            })
+        };
+        let first = [at(0.0), near(at(reach + gap), &mut draw)];
+        let second = [near(at(share * gap), &mut draw), near(at(reach + share * gap), &mut draw)];
+        let frames = [first, second].map(|centres| -> AnyScene<'static> {
+            Scene::new(centres.map(Point::from).to_vec(), Radii::Uniform(radius)).unwrap().into()
+        });
+        for rule in rules {
+            let mut tracker = tracker(&format!("verlet(direct,skin={skin},rule={rule})"));
+            let mut pairs = Vec::new();
+            let listed = tracker.step(&frames[0], Test::Exact, &mut pairs).unwrap().listed;
+            pairs.clear();
+            tracker.step(&frames[1], Test::Exact, &mut pairs).unwrap();
+            normalise(&mut pairs);
+            let truth = oracle::truth(&frames[1], Arithmetic::Exact).unwrap().pairs;
+            assert_eq!(pairs, truth, "{rule}, skin {skin}, {first:?} {second:?} {radius}");
+            touching += truth.len();
+            unlisted += truth.len() * usize::from(listed == 0);
+        }
+    }
+    assert!(touching > 5_000 && unlisted > 500, "{touching} {unlisted}");
+}
+
+/// What a rounded test accepts beyond the sum of radii is taken off the skin.
+#[test]
+fn rounded_tests_have_less_to_give_away() {
+    let (mut draw, mut touching) = (Draw(11), 0);
+    for round in 0..3_000u32 {
+        let radius = f64::from((0.5 + 0.25 * draw.symmetric()) as f32);
+        let skin = [1e-7, 3e-7, 1e-6, 0.01][round as usize % 4];
+        let reach = 2.0 * radius;
+        let gap = skin * reach;
+        let offset = 3.0 * draw.symmetric();
+        let beyond = 1e-7 * reach * draw.symmetric();
+        let frames = [reach + gap + beyond.abs(), reach + beyond].map(|x| -> AnyScene<'static> {
+            let centres = [[offset, 0.0], [offset + x, 0.0]].map(Point::from).to_vec();
+            Scene::new(centres, Radii::Uniform(radius)).unwrap().into()
+        });
+        for rule in ["half-skin", "top-two", "summed"] {
+            let text = format!("verlet(direct,skin={skin},rule={rule})");
+            let [lost, all] = missed(&mut *tracker(&text), &frames, Arithmetic::F32);
+            assert_eq!(lost, 0, "{text} {radius} {offset} {beyond}");
+            touching += all;
+        }
+    }
+    assert!(touching > 3_000, "{touching}");
+}
+
+/// From the same list: no rule gives it up before the one below it, nor after the first frame in
+/// which a pair that is not listed touches.
+#[test]
+fn the_ladder_of_rules_has_no_exception() {
+    let (mut apart, mut equal) = (0, 0);
+    for seed in 0..150 {
+        let motion = [Motion::Flight, Motion::Swing, Motion::Few][seed as usize % 3];
+        let frames = frames::<2>(30, seed % 2 == 0, motion, 100 + seed);
+        let given_up = |rule: &str, skin: &str| {
+            let mut tracker = tracker(&format!("verlet(nbs,skin={skin},rule={rule})"));
+            let mut pairs = Vec::new();
+            let mut built = |frame| tracker.step(frame, Test::Exact, &mut pairs).unwrap().built;
+            assert!(built(&frames[0]));
+            (1..frames.len()).find(|&k| built(&frames[k])).unwrap_or(frames.len())
+        };
+        for skin in ["0.6", "1.2"] {
+            let mut kept = tracker(&format!("verlet(nbs,skin={skin},rule=every-1000)"));
+            let first_miss = (0..frames.len())
+                .find(|&k| missed(&mut *kept, &frames[k..=k], Arithmetic::Exact)[0] > 0)
+                .unwrap_or(frames.len());
+            let [top_two, half_skin, summed] =
+                ["top-two", "half-skin", "summed"].map(|rule| given_up(rule, skin));
+            assert!(
+                first_miss >= top_two && top_two >= half_skin && half_skin >= summed,
+                "{seed} {skin}: {first_miss} {top_two} {half_skin} {summed}"
+            );
+            apart += usize::from(top_two > half_skin || half_skin > summed);
+            equal += usize::from(top_two == summed);
+        }
+    }
+    assert!(apart > 50 && equal > 20, "{apart} {equal}");
+}
+
+#[test]
+fn unsafe_rules_miss_contacts_and_lammps_says_dangerous() {
+    let frames = frames::<2>(200, false, Motion::Flight, 5);
+    let of = |text: &str| missed(&mut *tracker(text), &frames, Arithmetic::Exact);
+    assert_eq!(of("verlet(nbs,skin=0.05,rule=every-1)")[0], 0);
+    let [every_6, all] = of("verlet(nbs,skin=0.05,rule=every-6)");
+    assert!(every_6 > all / 50, "{every_6} of {all}");
+    assert!(of("verlet(nbs,skin=0.05,rule=lammps-5-1-yes)")[0] > 0);
+    let mut tracker = tracker("verlet(nbs,skin=0.05,rule=lammps-5-1-yes)");
+    let steps: Vec<Step> =
+        frames.iter().map(|it| tracker.step(it, Test::Exact, &mut Vec::new()).unwrap()).collect();
+    let built: Vec<usize> = (0..steps.len()).filter(|&k| steps[k].built).collect();
+    assert_eq!(built, [0, 5, 10]);
+    assert!(steps[5].dangerous && steps[10].dangerous && !steps[0].dangerous);
+}
+
+#[test]
+fn other_particles_other_radii_and_refusals_begin_anew() {
+    let plane = frames::<2>(60, false, Motion::Few, 1);
+    let space = frames::<3>(60, false, Motion::Few, 2);
+    let sizes = frames::<2>(60, true, Motion::Few, 1);
+    let fewer = frames::<2>(40, false, Motion::Few, 1);
+    let mixed: Vec<AnyScene<'_>> = [&plane, &sizes, &plane, &fewer, &space, &fewer, &sizes]
+        .into_iter()
+        .map(|frames| frames[0].clone())
+        .collect();
+    for text in ["verlet(nbs,skin=9)", "verlet(kd-tree,skin=9)", "nbs"] {
+        assert_eq!(missed(&mut *tracker(text), &mixed, Arithmetic::Exact)[0], 0, "{text}");
+    }
+    // A body grows: its contacts do, at no way at all.
+    let grown = |r: f64| -> AnyScene<'static> {
+        let centres = [[0.0, 0.0], [3.0, 0.0]].map(Point::from).to_vec();
+        Scene::new(centres, Radii::Each(vec![r, 1.0].into())).unwrap().into()
+    };
+    let [lost, all] = missed(
+        &mut *tracker("verlet(nbs,skin=0.1)"),
+        &[grown(1.0), grown(2.5), grown(1.0)],
+        Arithmetic::Exact,
+    );
+    assert_eq!([lost, all], [0, 1]);
+    // Too large a skin, and too many pairs.
+    let mut huge = tracker("verlet(nbs,skin=1e308)");
+    let mut pairs = vec![[7, 8]];
+    for _ in 0..2 {
+        let refused = huge.step(&grown(2.5), Test::Exact, &mut pairs).unwrap_err().to_string();
+        assert!(refused.contains("skin"), "{refused}");
+        assert_eq!(pairs, [[7, 8]]);
+    }
+    let few = Options { memory_limit: 300, threads: 1 };
+    for text in ["verlet(direct,skin=9)", "verlet(direct,skin=0)", "direct"] {
+        let mut tracker = parse(text).unwrap().make(few);
+        assert!(tracker.step(&plane[0], Test::Exact, &mut pairs).is_err(), "{text}");
+        assert_eq!(pairs, [[7, 8]], "{text}");
+        let alone: AnyScene<'_> =
+            Scene::new(vec![Point::from([0.0, 0.0])], Radii::Uniform(1.0)).unwrap().into();
+        let step = tracker.step(&alone, Test::Exact, &mut pairs).unwrap();
+        assert!(step.built && pairs == [[7, 8]], "{text}");
+    }
+}
+
+#[test]
+fn formulas_give_the_bytes_of_the_arrays() {
+    let frames = frames::<3>(500, true, Motion::Flight, 1);
+    let mut tracker = tracker("verlet(direct,skin=0.2)");
+    assert_eq!(tracker.formula_bytes(), 0);
+    let step = tracker.step(&frames[0], Test::Exact, &mut Vec::new()).unwrap();
+    let cells = tracker.formula_bytes() - 500 * (4 + 48 + 16) - 8 * step.listed;
+    assert!((4 * 500..=8 * 500 + 4).contains(&cells), "a cell number, and at most a cell, each");
+}

@@ -1,0 +1,74 @@
+//! How far particles have gone: upper bounds from rounded squares.
+
+/// An upper bound of a distance in up to three dimensions from its square as computed,
+/// Σ fl(fl(x - y)²).
+///
+/// The true square is at most (1 + 8u) times the computed one plus 2^-1073
+/// ([`crate::filter`], 5), so below what is under the root here, which two more roundings leave in
+/// the 16u; a root is rounded correctly, and the next double is above the true one.
+pub(super) fn at_most(square: f64) -> f64 {
+    const BAND: f64 = 16.0 / (1u64 << 53) as f64;
+    const FLOOR: f64 = f64::from_bits((1023 - 960) << 52);
+    (square * (1.0 + BAND) + FLOOR).sqrt().next_up()
+}
+
+/// The square of the distance of two points, as computed.
+#[inline(always)]
+pub(super) fn square<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
+    (0..D).fold(0.0, |sum, k| {
+        let d = a[k] - b[k];
+        sum + d * d
+    })
+}
+
+/// The largest and the second largest of some squares.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct TopTwo {
+    pub first: f64,
+    pub second: f64,
+}
+
+impl TopTwo {
+    #[inline(always)]
+    pub fn take(&mut self, square: f64) {
+        let lower = if square < self.first { square } else { self.first };
+        self.second = if lower > self.second { lower } else { self.second };
+        self.first = if square > self.first { square } else { self.first };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::exact::{Label, label};
+
+    #[test]
+    fn no_way_is_longer_than_its_bound() {
+        let mut tight = 0;
+        for scale in [1.0, 1e-3, 1e-160, 1e-170, 1e-308, 5e-324, 1e160] {
+            for k in 1..500 {
+                let x = f64::from(k) / 7.0;
+                let (a, b) =
+                    ([x * scale, scale / 3.0, -x * scale], [0.1 * scale, x * scale, scale]);
+                let bound = at_most(square(&a, &b));
+                // Points at this distance: a body of that radius and a point.
+                assert!(label(&a, &b, bound, 0.0) != Label::Apart, "{a:?} {b:?} {bound}");
+                tight += usize::from(label(&a, &b, bound * (1.0 - 4e-15), 0.0) == Label::Apart);
+            }
+        }
+        assert!(tight > 990, "{tight}");
+        assert_eq!(at_most(f64::INFINITY), f64::INFINITY);
+    }
+
+    #[test]
+    fn the_largest_two_are_kept() {
+        for squares in [[1.0, 2.0, 3.0], [3.0, 2.0, 1.0], [2.0, 3.0, 2.0], [3.0, 1.0, 2.0]] {
+            let mut top = TopTwo::default();
+            squares.iter().for_each(|&square| top.take(square));
+            assert_eq!(top, TopTwo { first: 3.0, second: 2.0 }, "{squares:?}");
+        }
+        let mut top = TopTwo::default();
+        [5.0, 5.0].iter().for_each(|&square| top.take(square));
+        assert_eq!(top, TopTwo { first: 5.0, second: 5.0 });
+    }
+}

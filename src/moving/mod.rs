@@ -1,0 +1,173 @@
+//! Trackers held to the truth, frame by frame: what a kept list costs, and what it misses.
+
+mod between;
+mod late;
+
+use std::time::{Duration, Instant};
+
+use crate::contact::Arithmetic;
+use crate::detect::Options;
+use crate::oracle;
+use crate::scene::AnyScene;
+use crate::scene::motion::Frames;
+use crate::sink::normalise;
+use crate::track::{Tracker, TrackerSpec};
+
+pub use between::{Moved, Way};
+pub use late::Late;
+
+/// What is asked.
+pub struct Course<'a> {
+    /// Who keeps lists.
+    pub trackers: &'a [TrackerSpec],
+    /// How contacts are decided.
+    pub arithmetic: Arithmetic,
+    /// Frames, the first among them.
+    pub frames: u64,
+    /// For lists, in bytes.
+    pub memory_limit: u64,
+}
+
+/// What trackers did in the frames of a scene in motion.
+#[derive(Debug)]
+pub struct Followed {
+    /// What the motion is like.
+    pub moved: Moved,
+    /// In the order of the question.
+    pub trackers: Vec<Tracked>,
+}
+
+/// What one of them did.
+#[derive(Clone, Debug)]
+pub struct Tracked {
+    /// Who.
+    pub spec: TrackerSpec,
+    /// The time of each frame.
+    pub times: Vec<Duration>,
+    /// Of all of them, for building lists.
+    pub building: Duration,
+    /// Frames in which the detector was asked, the first among them.
+    pub built: u64,
+    /// Of those, how many LAMMPS would call dangerous.
+    pub dangerous: u64,
+    /// Frames with a dangerous build in or before which a contact was missed since the build
+    /// before.
+    pub dangerous_rightly: u64,
+    /// Builds, but the first, since the one before which a contact was missed.
+    pub missing_builds: u64,
+    /// Pairs that were looked at, in all frames.
+    pub listed: u64,
+    /// Pairs that were reported, in all frames.
+    pub reported: u64,
+    /// Pairs that were reported and do not touch.
+    pub spurious: u64,
+    /// What it missed.
+    pub late: Late,
+    /// Bytes between frames, by formula.
+    pub bytes: u64,
+    /// Why it ended before the last frame.
+    pub refused: Option<String>,
+}
+
+impl Tracked {
+    fn new(spec: &TrackerSpec) -> Tracked {
+        Tracked {
+            spec: spec.clone(),
+            times: Vec::new(),
+            building: Duration::ZERO,
+            built: 0,
+            dangerous: 0,
+            dangerous_rightly: 0,
+            missing_builds: 0,
+            listed: 0,
+            reported: 0,
+            spurious: 0,
+            late: Late::default(),
+            bytes: 0,
+            refused: None,
+        }
+    }
+
+    /// A tracker that promises to miss nothing did, or any reported a pair that does not touch.
+    pub fn is_wrong(&self) -> bool {
+        self.spurious > 0 || self.spec.is_safe() && self.late.missed > 0
+    }
+}
+
+/// A tracker at work.
+struct Follower {
+    tracker: Box<dyn Tracker>,
+    tracked: Tracked,
+    pairs: Vec<[u32; 2]>,
+    /// Missed when its list was last built.
+    missed_before: u64,
+}
+
+/// Follows the frames with all trackers side by side, and with the truth. Making frames and finding
+/// the truth is outside the clock.
+///
+/// # Errors
+/// Frames that cannot be made or stored, and scenes without a truth. What a tracker refuses is in
+/// its answer.
+pub fn follow(frames: &mut Frames, course: &Course<'_>) -> anyhow::Result<Followed> {
+    let Course { trackers, arithmetic, memory_limit, .. } = *course;
+    let options = Options { memory_limit, threads: 1 };
+    let mut followers: Vec<Follower> = trackers
+        .iter()
+        .map(|spec| Follower {
+            tracker: spec.make(options),
+            tracked: Tracked::new(spec),
+            pairs: Vec::new(),
+            missed_before: 0,
+        })
+        .collect();
+    let mut moved = Moved::default();
+    let mut last: Option<(AnyScene<'static>, Vec<[u32; 2]>)> = None;
+    for k in 0..course.frames {
+        let given = frames.at(k)?;
+        let frame = given.stored(arithmetic)?;
+        let truth = oracle::truth_as_stored(&frame, arithmetic.test(), memory_limit)?.pairs;
+        for follower in followers.iter_mut().filter(|follower| follower.tracked.refused.is_none()) {
+            follower.step(k, &frame, arithmetic, &truth);
+        }
+        moved.take(last.as_ref().map(|(scene, pairs)| (scene, &pairs[..])), &given, &truth)?;
+        last = Some((given, truth));
+    }
+    let trackers = followers.into_iter().map(|mut follower| {
+        follower.tracked.late.end();
+        follower.tracked
+    });
+    Ok(Followed { moved, trackers: trackers.collect() })
+}
+
+impl Follower {
+    fn step(&mut self, k: u64, frame: &AnyScene<'_>, arithmetic: Arithmetic, truth: &[[u32; 2]]) {
+        let Follower { tracker, tracked, pairs, missed_before } = self;
+        pairs.clear();
+        let started = Instant::now();
+        let step = match tracker.step(frame, arithmetic.test(), pairs) {
+            Ok(step) => step,
+            Err(refusal) => {
+                tracked.refused = Some(format!("frame {k}: {refusal}"));
+                return;
+            }
+        };
+        tracked.times.push(started.elapsed());
+        if step.built && k > 0 {
+            let missed = tracked.late.missed > *missed_before;
+            tracked.missing_builds += u64::from(missed);
+            tracked.dangerous_rightly += u64::from(missed && step.dangerous);
+        }
+        if step.built {
+            *missed_before = tracked.late.missed;
+        }
+        tracked.building += step.building;
+        tracked.built += u64::from(step.built);
+        tracked.dangerous += u64::from(step.dangerous);
+        tracked.listed += step.listed;
+        tracked.reported += pairs.len() as u64;
+        tracked.bytes = tracked.bytes.max(tracker.formula_bytes());
+        normalise(pairs);
+        tracked.spurious += tracked.late.take(k, frame, pairs, truth);
+    }
+}

@@ -1,0 +1,196 @@
+//! What `track` says: what the motion is like, a table of trackers, and all of it for programs.
+
+use std::time::Duration;
+
+use serde_json::{Value, json};
+
+use crate::detect::spec::DetectorSpec;
+use crate::moving::{Followed, Moved, Tracked};
+use crate::number::{number, percent, plural};
+use crate::present::document::Block;
+use crate::present::table::{Cell, Column, Table};
+use crate::scene::motion::Motion;
+use crate::track::TrackerSpec;
+
+/// The middle of the times of frames and the longest, in nanoseconds per particle.
+fn times(tracked: &Tracked, particles: u64) -> Option<[f64; 2]> {
+    let mut times = tracked.times.clone();
+    times.sort_unstable();
+    let per = |time: &Duration| time.as_nanos() as f64 / particles.max(1) as f64;
+    Some([per(times.get(times.len() / 2)?), per(times.last()?)])
+}
+
+/// The time of all frames together, per particle and frame, in nanoseconds.
+fn mean(tracked: &Tracked, particles: u64) -> Option<f64> {
+    let all: Duration = tracked.times.iter().sum();
+    let steps = tracked.times.len() as f64 * particles.max(1) as f64;
+    (steps > 0.0).then(|| all.as_nanos() as f64 / steps)
+}
+
+fn motion(name: &str, motion: Motion, moved: &Moved) -> String {
+    let Moved { particles, frames, contacts, born, ended, tunnelled, way } = moved;
+    let mut said =
+        format!("{name}, {particles} particles, {motion}, {}", plural(*frames as usize, "frame"));
+    if moved.steps() == 0 {
+        return said + ".";
+    }
+    said += &format!(
+        ": a particle goes {} diameters per frame, at most {}. Of {} contacts in a frame {} are \
+         new and {} end with it.",
+        number(moved.mean_way()),
+        number(way.longest),
+        number(*contacts as f64 / *frames as f64),
+        number(*born as f64 / moved.steps() as f64),
+        number(*ended as f64 / moved.steps() as f64),
+    );
+    said += &match tunnelled {
+        0 => " No pair touches between two frames alone.".to_string(),
+        _ => format!(
+            " {} more touch between two frames and in neither: {} missed by the time step, not \
+             by a list.",
+            number(*tunnelled as f64 / moved.steps() as f64),
+            plural(*tunnelled as usize, "contact"),
+        ),
+    };
+    said
+}
+
+/// The detector of all trackers, if it is the same.
+fn common(followed: &Followed) -> Option<&DetectorSpec> {
+    let mut all = followed.trackers.iter().map(|it| it.spec.detector());
+    let first = all.next()?;
+    all.all(|other| other == first).then_some(first)
+}
+
+/// A tracker in a table; without its detector where that is the same for all.
+fn label(spec: &TrackerSpec, common: bool) -> String {
+    match spec {
+        _ if !common => spec.to_string(),
+        TrackerSpec::EveryStep(_) => "every step".into(),
+        TrackerSpec::Verlet { skin, rule, .. } => format!("{rule}, {skin}"),
+    }
+}
+
+/// What is said of all of them.
+pub fn words(name: &str, of: Motion, followed: &Followed) -> Vec<Block> {
+    let mut blocks = vec![Block::paragraph(motion(name, of, &followed.moved))];
+    if let Some(detector) = common(followed) {
+        blocks.push(Block::paragraph(format!(
+            "All over {detector}; behind a rule stands the skin, in diameters."
+        )));
+    }
+    blocks.extend([
+        Block::Table(table(followed)),
+        Block::paragraph(
+            "ns: per particle and frame, all frames together; worst: of the slowest frame. built: \
+             frames in which the detector was asked. listed: pairs looked at for each contact. \
+             missed: contacts that were not reported, summed over the frames, and since which \
+             frame; late: the most frames until one was, and how deep it then was, in radii. All \
+             trackers ran beside each other, once: times are a first look, not a measurement.",
+        ),
+    ]);
+    for it in followed.trackers.iter().filter(|it| it.dangerous > 0) {
+        blocks.push(Block::paragraph(format!(
+            "{}: {} called dangerous, {} of them rightly; contacts were missed before {}.",
+            it.spec,
+            plural(it.dangerous as usize, "build"),
+            it.dangerous_rightly,
+            plural(it.missing_builds as usize, "build"),
+        )));
+    }
+    for it in followed.trackers.iter().filter(|it| it.is_wrong()) {
+        blocks.push(Block::Warning(
+            format!("{} is wrong, and promises not to be: a defect.", it.spec).into(),
+        ));
+    }
+    for it in &followed.trackers {
+        if let Some(refused) = &it.refused {
+            blocks.push(Block::Warning(format!("{} ended at {refused}", it.spec).into()));
+        }
+    }
+    blocks
+}
+
+/// One row for each tracker.
+pub fn table(followed: &Followed) -> Table {
+    let particles = followed.moved.particles;
+    let common = common(followed).is_some();
+    let row = |it: &Tracked| {
+        let late = &it.late;
+        let since =
+            |value: String| if late.missed > 0 { Cell::from(value) } else { Cell::absent() };
+        vec![
+            Cell::from(label(&it.spec, common)),
+            mean(it, particles).into(),
+            times(it, particles).map(|[_, worst]| worst).into(),
+            Cell::count(it.built),
+            match it.reported {
+                0 => Cell::absent(),
+                reported => Cell::number(it.listed as f64 / reported as f64),
+            },
+            if it.is_wrong() { Cell::count(late.missed).wrong() } else { Cell::count(late.missed) },
+            since(late.first.map_or_else(String::new, |first| first.to_string())),
+            since(late.latest.to_string()),
+            since(percent(late.deepest)),
+        ]
+    };
+    let columns = vec![
+        Column::left("tracker"),
+        Column::right("ns", ""),
+        Column::right("worst", ""),
+        Column::right("built", ""),
+        Column::right("listed", ""),
+        Column::right("missed", ""),
+        Column::right("since", ""),
+        Column::right("late", ""),
+        Column::right("depth", ""),
+    ];
+    Table::new("", columns).with(followed.trackers.iter().map(row))
+}
+
+/// All of it for programs.
+pub fn as_json(name: &str, motion: Motion, followed: &Followed) -> Value {
+    let Moved { particles, frames, contacts, born, ended, tunnelled, way } = &followed.moved;
+    let trackers = followed.trackers.iter().map(|it| {
+        let late = &it.late;
+        json!({
+            "tracker": it.spec.to_string(),
+            "safe": it.spec.is_safe(),
+            "frames": it.times.len(),
+            "ns_per_particle": mean(it, *particles),
+            "median_ns_per_particle": times(it, *particles).map(|[median, _]| median),
+            "worst_ns_per_particle": times(it, *particles).map(|[_, worst]| worst),
+            "building_ns": it.building.as_nanos() as u64,
+            "built": it.built,
+            "dangerous": it.dangerous,
+            "dangerous_rightly": it.dangerous_rightly,
+            "missing_builds": it.missing_builds,
+            "listed": it.listed,
+            "reported": it.reported,
+            "spurious": it.spurious,
+            "missed": late.missed,
+            "worst_missed": late.worst,
+            "first_missed_frame": late.first,
+            "frames_missed": late.frames,
+            "never_reported": late.never,
+            "latest": late.latest,
+            "deepest": late.deepest,
+            "formula_bytes": it.bytes,
+            "refused": it.refused,
+        })
+    });
+    json!({
+        "scene": name,
+        "motion": motion.to_string(),
+        "particles": particles,
+        "frames": frames,
+        "contacts": contacts,
+        "born": born,
+        "ended": ended,
+        "tunnelled": tunnelled,
+        "mean_way": followed.moved.mean_way(),
+        "longest_way": way.longest,
+        "at_rest": way.at_rest,
+        "trackers": trackers.collect::<Vec<_>>(),
+    })
+}

@@ -1,0 +1,216 @@
+//! Motion: the frames of a scene whose particles move.
+//!
+//! Frame 0 is the scene. Frame k is a function of the scene, the motion and k alone, with the same
+//! bits on every machine: a frame may be asked for by itself and again. Speeds are in diameters of
+//! the largest body per frame. Nothing is simulated here: bodies fly through each other, so that a
+//! motion stays what its name says for as long as it lasts.
+
+mod paths;
+
+use std::fmt;
+use std::str::FromStr;
+
+use anyhow::{Context, bail, ensure};
+
+use self::paths::Paths;
+use crate::nearest::hint;
+use crate::scene::{AnyScene, Scene, Storage, Stored};
+
+/// A kind of motion, with its line in the list of motions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// All stay where they are.
+    Rest,
+    /// Straight flight.
+    Drift,
+    /// Layers that slide.
+    Shear,
+    /// The whole turns.
+    Rotation,
+    /// The inner turns faster than the outer.
+    Vortex,
+    /// About the first place.
+    Jitter,
+    /// A new velocity now and then.
+    Brownian,
+}
+
+impl Kind {
+    /// All of them.
+    pub const ALL: [Kind; 7] = [
+        Kind::Rest,
+        Kind::Drift,
+        Kind::Shear,
+        Kind::Rotation,
+        Kind::Vortex,
+        Kind::Jitter,
+        Kind::Brownian,
+    ];
+
+    /// The name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Kind::Rest => "rest",
+            Kind::Drift => "drift",
+            Kind::Shear => "shear",
+            Kind::Rotation => "rotation",
+            Kind::Vortex => "vortex",
+            Kind::Jitter => "jitter",
+            Kind::Brownian => "brownian",
+        }
+    }
+
+    /// What it does, and which speed is meant.
+    pub fn summary(self) -> &'static str {
+        match self {
+            Kind::Rest => "nothing moves",
+            Kind::Drift => {
+                "straight flight through a box whose walls reflect the centres: the box around \
+                 those of frame 0; velocities are uniform in a ball, and speed is the largest"
+            }
+            Kind::Shear => {
+                "layers slide along x, as fast as they are far from the middle along y; speed is \
+                 that of the outermost"
+            }
+            Kind::Rotation => {
+                "all turn as one body about the middle, around z; speed is that of the outermost"
+            }
+            Kind::Vortex => {
+                "all turn about the middle, around z, the inner in less time than the outer; speed \
+                 is the largest, at an eighth of the widest edge from the middle"
+            }
+            Kind::Jitter => {
+                "in each frame each particle is somewhere else about its place in frame 0; speed is \
+                 the standard deviation along each axis (PointNeighbors.jl moves points so to \
+                 compare updates of lists)"
+            }
+            Kind::Brownian => {
+                "as drift, and each particle gets a new velocity in every 100th frame, in turn \
+                 (after Broadmark, Computer Graphics Forum 39:436, 2020, where bodies outside the \
+                 box are frozen instead)"
+            }
+        }
+    }
+}
+
+/// A motion and its speed: written `drift:speed=0.001,seed=2`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Motion {
+    /// How they move.
+    pub kind: Kind,
+    /// In diameters of the largest body per frame.
+    pub speed: f64,
+    /// Of the draws.
+    pub seed: u64,
+}
+
+/// Where none is given: a particle needs some hundred frames for its diameter.
+const SPEED: f64 = 0.01;
+
+impl FromStr for Motion {
+    type Err = anyhow::Error;
+
+    fn from_str(text: &str) -> anyhow::Result<Motion> {
+        let (name, rest) = text.split_once(':').unwrap_or((text, ""));
+        let Some(kind) = Kind::ALL.into_iter().find(|kind| kind.name() == name.trim()) else {
+            bail!(
+                "there is no motion '{name}'{}; the motions are: {}",
+                hint(name, Kind::ALL.map(Kind::name)),
+                Kind::ALL.map(Kind::name).join(", ")
+            );
+        };
+        let (mut speed, mut seed) = (None, None);
+        for piece in rest.split(',').filter(|_| !rest.is_empty()) {
+            let twice = || format!("'{text}': {piece} is said twice");
+            match piece.split_once('=').map(|(key, value)| (key.trim(), value.trim())) {
+                Some(("speed", value)) => {
+                    let number: Option<f64> = value.parse().ok();
+                    let number = number.filter(|speed| (0.0..=1e6).contains(speed));
+                    let number = number.with_context(|| {
+                        format!(
+                            "'{text}': speed cannot be '{value}'; it is a number from 0 to 1e6, in \
+                             diameters per frame"
+                        )
+                    })?;
+                    ensure!(speed.replace(number).is_none(), twice());
+                }
+                Some(("seed", value)) => {
+                    let number = value.parse().ok();
+                    let number = number.with_context(|| {
+                        format!("'{text}': seed cannot be '{value}'; it is a whole number")
+                    })?;
+                    ensure!(seed.replace(number).is_none(), twice());
+                }
+                _ => bail!("'{text}': '{piece}' is neither speed=NUMBER nor seed=NUMBER"),
+            }
+        }
+        Ok(Motion { kind, speed: speed.unwrap_or(SPEED), seed: seed.unwrap_or(1) })
+    }
+}
+
+impl fmt::Display for Motion {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Motion { kind, speed, seed } = self;
+        match kind {
+            Kind::Rest => f.write_str(kind.name()),
+            _ => write!(f, "{}:speed={speed},seed={seed}", kind.name()),
+        }
+    }
+}
+
+/// The frames of a scene in motion.
+pub struct Frames(Of);
+
+enum Of {
+    Plane(Scene<'static, f64, 2>, Paths<2>),
+    Space(Scene<'static, f64, 3>, Paths<3>),
+}
+
+impl Frames {
+    /// Of this scene in open space.
+    ///
+    /// # Errors
+    /// The scene cannot be stored in f64.
+    pub fn new(scene: &AnyScene<'_>, motion: Motion) -> anyhow::Result<Frames> {
+        Ok(Frames(match scene.stored(Storage::F64)? {
+            AnyScene::Plane(Stored::F64(scene)) => {
+                let paths = Paths::new(&scene, motion);
+                Of::Plane(scene, paths)
+            }
+            AnyScene::Space(Stored::F64(scene)) => {
+                let paths = Paths::new(&scene, motion);
+                Of::Space(scene, paths)
+            }
+            _ => bail!("a scene stored in f64 is in f64"),
+        }))
+    }
+
+    /// Frame k. Those of [`Kind::Brownian`] cost as many frames as lie between it and the one
+    /// asked for before, or the first; all others cost one.
+    ///
+    /// # Errors
+    /// A particle has flown beyond the numbers of f64.
+    pub fn at(&mut self, k: u64) -> anyhow::Result<AnyScene<'static>> {
+        match &mut self.0 {
+            Of::Plane(scene, paths) => Ok(moved(scene, paths, k)?.into()),
+            Of::Space(scene, paths) => Ok(moved(scene, paths, k)?.into()),
+        }
+    }
+}
+
+fn moved<const D: usize>(
+    scene: &Scene<'static, f64, D>,
+    paths: &mut Paths<D>,
+    k: u64,
+) -> anyhow::Result<Scene<'static, f64, D>> {
+    Scene::new(paths.at(k, scene.centres()), scene.radii().clone())
+        .with_context(|| format!("frame {k}; take fewer frames, or a smaller speed"))
+}
+
+/// The largest diameter of a scene.
+fn diameter<const D: usize>(scene: &Scene<'_, f64, D>) -> f64 {
+    2.0 * scene.largest_radius()
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,152 @@
+use super::*;
+use crate::scene::spec::Spec;
+use crate::scene::{Real, array};
+use crate::sink::splitmix64;
+use crate::with_scene;
+
+fn scene(text: &str) -> AnyScene<'static> {
+    Spec::parse(text).unwrap().make().unwrap()
+}
+
+/// All coordinates, in order.
+fn coordinates(scene: &AnyScene<'_>) -> Vec<f64> {
+    with_scene!(scene, scene => {
+        scene.centres().iter().flat_map(|at| array(at).map(|x| x.wide())).collect()
+    })
+}
+
+fn motion(kind: Kind, speed: f64) -> Motion {
+    Motion { kind, speed, seed: 1 }
+}
+
+/// The longest way of a particle between two frames, in diameters of 1.
+fn longest(a: &AnyScene<'_>, b: &AnyScene<'_>, dim: usize) -> f64 {
+    let (a, b) = (coordinates(a), coordinates(b));
+    let ways = a
+        .chunks(dim)
+        .zip(b.chunks(dim))
+        .map(|(a, b)| a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt());
+    ways.fold(0.0, f64::max)
+}
+
+#[test]
+fn frame_k_does_not_depend_on_the_frames_asked_for_before() {
+    for scene in [scene("loose:dim=2,n=150"), scene("packed:dim=3,n=120")] {
+        for kind in Kind::ALL {
+            let of = |k: u64| {
+                coordinates(&Frames::new(&scene, motion(kind, 0.05)).unwrap().at(k).unwrap())
+            };
+            let mut frames = Frames::new(&scene, motion(kind, 0.05)).unwrap();
+            for k in [0, 1, 2, 250, 7, 0, 251] {
+                assert_eq!(coordinates(&frames.at(k).unwrap()), of(k), "{kind:?} {k}");
+            }
+            assert_eq!(of(0), coordinates(&scene), "{kind:?}");
+        }
+    }
+}
+
+/// Golden: a change of these bits changes what records say of the same names.
+#[test]
+fn frames_have_the_same_bits_on_every_machine() {
+    let scene = scene("loose:dim=3,n=40");
+    let digest = |kind| {
+        let frame = Frames::new(&scene, motion(kind, 0.1)).unwrap().at(321).unwrap();
+        coordinates(&frame).iter().fold(0, |sum, x| splitmix64(sum ^ x.to_bits()))
+    };
+    let found = Kind::ALL.map(digest);
+    assert_eq!(found, GOLDEN, "{found:#x?}");
+}
+
+const GOLDEN: [u64; 7] = [
+    0x419c1635fa876a6f,
+    0x41acc7db09c4f18e,
+    0x21dea9731463edc2,
+    0xa0c54eadc860a2f9,
+    0x567e70b18c2ba262,
+    0xc2622ad5caa307ef,
+    0xbb64f81b20f29d7e,
+];
+
+#[test]
+fn no_particle_is_faster_than_it_is_said_to_be_and_one_is_nearly_so() {
+    for (text, dim) in [("loose:dim=2,n=2000", 2), ("loose:dim=3,n=2000,diameter=1", 3)] {
+        let scene = scene(text);
+        for kind in Kind::ALL {
+            let mut frames = Frames::new(&scene, motion(kind, 0.02)).unwrap();
+            let mut most = 0.0f64;
+            for k in [0, 1, 57, 600] {
+                most = most.max(longest(&frames.at(k).unwrap(), &frames.at(k + 1).unwrap(), dim));
+            }
+            match kind {
+                Kind::Rest => assert_eq!(most, 0.0),
+                // Normal along each axis: as far as that goes among thousands.
+                Kind::Jitter => assert!((0.06..0.2).contains(&most), "{most}"),
+                _ => assert!((0.0185..0.02001).contains(&most), "{kind:?} {most}"),
+            }
+        }
+    }
+}
+
+#[test]
+fn walls_keep_all_and_layers_keep_their_height() {
+    let scene = scene("loose:dim=2,n=300");
+    let edges = |all: &[f64], axis: usize| {
+        let along = all.iter().skip(axis).step_by(2);
+        along.fold([f64::MAX, f64::MIN], |[low, high], &x| [low.min(x), high.max(x)])
+    };
+    let first = coordinates(&scene);
+    for kind in [Kind::Drift, Kind::Brownian] {
+        let mut frames = Frames::new(&scene, motion(kind, 0.7)).unwrap();
+        for k in [1, 10, 1000] {
+            let frame = coordinates(&frames.at(k).unwrap());
+            for axis in 0..2 {
+                let ([low, high], [l, h]) = (edges(&first, axis), edges(&frame, axis));
+                assert!(low <= l && h <= high, "{kind:?} {k}: {low} {l} {h} {high}");
+                assert!(h - l > 0.9 * (high - low), "they spread over the box");
+            }
+        }
+    }
+    let sheared =
+        coordinates(&Frames::new(&scene, motion(Kind::Shear, 0.7)).unwrap().at(50).unwrap());
+    assert!(first.chunks(2).zip(sheared.chunks(2)).all(|(a, b)| a[1] == b[1]));
+    assert!(first.chunks(2).zip(sheared.chunks(2)).any(|(a, b)| (a[0] - b[0]).abs() > 30.0));
+}
+
+#[test]
+fn scenes_of_one_of_none_and_at_one_place_move_or_stay() {
+    for text in ["loose:dim=2,n=1", "loose:dim=3,n=1"] {
+        for kind in Kind::ALL {
+            let frame = Frames::new(&scene(text), motion(kind, 0.5)).unwrap().at(9).unwrap();
+            assert!(coordinates(&frame).iter().all(|x| x.is_finite()), "{kind:?}");
+        }
+    }
+    let none: AnyScene<'_> =
+        Scene::<f64, 2>::new(Vec::new(), crate::scene::Radii::Uniform(1.0)).unwrap().into();
+    for kind in Kind::ALL {
+        assert_eq!(
+            Frames::new(&none, motion(kind, 0.5)).unwrap().at(9).unwrap().len(),
+            0,
+            "{kind:?}"
+        );
+    }
+}
+
+#[test]
+fn motions_are_read_as_they_are_written() {
+    for text in ["rest", "drift:speed=0.001,seed=3", "brownian:speed=2,seed=1"] {
+        assert_eq!(text.parse::<Motion>().unwrap().to_string(), text);
+    }
+    assert_eq!("vortex".parse::<Motion>().unwrap().to_string(), "vortex:speed=0.01,seed=1");
+    for (text, says) in [
+        ("dirft", "there is no motion 'dirft'; did you mean drift?"),
+        ("drift:speed=-1", "speed cannot be '-1'"),
+        ("drift:speed=nan", "speed cannot be 'nan'"),
+        ("drift:speed=inf", "speed cannot be 'inf'"),
+        ("drift:seed=1.5", "seed cannot be '1.5'"),
+        ("drift:speed=1,speed=2", "said twice"),
+        ("drift:fast", "neither speed=NUMBER nor seed=NUMBER"),
+    ] {
+        let error = text.parse::<Motion>().unwrap_err().to_string();
+        assert!(error.contains(says), "{text}: {error}");
+    }
+}

@@ -1,0 +1,119 @@
+//! `track`: scenes in motion, and lists that are kept.
+
+use serde_json::Value;
+
+use crate::common::{file, good, refused, run};
+
+fn json(arguments: &[&str]) -> Value {
+    let folder = tempfile::tempdir().unwrap();
+    let all: Vec<&str> = [&["track"], arguments, &["--json"]].concat();
+    serde_json::from_str(&good(folder.path(), &all).stdout).unwrap()
+}
+
+fn number(value: &Value, key: &str) -> u64 {
+    value[key].as_u64().unwrap_or_else(|| panic!("{key}: {value}"))
+}
+
+const UNSAFE: [&str; 6] = [
+    "--tracker",
+    "verlet(nbs,skin=0.05,rule=every-20)",
+    "--tracker",
+    "verlet(nbs,skin=0.05,rule=lammps-10-1-yes)",
+    "--tracker",
+    "verlet(nbs,skin=0.05,rule=half-skin)",
+];
+
+/// What lists miss is counted, and rules that promise nothing are allowed to miss.
+#[test]
+fn what_rules_miss_is_counted_frame_by_frame() {
+    let flight = ["loose:dim=2,n=400,fraction=0.5", "--motion", "drift:speed=0.02"];
+    let found = json(&[&flight[..], &["--frames", "61"], &UNSAFE].concat());
+    assert_eq!([number(&found, "particles"), number(&found, "frames")], [400, 61]);
+    let trackers = found["trackers"].as_array().unwrap();
+    let [every, lammps, half_skin] = &trackers[..] else { panic!("{trackers:?}") };
+    assert_eq!(number(every, "built"), 4, "frames 0, 20, 40 and 60");
+    assert!(number(every, "missed") > 50 && number(lammps, "missed") > 0, "{trackers:?}");
+    assert!(number(every, "latest") >= 3 && number(every, "worst_missed") > 3, "{every}");
+    assert_eq!(number(half_skin, "missed"), 0);
+    assert!(half_skin["first_missed_frame"].is_null());
+    let contacts = number(&found, "contacts");
+    for tracker in trackers {
+        let seen = number(tracker, "reported") + number(tracker, "missed");
+        assert_eq!((seen, number(tracker, "spurious")), (contacts, 0), "{tracker}");
+        assert!(number(tracker, "formula_bytes") > 400 * 36, "{tracker}");
+    }
+    // Some flags are raised for nothing; none is rightly raised for more builds than have misses.
+    let [flags, right, missing] =
+        ["dangerous", "dangerous_rightly", "missing_builds"].map(|key| number(lammps, key));
+    assert!(right <= flags && right <= missing && missing > 0, "{lammps}");
+    assert!(found["mean_way"].as_f64().unwrap() < found["longest_way"].as_f64().unwrap());
+}
+
+/// Two discs that pass each other within a frame; and particles at rest, of which nothing is lost.
+#[test]
+fn contacts_between_frames_are_counted_and_rest_has_none() {
+    let scene = "loose:dim=2,n=500,fraction=0.3";
+    let fast = json(&[scene, "--motion", "drift:speed=1.5", "--frames", "9"]);
+    assert!(number(&fast, "tunnelled") > 100, "{fast}");
+    let slow = json(&[scene, "--motion", "drift:speed=0.001", "--frames", "9"]);
+    assert!(number(&slow, "tunnelled") * 50 < number(&fast, "tunnelled"), "{slow}");
+    let rest = json(&[scene, "--motion", "rest", "--frames", "30"]);
+    assert_eq!(number(&rest, "at_rest"), 29 * 500);
+    assert_eq!(["born", "ended", "tunnelled"].map(|key| number(&rest, key)), [0; 3]);
+    for tracker in rest["trackers"].as_array().unwrap() {
+        let (name, built) = (tracker["tracker"].as_str().unwrap(), number(tracker, "built"));
+        let expected = match name {
+            _ if name.starts_with("every-step") => 30,
+            _ if name.contains("every-10") => 3,
+            _ => 1,
+        };
+        assert_eq!((built, number(tracker, "missed")), (expected, 0), "{name}");
+    }
+}
+
+#[test]
+fn files_and_all_arithmetics_can_be_tracked_and_the_table_fits_a_terminal() {
+    let folder = tempfile::tempdir().unwrap();
+    file(folder.path(), "discs.csv", "x,y,r\n0,0,0.5\n1,0,0.5\n2.5,0,0.5\n2.5,0.75,0.25\n");
+    for arithmetic in ["exact", "f64", "f32", "f32-cell", "textbook"] {
+        let said = good(
+            folder.path(),
+            &["track", "discs.csv", "--motion", "vortex", "--arithmetic", arithmetic],
+        );
+        assert!(
+            said.stdout.contains("discs.csv, 4 particles, vortex:speed=0.01,seed=1, 100 frames")
+        );
+        assert!(said.stdout.contains("All over streamed-nbs"), "{}", said.stdout);
+        let rows = said.stdout.lines().filter(|line| !line.contains(". "));
+        assert!(rows.clone().count() > 8, "{}", said.stdout);
+        assert!(rows.clone().all(|line| line.chars().count() <= 80), "{}", said.stdout);
+        assert!(said.stdout.contains("every step "), "{}", said.stdout);
+    }
+    for what in ["motions", "trackers"] {
+        let listed = good(folder.path(), &["list", what]).stdout;
+        assert!(listed.contains(if what == "motions" { "brownian" } else { "rule=top-two" }));
+    }
+}
+
+#[test]
+fn what_cannot_be_tracked_is_refused_in_a_sentence() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = "loose:dim=2,n=50";
+    for (arguments, words) in [
+        (&["track"][..], &["name a particle file, or a scene"][..]),
+        (&["track", scene, "--frames", "0"], &["--frames 0"]),
+        (&["track", scene, "--tracker", "verlet(nbz)"], &["there is no detector 'nbz'"]),
+        (&["track", scene, "--tracker", "verlet(nbs,rule=x)"], &["rule cannot be 'x'", "top-two"]),
+        (&["track", "loose:n=50,periodic=true"], &["boundaries are open"]),
+    ] {
+        refused(folder.path(), arguments, words);
+    }
+    let unknown = run(folder.path(), &["track", scene, "--motion", "dirft"]);
+    assert_eq!(unknown.code, Some(2));
+    assert!(unknown.stderr.contains("did you mean drift?"), "{}", unknown.stderr);
+    // What a tracker refuses is its own answer.
+    let wide = "loose:dim=2,n=50,diameter=10";
+    let huge = ["track", wide, "--tracker", "verlet(nbs,skin=1e308)", "--tracker", "nbs"];
+    let said = good(folder.path(), &huge).stdout;
+    assert!(said.contains("ended at frame 0: with a skin of"), "{said}");
+}
