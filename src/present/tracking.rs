@@ -91,7 +91,8 @@ pub fn words(name: &str, of: Motion, followed: &Followed) -> Vec<Block> {
     ]);
     for it in followed.trackers.iter().filter(|it| it.dangerous > 0) {
         blocks.push(Block::paragraph(format!(
-            "{}: {} called dangerous, {} of them rightly; contacts were missed before {}.",
+            "{}: {} called dangerous, {} of them after frames with missed contacts; {} came after \
+             such frames in all.",
             it.spec,
             plural(it.dangerous as usize, "build"),
             it.dangerous_rightly,

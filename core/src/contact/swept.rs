@@ -13,11 +13,11 @@
 //! A pair of which only the last is true is a *tunnelled* contact: no list, however good, shows it
 //! to a program that looks at the ends of steps. A smaller time step does.
 //!
-//! A filter decides in f64. Let S be the sum of the magnitudes of all coordinates of p and q, and R:
-//! then |a|, |b|, |c| <= 4 S², and each is computed from at most ten roundings of terms that sum up
-//! to no more, so its error is below 64u S²; b² - ac is at most 32 S⁴ with an error below 2000u S⁴.
-//! What is nearer to a border than that, and numbers whose fourth powers leave the range of f64, are
-//! decided by whole numbers of any length.
+//! A filter decides in f64. Let S be the sum of the magnitudes of all coordinates of p and q, and
+//! R: then |a|, |b|, |c| <= 4 S², and each is computed from at most ten roundings of terms that sum
+//! up to no more, so its error is below 64u S²; b² - ac is at most 32 S⁴ with an error below 2000u
+//! S⁴. What is nearer to a border than that, and numbers whose fourth powers leave the range of
+//! f64, are decided by whole numbers of any length.
 
 use num_bigint::BigInt;
 

@@ -42,14 +42,14 @@
 //! from them what is far from being decided either way, and leave to `touch` the rest: [`Near`], by
 //! 1 and 5. So its pairs are those that `touch` accepts, in every arithmetic.
 //!
-//! **7. Lists kept while bodies move** ([`crate::track`]). A list with a skin s = 2h holds the pairs
-//! that touch, by the exact test, when each radius is the double above fl(ri + h), which is at least
-//! ri + h. So a pair that is not listed was farther apart than ri + rj + s when the list was built,
-//! and is farther apart than ri + rj + s - di - dj when its centres have since gone di and dj, on
-//! whatever way. The test accepts up to ri + rj + e at most, where e = 2·rmax·relative + absolute is
-//! its [`Slack`], 0 for the exact one. Hence: **while di + dj <= s - e for every pair, the listed
-//! pairs that the test accepts are all that it accepts.** A rule is safe if it gives the list up
-//! before that fails:
+//! **7. Lists kept while bodies move** ([`crate::track`]). A list with a skin s = 2h holds the
+//! pairs that touch, by the exact test, when each radius is the double above fl(ri + h), which is
+//! at least ri + h. So a pair that is not listed was farther apart than ri + rj + s when the list
+//! was built, and is farther apart than ri + rj + s - di - dj when its centres have since gone di
+//! and dj, on whatever way. The test accepts up to ri + rj + e at most, where e = 2·rmax·relative +
+//! absolute is its [`Slack`], 0 for the exact one. Hence: **while di + dj <= s - e for every pair,
+//! the listed pairs that the test accepts are all that it accepts.** A rule is safe if it gives the
+//! list up before that fails:
 //!
 //! * *top two*: di + dj is at most the sum of the two largest ways;
 //! * *half skin*: and that at most twice the largest;
@@ -58,9 +58,10 @@
 //!
 //! So each gives it up no earlier than the one below. s is a double since doubling is exact; s - e
 //! is rounded down, and the slack covers the two roundings of e, as it does those of the reach. A
-//! computed square of a way becomes a bound by 5, and sums of bounds are rounded up. Where particles
-//! are is known without error in every storage (1), so nothing here depends on the arithmetic but e;
-//! positions by cells may change their origin between frames, which only makes ways longer.
+//! computed square of a way becomes a bound by 5, and sums of bounds are rounded up. Where
+//! particles are is known without error in every storage (1), so nothing here depends on the
+//! arithmetic but e. The inequality is one of the numbers as stored, whatever they mean: positions
+//! by cells may change their origin between frames.
 
 pub mod bounds;
 pub mod cells;

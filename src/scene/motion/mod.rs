@@ -80,8 +80,8 @@ impl Kind {
                  is the largest, at an eighth of the widest edge from the middle"
             }
             Kind::Jitter => {
-                "in each frame each particle is somewhere else about its place in frame 0; speed is \
-                 the standard deviation along each axis (PointNeighbors.jl moves points so to \
+                "in each frame each particle is somewhere else about its place in frame 0; speed \
+                 is the standard deviation along each axis (PointNeighbors.jl moves points so to \
                  compare updates of lists)"
             }
             Kind::Brownian => {
