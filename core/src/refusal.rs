@@ -94,9 +94,18 @@ pub enum Refusal {
     /// The images of a periodic box do not fit the storage of an arithmetic.
     #[error("with its images the scene cannot be stored for {arithmetic}: {error}; use exact")]
     Stored { arithmetic: &'static str, error: SceneError },
-    /// Bodies of a kept list that are larger by half of the skin are too large for numbers.
-    #[error("with a skin of {skin:e} bodies are too large for f64; take a smaller skin")]
-    Skin { skin: f64 },
+    /// Bodies that are larger by half of a skin are too large for numbers.
+    #[error(
+        "with a skin of {skin:e} around them bodies of diameter {diameter:e} are too large for \
+         f64; take a smaller skin, or smaller units"
+    )]
+    Skin { skin: f64, diameter: f64 },
+    /// More pairs are within a skin of each other than a list may hold.
+    #[error(
+        "{particles} particles have {found} pairs within a skin of {skin:e}, and a list of them \
+         may not take more than {room} bytes; take a smaller skin, or raise the memory limit"
+    )]
+    Listed { found: u64, particles: u64, room: u64, skin: f64 },
     /// The library behind a peer cannot be trusted with the scene.
     #[error("{detector}: {reason}")]
     Library { detector: &'static str, reason: String },

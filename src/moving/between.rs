@@ -1,11 +1,11 @@
 //! What a motion is like from frame to frame, and the contacts that lie between two frames.
 
-use crate::contact::Arithmetic;
+use crate::contact::Test;
 use crate::contact::exact::label;
 use crate::contact::swept::touches_within;
-use crate::detect::Options;
+use crate::detect::{Options, table};
 use crate::scene::{AnyScene, Radii, Scene, Stored, array};
-use crate::track::parse;
+use crate::track::way;
 
 /// What happens from one frame to the next, summed up or the most of it.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -21,8 +21,10 @@ pub struct Moved {
     /// Contacts of a frame that are not there in the next.
     pub ended: u64,
     /// Pairs that touch at some time between two frames and in neither of them, if bodies go
-    /// straight from one to the other.
+    /// straight from one to the other: exactly, for the numbers as given.
     pub tunnelled: u64,
+    /// Why they were not counted between some frames.
+    pub uncounted: Option<String>,
     /// How far particles go in a frame.
     pub way: Way,
 }
@@ -58,22 +60,24 @@ impl Moved {
         last: Option<(&AnyScene<'_>, &[[u32; 2]])>,
         frame: &AnyScene<'_>,
         contacts: &[[u32; 2]],
-    ) -> anyhow::Result<()> {
+        memory_limit: u64,
+    ) {
         self.frames += 1;
         self.particles = frame.len() as u64;
         self.contacts += contacts.len() as u64;
-        let Some((last, before)) = last else { return Ok(()) };
+        let Some((last, before)) = last else { return };
         let stay = common(before, contacts);
         self.born += contacts.len() as u64 - stay;
         self.ended += before.len() as u64 - stay;
         match (last, frame) {
             (AnyScene::Plane(Stored::F64(last)), AnyScene::Plane(Stored::F64(frame))) => {
-                self.between(last, frame)
+                self.between(last, frame, memory_limit);
             }
             (AnyScene::Space(Stored::F64(last)), AnyScene::Space(Stored::F64(frame))) => {
-                self.between(last, frame)
+                self.between(last, frame, memory_limit);
             }
-            _ => Ok(()),
+            // Frames are made in f64, all of one dimension.
+            _ => {}
         }
     }
 
@@ -81,55 +85,60 @@ impl Moved {
         &mut self,
         last: &Scene<'_, f64, D>,
         frame: &Scene<'_, f64, D>,
-    ) -> anyhow::Result<()>
-    where
+        memory_limit: u64,
+    ) where
         for<'a> AnyScene<'a>: From<Scene<'a, f64, D>>,
     {
-        let (a, b) = (last.centres(), frame.centres());
         let diameter = 2.0 * frame.largest_radius();
-        let mut longest = 0.0f64;
-        for (a, b) in a.iter().zip(b) {
-            let way = (a - b).norm();
-            longest = longest.max(way);
-            self.way.at_rest += u64::from(a == b);
-            self.way.sum += if diameter > 0.0 { way / diameter } else { 0.0 };
-        }
+        let ends = || last.centres().iter().zip(frame.centres());
+        let ways: Vec<f64> = ends().map(|(a, b)| way(array(a), array(b))).collect();
+        let longest = ways.iter().fold(0.0f64, |most, &way| most.max(way));
+        let at_rest = ends().filter(|(a, b)| a == b).count();
+        self.way.at_rest += at_rest as u64;
         if diameter > 0.0 {
+            self.way.sum += ways.iter().sum::<f64>() / diameter;
             self.way.longest = self.way.longest.max(longest / diameter);
         }
-        if longest == 0.0 {
-            return Ok(());
-        }
-        // Bodies that touch between the frames are at most two of the longest ways apart before:
-        // by half a part in a thousand more than that, which covers all rounding.
-        let wider = |r: f64| (r + longest) * 1.0005 + f64::MIN_POSITIVE;
-        let radii = match last.radii() {
-            Radii::Uniform(r) => Radii::Uniform(wider(*r)),
-            Radii::Each(radii) => {
-                Radii::Each(radii.iter().map(|&r| wider(r)).collect::<Vec<_>>().into())
-            }
-        };
-        let wide: AnyScene<'_> = Scene::new(a, radii)?.into();
-        let mut near = Vec::new();
-        parse("streamed-nbs")?.make(Options::default()).step(
-            &wide,
-            Arithmetic::Exact.test(),
-            &mut near,
-        )?;
-        for [i, j] in near {
-            let (i, j) = (i as usize, j as usize);
-            let (ri, rj) = (last.radius(i), last.radius(j));
-            let [from, to] = [[&a[i], &a[j]], [&b[i], &b[j]]].map(|pair| pair.map(array));
-            let apart = |[a, b]: [&[f64; D]; 2]| !label(a, b, ri, rj).touches();
-            if apart(from)
-                && apart(to)
-                && touches_within([from[0], to[0]], [from[1], to[1]], ri, rj)
-            {
-                self.tunnelled += 1;
+        if at_rest < ways.len() {
+            match tunnelled(last, frame, &ways, memory_limit) {
+                Ok(tunnelled) => self.tunnelled += tunnelled,
+                Err(why) => {
+                    self.uncounted.get_or_insert(why);
+                }
             }
         }
-        Ok(())
     }
+}
+
+/// Contacts between two frames, or why they were not counted.
+fn tunnelled<const D: usize>(
+    last: &Scene<'_, f64, D>,
+    frame: &Scene<'_, f64, D>,
+    ways: &[f64],
+    memory_limit: u64,
+) -> Result<u64, String>
+where
+    for<'a> AnyScene<'a>: From<Scene<'a, f64, D>>,
+{
+    // Bodies that touch between the frames were, before, no farther apart than their ways together.
+    let wider = ways.iter().enumerate().map(|(k, way)| (last.radius(k) + way).next_up());
+    let wider = Radii::Each(wider.collect::<Vec<_>>().into());
+    let wider = Scene::new(last.centres(), wider).map_err(|error| error.to_string())?;
+    let options = Options { memory_limit, threads: 1 };
+    let detector = table::find("streamed-nbs").ok_or("streamed-nbs is not in the table")?;
+    let mut detector = detector.make(options);
+    let mut near = Vec::new();
+    detector
+        .list(&wider.into(), Test::Exact, &mut near)
+        .map_err(|refusal| format!("bodies as wide as their ways: {refusal}"))?;
+    let is_tunnelled = |&[i, j]: &[u32; 2]| {
+        let pair = [i as usize, j as usize];
+        let [ri, rj] = pair.map(|k| last.radius(k));
+        let [from, to] = [last, frame].map(|scene| pair.map(|k| array(&scene.centres()[k])));
+        let apart = |[a, b]: [&[f64; D]; 2]| !label(a, b, ri, rj).touches();
+        apart(from) && apart(to) && touches_within([from[0], to[0]], [from[1], to[1]], ri, rj)
+    };
+    Ok(near.iter().filter(|pair| is_tunnelled(pair)).count() as u64)
 }
 
 /// How many pairs are in both lists, which are in ascending order.
@@ -140,4 +149,39 @@ fn common(a: &[[u32; 2]], b: &[[u32; 2]]) -> u64 {
         b.next_if_eq(pair).is_some()
     };
     a.iter().filter(is_there).count() as u64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Unit discs on a line, at these places.
+    fn row(places: [f64; 4]) -> AnyScene<'static> {
+        let centres = places.map(|x| nalgebra::Point::from([x, 0.0])).to_vec();
+        Scene::new(centres, Radii::Uniform(1.0)).unwrap().into()
+    }
+
+    #[test]
+    fn contacts_begin_end_and_lie_between_frames() {
+        let frames = [row([0.0, 2.0, 5.0, 20.0]), row([0.0, 2.5, 4.5, 20.0])];
+        let mut moved = Moved::default();
+        moved.take(None, &frames[0], &[[0, 1]], 1 << 20);
+        assert_eq!((moved.frames, moved.contacts, moved.born, moved.steps()), (1, 1, 0, 0));
+        moved.take(Some((&frames[0], &[[0, 1]])), &frames[1], &[[1, 2]], 1 << 20);
+        let [born, ended, tunnelled] = [moved.born, moved.ended, moved.tunnelled];
+        assert_eq!([born, ended, tunnelled], [1, 1, 0]);
+        assert_eq!((moved.way.at_rest, moved.steps()), (2, 1));
+        assert!((moved.way.longest - 0.25).abs() < 1e-12, "of a diameter of 2");
+        assert!((moved.mean_way() - 0.125).abs() < 1e-12);
+        // The last flies through all others but the first, and beyond the third.
+        let through = row([0.0, 2.5, 4.5, -1.5]);
+        moved.take(Some((&frames[1], &[[1, 2]])), &through, &[[0, 3], [1, 2]], 1 << 20);
+        assert_eq!([moved.born, moved.ended, moved.tunnelled], [2, 1, 2]);
+        assert_eq!(moved.uncounted, None);
+        // What cannot be counted costs nothing else.
+        let far = row([0.0, 2.5, 4.5, 1.7e308]);
+        moved.take(Some((&through, &[])), &far, &[], 1 << 20);
+        moved.take(Some((&far, &[])), &row([0.0, 2.5, 4.5, -1.7e308]), &[], 1 << 20);
+        assert!(moved.uncounted.is_some() && moved.frames == 5, "{moved:?}");
+    }
 }

@@ -42,6 +42,8 @@ pub struct Followed {
 pub struct Tracked {
     /// Who.
     pub spec: TrackerSpec,
+    /// It promises to miss nothing.
+    pub is_safe: bool,
     /// The time of each frame.
     pub times: Vec<Duration>,
     /// Of all of them, for building lists.
@@ -50,10 +52,10 @@ pub struct Tracked {
     pub built: u64,
     /// Of those, how many LAMMPS would call dangerous.
     pub dangerous: u64,
-    /// Frames with a dangerous build in or before which a contact was missed since the build
-    /// before.
+    /// Of those, how many came after a frame with a missed contact, counted from the build before.
     pub dangerous_rightly: u64,
-    /// Builds, but the first, since the one before which a contact was missed.
+    /// Builds that came after such a frame, dangerous or not. Misses after the last build belong to
+    /// none.
     pub missing_builds: u64,
     /// Pairs that were looked at, in all frames.
     pub listed: u64,
@@ -70,9 +72,10 @@ pub struct Tracked {
 }
 
 impl Tracked {
-    fn new(spec: &TrackerSpec) -> Tracked {
+    fn new(spec: &TrackerSpec, arithmetic: Arithmetic) -> Tracked {
         Tracked {
             spec: spec.clone(),
+            is_safe: spec.is_safe(arithmetic.test()),
             times: Vec::new(),
             building: Duration::ZERO,
             built: 0,
@@ -90,7 +93,7 @@ impl Tracked {
 
     /// A tracker that promises to miss nothing did, or any reported a pair that does not touch.
     pub fn is_wrong(&self) -> bool {
-        self.spurious > 0 || self.spec.is_safe() && self.late.missed > 0
+        self.spurious > 0 || self.is_safe && self.late.missed > 0
     }
 }
 
@@ -116,7 +119,7 @@ pub fn follow(frames: &mut Frames, course: &Course<'_>) -> anyhow::Result<Follow
         .iter()
         .map(|spec| Follower {
             tracker: spec.make(options),
-            tracked: Tracked::new(spec),
+            tracked: Tracked::new(spec, arithmetic),
             pairs: Vec::new(),
             missed_before: 0,
         })
@@ -130,7 +133,8 @@ pub fn follow(frames: &mut Frames, course: &Course<'_>) -> anyhow::Result<Follow
         for follower in followers.iter_mut().filter(|follower| follower.tracked.refused.is_none()) {
             follower.step(k, &frame, arithmetic, &truth);
         }
-        moved.take(last.as_ref().map(|(scene, pairs)| (scene, &pairs[..])), &given, &truth)?;
+        let before = last.as_ref().map(|(scene, pairs)| (scene, &pairs[..]));
+        moved.take(before, &given, &truth, memory_limit);
         last = Some((given, truth));
     }
     let trackers = followers.into_iter().map(|mut follower| {

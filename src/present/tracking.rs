@@ -28,7 +28,7 @@ fn mean(tracked: &Tracked, particles: u64) -> Option<f64> {
 }
 
 fn motion(name: &str, motion: Motion, moved: &Moved) -> String {
-    let Moved { particles, frames, contacts, born, ended, tunnelled, way } = moved;
+    let Moved { particles, frames, contacts, born, ended, tunnelled, uncounted, way } = moved;
     let mut said =
         format!("{name}, {particles} particles, {motion}, {}", plural(*frames as usize, "frame"));
     if moved.steps() == 0 {
@@ -43,9 +43,10 @@ fn motion(name: &str, motion: Motion, moved: &Moved) -> String {
         number(*born as f64 / moved.steps() as f64),
         number(*ended as f64 / moved.steps() as f64),
     );
-    said += &match tunnelled {
-        0 => " No pair touches between two frames alone.".to_string(),
-        _ => format!(
+    said += &match (uncounted, tunnelled) {
+        (Some(why), _) => format!(" What touches between two frames alone was not counted: {why}"),
+        (None, 0) => " No pair touches between two frames alone.".to_string(),
+        (None, _) => format!(
             " {} more touch between two frames and in neither: {} missed by the time step, not \
              by a list.",
             number(*tunnelled as f64 / moved.steps() as f64),
@@ -99,9 +100,18 @@ pub fn words(name: &str, of: Motion, followed: &Followed) -> Vec<Block> {
             plural(it.missing_builds as usize, "build"),
         )));
     }
+    for it in followed.trackers.iter().filter(|it| it.late.never > 0) {
+        let never = plural(it.late.never as usize, "contact");
+        blocks.push(Block::paragraph(format!("{}: {never} never reported.", it.spec)));
+    }
     for it in followed.trackers.iter().filter(|it| it.is_wrong()) {
         blocks.push(Block::Warning(
-            format!("{} is wrong, and promises not to be: a defect.", it.spec).into(),
+            format!(
+                "{} missed {} contacts and reported {} pairs that do not touch, and may do \
+                 neither: a defect.",
+                it.spec, it.late.missed, it.spurious
+            )
+            .into(),
         ));
     }
     for it in &followed.trackers {
@@ -118,8 +128,9 @@ pub fn table(followed: &Followed) -> Table {
     let common = common(followed).is_some();
     let row = |it: &Tracked| {
         let late = &it.late;
-        let since =
-            |value: String| if late.missed > 0 { Cell::from(value) } else { Cell::absent() };
+        let cell = |is: bool, value: String| if is { Cell::from(value) } else { Cell::absent() };
+        let since = |value| cell(late.missed > 0, value);
+        let reported = |value| cell(late.latest > 0, value);
         vec![
             Cell::from(label(&it.spec, common)),
             mean(it, particles).into(),
@@ -131,8 +142,8 @@ pub fn table(followed: &Followed) -> Table {
             },
             if it.is_wrong() { Cell::count(late.missed).wrong() } else { Cell::count(late.missed) },
             since(late.first.map_or_else(String::new, |first| first.to_string())),
-            since(late.latest.to_string()),
-            since(percent(late.deepest)),
+            reported(late.latest.to_string()),
+            reported(percent(late.deepest)),
         ]
     };
     let columns = vec![
@@ -151,12 +162,13 @@ pub fn table(followed: &Followed) -> Table {
 
 /// All of it for programs.
 pub fn as_json(name: &str, motion: Motion, followed: &Followed) -> Value {
-    let Moved { particles, frames, contacts, born, ended, tunnelled, way } = &followed.moved;
+    let moved = &followed.moved;
+    let Moved { particles, frames, contacts, born, ended, tunnelled, uncounted, way } = moved;
     let trackers = followed.trackers.iter().map(|it| {
         let late = &it.late;
         json!({
             "tracker": it.spec.to_string(),
-            "safe": it.spec.is_safe(),
+            "safe": it.is_safe,
             "frames": it.times.len(),
             "ns_per_particle": mean(it, *particles),
             "median_ns_per_particle": times(it, *particles).map(|[median, _]| median),
@@ -189,7 +201,8 @@ pub fn as_json(name: &str, motion: Motion, followed: &Followed) -> Value {
         "born": born,
         "ended": ended,
         "tunnelled": tunnelled,
-        "mean_way": followed.moved.mean_way(),
+        "uncounted": uncounted,
+        "mean_way": moved.mean_way(),
         "longest_way": way.longest,
         "at_rest": way.at_rest,
         "trackers": trackers.collect::<Vec<_>>(),

@@ -36,32 +36,35 @@
 //! **5. Squared distances** that prune (a point against a box): the computed square of a distance
 //! in up to three dimensions is at most (1 + 6u) times the true one plus 2^-1073, so to prune where
 //! it exceeds R²(1 + 16u) + 2^-960 is safe, by the argument of the exact test's own filter
-//! ([`crate::contact`]).
+//! ([`crate::contact`]). The other way round, the true square is at most (1 + 8u) times the
+//! computed one plus 2^-1072: five factors of at least 1 - u, and three products that may
+//! underflow.
 //!
 //! **6. Copies.** A detector that keeps copies of centres near to one another in memory may decide
 //! from them what is far from being decided either way, and leave to `touch` the rest: [`Near`], by
 //! 1 and 5. So its pairs are those that `touch` accepts, in every arithmetic.
 //!
-//! **7. Lists kept while bodies move** ([`crate::track`]). A list with a skin s = 2h holds the
-//! pairs that touch, by the exact test, when each radius is the double above fl(ri + h), which is
-//! at least ri + h. So a pair that is not listed was farther apart than ri + rj + s when the list
-//! was built, and is farther apart than ri + rj + s - di - dj when its centres have since gone di
-//! and dj, on whatever way. The test accepts up to ri + rj + e at most, where e = 2·rmax·relative +
-//! absolute is its [`Slack`], 0 for the exact one. Hence: **while di + dj <= s - e for every pair,
-//! the listed pairs that the test accepts are all that it accepts.** A rule is safe if it gives the
-//! list up before that fails:
+//! **7. Lists kept while bodies move** ([`crate::track`]). The contact test accepts no pair that is
+//! farther apart than ri + rj + e, where e = 2·rmax·relative + absolute is from its [`Slack`], 0
+//! for the exact one. A list with a skin s = 2h holds the pairs that touch, by the exact test, when
+//! each radius is rounded up from ri + h + e/2. So a pair that is not listed was farther apart than
+//! ri + rj + s + e when the list was built, and is farther apart than ri + rj + s + e - di - dj
+//! when its centres have since gone di and dj, on whatever way. Hence: **while di + dj <= s for
+//! every pair, the listed pairs that the test accepts are all that it accepts,** at once when the
+//! list is built, too, be the skin 0. A rule is safe if it gives the list up before that fails:
 //!
 //! * *top two*: di + dj is at most the sum of the two largest ways;
 //! * *half skin*: and that at most twice the largest;
 //! * *summed*: a way is at most the sum of the ways in each frame, and that at most the sum of the
 //!   largest in each.
 //!
-//! So each gives it up no earlier than the one below. s is a double since doubling is exact; s - e
-//! is rounded down, and the slack covers the two roundings of e, as it does those of the reach. A
-//! computed square of a way becomes a bound by 5, and sums of bounds are rounded up. Where
-//! particles are is known without error in every storage (1), so nothing here depends on the
-//! arithmetic but e. The inequality is one of the numbers as stored, whatever they mean: positions
-//! by cells may change their origin between frames.
+//! So each gives it up no earlier than the one below; bounds are cut so that this holds as
+//! computed. s is a double since doubling is exact, and where it or the larger bodies overflow the
+//! list is refused; the slack covers the roundings of e, as it does those of the reach. A computed
+//! square of a way becomes a bound by 5, sums of bounds are rounded up, and an infinite one is more
+//! than any skin. Where particles are is known without error in every storage (1), so nothing else
+//! depends on the arithmetic. The inequality is one of the numbers as stored, whatever they mean:
+//! positions by cells may change their origin between frames.
 
 pub mod bounds;
 pub mod cells;

@@ -2,9 +2,9 @@
 
 use nalgebra::Point;
 
-use super::rule::{Budget, Rule, Ways};
+use super::rule::{Looks, Rule, Ways};
 use super::travel::{TopTwo, at_most, square};
-use crate::contact::{Bodies, Slack, Test};
+use crate::contact::{Bodies, Test};
 use crate::detect::any::AnyDetector;
 use crate::filter::Near;
 use crate::pair_list::{PAIR_BYTES, PairList};
@@ -25,6 +25,8 @@ pub(super) struct Kept<const D: usize> {
     now: Vec<Point<f64, D>>,
     radii: KeptRadii,
     listed: Vec<[u32; 2]>,
+    /// What the contact test may round beyond the sum of two radii: the list allows for it.
+    rounding: f64,
     /// Frames since the list was built; none if there is no list.
     age: Option<u32>,
     /// The longest way in each of them, added up.
@@ -65,52 +67,75 @@ impl<const D: usize> Kept<D> {
     }
 
     /// Brings the particles to their places in this frame, and says how far they have gone and how
-    /// many frames ago the list was built. None if there is no list, or it is of other particles.
-    pub fn follow<T: Real>(&mut self, scene: &Scene<'_, T, D>, rule: Rule) -> Option<(u32, Ways)> {
+    /// many frames ago the list was built. None if there is no list, or it is of other particles,
+    /// or for a test that rounds less.
+    pub fn follow<T: Real>(
+        &mut self,
+        scene: &Scene<'_, T, D>,
+        rule: Rule,
+        rounding: f64,
+    ) -> Option<(u32, Ways)> {
         let age = self.age?.saturating_add(1);
         let centres = scene.centres();
-        if centres.len() != self.order.len() || !self.radii.are(scene) {
+        let same = centres.len() == self.order.len() && self.radii.are(scene);
+        if !same || rounding > self.rounding {
             return None;
         }
         let (mut top, mut step) = (TopTwo::default(), 0.0f64);
         let places = self.order.iter().zip(&mut self.now).zip(&self.then);
-        match rule {
-            Rule::Summed => places.for_each(|((&particle, now), then)| {
+        match rule.looks(age) {
+            Looks::Nowhere => places.for_each(|((&particle, now), _)| {
+                *now = wide(&centres[particle as usize]);
+            }),
+            Looks::SinceBuilt => places.for_each(|((&particle, now), then)| {
+                *now = wide(&centres[particle as usize]);
+                top.take(square(array(now), array(then)));
+            }),
+            Looks::SinceFrame => places.for_each(|((&particle, now), then)| {
                 let at = wide(&centres[particle as usize]);
                 top.take(square(array(&at), array(then)));
                 step = step.max(square(array(&at), array(now)));
                 *now = at;
             }),
-            _ => places.for_each(|((&particle, now), then)| {
-                *now = wide(&centres[particle as usize]);
-                top.take(square(array(now), array(then)));
-            }),
         }
-        if rule == Rule::Summed {
-            self.summed = (self.summed + at_most(step)).next_up();
-        }
+        let (first, second) = (at_most(top.first), at_most(top.second));
+        // No less than the longest way, as in real numbers.
+        self.summed = (self.summed + at_most(step)).next_up().max(first);
         self.age = Some(age);
-        let ways = Ways {
-            square: top.first,
-            first: at_most(top.first),
-            second: at_most(top.second),
-            summed: self.summed,
-        };
-        Some((age, ways))
+        Some((age, Ways { square: top.first, first, second, summed: self.summed }))
     }
 
-    /// Lists all pairs whose bodies are at most twice `half` apart in this frame.
+    /// Lists all pairs whose bodies are at most twice `half` apart in this frame, and further by
+    /// what the contact test may round. The arrays may take `limit` bytes.
     pub fn build<T: Real>(
         &mut self,
         scene: &Scene<'_, T, D>,
         half: f64,
+        rounding: f64,
+        limit: u64,
         detector: &mut dyn AnyDetector,
     ) -> Result<(), Refusal>
     where
         for<'a> AnyScene<'a>: From<Scene<'a, f64, D>>,
     {
         self.age = None;
-        let n = scene.len();
+        let (n, skin) = (scene.len(), 2.0 * half);
+        let largest = scene.largest_radius().wide();
+        let margin = if rounding == 0.0 { half } else { (half + 0.5 * rounding).next_up() };
+        let larger = |r: f64| (r + margin).next_up();
+        if !(2.0 * larger(largest)).is_finite() {
+            return Err(Refusal::Skin { skin, diameter: 2.0 * largest });
+        }
+        let each = match scene.radii() {
+            // By particle, by place, and larger while the list is built.
+            Radii::Each(_) => 24,
+            Radii::Uniform(_) => 0,
+        };
+        let needed = n as u64 * (12 + 16 * D as u64 + each);
+        if needed > limit {
+            let shape = format!("{n} particles, without the list");
+            return Err(Refusal::Memory { detector: "verlet", needed, limit, shape });
+        }
         for points in [&mut self.then, &mut self.now] {
             points.clear();
             reserve(points, n)?;
@@ -120,7 +145,6 @@ impl<const D: usize> Kept<D> {
         self.now.extend(self.order.iter().map(|&particle| self.then[particle as usize]));
         self.then.copy_from_slice(&self.now);
         self.radii.take(scene, &self.order)?;
-        let larger = |r: f64| (r + half).next_up();
         let wider = match &self.radii {
             KeptRadii::Each { placed, .. } => {
                 let mut radii = Vec::new();
@@ -130,11 +154,18 @@ impl<const D: usize> Kept<D> {
             }
             KeptRadii::Uniform(r) => Radii::Uniform(larger(*r)),
         };
-        let wider =
-            Scene::new(&self.now[..], wider).map_err(|_| Refusal::Skin { skin: 2.0 * half })?;
+        let wider = Scene::new(&self.now[..], wider)
+            .map_err(|_| Refusal::Skin { skin, diameter: 2.0 * largest })?;
         self.listed.clear();
-        detector.list(&wider.into(), Test::Exact, &mut self.listed)?;
-        (self.age, self.summed) = (Some(0), 0.0);
+        detector.list(&wider.into(), Test::Exact, &mut self.listed).map_err(
+            |refusal| match refusal {
+                Refusal::Pairs { found, particles, room } if skin > 0.0 => {
+                    Refusal::Listed { found, particles, room, skin }
+                }
+                other => other,
+            },
+        )?;
+        (self.age, self.summed, self.rounding) = (Some(0), 0.0, rounding);
         Ok(())
     }
 
@@ -257,7 +288,7 @@ impl Cells {
         4 * (self.cell.len() + self.starts.len()) as u64
     }
 
-    /// Puts the particles into the order of at most one cell for each particle.
+    /// Puts the particles into the order of their cells, of which there are at most as many.
     fn order<const D: usize>(
         &mut self,
         points: &[Point<f64, D>],
@@ -273,7 +304,7 @@ impl Cells {
         // Where they overflow all particles are in the first cell, and stay as they are.
         let extent: [f64; D] = std::array::from_fn(|k| high[k] - low[k]);
         let count = |edge: f64| extent.map(|extent| (extent / edge).floor() + 1.0);
-        let mut edge = extent.iter().fold(0.0f64, |most, &extent| most.max(extent));
+        let mut edge = 2.0 * extent.iter().fold(0.0f64, |most, &extent| most.max(extent));
         while edge > f64::MIN_POSITIVE && edge < f64::INFINITY {
             if count(0.5 * edge).iter().product::<f64>() > n as f64 {
                 break;
@@ -314,13 +345,4 @@ impl Cells {
 
 fn wide<T: Real, const D: usize>(centre: &Point<T, D>) -> Point<f64, D> {
     Point::from(array(centre).map(Real::wide))
-}
-
-/// What a list with this half of a skin has to give away, under a test with this slack: 7 of the
-/// page of filters.
-pub(super) fn budget(half: f64, slack: Slack, largest: f64) -> Budget {
-    let skin = 2.0 * half;
-    let rounding = 2.0 * largest * slack.relative + slack.absolute;
-    let ways = if rounding == 0.0 { skin } else { (skin - rounding).next_down() };
-    Budget { skin, ways }
 }

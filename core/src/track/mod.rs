@@ -44,6 +44,7 @@ use std::time::Duration;
 
 pub use rule::Rule;
 pub use spec::{FORMS, TrackerError, TrackerSpec, parse};
+pub use travel::way;
 
 use crate::contact::Test;
 use crate::detect::any::AnyDetector;

@@ -21,12 +21,12 @@ pub enum Rule {
     /// than the skin: the rule of codes after Munjiza's book, which add up the way of the fastest.
     /// Safe.
     Summed,
-    /// In every k-th frame, whatever moves. Unsafe.
+    /// In every k-th frame, whatever moves. Unsafe but for k = 1.
     Every(u32),
     /// As `neigh_modify` of LAMMPS: never in fewer than `delay` frames, at multiples of `every`,
     /// and then always or, with `check`, when a particle has gone more than half of the skin by
-    /// LAMMPS's own rounded comparison. Unsafe but for a delay of 0, every frame and a check, and
-    /// there up to rounding.
+    /// LAMMPS's own rounded comparison. Unsafe but for a delay of at most 1, every frame and a
+    /// check, and there up to rounding.
     Lammps {
         /// Frames that a list serves at least.
         delay: u32,
@@ -50,14 +50,14 @@ pub(super) struct Ways {
     pub summed: f64,
 }
 
-/// What a list has to give away.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Budget {
-    /// The skin, in units of length.
-    pub skin: f64,
-    /// Of it, what two particles may go together: the rest covers the rounding of the contact test.
-    /// Negative where not even that is covered.
-    pub ways: f64,
+/// From where a rule has to know ways in a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Looks {
+    Nowhere,
+    /// From where particles were when the list was built.
+    SinceBuilt,
+    /// And from where they were in the frame before.
+    SinceFrame,
 }
 
 /// What a rule says of a frame.
@@ -70,19 +70,38 @@ pub(super) struct Due {
 impl Rule {
     /// No contact is missed, whatever moves.
     pub fn is_safe(self) -> bool {
-        matches!(self, Rule::HalfSkin | Rule::TopTwo | Rule::Summed)
+        matches!(self, Rule::HalfSkin | Rule::TopTwo | Rule::Summed | Rule::Every(1))
     }
 
-    /// Must the list be built again in this frame, the `age`-th after that in which it was built?
-    pub(super) fn is_due(self, age: u32, ways: &Ways, budget: Budget) -> Due {
+    /// What it looks at in the frame that is the `age`-th after that in which the list was built.
+    pub(super) fn looks(self, age: u32) -> Looks {
+        match self {
+            Rule::HalfSkin | Rule::TopTwo => Looks::SinceBuilt,
+            Rule::Summed => Looks::SinceFrame,
+            Rule::Lammps { check: true, .. } if self.may_build(age) => Looks::SinceBuilt,
+            Rule::Every(_) | Rule::Lammps { .. } => Looks::Nowhere,
+        }
+    }
+
+    /// Whether LAMMPS asks in this frame.
+    fn may_build(self, age: u32) -> bool {
+        match self {
+            Rule::Lammps { delay, every, .. } => age >= delay && age.is_multiple_of(every),
+            _ => true,
+        }
+    }
+
+    /// Must a list with this skin be built again in this frame, the `age`-th after that in which
+    /// it was built?
+    pub(super) fn is_due(self, age: u32, ways: &Ways, skin: f64) -> Due {
         let build = match self {
-            Rule::HalfSkin => 2.0 * ways.first > budget.ways,
-            Rule::TopTwo => (ways.first + ways.second).next_up() > budget.ways,
-            Rule::Summed => 2.0 * ways.summed > budget.ways,
+            Rule::HalfSkin => 2.0 * ways.first > skin,
+            // Rounded up, but no more than twice the longest.
+            Rule::TopTwo => (ways.first + ways.second).next_up().min(2.0 * ways.first) > skin,
+            Rule::Summed => 2.0 * ways.summed > skin,
             Rule::Every(k) => age >= k,
             Rule::Lammps { delay, every, check } => {
-                let allowed = age >= delay && age.is_multiple_of(every);
-                let build = allowed && (!check || ways.square > 0.25 * budget.skin * budget.skin);
+                let build = self.may_build(age) && (!check || ways.square > 0.25 * skin * skin);
                 return Due { build, dangerous: build && check && age == delay.max(every) };
             }
         };
@@ -144,32 +163,30 @@ mod tests {
     /// given up at the first look.
     #[test]
     fn the_rule_of_lammps_looks_when_lammps_looks() {
-        let budget = Budget { skin: 1.0, ways: 1.0 };
         let (far, near) = (
             Ways { square: 0.25f64.next_up(), ..Ways::default() },
             Ways { square: 0.25, ..Ways::default() },
         );
         let rule = Rule::Lammps { delay: 4, every: 3, check: true };
-        let looks: Vec<u32> = (1..13).filter(|&age| rule.is_due(age, &far, budget).build).collect();
+        let looks: Vec<u32> = (1..13).filter(|&age| rule.is_due(age, &far, 1.0).build).collect();
         assert_eq!(looks, [6, 9, 12]);
-        assert!((1..13).all(|age| rule.is_due(age, &near, budget) == Due::default()));
+        assert!((1..13).all(|age| rule.is_due(age, &near, 1.0) == Due::default()));
         // `ago == max(delay, every)` is no multiple of every: never called dangerous, as there.
-        assert!((1..13).all(|age| !rule.is_due(age, &far, budget).dangerous));
+        assert!((1..13).all(|age| !rule.is_due(age, &far, 1.0).dangerous));
         let rule = Rule::Lammps { delay: 0, every: 3, check: true };
         let dangerous: Vec<u32> =
-            (1..13).filter(|&age| rule.is_due(age, &far, budget).dangerous).collect();
+            (1..13).filter(|&age| rule.is_due(age, &far, 1.0).dangerous).collect();
         assert_eq!(dangerous, [3]);
         let rule = Rule::Lammps { delay: 0, every: 3, check: false };
-        assert_eq!(rule.is_due(3, &near, budget), Due { build: true, dangerous: false });
-        assert_eq!(rule.is_due(4, &far, budget), Due::default());
+        assert_eq!(rule.is_due(3, &near, 1.0), Due { build: true, dangerous: false });
+        assert_eq!(rule.is_due(4, &far, 1.0), Due::default());
     }
 
     #[test]
     fn safe_rules_are_closed_at_the_skin() {
-        let budget = Budget { skin: 1.0, ways: 1.0 };
         let ways =
             |first: f64, second: f64, summed: f64| Ways { square: 0.0, first, second, summed };
-        let due = |rule: Rule, ways: Ways| rule.is_due(1, &ways, budget).build;
+        let due = |rule: Rule, ways: Ways| rule.is_due(1, &ways, 1.0).build;
         assert!(!due(Rule::HalfSkin, ways(0.5, 0.5, 9.0)));
         assert!(due(Rule::HalfSkin, ways(0.5f64.next_up(), 0.0, 0.0)));
         assert!(!due(Rule::TopTwo, ways(0.6, 0.3, 9.0)));
@@ -177,8 +194,14 @@ mod tests {
         assert!(!due(Rule::Summed, ways(9.0, 9.0, 0.5)));
         assert!(due(Rule::Summed, ways(0.0, 0.0, 0.5f64.next_up())));
         assert!(due(Rule::Every(1), Ways::default()) && !due(Rule::Every(2), Ways::default()));
+        // Two that have gone half of it each: no rule gives up before the one below.
+        assert!(
+            !due(Rule::TopTwo, ways(0.5, 0.5, 0.5)) && !due(Rule::HalfSkin, ways(0.5, 0.5, 0.5))
+        );
         for rule in [Rule::HalfSkin, Rule::TopTwo, Rule::Summed] {
-            assert!(rule.is_due(1, &Ways::default(), Budget { skin: 0.0, ways: -0.1 }).build);
+            let far = ways(f64::INFINITY, 0.0, f64::INFINITY);
+            assert!(rule.is_due(1, &far, f64::MAX).build && rule.is_safe());
         }
+        assert!(Rule::Every(1).is_safe() && !Rule::Every(2).is_safe());
     }
 }

@@ -6,6 +6,7 @@ use std::fmt;
 use super::rule::Rule;
 use super::verlet::Verlet;
 use super::{EveryStep, Tracker};
+use crate::contact::{Margin, Test};
 use crate::detect::Options;
 use crate::detect::spec::{self, DetectorSpec, SpecError};
 
@@ -47,12 +48,14 @@ impl TrackerSpec {
         }
     }
 
-    /// No contact is missed, whatever moves.
-    pub fn is_safe(&self) -> bool {
-        match self {
-            TrackerSpec::EveryStep(_) => true,
+    /// No contact is missed under this test, whatever moves. (The textbook's filters may lose some;
+    /// lists are built without them.)
+    pub fn is_safe(&self, test: Test) -> bool {
+        let safe = match self {
+            TrackerSpec::EveryStep(_) => test.margin() != Some(Margin::Textbook),
             TrackerSpec::Verlet { rule, .. } => rule.is_safe(),
-        }
+        };
+        safe && self.detector().entry.must_be_right()
     }
 }
 
@@ -151,20 +154,21 @@ fn verlet(text: &str, inner: &str) -> Result<TrackerSpec, TrackerError> {
     let (mut skin, mut rule, mut detector) = (None, None, Vec::new());
     for piece in inner.split(',') {
         let twice = |name| TrackerError::Twice { text: whole(), name };
-        match piece.trim().split_once('=') {
+        match piece.split_once('=').map(|(key, value)| (key.trim(), value.trim())) {
             Some(("skin", value)) => {
                 let wrong = || TrackerError::Skin { text: whole(), value: value.into() };
-                let length: f64 = value.trim().parse().map_err(|_| wrong())?;
+                let length: f64 = value.parse().map_err(|_| wrong())?;
                 if !(length >= 0.0 && length.is_finite()) {
                     return Err(wrong());
                 }
-                if skin.replace(length).is_some() {
+                // -0 becomes 0.
+                if skin.replace(length + 0.0).is_some() {
                     return Err(twice("skin"));
                 }
             }
             Some(("rule", value)) => {
                 let wrong = || TrackerError::Rule { text: whole(), value: value.into() };
-                if rule.replace(value.trim().parse().map_err(|()| wrong())?).is_some() {
+                if rule.replace(value.parse().map_err(|()| wrong())?).is_some() {
                     return Err(twice("rule"));
                 }
             }
@@ -188,8 +192,9 @@ mod tests {
             ("nbs", "every-step(nbs)"),
             ("every-step(streamed-nbs:form=dense)", "every-step(streamed-nbs:form=dense)"),
             ("verlet(nbs)", "verlet(nbs,skin=0.1,rule=top-two)"),
+            ("verlet(nbs,skin=-0)", "verlet(nbs,skin=0,rule=top-two)"),
             (
-                " verlet( rule=every-5 , streamed-nbs:form=dense, level=portable,skin=1e-3)",
+                " verlet( rule = every-5 , streamed-nbs:form=dense, level=portable,skin =1e-3)",
                 "verlet(streamed-nbs:form=dense,level=portable,skin=0.001,rule=every-5)",
             ),
         ] {

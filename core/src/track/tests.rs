@@ -186,6 +186,60 @@ fn rounded_tests_have_less_to_give_away() {
     assert!(touching > 3_000, "{touching}");
 }
 
+/// What a rounded test accepts beyond the sum of the radii is in the list from the first frame on,
+/// whatever the skin.
+#[test]
+fn a_fresh_list_has_what_rounding_accepts() {
+    let couple = |x: [f64; 2], r: f64| -> AnyScene<'static> {
+        let centres = x.map(|x| Point::from([x, 0.0])).to_vec();
+        Scene::new(centres, Radii::Uniform(r)).unwrap().into()
+    };
+    for (x, r, arithmetic) in [
+        ([-1e-9, 1.0], 0.5, Arithmetic::F32),
+        ([0.0, 1e-170], 0.0, Arithmetic::F64),
+        ([0.0, 1e-25], 0.0, Arithmetic::F32),
+        ([0.0, 1e-170], 0.0, Arithmetic::Textbook),
+    ] {
+        let frames = [couple(x, r), couple(x, r)];
+        for rule in ["half-skin", "top-two", "summed"] {
+            let text = format!("verlet(direct,skin=0,rule={rule})");
+            let found = missed(&mut *tracker(&text), &frames, arithmetic);
+            assert_eq!(found, [0, 2], "{text} {x:?} {arithmetic:?}");
+        }
+        // The list of a test that rounds less will not do.
+        let mut tracker = tracker("verlet(direct,skin=0)");
+        let frame = couple(x, r).stored(arithmetic).unwrap();
+        let step = |tracker: &mut dyn Tracker, test| {
+            let mut pairs = Vec::new();
+            (tracker.step(&frame, test, &mut pairs).unwrap().built, pairs.len())
+        };
+        assert_eq!(step(&mut *tracker, Test::Exact), (true, 0), "{x:?}");
+        assert_eq!(step(&mut *tracker, arithmetic.test()), (true, 1), "{x:?}");
+    }
+}
+
+/// Skins and bodies that overflow are refused, ways that do are too long.
+#[test]
+fn numbers_that_overflow_lose_nothing() {
+    let frame = |x: f64, r: f64| -> AnyScene<'static> {
+        let centres = [-x, x].map(|x| Point::from([x, 0.0])).to_vec();
+        Scene::new(centres, Radii::Uniform(r)).unwrap().into()
+    };
+    let mut pairs = Vec::new();
+    for (skin, r) in [("1e308", 1.0), ("0", f64::MAX), ("0.5", 1e308)] {
+        let refused = tracker(&format!("verlet(direct,skin={skin})"))
+            .step(&frame(1.7e308, r), Test::Exact, &mut pairs)
+            .unwrap_err();
+        assert!(matches!(refused, Refusal::Skin { .. }), "{refused}");
+    }
+    let frames = [frame(1.7e308, 1.0), frame(0.0, 1.0), frame(1.7e308, 1.0)];
+    for rule in ["half-skin", "top-two", "summed"] {
+        let text = format!("verlet(direct,skin=1e300,rule={rule})");
+        let found = missed(&mut *tracker(&text), &frames, Arithmetic::Exact);
+        assert_eq!(found, [0, 1], "{text}");
+    }
+}
+
 /// From the same list: no rule gives it up before the one below it, nor after the first frame in
 /// which a pair that is not listed touches.
 #[test]
@@ -235,6 +289,12 @@ fn unsafe_rules_miss_contacts_and_lammps_says_dangerous() {
     assert!(steps[5].dangerous && steps[10].dangerous && !steps[0].dangerous);
 }
 
+/// 49 discs of diameter 2 in a square, so far apart.
+fn grid(apart: f64) -> AnyScene<'static> {
+    let at = |k: i32| Point::from([k % 7, k / 7].map(|x| apart * f64::from(x)));
+    Scene::new((0..49).map(at).collect::<Vec<_>>(), Radii::Uniform(1.0)).unwrap().into()
+}
+
 #[test]
 fn other_particles_other_radii_and_refusals_begin_anew() {
     let plane = frames::<2>(60, false, Motion::Few, 1);
@@ -259,6 +319,24 @@ fn other_particles_other_radii_and_refusals_begin_anew() {
         Arithmetic::Exact,
     );
     assert_eq!([lost, all], [0, 1]);
+    // A refusal for too many contacts: the same particles, farther apart, begin a new list.
+    let room = Options { memory_limit: 3_000, threads: 1 };
+    let mut tracker_of_few = parse("verlet(direct,skin=0)").unwrap().make(room);
+    let (near, far) = (grid(0.5), grid(2.5));
+    assert!(tracker_of_few.step(&far, Test::Exact, &mut Vec::new()).unwrap().built);
+    let refused = tracker_of_few.step(&near, Test::Exact, &mut Vec::new()).unwrap_err();
+    assert!(matches!(refused, Refusal::Pairs { .. } | Refusal::Listed { .. }), "{refused}");
+    assert!(tracker_of_few.step(&far, Test::Exact, &mut Vec::new()).unwrap().built);
+    let listed =
+        parse("verlet(direct,skin=9)").unwrap().make(room).step(&far, Test::Exact, &mut Vec::new());
+    assert!(listed.unwrap_err().to_string().contains("within a skin of"));
+    let arrays = Options { memory_limit: 1_000, threads: 1 };
+    let arrays = parse("verlet(direct,skin=0)").unwrap().make(arrays).step(
+        &far,
+        Test::Exact,
+        &mut Vec::new(),
+    );
+    assert!(matches!(arrays.unwrap_err(), Refusal::Memory { detector: "verlet", .. }));
     // Too large a skin, and too many pairs.
     let mut huge = tracker("verlet(nbs,skin=1e308)");
     let mut pairs = vec![[7, 8]];

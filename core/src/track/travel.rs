@@ -3,13 +3,18 @@
 /// An upper bound of a distance in up to three dimensions from its square as computed,
 /// Σ fl(fl(x - y)²).
 ///
-/// The true square is at most (1 + 8u) times the computed one plus 2^-1073
-/// ([`crate::filter`], 5), so below what is under the root here, which two more roundings leave in
-/// the 16u; a root is rounded correctly, and the next double is above the true one.
+/// The true square is at most (1 + 8u) times the computed one plus 2^-1072 ([`crate::filter`], 5),
+/// so at most what is under the root here: its own two roundings are within the other 8u. A root is
+/// rounded correctly, and the next double is above the true one. Never 0.
 pub(super) fn at_most(square: f64) -> f64 {
     const BAND: f64 = 16.0 / (1u64 << 53) as f64;
     const FLOOR: f64 = f64::from_bits((1023 - 960) << 52);
     (square * (1.0 + BAND) + FLOOR).sqrt().next_up()
+}
+
+/// An upper bound of the distance of two points.
+pub fn way<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
+    at_most(square(a, b))
 }
 
 /// The square of the distance of two points, as computed.

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use super::kept::{Kept, budget};
+use super::kept::Kept;
 use super::rule::Rule;
 use super::{Step, Tracker};
 use crate::contact::{Bodies, Test, any_bodies};
@@ -15,8 +15,8 @@ use crate::with_stored;
 /// Keeps all pairs whose bodies are at most a skin apart, found by a detector among larger bodies,
 /// and looks at those only, until the rule says that others may touch.
 ///
-/// Needs, for N particles in D dimensions and L listed pairs, (12 + 16·D) N + 8 L bytes, 16 N more
-/// with a radius each, beside its detector.
+/// Needs, for N particles in D dimensions and L listed pairs, at most (12 + 16·D) N + 8 L bytes, 16
+/// N more with a radius each, beside its detector; 8 N more of those while a list is built.
 pub(super) struct Verlet {
     detector: Box<dyn AnyDetector>,
     /// In diameters of the largest body.
@@ -63,7 +63,7 @@ impl Tracker for Verlet {
     }
 
     fn formula_bytes(&self) -> u64 {
-        self.plane.bytes().max(self.space.bytes()) + self.detector.formula_bytes()
+        self.plane.bytes() + self.space.bytes() + self.detector.formula_bytes()
     }
 }
 
@@ -86,16 +86,17 @@ impl Settings {
         for<'a> AnyScene<'a>: From<Scene<'a, f64, D>>,
     {
         let bodies = any_bodies(scene, self.test)?;
-        let largest = scene.largest_radius().wide();
+        let (largest, slack) = (scene.largest_radius().wide(), bodies.slack());
         let half = self.skin * largest;
+        let rounding = 2.0 * largest * slack.relative + slack.absolute;
         let mut step = Step { built: true, ..Step::default() };
-        if let Some((age, ways)) = kept.follow(scene, self.rule) {
-            let due = self.rule.is_due(age, &ways, budget(half, bodies.slack(), largest));
+        if let Some((age, ways)) = kept.follow(scene, self.rule, rounding) {
+            let due = self.rule.is_due(age, &ways, 2.0 * half);
             (step.built, step.dangerous) = (due.build, due.dangerous);
         }
         if step.built {
             let started = Instant::now();
-            kept.build(scene, half, detector)?;
+            kept.build(scene, half, rounding, self.limit, detector)?;
             step.building = started.elapsed();
         }
         step.listed = kept.listed();

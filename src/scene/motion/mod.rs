@@ -170,8 +170,14 @@ impl Frames {
     /// Of this scene in open space.
     ///
     /// # Errors
-    /// The scene cannot be stored in f64.
+    /// The scene cannot be stored in f64, or has no diameter for speeds to be measured in.
     pub fn new(scene: &AnyScene<'_>, motion: Motion) -> anyhow::Result<Frames> {
+        let moves = motion.kind != Kind::Rest && motion.speed > 0.0 && !scene.is_empty();
+        ensure!(
+            !moves || scene.largest_radius() > 0.0,
+            "speeds are in diameters of the largest body, and all bodies of this scene are points; \
+             give them a radius, or take --motion rest"
+        );
         Ok(Frames(match scene.stored(Storage::F64)? {
             AnyScene::Plane(Stored::F64(scene)) => {
                 let paths = Paths::new(&scene, motion);

@@ -113,12 +113,17 @@ impl<const D: usize> Paths<D> {
         let along = |k: usize| {
             let (low, extent) = (self.low[k], self.extent[k]);
             let period = 2.0 * extent;
-            if way[k] == 0.0 || period == 0.0 || period == f64::INFINITY {
+            if way[k] == 0.0 || period == 0.0 {
                 return first[k];
+            }
+            if period == f64::INFINITY {
+                // No number is where it is: such a frame is refused.
+                return period;
             }
             let on = (first[k] - low + way[k]) % period;
             let on = if on < 0.0 { on + period } else { on };
-            low + if on > extent { period - on } else { on }
+            let on = if on > extent { period - on } else { on };
+            (low + on).min(low + extent)
         };
         Point::from(std::array::from_fn(along))
     }

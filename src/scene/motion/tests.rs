@@ -132,6 +132,20 @@ fn scenes_of_one_of_none_and_at_one_place_move_or_stay() {
 }
 
 #[test]
+fn scenes_without_a_diameter_or_an_extent_are_refused() {
+    let of = |x: f64, r: f64| -> AnyScene<'static> {
+        let centres = [-x, x].map(|x| nalgebra::Point::from([x, 0.0])).to_vec();
+        Scene::new(centres, crate::scene::Radii::Uniform(r)).unwrap().into()
+    };
+    let points = Frames::new(&of(1.0, 0.0), motion(Kind::Drift, 0.1)).err().unwrap().to_string();
+    assert!(points.contains("are points"), "{points}");
+    assert!(Frames::new(&of(1.0, 0.0), motion(Kind::Rest, 0.1)).is_ok());
+    let mut wide = Frames::new(&of(1.7e308, 1.0), motion(Kind::Drift, 0.1)).unwrap();
+    assert!(wide.at(0).is_ok());
+    assert!(wide.at(1).unwrap_err().to_string().starts_with("frame 1"));
+}
+
+#[test]
 fn motions_are_read_as_they_are_written() {
     for text in ["rest", "drift:speed=0.001,seed=3", "brownian:speed=2,seed=1"] {
         assert_eq!(text.parse::<Motion>().unwrap().to_string(), text);
