@@ -67,6 +67,16 @@ impl std::fmt::Display for Errors {
 }
 
 impl Errors {
+    /// Those of another answer as well: sums, and the deepest and widest of both.
+    pub fn add(&mut self, other: &Errors) {
+        self.missed += other.missed;
+        self.spurious += other.spurious;
+        self.duplicate += other.duplicate;
+        self.self_pairs += other.self_pairs;
+        self.deepest_miss = self.deepest_miss.max(other.deepest_miss);
+        self.widest_false = self.widest_false.max(other.widest_false);
+    }
+
     /// Pairs that are there and should not be, or should be and are not.
     pub fn wrong(&self) -> u64 {
         self.missed + self.spurious + self.duplicate + self.self_pairs
@@ -91,6 +101,16 @@ pub struct Causes {
     /// Predicate and search together, which may cancel: the detector's pairs, against exact
     /// decisions on the scene as stored.
     pub stored: Errors,
+}
+
+impl Causes {
+    /// Those of another answer as well.
+    pub fn add(&mut self, other: &Causes) {
+        self.representation.add(&other.representation);
+        self.predicate.add(&other.predicate);
+        self.search.add(&other.search);
+        self.stored.add(&other.stored);
+    }
 }
 
 /// Up to this number of particles every pair is tested.

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use crate::cells::Cell;
 use crate::number;
-use crate::record::id::{Axes, CellId, FIELDS, MACHINE};
+use crate::record::id::{Axes, CellId, FIELDS, MACHINE, OVER, split_contender};
 use crate::record::value::AxisValue;
 
 /// The value on an axis, the detector with its parameters.
@@ -106,6 +106,23 @@ pub fn place(id: &impl Axes, fields: &[String]) -> String {
     };
     let parts: Vec<String> = fields.iter().filter_map(part).collect();
     if parts.is_empty() { "its only cell".into() } else { parts.join(", ") }
+}
+
+/// What these are called where all are trackers over the same detector: by rule and skin.
+/// Otherwise by their names.
+pub fn brief<'a>(names: impl Iterator<Item = &'a str>) -> impl Fn(&str) -> String {
+    let over: BTreeSet<Option<AxisValue>> =
+        names.map(|name| split_contender(name).1.remove(OVER)).collect();
+    let same = over.len() == 1 && !over.contains(&None);
+    move |name| {
+        if !same {
+            return name.into();
+        }
+        let (tracker, mut params) = split_contender(name);
+        params.remove(OVER);
+        let said: Vec<String> = params.values().map(AxisValue::to_string).collect();
+        if said.is_empty() { tracker.replace('-', " ") } else { said.join(", ") }
+    }
 }
 
 /// Some of all detectors: `all`, `all but direct`, or the names.

@@ -14,7 +14,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 pub use crate::cells::expression::{Expression, Reading};
 use crate::oracle::{Causes, Errors};
-use crate::record::column::{COLUMNS, Column, FIRST, TIME};
+use crate::record::column::{COLUMNS, Column, TIME};
 pub use crate::record::id::{CellId, FIELDS};
 use crate::record::role::Role;
 use crate::record::row::{Measurement, Outcome, Pass, Row};
@@ -35,8 +35,8 @@ pub struct Cell {
     pub ended: bool,
     /// Nanoseconds per detection, by block.
     pub times: Blocks,
-    /// Nanoseconds of the first detection of each process, by block.
-    pub first: Blocks,
+    /// Other nanoseconds than those of a detection, by column and block.
+    pub others_ns: BTreeMap<&'static str, Blocks>,
     /// Nanoseconds per detection of each round, by block: where builds are timed side by side.
     pub rounds: Vec<Blocks>,
     /// The same as the times of as many copies with one thread each, at work beside each other;
@@ -116,7 +116,10 @@ impl Cell {
         self.ended |= row.pass == Pass::Time && row.outcome.is_final();
         if let (Pass::Time, Some(time)) = (row.pass, row.time_ns) {
             self.times.insert(block, time);
-            self.first.extend(row.first_ns.map(|first| (block, first)));
+            let timed = Column::measured_by(Pass::Time).filter(|column| column.name != TIME);
+            for (column, ns) in timed.filter_map(|column| Some((column, column.read(row)?))) {
+                self.others_ns.entry(&column.name).or_default().insert(block, ns as u64);
+            }
             for (round, &time) in row.rounds_ns.iter().enumerate() {
                 if self.rounds.len() <= round {
                     self.rounds.push(Blocks::new());
@@ -179,9 +182,10 @@ impl Cell {
     pub fn variable(&self, name: &str, time_ns: Option<f64>) -> Option<f64> {
         match Column::find(name) {
             Some(column) if column.name == TIME => time_ns.or_else(|| Some(self.time()?.median)),
-            Some(column) if column.name == FIRST => {
-                let all: Vec<f64> = self.first.values().map(|&first| first as f64).collect();
-                median(&all).filter(|_| self.time().is_some())
+            Some(column) if column.pass == Some(Pass::Time) => {
+                let all = self.others_ns.get(&*column.name)?.values();
+                median(&all.map(|&ns| ns as f64).collect::<Vec<_>>())
+                    .filter(|_| self.time().is_some())
             }
             Some(column) => self.values.get(&*column.name).copied(),
             None => self.id.axis(name)?.number(),

@@ -51,7 +51,9 @@ pub fn hold(foreign: &Foreign, deadline: Duration) -> anyhow::Result<Manners> {
         talk.measure(ability, &request, right)?;
     }
     let path = folder.path().join("pairs.npy");
-    if let Some(Reply::Pairs { .. }) = talk.say("asked for the pairs", &Request::Pairs { path })? {
+    if let Some(Reply::Pairs { .. }) =
+        talk.say("asked for the pairs", &Request::Pairs { path, frame: None })?
+    {
         talk.manners.abilities.push("pairs");
     }
     Ok(talk.manners)

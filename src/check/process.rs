@@ -212,7 +212,7 @@ impl Process {
         let path: PathBuf = self.folder.path().join("pairs.npy");
         // What was written before is not the answer; mostly there is nothing to remove.
         let _ = std::fs::remove_file(&path);
-        let contacts = match self.request(&Request::Pairs { path: path.clone() })? {
+        let contacts = match self.request(&Request::Pairs { path: path.clone(), frame: None })? {
             Reply::Pairs { contacts } => contacts,
             Reply::Unsupported | Reply::Error { .. } => return Ok(None),
             other => return Err(astray("pairs", &other)),

@@ -8,13 +8,13 @@ use crate::cli::shared::arithmetic::arithmetic;
 use crate::cli::shared::values;
 use crate::contact::Arithmetic;
 use crate::detect::Options;
-use crate::experiment::detectors;
 use crate::run::server::Server;
 
 /// Options of `runner`.
 #[derive(clap::Args)]
 pub struct Serve {
-    /// The detector, with parameters as in streamed-nbs:level=avx2
+    /// The detector, with parameters as in streamed-nbs:level=avx2; or a tracker over one, as in
+    /// verlet(streamed-nbs,skin=0.1)
     #[arg(long, value_parser = values::DETECTOR, hide_possible_values = true)]
     detector: String,
     /// How contacts are decided
@@ -30,10 +30,9 @@ pub struct Serve {
 
 /// Serves until the end of the input.
 pub fn serve(options: &Serve) -> anyhow::Result<ExitCode> {
-    let spec = detectors::parse(&options.detector)?;
     crate::cli::use_threads(options.threads);
     let limits = Options { memory_limit: options.memory_limit, threads: options.threads };
-    let mut server = Server::new(spec, options.arithmetic, limits);
+    let mut server = Server::new(&options.detector, options.arithmetic, limits)?;
     server
         .serve(std::io::stdin().lock(), std::io::stdout().lock())
         .context("the harness is gone")?;

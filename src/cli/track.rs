@@ -10,10 +10,11 @@ use crate::cli::shared::limit::Limit;
 use crate::cli::shared::scene::Source;
 use crate::cli::shared::{terminal, values};
 use crate::contact::Arithmetic;
-use crate::moving::{Course, follow};
+use crate::experiment::detectors;
+use crate::moving::{Question, follow};
 use crate::present::tracking;
 use crate::scene::motion::{Frames, Motion};
-use crate::track::{self, TrackerSpec};
+use crate::track::TrackerSpec;
 
 /// Options of `track`.
 #[derive(clap::Args)]
@@ -26,7 +27,7 @@ pub struct Track {
     /// Frames, the scene itself among them
     #[arg(long, default_value_t = 100, value_parser = values::whole::<u64>)]
     frames: u64,
-    /// Who keeps a list: every-step(DETECTOR) or verlet(DETECTOR,skin=S,rule=RULE), the skin in
+    /// Who keeps a list: every-step(DETECTOR) or verlet(DETECTOR,rule=RULE,skin=S), the skin in
     /// diameters; may be said several times (default: the rules there are, over streamed-nbs)
     #[arg(long = "tracker", value_name = "TRACKER")]
     trackers: Vec<String>,
@@ -58,20 +59,20 @@ pub fn track(options: &Track) -> anyhow::Result<ExitCode> {
         false => options.trackers.iter().map(String::as_str).collect(),
     };
     let trackers: Vec<TrackerSpec> =
-        texts.into_iter().map(track::parse).collect::<Result<_, _>>()?;
+        texts.into_iter().map(detectors::parse_tracker).collect::<Result<_, _>>()?;
     let Some((name, given)) = options.source.given()? else {
         anyhow::bail!(
             "name a particle file, or a scene such as packed:n=1000 (contactbench list scenes)"
         );
     };
     let scene = given.open(&name)?;
-    let course = Course {
+    let question = Question {
         trackers: &trackers,
         arithmetic: options.arithmetic,
         frames: options.frames,
         memory_limit: options.limit.bytes(scene.len()),
     };
-    let followed = follow(&mut Frames::new(&scene, options.motion)?, &course)?;
+    let followed = follow(&mut Frames::new(&scene, options.motion)?, &question)?;
     let mut out = std::io::stdout().lock();
     if options.json {
         writeln!(out, "{:#}", tracking::as_json(&name, options.motion, &followed))?;

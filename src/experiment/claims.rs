@@ -52,12 +52,15 @@ pub enum ClaimKind {
         #[serde(default, deserialize_with = "tolerance")]
         within: f64,
     },
-    /// `value` <= `to` in every cell.
+    /// `value` <= `to` in every cell; with `than` that of another detector in the same scene.
     AtMost {
         /// The smaller side.
         value: Expression,
         /// The limit.
         to: Expression,
+        /// Whose `to`; the cell's own without.
+        #[serde(default)]
+        than: Option<String>,
     },
     /// The value grows with n as `model` says.
     Model {
@@ -90,12 +93,32 @@ fn times<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
     Err(D::Error::custom(format!("by = {by}: it must be a finite number over 0")))
 }
 
+impl ClaimKind {
+    /// The other detector, where cells are compared with those of one.
+    pub fn than(&self) -> Option<&str> {
+        match self {
+            ClaimKind::Faster { than, .. } => Some(than),
+            ClaimKind::AtMost { than, .. } => than.as_deref(),
+            _ => None,
+        }
+    }
+
+    /// The same, to be named otherwise.
+    pub(super) fn than_mut(&mut self) -> Option<&mut String> {
+        match self {
+            ClaimKind::Faster { than, .. } => Some(than),
+            ClaimKind::AtMost { than, .. } => than.as_mut(),
+            _ => None,
+        }
+    }
+}
+
 impl Claim {
     /// Is it about times, which are of one machine?
     pub fn uses_time(&self) -> bool {
         match &self.kind {
             ClaimKind::Faster { .. } => true,
-            ClaimKind::Equal { value, to, .. } | ClaimKind::AtMost { value, to } => {
+            ClaimKind::Equal { value, to, .. } | ClaimKind::AtMost { value, to, .. } => {
                 value.uses_time() || to.uses_time()
             }
             ClaimKind::Constant { value, .. } | ClaimKind::Model { value, .. } => value.uses_time(),

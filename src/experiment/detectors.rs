@@ -8,6 +8,7 @@ use crate::detect::peers::{self, PEERS};
 use crate::detect::spec::DetectorSpec;
 use crate::detect::table::{self, Group, SpecError, TABLE};
 use crate::nearest::hint;
+use crate::track::{self, TrackerError, TrackerSpec};
 
 /// Groups that are not a [`Group`] of the table, but several.
 const ALL: (&str, [Group; 3]) = ("@all", [Group::Book, Group::Modern, Group::Streamed]);
@@ -26,11 +27,12 @@ pub fn expand(names: &[String]) -> Result<Vec<String>, String> {
             all.extend(members(name)?);
             continue;
         }
-        let name = match table::parse(name) {
-            Ok(spec) => spec.to_string(),
+        let name = match written(name) {
+            Ok(name) => name,
             // Its rows say how to get it.
-            Err(SpecError::NotBuilt { .. }) => name.clone(),
-            Err(error) => return Err(worded(&error)),
+            Err(TrackerError::Detector(SpecError::NotBuilt { .. })) => name.clone(),
+            Err(TrackerError::Detector(error)) => return Err(worded(&error)),
+            Err(error) => return Err(error.to_string()),
         };
         if named.contains(&name) {
             return Err(twice(&name));
@@ -96,6 +98,14 @@ pub fn parse(spec: &str) -> anyhow::Result<DetectorSpec> {
     table::parse(spec).map_err(|error| anyhow::Error::msg(worded(&error)))
 }
 
+/// The tracker that a text asks for; of a detector alone, one that asks it in every frame.
+pub fn parse_tracker(spec: &str) -> anyhow::Result<TrackerSpec> {
+    track::parse(spec).map_err(|error| match error {
+        TrackerError::Detector(error) => anyhow::Error::msg(worded(&error)),
+        error => error.into(),
+    })
+}
+
 /// What is wrong, with the name that was meant.
 fn worded(error: &SpecError) -> String {
     let parameters = |spec: &str| {
@@ -125,9 +135,20 @@ pub fn not_built<'a>(names: impl Iterator<Item = &'a String>) -> Option<String> 
     Some(format!("{} {are} not measured, being libraries: {how}", all.join(", ")))
 }
 
-/// The one way of writing a detector; a name that is not in the table stays as it is.
+/// The one way of writing a detector or a tracker; another name stays as it is.
 pub fn normal(name: &str) -> String {
-    table::parse(name).map_or_else(|_| name.to_string(), |spec| spec.to_string())
+    written(name).unwrap_or_else(|_| name.to_string())
+}
+
+fn written(name: &str) -> Result<String, TrackerError> {
+    let spec = track::parse(name)?;
+    // A detector by itself keeps its name, though it does what `every-step` does.
+    Ok(if is_tracker(name) { spec.to_string() } else { spec.detector().to_string() })
+}
+
+/// Is this the text of a tracker, not of a detector?
+pub fn is_tracker(name: &str) -> bool {
+    name.contains('(')
 }
 
 pub(super) fn twice(name: &str) -> String {

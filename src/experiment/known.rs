@@ -17,7 +17,7 @@ pub(super) fn check(experiment: &Experiment, document: &Document<'_>) -> anyhow:
         let problem = |words| document.claim(k, words);
         known.filter(&claim.filter).map_err(problem)?;
         let expressions = match &claim.kind {
-            ClaimKind::Equal { value, to, .. } | ClaimKind::AtMost { value, to } => {
+            ClaimKind::Equal { value, to, .. } | ClaimKind::AtMost { value, to, .. } => {
                 vec![value, to]
             }
             ClaimKind::Constant { value, .. } | ClaimKind::Model { value, .. } => vec![value],

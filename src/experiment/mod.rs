@@ -210,7 +210,7 @@ impl Experiment {
         for (k, claim) in self.claims.iter_mut().enumerate() {
             let problem = |words| document.claim(k, words);
             claims::resolve(&mut claim.filter).map_err(problem)?;
-            if let ClaimKind::Faster { than, .. } = &mut claim.kind {
+            if let Some(than) = claim.kind.than_mut() {
                 *than = detectors::normal(than);
                 if !known.contains(than) {
                     let words = format!(

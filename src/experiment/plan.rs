@@ -2,11 +2,11 @@
 //! this, and reports are held to it.
 
 use crate::contact::Arithmetic;
-use crate::detect::table;
 use crate::experiment::{Experiment, ExternalRunner};
 use crate::record::id::{CellId, split_contender};
 use crate::record::role::Role;
 use crate::scene::spec::Spec;
+use crate::track;
 
 /// Blocks done before the budget can end a scene: the range of six values covers the median in
 /// 96.9% of samples.
@@ -52,7 +52,7 @@ impl Experiment {
             for name in &self.detectors {
                 // A sequential detector has one thread, whatever the others are given; so has a
                 // peer that was not compiled.
-                let several = table::parse(name).is_ok_and(|spec| spec.entry.threads);
+                let several = track::parse(name).is_ok_and(|spec| spec.detector().entry.threads);
                 let program = Program::Own(arithmetic);
                 let all = if several { &*self.threads } else { &[1] };
                 entrants.extend(all.iter().map(|&threads| Entrant { name, program, threads }));
@@ -91,7 +91,7 @@ impl Experiment {
             experiment: self.name.clone(),
             scene: spec.name.clone(),
             dim: spec.dim,
-            params: spec.params.iter().map(|(name, v)| (name.clone(), v.into())).collect(),
+            params: spec.axes().iter().map(|(name, v)| (name.clone(), v.into())).collect(),
             order: spec.order.name().into(),
             n: spec.n,
             seed: spec.seed,

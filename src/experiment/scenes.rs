@@ -7,7 +7,7 @@ use anyhow::{Context, bail, ensure};
 use serde::Deserialize;
 
 use crate::experiment::{Experiment, List};
-use crate::scene::spec::{Order, Spec};
+use crate::scene::spec::{Course, Order, Spec};
 use crate::scene::{generate, hard};
 
 /// Parameters of a generator, by name.
@@ -131,10 +131,17 @@ impl SceneSweep {
                 axes.push(("case", cases.map(|case| case.name.into()).collect()));
             }
             for &order in self.order.iter() {
-                for combination in product(&axes) {
+                for mut combination in product(&axes) {
+                    let course = Course::take(&mut combination)?;
+                    ensure!(
+                        course.is_none() || self.name != generate::hard::NAME,
+                        "scene {}: hard cases stay where they are; leave out motion",
+                        self.name
+                    );
                     for &n in &numbers {
                         for &seed in self.seed.iter() {
                             let spec = Spec::new(&self.name, dim, n, seed, order, &combination)?;
+                            let spec = Spec { course, ..spec };
                             ensure!(
                                 !specs.contains(&spec),
                                 "scene {} stands there twice with the same parameters; leave one \

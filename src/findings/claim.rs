@@ -139,10 +139,23 @@ fn check(claim: &Claim, own: &[Cell]) -> anyhow::Result<(Finding, Option<Without
             judged(points(&[value])?, |points| constant(points, *within))
         }
         ClaimKind::Equal { value, to, within } => {
-            judged(points(&[value, to])?, |points| compared(points, to, Some(*within)))
+            let own = |cell: &Cell| reading(to, cell);
+            judged(points(&[value, to])?, |points| compared(points, own, Some(*within)))
         }
-        ClaimKind::AtMost { value, to } => {
-            judged(points(&[value, to])?, |points| compared(points, to, None))
+        ClaimKind::AtMost { value, to, than: None } => {
+            let own = |cell: &Cell| reading(to, cell);
+            judged(points(&[value, to])?, |points| compared(points, own, None))
+        }
+        ClaimKind::AtMost { value, to, than: Some(than) } => {
+            to.check(own)?;
+            let by_id: BTreeMap<&CellId, &Cell> = own.iter().map(|cell| (&cell.id, cell)).collect();
+            let other = |cell: &Cell| {
+                let id = cell.id.clone().with_contender(than);
+                by_id.get(&id).and_then(|other| reading(to, other))
+            };
+            let mut points = points(&[value])?;
+            points.retain(|(cell, _)| cell.id.contender() != *than);
+            judged(points, |points| compared(points, other, None))
         }
         ClaimKind::Model { value, model } => {
             judged(points(&[value])?, |points| grows(points, *model))
@@ -210,8 +223,8 @@ fn constant(points: &[Valued], within: f64) -> Finding {
     (if holds { Status::Holds } else { Status::Fails }, found)
 }
 
-/// `equal`, within a tolerance, or `at-most`.
-fn compared(points: &[Valued], to: &Expression, equal: Option<f64>) -> Finding {
+/// `equal`, within a tolerance, or `at-most`, to what `to` gives for a cell.
+fn compared(points: &[Valued], to: impl Fn(&Cell) -> Option<f64>, equal: Option<f64>) -> Finding {
     // how far a cell is from the claim: relative difference, or value / limit - 1
     let gap = |value: f64, to: f64| match equal {
         Some(_) if value == to => 0.0,
@@ -219,10 +232,8 @@ fn compared(points: &[Valued], to: &Expression, equal: Option<f64>) -> Finding {
         _ if value <= to => -(1.0 - value / to).abs(),
         _ => (value - to) / to.abs(),
     };
-    let sides: Vec<(&Cell, f64, f64)> = points
-        .iter()
-        .filter_map(|(cell, value)| Some((*cell, *value, reading(to, cell)?)))
-        .collect();
+    let sides: Vec<(&Cell, f64, f64)> =
+        points.iter().filter_map(|(cell, value)| Some((*cell, *value, to(cell)?))).collect();
     let gaps: Vec<f64> = sides
         .iter()
         .map(|(_, value, to)| gap(*value, *to))

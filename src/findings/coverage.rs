@@ -283,12 +283,8 @@ impl<'a> Coverage<'a> {
             .filter(|planned| meant(&planned.id))
             .map(|planned| place(&planned.id))
             .collect();
-        let other = |id: &CellId| match &claim.kind {
-            ClaimKind::Faster { than, .. } => {
-                id.contender() == *than && places.contains(&place(id))
-            }
-            _ => false,
-        };
+        let than = claim.kind.than();
+        let other = |id: &CellId| than == Some(&*id.contender()) && places.contains(&place(id));
         self.planned.iter().filter(|planned| meant(&planned.id) || other(&planned.id)).collect()
     }
 
@@ -327,7 +323,7 @@ impl<'a> Coverage<'a> {
 fn passes(claim: &Claim) -> Vec<Pass> {
     match &claim.kind {
         ClaimKind::Faster { .. } => vec![Pass::Time],
-        ClaimKind::Equal { value, to, .. } | ClaimKind::AtMost { value, to } => {
+        ClaimKind::Equal { value, to, .. } | ClaimKind::AtMost { value, to, .. } => {
             [value.passes(), to.passes()].concat()
         }
         ClaimKind::Constant { value, .. } | ClaimKind::Model { value, .. } => value.passes(),

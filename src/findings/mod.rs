@@ -5,6 +5,7 @@ pub mod claim;
 pub mod compare;
 pub mod conditions;
 pub mod cost;
+pub mod courses;
 pub mod coverage;
 pub mod crossover;
 pub mod errors;

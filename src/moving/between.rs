@@ -1,5 +1,7 @@
 //! What a motion is like from frame to frame, and the contacts that lie between two frames.
 
+use serde::{Deserialize, Serialize};
+
 use crate::contact::Test;
 use crate::contact::exact::label;
 use crate::contact::swept::touches_within;
@@ -8,7 +10,7 @@ use crate::scene::{AnyScene, Radii, Scene, Stored, array};
 use crate::track::way;
 
 /// What happens from one frame to the next, summed up or the most of it.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Moved {
     /// Particles.
     pub particles: u64,
@@ -24,13 +26,14 @@ pub struct Moved {
     /// straight from one to the other: exactly, for the numbers as given.
     pub tunnelled: u64,
     /// Why they were not counted between some frames.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub uncounted: Option<String>,
     /// How far particles go in a frame.
     pub way: Way,
 }
 
 /// Ways of particles from one frame to the next, in diameters of the largest body.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Way {
     /// The longest.
     pub longest: f64,
@@ -54,8 +57,16 @@ impl Moved {
         }
     }
 
+    /// The share of particles that stay exactly where they are from one frame to the next.
+    pub fn share_at_rest(&self) -> f64 {
+        match self.steps() * self.particles {
+            0 => 1.0,
+            steps => self.way.at_rest as f64 / steps as f64,
+        }
+    }
+
     /// One more frame, and the one before it, if there is one, with their contacts.
-    pub(super) fn take(
+    pub(crate) fn take(
         &mut self,
         last: Option<(&AnyScene<'_>, &[[u32; 2]])>,
         frame: &AnyScene<'_>,
@@ -91,7 +102,9 @@ impl Moved {
     {
         let diameter = 2.0 * frame.largest_radius();
         let ends = || last.centres().iter().zip(frame.centres());
-        let ways: Vec<f64> = ends().map(|(a, b)| way(array(a), array(b))).collect();
+        // A way is rounded up, and nowhere is no way.
+        let gone = |a, b| if a == b { 0.0 } else { way(array(a), array(b)) };
+        let ways: Vec<f64> = ends().map(|(a, b)| gone(a, b)).collect();
         let longest = ways.iter().fold(0.0f64, |most, &way| most.max(way));
         let at_rest = ends().filter(|(a, b)| a == b).count();
         self.way.at_rest += at_rest as u64;

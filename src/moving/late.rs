@@ -34,7 +34,7 @@ impl Late {
     /// Compares what was reported in frame `k` with the truth, both in the order of
     /// [`normalise`](crate::sink::normalise). Tells how many pairs were reported that do not touch,
     /// or twice.
-    pub(super) fn take(
+    pub(crate) fn take(
         &mut self,
         k: u64,
         frame: &AnyScene<'_>,
@@ -78,8 +78,13 @@ impl Late {
         spurious
     }
 
+    /// Is something missed that may still be reported?
+    pub(crate) fn is_open(&self) -> bool {
+        !self.open.is_empty()
+    }
+
     /// There are no more frames.
-    pub(super) fn end(&mut self) {
+    pub(crate) fn end(&mut self) {
         self.never += self.open.len() as u64;
         self.open.clear();
     }

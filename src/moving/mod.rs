@@ -1,6 +1,7 @@
 //! Trackers held to the truth, frame by frame: what a kept list costs, and what it misses.
 
 mod between;
+mod builds;
 mod late;
 
 use std::time::{Duration, Instant};
@@ -14,10 +15,11 @@ use crate::sink::normalise;
 use crate::track::{Tracker, TrackerSpec};
 
 pub use between::{Moved, Way};
+pub use builds::Builds;
 pub use late::Late;
 
 /// What is asked.
-pub struct Course<'a> {
+pub struct Question<'a> {
     /// Who keeps lists.
     pub trackers: &'a [TrackerSpec],
     /// How contacts are decided.
@@ -48,15 +50,8 @@ pub struct Tracked {
     pub times: Vec<Duration>,
     /// Of all of them, for building lists.
     pub building: Duration,
-    /// Frames in which the detector was asked, the first among them.
-    pub built: u64,
-    /// Of those, how many LAMMPS would call dangerous.
-    pub dangerous: u64,
-    /// Of those, how many came after a frame with a missed contact, counted from the build before.
-    pub dangerous_rightly: u64,
-    /// Builds that came after such a frame, dangerous or not. Misses after the last build belong to
-    /// none.
-    pub missing_builds: u64,
+    /// When it built its list.
+    pub builds: Builds,
     /// Pairs that were looked at, in all frames.
     pub listed: u64,
     /// Pairs that were reported, in all frames.
@@ -78,10 +73,7 @@ impl Tracked {
             is_safe: spec.is_safe(arithmetic.test()),
             times: Vec::new(),
             building: Duration::ZERO,
-            built: 0,
-            dangerous: 0,
-            dangerous_rightly: 0,
-            missing_builds: 0,
+            builds: Builds::default(),
             listed: 0,
             reported: 0,
             spurious: 0,
@@ -102,8 +94,6 @@ struct Follower {
     tracker: Box<dyn Tracker>,
     tracked: Tracked,
     pairs: Vec<[u32; 2]>,
-    /// Missed when its list was last built.
-    missed_before: u64,
 }
 
 /// Follows the frames with all trackers side by side, and with the truth. Making frames and finding
@@ -112,8 +102,8 @@ struct Follower {
 /// # Errors
 /// Frames that cannot be made or stored, and scenes without a truth. What a tracker refuses is in
 /// its answer.
-pub fn follow(frames: &mut Frames, course: &Course<'_>) -> anyhow::Result<Followed> {
-    let Course { trackers, arithmetic, memory_limit, .. } = *course;
+pub fn follow(frames: &mut Frames, question: &Question<'_>) -> anyhow::Result<Followed> {
+    let Question { trackers, arithmetic, memory_limit, .. } = *question;
     let options = Options { memory_limit, threads: 1 };
     let mut followers: Vec<Follower> = trackers
         .iter()
@@ -121,12 +111,11 @@ pub fn follow(frames: &mut Frames, course: &Course<'_>) -> anyhow::Result<Follow
             tracker: spec.make(options),
             tracked: Tracked::new(spec, arithmetic),
             pairs: Vec::new(),
-            missed_before: 0,
         })
         .collect();
     let mut moved = Moved::default();
     let mut last: Option<(AnyScene<'static>, Vec<[u32; 2]>)> = None;
-    for k in 0..course.frames {
+    for k in 0..question.frames {
         let given = frames.at(k)?;
         let frame = given.stored(arithmetic)?;
         let truth = oracle::truth_as_stored(&frame, arithmetic.test(), memory_limit)?.pairs;
@@ -146,10 +135,10 @@ pub fn follow(frames: &mut Frames, course: &Course<'_>) -> anyhow::Result<Follow
 
 impl Follower {
     fn step(&mut self, k: u64, frame: &AnyScene<'_>, arithmetic: Arithmetic, truth: &[[u32; 2]]) {
-        let Follower { tracker, tracked, pairs, missed_before } = self;
+        let Follower { tracker, tracked, pairs } = self;
         pairs.clear();
         let started = Instant::now();
-        let step = match tracker.step(frame, arithmetic.test(), pairs) {
+        let step = match tracker.step(frame, arithmetic.test(), None, pairs) {
             Ok(step) => step,
             Err(refusal) => {
                 tracked.refused = Some(format!("frame {k}: {refusal}"));
@@ -157,17 +146,8 @@ impl Follower {
             }
         };
         tracked.times.push(started.elapsed());
-        if step.built && k > 0 {
-            let missed = tracked.late.missed > *missed_before;
-            tracked.missing_builds += u64::from(missed);
-            tracked.dangerous_rightly += u64::from(missed && step.dangerous);
-        }
-        if step.built {
-            *missed_before = tracked.late.missed;
-        }
+        tracked.builds.take(step.built, step.dangerous, tracked.late.missed);
         tracked.building += step.building;
-        tracked.built += u64::from(step.built);
-        tracked.dangerous += u64::from(step.dangerous);
         tracked.listed += step.listed;
         tracked.reported += pairs.len() as u64;
         tracked.bytes = tracked.bytes.max(tracker.formula_bytes());

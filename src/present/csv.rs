@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use crate::cells::{Cell, FIELDS};
 use crate::present::table::{self, Column, Table};
-use crate::record::column::{COLUMNS, FIRST};
+use crate::record::column::{BUILDING, COLUMNS, FIRST, MEDIAN_STEP, WORST_STEP};
 use crate::stats::interval::{mad, median};
 
 /// What is said of the times.
@@ -31,6 +31,11 @@ pub fn summary(cells: &[Cell]) -> Table {
     } else {
         &[]
     };
+    // The same where nothing moves.
+    let of_steps = [BUILDING, MEDIAN_STEP, WORST_STEP].into_iter();
+    let of_steps: Vec<&str> = of_steps
+        .filter(|name| cells.iter().any(|cell| cell.others_ns.contains_key(name)))
+        .collect();
     let fields: Vec<&str> = FIELDS.into_iter().chain(params.iter().map(String::as_str)).collect();
     let numbers: Vec<&str> = COLUMNS
         .iter()
@@ -39,7 +44,10 @@ pub fn summary(cells: &[Cell]) -> Table {
         .filter(|name| cells.iter().any(|cell| cell.values.contains_key(name)))
         .collect();
     let columns = fields.iter().chain(&["outcome", "reason"]).chain(&TIMES).chain(beside);
-    let columns = columns.chain(&numbers).map(|name| Column::left(*name)).collect();
+    let columns = columns.map(|name| Column::left(*name));
+    let steps = of_steps.iter().map(|name| Column::left(format!("{name}_median")));
+    let numbered = numbers.iter().map(|name| Column::left(*name));
+    let columns = columns.chain(steps).chain(numbered).collect();
     let row = |cell: &Cell| {
         let (outcome, reason) = cell.overall();
         let mut row: Vec<table::Cell> = fields
@@ -54,6 +62,7 @@ pub fn summary(cells: &[Cell]) -> Table {
         row.extend(time(cell).map(table::Cell::from));
         let copies: Vec<f64> = cell.copies_ns.values().map(|&t| t as f64).collect();
         row.extend(beside.iter().map(|_| table::Cell::from(median(&copies))));
+        row.extend(of_steps.iter().map(|name| table::Cell::from(cell.variable(name, None))));
         row.extend(numbers.iter().map(|name| table::Cell::from(cell.variable(name, None))));
         row
     };

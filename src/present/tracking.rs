@@ -90,14 +90,14 @@ pub fn words(name: &str, of: Motion, followed: &Followed) -> Vec<Block> {
              trackers ran beside each other, once: times are a first look, not a measurement.",
         ),
     ]);
-    for it in followed.trackers.iter().filter(|it| it.dangerous > 0) {
+    for it in followed.trackers.iter().filter(|it| it.builds.dangerous > 0) {
         blocks.push(Block::paragraph(format!(
             "{}: {} called dangerous, {} of them after frames with missed contacts; {} came after \
              such frames in all.",
             it.spec,
-            plural(it.dangerous as usize, "build"),
-            it.dangerous_rightly,
-            plural(it.missing_builds as usize, "build"),
+            plural(it.builds.dangerous as usize, "build"),
+            it.builds.rightly,
+            plural(it.builds.missing as usize, "build"),
         )));
     }
     for it in followed.trackers.iter().filter(|it| it.late.never > 0) {
@@ -135,7 +135,7 @@ pub fn table(followed: &Followed) -> Table {
             Cell::from(label(&it.spec, common)),
             mean(it, particles).into(),
             times(it, particles).map(|[_, worst]| worst).into(),
-            Cell::count(it.built),
+            Cell::count(it.builds.built),
             match it.reported {
                 0 => Cell::absent(),
                 reported => Cell::number(it.listed as f64 / reported as f64),
@@ -174,10 +174,10 @@ pub fn as_json(name: &str, motion: Motion, followed: &Followed) -> Value {
             "median_ns_per_particle": times(it, *particles).map(|[median, _]| median),
             "worst_ns_per_particle": times(it, *particles).map(|[_, worst]| worst),
             "building_ns": it.building.as_nanos() as u64,
-            "built": it.built,
-            "dangerous": it.dangerous,
-            "dangerous_rightly": it.dangerous_rightly,
-            "missing_builds": it.missing_builds,
+            "built": it.builds.built,
+            "dangerous": it.builds.dangerous,
+            "dangerous_rightly": it.builds.rightly,
+            "missing_builds": it.builds.missing,
             "listed": it.listed,
             "reported": it.reported,
             "spurious": it.spurious,

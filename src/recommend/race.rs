@@ -302,7 +302,7 @@ impl Course<'_> {
         };
         let path = self.folder.join("pairs.npy");
         let box_dim = self.loads.last().and_then(Trajectory::box_dim);
-        let fetch = || client.pairs(&path, box_dim);
+        let fetch = || client.pairs(&path, box_dim, None);
         let (name, arithmetic) = (standing.entry.name, self.question.arithmetic);
         let said = (sample.contacts, &*sample.digest);
         let judged = self.judge.judge(name, arithmetic, said, fetch)?;

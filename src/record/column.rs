@@ -6,10 +6,11 @@
 use std::borrow::Cow;
 use std::sync::LazyLock;
 
+use crate::moving::Moved;
 use crate::oracle::{Causes, Errors};
 use crate::probe::Op;
 use crate::record::outcome::Pass;
-use crate::record::row::Row;
+use crate::record::row::{Course, Row};
 
 /// A number that rows have.
 pub struct Column {
@@ -35,6 +36,12 @@ pub static COLUMNS: LazyLock<Vec<Column>> = LazyLock::new(columns);
 pub const TIME: &str = "time_ns";
 /// The time of the first detection of a process.
 pub const FIRST: &str = "first_ns";
+/// Of a scene in motion: of the time, what building lists took.
+pub const BUILDING: &str = "building_ns";
+/// The time of the frame in the middle of all.
+pub const MEDIAN_STEP: &str = "median_step_ns";
+/// The time of the slowest frame.
+pub const WORST_STEP: &str = "worst_step_ns";
 
 /// The causes of error: the prefix of their columns, and the prefix that these had before.
 const CAUSES: [(&str, &str, Whose); 3] = [
@@ -69,6 +76,9 @@ fn columns() -> Vec<Column> {
     let mut columns = vec![
         whole(TIME, Some(Time), "ns", |row| row.time_ns),
         whole(FIRST, Some(Time), "ns", |row| row.first_ns),
+        whole(BUILDING, Some(Time), "ns", |row| row.building_ns),
+        whole(MEDIAN_STEP, Some(Time), "ns", |row| row.median_step_ns),
+        whole(WORST_STEP, Some(Time), "ns", |row| row.worst_step_ns),
         whole("contacts", None, "pairs", |row| row.contacts),
     ];
     columns.extend(Op::ALL.iter().map(|op| Column {
@@ -87,7 +97,7 @@ fn columns() -> Vec<Column> {
         whole("allocations", Some(Memory), "", |row| row.allocations),
         whole("warm_allocations", Some(Memory), "", |row| row.warm_allocations),
         whole("formula_bytes", Some(Memory), "bytes", |row| row.formula_bytes),
-        number("true_contacts", None, "pairs", |row| Some(row.stats.true_contacts(row.id.n))),
+        number("true_contacts", None, "pairs", |row| Some(row.true_contacts())),
     ]);
     let error = |prefix: &str, (name, unit, read): (&str, _, Which), whose: Option<Whose>| Column {
         name: format!("{prefix}{name}").into(),
@@ -106,6 +116,38 @@ fn columns() -> Vec<Column> {
         number("packing_fraction", None, "", |row| Some(row.stats.packing_fraction)),
         number("coordination", None, "", |row| Some(row.stats.coordination)),
         number("radius_ratio", None, "", |row| row.stats.radius_ratio),
+    ]);
+    let course = |name, unit, read: fn(&Course) -> f64| Column {
+        read: Box::new(move |row: &Row| row.course.as_ref().map(read)),
+        ..number(name, None, unit, |_| None)
+    };
+    columns.extend([
+        course("builds", "frames", |it| it.builds as f64),
+        course("dangerous", "frames", |it| it.dangerous as f64),
+        course("dangerous_rightly", "frames", |it| it.dangerous_rightly as f64),
+        course("missing_builds", "frames", |it| it.missing_builds as f64),
+        course("listed", "pairs", |it| it.listed as f64),
+        course("wrong_frames", "frames", |it| it.wrong_frames as f64),
+        course("worst_missed", "pairs", |it| it.worst_missed as f64),
+        course("never", "pairs", |it| it.never as f64),
+        course("latest", "frames", |it| it.latest as f64),
+        course("deepest_late", "mean radii", |it| it.deepest_late),
+        number("first_wrong", None, "frame", |row| Some(row.course?.first_wrong? as f64)),
+    ]);
+    let moved = |name, unit, read: fn(&Moved) -> f64| Column {
+        read: Box::new(move |row: &Row| row.moved.as_ref().map(read)),
+        ..number(name, None, unit, |_| None)
+    };
+    columns.extend([
+        moved("mean_way", "diameters", Moved::mean_way),
+        moved("longest_way", "diameters", |it| it.way.longest),
+        moved("born", "pairs", |it| it.born as f64),
+        moved("ended", "pairs", |it| it.ended as f64),
+        moved("at_rest", "", Moved::share_at_rest),
+        number("tunnelled", None, "pairs", |row| {
+            let moved = row.moved.as_ref()?;
+            moved.uncounted.is_none().then_some(moved.tunnelled as f64)
+        }),
     ]);
     columns
 }
@@ -139,7 +181,13 @@ impl Column {
 
 /// The columns of errors, of all causes together and of each.
 pub fn errors() -> impl Iterator<Item = &'static Column> {
-    let error = |column: &&Column| ERRORS.iter().any(|(name, ..)| column.name.ends_with(name));
+    let kind = |name: &'static str| {
+        CAUSES.iter().find_map(|(prefix, ..)| name.strip_prefix(prefix)).unwrap_or(name)
+    };
+    let error = move |column: &&'static Column| {
+        let kind = kind(&column.name);
+        ERRORS.iter().any(|(name, ..)| kind == *name)
+    };
     COLUMNS.iter().filter(error)
 }
 

@@ -9,7 +9,7 @@ use crate::record::id::Projection;
 use crate::record::ledger::{self, Ledger};
 use crate::record::outcome::{Outcome, Pass};
 use crate::record::role::Role;
-use crate::record::row::Row;
+use crate::record::row::{Course, Row};
 use crate::record::{done, file};
 
 /// More threads than any machine has cores are a slip of the pen.
@@ -147,7 +147,12 @@ fn times(row: &Row) -> Option<String> {
     };
     let words =
         format!("its time_ns {time} is not its elapsed_ns {elapsed} over its calls {calls}");
-    if calls == 0 || time == 0 {
+    let steps = row.median_step_ns.zip(row.worst_step_ns);
+    if row.building_ns.is_some_and(|building| u128::from(building) > time + 1) {
+        Some("its building_ns are more than its time_ns".into())
+    } else if steps.is_some_and(|(median, worst)| median > worst) {
+        Some("its median_step_ns are more than its worst_step_ns".into())
+    } else if calls == 0 || time == 0 {
         Some(format!("its time_ns is {time}, with {calls} calls: nothing was measured"))
     } else {
         (!agrees).then_some(words)
@@ -181,8 +186,11 @@ fn answer(row: &Row) -> Option<String> {
         }
         _ => {}
     }
+    if let Some(fault) = course(row) {
+        return Some(fault);
+    }
     let (contacts, errors) = (row.contacts?, row.errors?);
-    let truth = row.stats.true_contacts(row.id.n).round();
+    let truth = row.true_contacts().round();
     let extra = errors.spurious as f64 + errors.duplicate as f64 + errors.self_pairs as f64;
     let right = truth - errors.missed as f64 + extra;
     (right != contacts as f64).then(|| {
@@ -190,6 +198,42 @@ fn answer(row: &Row) -> Option<String> {
             "its contacts are {contacts}, and by its coordination and its errors they are {right}"
         )
     })
+}
+
+/// What became of the frames of a scene in motion agrees with itself.
+fn course(row: &Row) -> Option<String> {
+    let course = match (row.course, &row.moved) {
+        (None, _) => return None,
+        (Some(_), None) => return Some("it has a course, and its scene does not move".into()),
+        (Some(course), Some(_)) => course,
+    };
+    let frames = row.moved.as_ref().map_or(0, |moved| moved.frames);
+    let missed = row.causes.map_or(0, |causes| causes.search.missed);
+    let Course { builds, dangerous, dangerous_rightly, missing_builds, .. } = course;
+    let Course { first_wrong, wrong_frames, worst_missed, never, latest, .. } = course;
+    let at_most = [
+        ("builds", builds, frames),
+        ("dangerous", dangerous, builds),
+        ("missing_builds", missing_builds, builds),
+        ("dangerous_rightly", dangerous_rightly, dangerous.min(missing_builds)),
+        ("wrong_frames", wrong_frames, frames),
+        ("first_wrong", first_wrong.unwrap_or(0), frames),
+        ("latest", latest, frames),
+        ("never", never, missed),
+        ("worst_missed", worst_missed, missed),
+    ];
+    if let Some((name, value, most)) = at_most.into_iter().find(|(_, value, most)| value > most) {
+        return Some(format!("its course has {name} {value}, and there can be {most} at most"));
+    }
+    let all = worst_missed.saturating_mul(wrong_frames);
+    let none = [wrong_frames == 0, worst_missed == 0, first_wrong.is_none(), missed == 0];
+    if missed > all || none != [none[0]; 4] {
+        return Some(format!(
+            "its search missed {missed}, at most {worst_missed} in each of {wrong_frames} frames"
+        ));
+    }
+    let late = course.deepest_late;
+    (!(late >= 0.0 && late.is_finite())).then(|| format!("its deepest_late is {late}"))
 }
 
 fn is_hex(text: &str) -> bool {

@@ -229,10 +229,12 @@ mod tests {
     use std::collections::BTreeSet;
 
     use super::*;
+    use crate::moving::Moved;
     use crate::oracle::{Causes, Errors};
     use crate::record::id::CellId;
     use crate::record::ledger::{self, Entry, Process};
     use crate::record::outcome::{Outcome, Pass};
+    use crate::record::row::Course;
 
     /// A row with something in every field.
     fn full() -> Row {
@@ -248,7 +250,10 @@ mod tests {
             role: Role::Twin("nbs".into()),
             outcome: Outcome::Wrong,
             errors: Some(Errors { missed: 3, ..Errors::default() }),
-            causes: Some(Causes::default()),
+            causes: Some(Causes {
+                search: Errors { missed: 3, ..Errors::default() },
+                ..Causes::default()
+            }),
             time_ns: Some(7),
             calls: Some(2),
             elapsed_ns: Some(15),
@@ -259,6 +264,17 @@ mod tests {
             rounds_ns: vec![1, 2],
             alone_ns: Some(1),
             processor: Some(1),
+            building_ns: Some(1),
+            median_step_ns: Some(6),
+            worst_step_ns: Some(8),
+            course: Some(Course {
+                builds: 2,
+                first_wrong: Some(1),
+                wrong_frames: 1,
+                worst_missed: 3,
+                ..Course::default()
+            }),
+            moved: Some(Moved { frames: 2, uncounted: Some("far".into()), ..Moved::default() }),
             ..Row::default()
         };
         row.id = row.id.with_threads(2).with_contender("streamed-nbs:level=avx2");
@@ -361,9 +377,16 @@ mod tests {
             .collect();
         let mut fields = BTreeSet::from([seal::NAME.to_string()]);
         for (name, value) in line(&full()).as_object().unwrap() {
-            let nested = ["stats", "errors", "causes"].contains(&name.as_str());
-            let inner = value.as_object().filter(|_| nested);
-            fields.extend(inner.into_iter().flatten().map(|(inner, _)| format!("{name}.{inner}")));
+            let nested = ["stats", "errors", "causes", "course", "moved"].contains(&name.as_str());
+            for (inner, value) in value.as_object().filter(|_| nested).into_iter().flatten() {
+                let of_way = value.as_object().filter(|_| inner == "way");
+                match of_way {
+                    Some(way) => {
+                        fields.extend(way.keys().map(|key| format!("{name}.{inner}.{key}")));
+                    }
+                    None => drop(fields.insert(format!("{name}.{inner}"))),
+                }
+            }
             fields.insert(name.clone());
         }
         assert_eq!(documented, fields);

@@ -10,6 +10,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use crate::record::value::AxisValue;
+use crate::track::PARAMETERS;
 
 /// Which cell a row belongs to: what was measured, on what, with what. The order of the fields is
 /// the order of reports.
@@ -67,17 +68,40 @@ pub fn variable(name: &str) -> String {
     name.replace('-', "_")
 }
 
-/// Splits `streamed-nbs:level=avx2` into the name and the parameters; what is not of this form is
-/// a name as a whole.
+/// The parameter of a tracker that is its detector.
+pub const OVER: &str = "over";
+
+/// Splits `streamed-nbs:level=avx2` into the name and the parameters. A tracker,
+/// `verlet(nbs:levels=auto,skin=0.1)`, has its detector among them, as [`OVER`]. What is of neither
+/// form is a name as a whole.
 pub fn split_contender(spec: &str) -> (String, BTreeMap<String, AxisValue>) {
-    let split = |(name, rest): (&str, &str)| {
-        let pieces: Option<Vec<(&str, &str)>> =
-            rest.split(',').map(|piece| piece.split_once('=')).collect();
-        let value =
-            |(name, value): (&str, &str)| (name.trim().to_string(), AxisValue::parse(value.trim()));
-        Some((name.to_string(), pieces?.into_iter().map(value).collect()))
+    let tracker = spec.strip_suffix(')').and_then(|spec| spec.split_once('('));
+    let split = match tracker {
+        Some((name, inner)) => {
+            let is_own = |piece: &&str| {
+                let key = piece.split('=').next().unwrap_or_default();
+                PARAMETERS.contains(&key.trim())
+            };
+            let (own, over): (Vec<&str>, Vec<&str>) = inner.split(',').partition(is_own);
+            valued(own).map(|mut params| {
+                params.insert(OVER.into(), AxisValue::Text(over.join(",").trim().into()));
+                (name, params)
+            })
+        }
+        None => {
+            spec.split_once(':').and_then(|(name, rest)| Some((name, valued(rest.split(','))?)))
+        }
     };
-    spec.split_once(':').and_then(split).unwrap_or_else(|| (spec.to_string(), BTreeMap::new()))
+    split.map_or_else(|| (spec.into(), BTreeMap::new()), |(name, params)| (name.into(), params))
+}
+
+/// Parameters from texts of the form `name=value`.
+fn valued<'a>(pieces: impl IntoIterator<Item = &'a str>) -> Option<BTreeMap<String, AxisValue>> {
+    let value = |piece: &str| {
+        let (name, value) = piece.split_once('=')?;
+        Some((name.trim().to_string(), AxisValue::parse(value.trim())))
+    };
+    pieces.into_iter().map(value).collect()
 }
 
 impl CellId {
@@ -113,15 +137,22 @@ impl CellId {
 
     /// The same without the parameters on these axes.
     pub fn contender_without(&self, axes: &[&str]) -> String {
-        let mut spec = self.detector.clone();
-        let kept = self.detector_params.iter().filter(|(name, _)| {
+        let is_kept = |name: &str| {
             let plain = variable(name);
             !axes.iter().any(|axis| *axis == plain || *axis == prefixed(&plain))
-        });
-        for (k, (name, value)) in kept.enumerate() {
-            spec += &format!("{}{name}={value}", if k == 0 { ':' } else { ',' });
+        };
+        let kept = self.detector_params.iter().filter(|(name, _)| is_kept(name));
+        let over = self.detector_params.get(OVER);
+        let over = over.filter(|_| is_kept(OVER)).map(|over| over.to_string());
+        let others = kept.filter(|(name, _)| *name != OVER);
+        let others = others.map(|(name, value)| format!("{name}={value}"));
+        let pieces: Vec<String> = over.into_iter().chain(others).collect();
+        let (name, pieces, empty) = (&self.detector, pieces.join(","), pieces.is_empty());
+        match self.detector_params.contains_key(OVER) {
+            _ if empty => name.clone(),
+            true => format!("{name}({pieces})"),
+            false => format!("{name}:{pieces}"),
         }
-        spec
     }
 
     /// The value on an axis, if there is one.
@@ -303,6 +334,32 @@ mod tests {
         );
         assert_eq!(id().with_contender("nbs").contender(), "nbs");
         assert_eq!(id().contender_without(&["level"]), "streamed-nbs:skin=0.3");
+    }
+
+    #[test]
+    fn a_tracker_has_its_detector_and_its_rule_as_axes() {
+        let text = "verlet(nbs:levels=auto,form=a,rule=every-5,skin=1e-3)";
+        let tracker = id().with_contender(text);
+        let axis = |name: &str| tracker.axis(name).map(|value| value.to_string());
+        for (name, value) in [
+            ("detector", "verlet"),
+            ("over", "nbs:levels=auto,form=a"),
+            ("rule", "every-5"),
+            ("skin", "0.001"),
+        ] {
+            assert_eq!(axis(name).as_deref(), Some(value), "{name}");
+        }
+        let of = |axes: &[&str]| tracker.contender_without(axes);
+        assert_eq!(of(&[]), "verlet(nbs:levels=auto,form=a,rule=every-5,skin=0.001)");
+        assert_eq!(of(&["skin"]), "verlet(nbs:levels=auto,form=a,rule=every-5)");
+        assert_eq!(of(&["over", "rule"]), "verlet(skin=0.001)");
+        assert_eq!(of(&["over", "rule", "skin"]), "verlet");
+        // The text of a tracker is the normal form of its row.
+        for text in ["every-step(nbs)", "verlet(streamed-nbs:form=dense,level=portable,skin=1e-7)"]
+        {
+            let normal = crate::track::parse(text).unwrap().to_string();
+            assert_eq!(id().with_contender(&normal).contender(), normal);
+        }
     }
 
     #[test]

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use crate::moving::Moved;
 use crate::oracle::{Causes, Errors};
 pub use crate::record::file::{FILE, Record, SCHEMA, WriteError, Writer, read};
 use crate::record::id::CellId;
@@ -34,6 +35,15 @@ pub struct Row {
     pub first_ns: Option<u64>,
     /// Detections in this sample.
     pub calls: Option<u64>,
+    /// Of a scene in motion: of `time_ns`, what building lists took.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub building_ns: Option<u64>,
+    /// The same as `time_ns` of the frame in the middle of all.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub median_step_ns: Option<u64>,
+    /// The same of the slowest frame.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub worst_step_ns: Option<u64>,
     /// Nanoseconds of the whole sample.
     pub elapsed_ns: Option<u64>,
     /// Where builds are timed side by side: nanoseconds per detection of each round.
@@ -70,8 +80,14 @@ pub struct Row {
     /// The same by cause.
     #[serde(default)]
     pub causes: Option<Causes>,
+    /// Of a scene in motion: what became of its frames.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub course: Option<Course>,
     /// The scene as realised.
     pub stats: Stats,
+    /// How it moves, if it does.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub moved: Option<Moved>,
     /// What answered: an entry of the ledger. None where nothing was started, and in records of
     /// older versions.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -79,6 +95,34 @@ pub struct Row {
     /// When it was timed: an entry of the ledger. None where nothing is known of the load.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub span: Option<String>,
+}
+
+/// What a tracker did in the frames of a scene in motion, and what it missed: see
+/// [`Builds`](crate::moving::Builds) and [`Late`](crate::moving::Late).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Course {
+    /// Frames in which the detector was asked.
+    pub builds: u64,
+    /// Of those, how many LAMMPS would call dangerous.
+    pub dangerous: u64,
+    /// Of those, how many came after a missed contact.
+    pub dangerous_rightly: u64,
+    /// Builds after a missed contact, dangerous or not.
+    pub missing_builds: u64,
+    /// Pairs looked at, in all frames.
+    pub listed: u64,
+    /// The first frame with a missed contact.
+    pub first_wrong: Option<u64>,
+    /// Frames with one.
+    pub wrong_frames: u64,
+    /// The most in one frame.
+    pub worst_missed: u64,
+    /// Contacts that were never reported.
+    pub never: u64,
+    /// Of those that were reported too late, the most frames.
+    pub latest: u64,
+    /// Of those, the largest overlap when they were first reported, in mean radii of the couple.
+    pub deepest_late: f64,
 }
 
 /// What makes a row the same measurement as another: they are repetitions of one another.
@@ -93,6 +137,14 @@ pub struct Measurement {
 }
 
 impl Row {
+    /// Pairs that touch in exact arithmetic: of a scene in motion in all frames together.
+    pub fn true_contacts(&self) -> f64 {
+        match &self.moved {
+            Some(moved) => moved.contacts as f64,
+            None => self.stats.true_contacts(self.id.n),
+        }
+    }
+
     /// What this row measures.
     pub fn measurement(&self) -> Measurement {
         Measurement { id: self.id.clone(), pass: self.pass, block: self.block }

@@ -79,22 +79,48 @@ pub struct Usage {
 /// Does `work` and counts what it takes from the heap, in all threads. `None` if [`Counting`] is
 /// not the global allocator.
 pub fn measure<R>(work: impl FnOnce() -> R) -> (R, Option<Usage>) {
-    let guard = MEASURING.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-    LIVE.store(0, Relaxed);
-    PEAK.store(0, Relaxed);
-    ALLOCATIONS.store(0, Relaxed);
-    ON.store(true, Relaxed);
-    // One allocation of our own shows whether anybody counts.
-    drop(std::hint::black_box(Box::new(0u8)));
-    let listening = ALLOCATIONS.swap(0, Relaxed) > 0;
-    PEAK.store(0, Relaxed);
-    let result = work();
-    ON.store(false, Relaxed);
-    let usage = Usage {
-        peak_bytes: PEAK.load(Relaxed).max(0) as u64,
-        live_bytes: LIVE.load(Relaxed).max(0) as u64,
-        allocations: ALLOCATIONS.load(Relaxed),
-    };
-    drop(guard);
-    (result, listening.then_some(usage))
+    let meter = Meter::start();
+    let result = meter.during(work);
+    (result, meter.end())
+}
+
+/// Counts what several pieces of work take from the heap together. What is held between them is
+/// held on; what is allocated between them does not count. There is one at a time: others wait.
+pub struct Meter {
+    _guard: std::sync::MutexGuard<'static, ()>,
+    listening: bool,
+}
+
+impl Meter {
+    /// Nothing is held yet.
+    pub fn start() -> Meter {
+        let guard = MEASURING.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        ALLOCATIONS.store(0, Relaxed);
+        ON.store(true, Relaxed);
+        // One allocation of our own shows whether anybody counts.
+        drop(std::hint::black_box(Box::new(0u8)));
+        ON.store(false, Relaxed);
+        let listening = ALLOCATIONS.swap(0, Relaxed) > 0;
+        LIVE.store(0, Relaxed);
+        PEAK.store(0, Relaxed);
+        Meter { _guard: guard, listening }
+    }
+
+    /// Does `work`, and counts.
+    pub fn during<R>(&self, work: impl FnOnce() -> R) -> R {
+        ON.store(true, Relaxed);
+        let result = work();
+        ON.store(false, Relaxed);
+        result
+    }
+
+    /// What all of it took; `None` if [`Counting`] is not the global allocator.
+    pub fn end(self) -> Option<Usage> {
+        let usage = Usage {
+            peak_bytes: PEAK.load(Relaxed).max(0) as u64,
+            live_bytes: LIVE.load(Relaxed).max(0) as u64,
+            allocations: ALLOCATIONS.load(Relaxed),
+        };
+        self.listening.then_some(usage)
+    }
 }

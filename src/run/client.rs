@@ -60,6 +60,8 @@ pub struct Client {
     memory_limit: u64,
     /// Samples since the last scene was loaded.
     samples: u32,
+    /// Frames of the trajectory loaded last.
+    frames: usize,
     /// How long the last answer took.
     waited: Duration,
     /// What the runner said in its first line.
@@ -133,6 +135,7 @@ impl Client {
             time_limit: start.time_limit,
             memory_limit: start.memory_limit,
             samples: 0,
+            frames: 1,
             waited: Duration::ZERO,
             hello: Hello::default(),
         })
@@ -210,13 +213,17 @@ impl Client {
         };
         let waited_ns = self.waited.as_nanos() as u64;
         let memory_limit = Some(self.memory_limit).filter(|_| cfg!(target_os = "linux"));
-        possible::check(reply, &Asked { min_ns, waited_ns, memory_limit }).err()
+        possible::check(reply, &Asked { min_ns, frames: self.frames, waited_ns, memory_limit })
+            .err()
     }
 
     /// Sends a message and waits for the answer, whatever it says.
     pub fn exchange(&mut self, message: &Value) -> Result<Reply, Failure> {
         match message["request"].as_str() {
-            Some("load") => self.samples = 0,
+            Some("load") => {
+                self.samples = 0;
+                self.frames = message["frames"].as_array().map_or(1, Vec::len);
+            }
             Some("sample") => self.samples += 1,
             _ => {}
         }
@@ -234,13 +241,19 @@ impl Client {
         reply
     }
 
-    /// The contacts of the last frame, by way of a file; in a box of so many dimensions, if there
-    /// is one. `Err` says why they cannot be had.
-    pub fn pairs(&mut self, path: &Path, box_dim: Option<usize>) -> Result<Contacts, String> {
+    /// The contacts of a frame, or of the last, by way of a file; in a box of so many dimensions,
+    /// if there is one. `Err` says why they cannot be had.
+    pub fn pairs(
+        &mut self,
+        path: &Path,
+        box_dim: Option<usize>,
+        frame: Option<u64>,
+    ) -> Result<Contacts, String> {
         // What another runner wrote there is not this one's answer; mostly there is nothing to
         // remove.
         let _ = std::fs::remove_file(path);
-        self.ask(&Request::Pairs { path: path.to_path_buf() }).map_err(|failure| failure.reason)?;
+        self.ask(&Request::Pairs { path: path.to_path_buf(), frame })
+            .map_err(|failure| failure.reason)?;
         exchange::read_contacts(path, box_dim).map_err(|e| e.to_string())
     }
 

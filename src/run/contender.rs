@@ -5,7 +5,6 @@ use std::path::Path;
 use std::time::Duration;
 
 use crate::contact::Arithmetic;
-use crate::detect::table::{self, DetectorSpec};
 use crate::experiment::Experiment;
 use crate::experiment::plan::{Entrant, Program, THREADS};
 use crate::record::id::{CellId, split_contender};
@@ -15,6 +14,7 @@ use crate::run::client::{Client, Failure, Start};
 use crate::scene::AnyScene;
 use crate::scene::spec::Spec;
 use crate::scene::stats::Stats;
+use crate::track::{self, TrackerSpec};
 
 /// Address space for a runner beside a detector's arrays and the scene: the program, its stacks,
 /// its libraries.
@@ -30,6 +30,8 @@ pub(crate) struct Contender {
     /// `None`: the runner says.
     pub arithmetic: Option<Arithmetic>,
     pub role: Role,
+    /// A tracker whose rule lets contacts be missed.
+    pub may_miss: bool,
     pub threads: usize,
     pub start: Start,
     /// How a copy with one thread is started, where the ceiling of several threads is to be
@@ -137,9 +139,11 @@ fn asked(experiment: &Experiment, path: &Path, beside: bool) -> Vec<Contender> {
     let contender = |Entrant { name, program, threads }: Entrant<'_>| match program {
         Program::Own(arithmetic) => {
             // The names were checked when the experiment was read: what is left is a peer that
-            // was not compiled.
-            let (role, missing) = match table::parse(name) {
-                Ok(DetectorSpec { entry, .. }) => (Role::from(entry.role), None),
+            // was not compiled. A tracker is what its detector is.
+            let spec = track::parse(name);
+            let may_miss = spec.as_ref().is_ok_and(TrackerSpec::may_miss);
+            let (role, missing) = match spec {
+                Ok(spec) => (Role::from(spec.detector().entry.role), None),
                 Err(reason) => (Role::Peer, Some(reason.to_string())),
             };
             let with = |threads| start(own(path, name, arithmetic, threads, limit), "", threads);
@@ -147,6 +151,7 @@ fn asked(experiment: &Experiment, path: &Path, beside: bool) -> Vec<Contender> {
                 name: name.into(),
                 arithmetic: Some(arithmetic),
                 role,
+                may_miss,
                 threads,
                 start: with(threads),
                 copy: (experiment.ceiling && threads > 1).then(|| with(1)),
@@ -165,6 +170,7 @@ fn asked(experiment: &Experiment, path: &Path, beside: bool) -> Vec<Contender> {
                 name: name.into(),
                 arithmetic: None,
                 role: Role::Runner,
+                may_miss: false,
                 threads,
                 start: with(threads),
                 copy: copied.then(|| with(1)),
@@ -179,8 +185,8 @@ fn asked(experiment: &Experiment, path: &Path, beside: bool) -> Vec<Contender> {
 
 /// A contender's name with something behind the detector's: `nbs-twin`.
 fn suffixed(spec: &str, suffix: &str) -> String {
-    let (name, params) = spec.split_once(':').map_or((spec, None), |(name, p)| (name, Some(p)));
-    params.map_or(format!("{name}{suffix}"), |params| format!("{name}{suffix}:{params}"))
+    let (name, rest) = spec.split_at(spec.find([':', '(']).unwrap_or(spec.len()));
+    format!("{name}{suffix}{rest}")
 }
 
 impl Contender {

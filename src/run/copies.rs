@@ -91,7 +91,7 @@ impl Stage<'_> {
             // The first wrong answer speaks for all.
             if row.outcome.is_good() {
                 (row.contacts, row.digest) = (Some(answer.contacts), Some(answer.digest));
-                self.judge(&mut row, running, copy, judge)?;
+                self.judge(&mut row, running, copy, judge, &answer.steps)?;
             }
         }
         self.write(&row)?;

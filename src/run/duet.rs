@@ -80,10 +80,10 @@ impl Stage<'_> {
         for Player { running, mut client, mut row, turns } in players {
             let processor = running.processor(block);
             let Some(sum) = total(&turns) else { continue };
-            running.fill(&mut row, sum, processor);
+            running.fill(&mut row, &sum, processor);
             row.process = self.origins.process(&running.contender, &client)?;
             row.rounds_ns = turns.iter().map(|turn| turn.time_ns).collect();
-            self.judge(&mut row, &running, &mut client, judge)?;
+            self.judge(&mut row, &running, &mut client, judge, &sum.steps)?;
             let others = others(&turns);
             if others > 0 && row.outcome != Outcome::Wrong {
                 row.outcome = Outcome::Wrong;
@@ -130,10 +130,13 @@ fn total(turns: &[Sample]) -> Option<Sample> {
     let elapsed_ns: u64 = turns.iter().map(|turn| turn.elapsed_ns).sum();
     Some(Sample {
         time_ns: (elapsed_ns + calls / 2) / calls.max(1),
+        step_ns: last.step_ns.clone(),
+        building_ns: last.building_ns,
         first_ns: first.first_ns,
         calls,
         elapsed_ns,
         contacts: last.contacts,
         digest: last.digest.clone(),
+        steps: last.steps.clone(),
     })
 }

@@ -2,18 +2,23 @@
 //! else.
 
 mod in_box;
+mod moving;
 mod open;
 
 use std::collections::HashMap;
 
 use in_box::InBox;
+use moving::Moving;
+pub(crate) use moving::{Course, Said};
 use open::Open;
 
 use crate::contact::Arithmetic;
+use crate::moving::Moved;
 use crate::oracle::{Causes, Errors, NoTruth};
 use crate::periodic::Contacts;
 use crate::record::row::Outcome;
 use crate::run::protocol;
+use crate::run::trajectory::Trajectory;
 use crate::scene::Given;
 use crate::sink::Digest;
 
@@ -21,13 +26,14 @@ use crate::sink::Digest;
 pub(crate) struct Judge<'a> {
     of: Of<'a>,
     /// Answers judged before, by who gave them: timed samples repeat the same answer.
-    seen: HashMap<(Arithmetic, String, u64, u64), Judged>,
+    seen: HashMap<(Arithmetic, String, u64, u64), (Judged, Course)>,
 }
 
 /// What is known of a scene.
 enum Of<'a> {
     Open(Open<'a>),
     InBox(InBox),
+    Moving(Moving),
 }
 
 /// Why nothing is known of a scene in an arithmetic.
@@ -66,6 +72,12 @@ pub(crate) struct Judged {
 impl Judged {
     fn without_pairs(outcome: Outcome, reason: String) -> Judged {
         Judged { outcome, reason, errors: None, causes: None }
+    }
+
+    /// Nobody knows the right one.
+    fn unknown(nothing: Nothing) -> Judged {
+        let reason = format!("the answer cannot be checked: {}", nothing.reason);
+        Judged::without_pairs(Outcome::Refused, reason)
     }
 
     /// The answer is not the right one, and nobody can see in what.
@@ -110,6 +122,15 @@ impl<'a> Judge<'a> {
         Ok(Judge { of, seen: HashMap::new() })
     }
 
+    /// A judge of all frames of a trajectory in open space, and what the motion is like.
+    pub fn moving(
+        trajectory: Trajectory,
+        memory_limit: u64,
+    ) -> anyhow::Result<(Judge<'static>, Moved)> {
+        let (moving, moved) = Moving::new(trajectory, memory_limit)?;
+        Ok((Judge { of: Of::Moving(moving), seen: HashMap::new() }, moved))
+    }
+
     /// Judges the answer of a contender in its arithmetic: the number and the digest of its pairs.
     /// `fetch` asks for the pairs; it is not called for an answer that is right or was judged
     /// before.
@@ -125,7 +146,7 @@ impl<'a> Judge<'a> {
             Err(reason) => return Ok(Judged::without_pairs(Outcome::Wrong, reason)),
         };
         let key = (arithmetic, contender.to_string(), said.contacts, said.sum);
-        if let Some(judged) = self.seen.get(&key) {
+        if let Some((judged, _)) = self.seen.get(&key) {
             return Ok(judged.clone());
         }
         let fetch = || {
@@ -136,15 +157,43 @@ impl<'a> Judge<'a> {
         let judged = match &mut self.of {
             Of::Open(open) => open.judge(arithmetic, said, fetch),
             Of::InBox(boxed) => boxed.judge(arithmetic, said, fetch),
+            Of::Moving(_) => Ok(Ok(Judged::unseen("it answers one frame of several"))),
         }?;
-        let judged = judged.unwrap_or_else(|Nothing { reason, .. }| {
-            let reason = format!("the answer cannot be checked: {reason}");
-            Judged::without_pairs(Outcome::Refused, reason)
-        });
+        let judged = judged.unwrap_or_else(Judged::unknown);
         if judged.errors.is_some() {
-            self.seen.insert(key, judged.clone());
+            self.seen.insert(key, (judged.clone(), Course::default()));
         }
         Ok(judged)
+    }
+
+    /// Judges the answers of a contender to all frames of a trajectory, and the digest of all of
+    /// them. `fetch` asks for the pairs of a frame, as in [`Judge::judge`].
+    pub fn judge_course(
+        &mut self,
+        contender: &str,
+        said: Said<'_>,
+        whole: Digest,
+        fetch: impl FnMut(u64) -> Result<Contacts, String>,
+    ) -> anyhow::Result<(Judged, Course)> {
+        let key = (said.arithmetic, contender.to_string(), whole.contacts, whole.sum);
+        if let Some(known) = self.seen.get(&key) {
+            return Ok(known.clone());
+        }
+        let Of::Moving(moving) = &mut self.of else {
+            let words = "it answers several frames, and there is one";
+            return Ok((Judged::unseen(words), Course::default()));
+        };
+        let found = moving.judge(said, fetch)?;
+        let found = found.unwrap_or_else(|nothing| (Judged::unknown(nothing), Course::default()));
+        if found.0.errors.is_some() {
+            self.seen.insert(key, found.clone());
+        }
+        Ok(found)
+    }
+
+    /// Are there frames to be judged?
+    pub fn is_moving(&self) -> bool {
+        matches!(self.of, Of::Moving(_))
     }
 
     /// How many contacts there are by the arithmetic's own contact test. `None` where no truth is
@@ -168,6 +217,7 @@ impl<'a> Judge<'a> {
         match &mut self.of {
             Of::Open(open) => open.truth(arithmetic),
             Of::InBox(boxed) => boxed.truth(arithmetic),
+            Of::Moving(moving) => moving.truth(arithmetic),
         }
     }
 }

@@ -23,3 +23,4 @@ pub mod searcher;
 pub mod server;
 pub mod stage;
 pub mod trajectory;
+mod walk;

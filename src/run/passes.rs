@@ -9,16 +9,17 @@ use std::rc::Rc;
 
 use crate::contact::Arithmetic;
 use crate::record::role::Role;
-use crate::record::row::{Outcome, Pass, Row};
+use crate::record::row::{self, Outcome, Pass, Row};
 use crate::run::client::{Client, Failure, Hello, Start};
 use crate::run::contender::Contender;
 use crate::run::interrupt;
-use crate::run::judge::Judge;
+use crate::run::judge::{self, Judge, Said};
 use crate::run::plan::describe;
 use crate::run::processors;
-use crate::run::protocol::{Reply, Request};
+use crate::run::protocol::{self, Reply, Request, Steps};
 use crate::run::stage::Stage;
 use crate::run::trajectory::Trajectory;
+use crate::sink::{Digest, splitmix64};
 
 /// Samples are at least this long, or the clock would be measured.
 pub(crate) const SHORTEST_SAMPLE_NS: u64 = 2_000_000;
@@ -48,14 +49,21 @@ impl Running {
     }
 
     /// What a sample says, on this processor.
-    pub fn fill(&self, row: &mut Row, sample: Sample, processor: Option<usize>) {
+    pub fn fill(&self, row: &mut Row, sample: &Sample, processor: Option<usize>) {
         row.time_ns = Some(sample.time_ns);
         // With a history the process has detected before.
         row.first_ns = sample.first_ns.filter(|_| self.loads.len() == 1);
         row.calls = Some(sample.calls);
         row.elapsed_ns = Some(sample.elapsed_ns);
         row.contacts = Some(sample.contacts);
-        row.digest = Some(sample.digest);
+        row.digest = Some(sample.digest.clone());
+        if !sample.steps.is_empty() {
+            let mut each = sample.step_ns.clone();
+            each.sort_unstable();
+            row.median_step_ns = each.get(each.len() / 2).copied();
+            row.worst_step_ns = each.last().copied();
+            row.building_ns = sample.building_ns;
+        }
         row.processor = processor.map(|processor| processor as u32);
     }
 }
@@ -97,19 +105,58 @@ pub(crate) fn fresh(
 /// A timed sample.
 pub(crate) struct Sample {
     pub time_ns: u64,
+    pub step_ns: Vec<u64>,
+    pub building_ns: Option<u64>,
     pub first_ns: Option<u64>,
     pub calls: u64,
     pub elapsed_ns: u64,
     pub contacts: u64,
     pub digest: String,
+    /// Of a trajectory of several frames, or of a tracker: the answers of which contacts and digest
+    /// are made.
+    pub steps: Box<Steps>,
+}
+
+/// The contacts of all frames together, and a digest of their digests, in order: a chain as that of
+/// [`scene_hash`](crate::scene::stats::scene_hash), over their sums. Those of the last detection,
+/// where frames are not told apart.
+fn whole(steps: &Steps, last: (u64, String)) -> (u64, String) {
+    if steps.is_empty() {
+        return last;
+    }
+    let sums = steps.answers().map(|answer| answer.map_or(0, |digest| digest.sum));
+    let chain = sums.fold(0, |hash, sum| splitmix64(hash ^ sum));
+    let contacts = steps.contacts.iter().fold(0u64, |all, &contacts| all.saturating_add(contacts));
+    (contacts, format!("{chain:#018x}"))
 }
 
 /// Asks for a sample of at least so many nanoseconds.
 pub(crate) fn sample(client: &mut Client, min_ns: u64) -> Result<Sample, Failure> {
     let request = Request::Sample { min_ns };
     match client.ask(&request)? {
-        Reply::Sample { time_ns, first_ns, calls, elapsed_ns, contacts, digest, .. } => {
-            Ok(Sample { time_ns, first_ns, calls, elapsed_ns, contacts, digest })
+        Reply::Sample {
+            time_ns,
+            calls,
+            elapsed_ns,
+            step_ns,
+            building_ns,
+            first_ns,
+            contacts,
+            digest,
+            steps,
+        } => {
+            let (contacts, digest) = whole(&steps, (contacts, digest));
+            Ok(Sample {
+                time_ns,
+                step_ns,
+                building_ns,
+                first_ns,
+                calls,
+                elapsed_ns,
+                contacts,
+                digest,
+                steps,
+            })
         }
         other => Err(astray(&request, &other)),
     }
@@ -172,11 +219,14 @@ impl Stage<'_> {
             if self.index.has(&row) {
                 continue;
             }
-            if let Err(failure) = measure(&mut client, &mut row) {
-                self.fail(&running.blank, failure, pass.rest())?;
-                return Ok(None);
-            }
-            self.judge(&mut row, &running, &mut client, judge)?;
+            let steps = match measure(&mut client, &mut row) {
+                Ok(steps) => steps,
+                Err(failure) => {
+                    self.fail(&running.blank, failure, pass.rest())?;
+                    return Ok(None);
+                }
+            };
+            self.judge(&mut row, &running, &mut client, judge, &steps)?;
             self.write(&row)?;
         }
         running.copy = self.copy(&running)?;
@@ -202,19 +252,21 @@ impl Stage<'_> {
             }
         };
         row.process = self.origins.process(&running.contender, &client)?;
-        running.fill(&mut row, sample, processor);
-        self.judge(&mut row, running, &mut client, judge)?;
+        running.fill(&mut row, &sample, processor);
+        self.judge(&mut row, running, &mut client, judge, &sample.steps)?;
         self.write(&row)?;
         Ok(true)
     }
 
-    /// Judges a row's answer before the row is written.
+    /// Judges a row's answer before the row is written; of a trajectory of several frames, the
+    /// answers to all of them.
     pub fn judge(
         &mut self,
         row: &mut Row,
         running: &Running,
         client: &mut Client,
         judge: &mut Judge<'_>,
+        steps: &Steps,
     ) -> anyhow::Result<()> {
         if running.contender.role == Role::Nothing {
             row.outcome = Outcome::Control;
@@ -226,9 +278,20 @@ impl Stage<'_> {
         };
         let Running { contender, arithmetic, .. } = running;
         let path = self.folder.join("pairs.npy");
-        let box_dim = running.loads.last().and_then(Trajectory::box_dim);
-        let fetch = || client.pairs(&path, box_dim);
-        let judged = judge.judge(&contender.name, *arithmetic, (contacts, digest), fetch)?;
+        let judged = if judge.is_moving() {
+            let sum = protocol::digest(contacts, digest).map_or(0, |digest| digest.sum);
+            let (arithmetic, may_miss) = (*arithmetic, contender.may_miss);
+            let said = Said { arithmetic, may_miss, steps };
+            let fetch = |frame: u64| client.pairs(&path, None, Some(frame));
+            let whole = Digest { contacts, sum };
+            let (judged, course) = judge.judge_course(&contender.name, said, whole, fetch)?;
+            row.course = judged.errors.is_some().then(|| recorded(&course, steps));
+            judged
+        } else {
+            let box_dim = running.loads.last().and_then(Trajectory::box_dim);
+            let fetch = || client.pairs(&path, box_dim, None);
+            judge.judge(&contender.name, *arithmetic, (contacts, digest), fetch)?
+        };
         interrupt::check()?;
         row.outcome = judged.outcome;
         row.reason = judged.reason;
@@ -276,14 +339,34 @@ fn start(contender: &Contender) -> Result<(Client, Arithmetic), Failure> {
     Ok((client, arithmetic))
 }
 
-/// Counts, or measures the memory, as the row's pass says.
-fn measure(client: &mut Client, row: &mut Row) -> Result<(), Failure> {
+/// What a row says of the frames.
+fn recorded(course: &judge::Course, steps: &Steps) -> row::Course {
+    let judge::Course { builds, late } = course;
+    row::Course {
+        builds: builds.built,
+        dangerous: builds.dangerous,
+        dangerous_rightly: builds.rightly,
+        missing_builds: builds.missing,
+        listed: steps.listed.iter().fold(0, |all, &listed| all.saturating_add(listed)),
+        first_wrong: late.first,
+        wrong_frames: late.frames,
+        worst_missed: late.worst,
+        never: late.never,
+        latest: late.latest,
+        deepest_late: late.deepest,
+    }
+}
+
+/// Counts, or measures the memory, as the row's pass says. Gives the answers of all frames, where
+/// they are told apart.
+fn measure(client: &mut Client, row: &mut Row) -> Result<Steps, Failure> {
     let request = if row.pass == Pass::Count { Request::Count } else { Request::Memory };
     match (client.ask(&request)?, row.pass) {
-        (Reply::Count { counts, contacts, digest }, Pass::Count) => {
+        (Reply::Count { counts, contacts, digest, steps }, Pass::Count) => {
             row.counts = counts;
-            row.contacts = Some(contacts);
-            row.digest = Some(digest);
+            let (contacts, digest) = whole(&steps, (contacts, digest));
+            (row.contacts, row.digest) = (Some(contacts), Some(digest));
+            return Ok(*steps);
         }
         (
             Reply::Memory {
@@ -294,6 +377,7 @@ fn measure(client: &mut Client, row: &mut Row) -> Result<(), Failure> {
                 formula_bytes,
                 contacts,
                 digest,
+                steps,
             },
             Pass::Memory,
         ) => {
@@ -302,11 +386,12 @@ fn measure(client: &mut Client, row: &mut Row) -> Result<(), Failure> {
             row.allocations = Some(allocations);
             row.warm_allocations = warm_allocations;
             row.formula_bytes = formula_bytes;
-            row.contacts = Some(contacts);
-            row.digest = Some(digest);
+            let (contacts, digest) = whole(&steps, (contacts, digest));
+            (row.contacts, row.digest) = (Some(contacts), Some(digest));
+            return Ok(*steps);
         }
         (Reply::Unsupported, _) => row.reason = "the runner does not measure this".into(),
         (other, _) => return Err(astray(&request, &other)),
     }
-    Ok(())
+    Ok(Steps::default())
 }

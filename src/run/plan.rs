@@ -68,7 +68,9 @@ pub(crate) fn describe(experiment: &Experiment, spec: &Spec) -> String {
         .iter()
         .filter(|(name, _)| matches!(name.as_str(), "s" | "path" | "case" | "offset" | "diameter"))
         .map(|(name, value)| format!(" {name}={value}"));
-    format!("{}: {} {}D{n}{}", experiment.name, spec.name, spec.dim, swept.collect::<String>())
+    let course = spec.course.iter().map(|course| format!(" {}", course.motion));
+    let swept: String = swept.chain(course).collect();
+    format!("{}: {} {}D{n}{swept}", experiment.name, spec.name, spec.dim)
 }
 
 /// Parameters that leave the range of numbers mostly do so with few particles already; a file is
@@ -81,7 +83,8 @@ fn can_be_made(spec: &Spec) -> anyhow::Result<()> {
         std::fs::File::open(path).with_context(|| format!("cannot read {path}"))?;
         return Ok(());
     }
-    Spec { n: spec.n.min(TRIED), ..spec.clone() }.given().map(drop)
+    let few = Spec { n: spec.n.min(TRIED), ..spec.clone() };
+    few.frames(&few.given()?).map(drop)
 }
 
 /// Is there room for the record in `folder`, and for the scenes among the temporary files?
@@ -111,9 +114,12 @@ pub(crate) fn room(
         "the record and the report",
         "make room, or choose another folder with --out",
     )?;
-    // Coordinates and radii in f64; and the pairs of an answer that is wrong, six per particle.
+    // Coordinates and radii in f64, of each frame; and the pairs of an answer that is wrong, six
+    // per particle.
     let bytes = |(_, spec): &(&Experiment, Spec)| {
-        spec.n.saturating_mul(u64::from(spec.dim) * 8 + 8 + 6 * 8)
+        let frames = spec.course.map_or(1, |course| course.frames);
+        let frame = spec.n.saturating_mul(u64::from(spec.dim) * 8 + 8);
+        frame.saturating_mul(frames).saturating_add(spec.n.saturating_mul(6 * 8))
     };
     let largest = scenes.iter().map(bytes).max().unwrap_or(0);
     disk::ensure(

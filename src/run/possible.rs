@@ -1,7 +1,7 @@
 //! What a reply can say. Numbers that nobody can have measured break the protocol, and what breaks
 //! it is decided here alone: for `run`, `recommend` and `check`.
 
-use crate::run::protocol::Reply;
+use crate::run::protocol::{Reply, Steps};
 
 /// A sample is not longer than a runner is asked for where it has so many detections: one of them
 /// may take less than the clock can tell.
@@ -12,6 +12,8 @@ pub const MOST_CALLS: u64 = 1 << 20;
 pub struct Asked {
     /// Nanoseconds that the sample should last; 0 where the number of detections was found before.
     pub min_ns: u64,
+    /// Frames of the trajectory.
+    pub frames: usize,
     /// Nanoseconds from the request to the reply.
     pub waited_ns: u64,
     /// Bytes of address space that the runner has, where the system holds it to them.
@@ -21,24 +23,66 @@ pub struct Asked {
 /// What is impossible in a reply, in one sentence without an end; `Ok` if nothing is.
 pub fn check(reply: &Reply, asked: &Asked) -> Result<(), String> {
     match reply {
-        Reply::Sample { .. } => sample(reply, asked),
-        Reply::Memory { .. } => memory(reply, asked),
+        Reply::Sample { steps, contacts, digest, .. } => {
+            answers(steps, *contacts, digest, asked)?;
+            sample(reply, asked)
+        }
+        Reply::Memory { steps, contacts, digest, .. } => {
+            answers(steps, *contacts, digest, asked)?;
+            memory(reply, asked)
+        }
+        Reply::Count { steps, contacts, digest, .. } => answers(steps, *contacts, digest, asked),
         _ => Ok(()),
     }
 }
 
+fn answers(steps: &Steps, contacts: u64, digest: &str, asked: &Asked) -> Result<(), String> {
+    let frames = asked.frames;
+    if steps.is_empty() && frames == 1 {
+        return Ok(());
+    }
+    if let Some((name, len)) = steps.unlike(frames) {
+        return Err(format!("{name} has {len} values, and the trajectory {frames} frames"));
+    }
+    if steps.last() != (contacts, digest.to_string()) {
+        return Err("contacts and digest are not those of the last frame".into());
+    }
+    Ok(())
+}
+
 fn sample(reply: &Reply, asked: &Asked) -> Result<(), String> {
-    let &Reply::Sample { time_ns, calls, elapsed_ns, ref step_ns, first_ns, .. } = reply else {
+    let &Reply::Sample { time_ns, calls, ref step_ns, .. } = reply else {
         return Ok(());
     };
-    let Asked { min_ns, waited_ns, .. } = *asked;
-    let first = first_ns.unwrap_or(0);
-    Err(if step_ns.iter().any(|&ns| ns != time_ns) || step_ns.len() > 1 {
+    let frames = asked.frames as u64;
+    Err(if asked.frames > 1 {
+        let all = step_ns.iter().fold(0u64, |all, &ns| all.saturating_add(ns));
+        let same = all.abs_diff(time_ns.saturating_mul(frames)) <= frames;
+        if step_ns.len() == asked.frames && same && calls.is_multiple_of(frames) {
+            return one(reply, asked);
+        }
+        format!(
+            "it says of {frames} frames time_ns {time_ns}, calls {calls} and {} numbers in \
+             step_ns, together {all}: step_ns has one number for each frame, time_ns is their \
+             mean, and every frame is looked at equally often",
+            step_ns.len()
+        )
+    } else if step_ns.iter().any(|&ns| ns != time_ns) || step_ns.len() > 1 {
         format!(
             "it says of one frame time_ns {time_ns} and step_ns {step_ns:?}: step_ns has one \
              number for each frame"
         )
-    } else if calls == 0 {
+    } else {
+        return one(reply, asked);
+    })
+}
+
+/// Of a sample, whatever its frames.
+fn one(reply: &Reply, asked: &Asked) -> Result<(), String> {
+    let &Reply::Sample { time_ns, calls, elapsed_ns, first_ns, .. } = reply else { return Ok(()) };
+    let Asked { min_ns, waited_ns, .. } = *asked;
+    let first = first_ns.unwrap_or(0);
+    Err(if calls == 0 {
         "it says calls 0: a sample has at least one detection".into()
     } else if u128::from(time_ns)
         .saturating_mul(calls.into())
@@ -105,13 +149,28 @@ fn memory(reply: &Reply, asked: &Asked) -> Result<(), String> {
 mod tests {
     use super::*;
 
-    const ASKED: Asked =
-        Asked { min_ns: 2_000_000, waited_ns: 1_000_000_000, memory_limit: Some(1 << 30) };
+    const ASKED: Asked = Asked {
+        min_ns: 2_000_000,
+        frames: 1,
+        waited_ns: 1_000_000_000,
+        memory_limit: Some(1 << 30),
+    };
 
     fn sample(time_ns: u64, calls: u64, elapsed_ns: u64) -> Reply {
         let (contacts, digest) = (0, String::new());
         let (step_ns, first_ns) = (vec![time_ns], Some(1000));
-        Reply::Sample { time_ns, calls, elapsed_ns, step_ns, first_ns, contacts, digest }
+        let (building_ns, steps) = (None, Box::default());
+        Reply::Sample {
+            time_ns,
+            calls,
+            elapsed_ns,
+            step_ns,
+            building_ns,
+            first_ns,
+            contacts,
+            digest,
+            steps,
+        }
     }
 
     fn memory(peak_bytes: u64, live_bytes: u64, allocations: u64) -> Reply {
@@ -123,7 +182,41 @@ mod tests {
             formula_bytes: None,
             contacts: 0,
             digest: String::new(),
+            steps: Box::default(),
         }
+    }
+
+    /// A sample of three frames, of two passes.
+    fn moving(step_ns: &[u64], answered: usize) -> Reply {
+        let mut reply = sample(2_000_000, 6, 12_000_000);
+        if let Reply::Sample { step_ns: each, steps, .. } = &mut reply {
+            *each = step_ns.to_vec();
+            steps.contacts.resize(answered, 0);
+            steps.digests.resize(answered, String::new());
+        }
+        reply
+    }
+
+    #[test]
+    fn every_frame_has_a_time_and_an_answer() {
+        let asked = Asked { frames: 3, ..ASKED };
+        let right = [1_000_000, 4_000_000, 1_000_001];
+        assert_eq!(check(&moving(&right, 3), &asked), Ok(()));
+        for (reply, words) in [
+            (moving(&right, 2), "step_contacts has 2 values, and the trajectory 3 frames"),
+            (moving(&right[1..], 3), "2 numbers in step_ns"),
+            (moving(&[1_000_000; 3], 3), "together 3000000"),
+            (sample(2_000_000, 1, 2_000_000), "step_contacts has 0 values"),
+        ] {
+            let error = check(&reply, &asked).unwrap_err();
+            assert!(error.contains(words), "{error}");
+        }
+        let mut other = moving(&right, 3);
+        if let Reply::Sample { contacts, calls, .. } = &mut other {
+            (*contacts, *calls) = (7, 6);
+        }
+        let error = check(&other, &asked).unwrap_err();
+        assert!(error.contains("not those of the last frame"), "{error}");
     }
 
     #[test]

@@ -10,6 +10,7 @@ use serde_json::Value;
 
 use crate::run::trajectory::Trajectory;
 use crate::sink::Digest;
+use crate::track::Step;
 
 /// The version of the protocol that this program speaks as a runner; a runner names its own in its
 /// first line.
@@ -33,11 +34,14 @@ pub enum Request {
     Count,
     /// Measure the memory of one pass with fresh buffers.
     Memory,
-    /// Reset, go through one pass, and write the pairs of its last frame to a file: npy, `<u4`,
-    /// shape (pairs, 2); in a box `<i4`, shape (pairs, 2 + dim), with the image of the second.
+    /// Reset, go through one pass, and write the pairs of a frame to a file: npy, `<u4`, shape
+    /// (pairs, 2); in a box `<i4`, shape (pairs, 2 + dim), with the image of the second.
     Pairs {
         /// Where to.
         path: PathBuf,
+        /// Which frame, from 0; the last where it is missing.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        frame: Option<u64>,
     },
     /// Leave.
     Quit,
@@ -61,7 +65,7 @@ impl Request {
             let [path] = &frames[..] else {
                 return Err(format!(
                     "the runner speaks protocol 1, which knows scenes at rest; this trajectory has \
-                     {} frames: let the runner speak protocol 2",
+                     {} frames: let the runner speak protocol 3",
                     frames.len()
                 ));
             };
@@ -105,6 +109,9 @@ pub enum Reply {
         /// Nanoseconds per detection, frame by frame; may be missing where there is one frame.
         #[serde(default)]
         step_ns: Vec<u64>,
+        /// Of `time_ns`, for building lists that are kept; may be missing.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        building_ns: Option<u64>,
         /// Nanoseconds of the detection before the clock starts; may be missing.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         first_ns: Option<u64>,
@@ -112,6 +119,9 @@ pub enum Reply {
         contacts: u64,
         /// Fingerprint of the pairs of the last detection.
         digest: String,
+        /// Each frame of a pass.
+        #[serde(flatten)]
+        steps: Box<Steps>,
     },
     /// To `count`.
     Count {
@@ -121,6 +131,9 @@ pub enum Reply {
         contacts: u64,
         /// Fingerprint.
         digest: String,
+        /// Each frame of the pass.
+        #[serde(flatten)]
+        steps: Box<Steps>,
     },
     /// To `memory`.
     Memory {
@@ -140,6 +153,9 @@ pub enum Reply {
         contacts: u64,
         /// Fingerprint.
         digest: String,
+        /// Each frame of the pass.
+        #[serde(flatten)]
+        steps: Box<Steps>,
     },
     /// To `pairs`.
     Pairs {
@@ -163,6 +179,69 @@ pub enum Reply {
         /// One sentence.
         reason: String,
     },
+}
+
+/// What was found in each frame of a pass, and how: lists of as many values. All are empty where
+/// one frame is looked at without a tracker.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Steps {
+    /// Pairs.
+    #[serde(default, rename = "step_contacts", skip_serializing_if = "Vec::is_empty")]
+    pub contacts: Vec<u64>,
+    /// Their fingerprints.
+    #[serde(default, rename = "step_digests", skip_serializing_if = "Vec::is_empty")]
+    pub digests: Vec<String>,
+    /// Was a list built that is kept? May be missing.
+    #[serde(default, rename = "step_built", skip_serializing_if = "Vec::is_empty")]
+    pub built: Vec<bool>,
+    /// Should it have been built before, perhaps? May be missing.
+    #[serde(default, rename = "step_dangerous", skip_serializing_if = "Vec::is_empty")]
+    pub dangerous: Vec<bool>,
+    /// Pairs looked at. May be missing.
+    #[serde(default, rename = "step_listed", skip_serializing_if = "Vec::is_empty")]
+    pub listed: Vec<u64>,
+}
+
+impl Steps {
+    /// One more frame.
+    pub fn push(&mut self, found: Digest, step: &Step) {
+        self.contacts.push(found.contacts);
+        self.digests.push(found.hex());
+        self.built.push(step.built);
+        self.dangerous.push(step.dangerous);
+        self.listed.push(step.listed);
+    }
+
+    /// The answer to the last frame.
+    pub fn last(&self) -> (u64, String) {
+        (
+            self.contacts.last().copied().unwrap_or(0),
+            self.digests.last().cloned().unwrap_or_default(),
+        )
+    }
+
+    /// The answer to each frame, or what is wrong with it.
+    pub fn answers(&self) -> impl Iterator<Item = Result<Digest, String>> + '_ {
+        self.contacts.iter().zip(&self.digests).map(|(&contacts, text)| digest(contacts, text))
+    }
+
+    /// How long a list is that has not one value for each of so many frames, and its name; optional
+    /// ones may be empty.
+    pub fn unlike(&self, frames: usize) -> Option<(&'static str, usize)> {
+        let needed = [("step_contacts", self.contacts.len()), ("step_digests", self.digests.len())];
+        let optional = [
+            ("step_built", self.built.len()),
+            ("step_dangerous", self.dangerous.len()),
+            ("step_listed", self.listed.len()),
+        ];
+        let optional = optional.into_iter().filter(|(_, len)| *len > 0);
+        needed.into_iter().chain(optional).find(|(_, len)| *len != frames)
+    }
+
+    /// Are frames not told apart?
+    pub fn is_empty(&self) -> bool {
+        *self == Steps::default()
+    }
 }
 
 fn exact() -> String {

@@ -2,9 +2,10 @@
 //! requests of [`crate::run::protocol`] on standard input. A detector that crashes, hangs or eats
 //! memory costs its own rows and nothing else.
 //!
-//! It takes scenes at rest, trajectories of one frame. Then a pass is one detection, and a reset
-//! has nothing to drop: the detectors of the table keep buffers, and nothing that was computed from
-//! coordinates.
+//! Of a scene at rest, a trajectory of one frame, a pass of a detector is one detection, and a
+//! reset has nothing to drop: the detectors of the table keep buffers, and nothing that was
+//! computed from coordinates. Trackers, and trajectories of several frames, are looked at in
+//! [`Walk`]s.
 
 use std::collections::BTreeMap;
 use std::hint::black_box;
@@ -14,6 +15,7 @@ use std::time::Instant;
 use crate::contact::Arithmetic;
 use crate::detect::table::DetectorSpec;
 use crate::detect::{Options, Refusal};
+use crate::experiment::detectors;
 use crate::io;
 use crate::periodic::Contacts;
 use crate::record::provenance;
@@ -22,9 +24,16 @@ use crate::run::possible::MOST_CALLS;
 use crate::run::protocol::{Reply, Request, VERSION};
 use crate::run::searcher::{Loaded, Searcher};
 use crate::run::trajectory::Trajectory;
+use crate::run::walk::Walk;
+use crate::track::TrackerSpec;
 
 /// A detector, its scene and its buffers.
 pub struct Server {
+    name: String,
+    /// A detector alone is asked in every frame.
+    tracker: TrackerSpec,
+    /// At work, where this is a tracker or the trajectory has several frames.
+    walk: Option<Walk>,
     spec: DetectorSpec,
     arithmetic: Arithmetic,
     options: Options,
@@ -35,12 +44,20 @@ pub struct Server {
 }
 
 /// Either an answer or the reason why there is none.
-type Answer = Result<Reply, Reply>;
+pub(super) type Answer<T = Reply> = Result<T, Reply>;
 
 impl Server {
-    /// A server without a scene.
-    pub fn new(spec: DetectorSpec, arithmetic: Arithmetic, options: Options) -> Server {
-        Server {
+    /// A server without a scene: of a detector or of a tracker.
+    ///
+    /// # Errors
+    /// It is neither.
+    pub fn new(text: &str, arithmetic: Arithmetic, options: Options) -> anyhow::Result<Server> {
+        let tracker = detectors::parse_tracker(text)?;
+        let spec = tracker.detector().clone();
+        Ok(Server {
+            name: detectors::normal(text),
+            tracker,
+            walk: None,
             searcher: Searcher::new(&spec, options),
             spec,
             arithmetic,
@@ -48,7 +65,7 @@ impl Server {
             scene: None,
             contacts: Contacts::default(),
             calls: None,
-        }
+        })
     }
 
     /// Answers requests until `quit` or the end of the input.
@@ -60,7 +77,7 @@ impl Server {
         };
         say(&Reply::Hello {
             protocol: VERSION,
-            detector: self.spec.to_string(),
+            detector: self.name.clone(),
             arithmetic: self.arithmetic.name().into(),
             version: env!("CARGO_PKG_VERSION").into(),
             build: self.build(),
@@ -95,6 +112,15 @@ impl Server {
     }
 
     fn answer(&mut self, request: Request) -> Answer {
+        if let Some(walk) = &mut self.walk {
+            match &request {
+                Request::Sample { min_ns } => return walk.sample(*min_ns),
+                Request::Count => return walk.count(),
+                Request::Memory => return walk.memory(),
+                Request::Pairs { path, frame } => return walk.write(path, *frame),
+                Request::Load(_) | Request::Quit => {}
+            }
+        }
         match request {
             Request::Load(trajectory) => self.load(&trajectory),
             Request::Sample { min_ns } => self.sample(min_ns),
@@ -106,10 +132,19 @@ impl Server {
                     .map_err(refused)?;
                 let digest = self.contacts.digest();
                 let counts = tally.iter().map(|(op, count)| (op.name().into(), count)).collect();
-                Ok(Reply::Count { counts, contacts: digest.contacts, digest: digest.hex() })
+                Ok(Reply::Count {
+                    counts,
+                    contacts: digest.contacts,
+                    digest: digest.hex(),
+                    steps: Box::default(),
+                })
             }
             Request::Memory => self.memory(),
-            Request::Pairs { path } => {
+            Request::Pairs { frame: Some(frame @ 1..), .. } => {
+                let reason = format!("there is no frame {frame}; a scene at rest has frame 0");
+                Err(Reply::Error { reason })
+            }
+            Request::Pairs { path, .. } => {
                 self.detect()?;
                 match loaded(&self.scene)? {
                     Loaded::Open(_) => io::write::pairs(&path, &self.contacts.plain),
@@ -127,15 +162,14 @@ impl Server {
     }
 
     fn load(&mut self, trajectory: &Trajectory) -> Answer {
-        self.scene = None;
-        self.calls = None;
-        let frames = &trajectory.frames;
-        let [path] = &frames[..] else {
-            let reason = format!(
-                "this runner takes scenes at rest, trajectories of one frame; this one has {}",
-                frames.len()
-            );
-            return Err(Reply::Refused { reason });
+        (self.scene, self.walk, self.calls) = (None, None, None);
+        let path = match &trajectory.frames[..] {
+            [path] if !detectors::is_tracker(&self.name) => path,
+            _ => {
+                let Server { tracker, arithmetic, options, .. } = self;
+                self.walk = Some(Walk::new(tracker, *arithmetic, *options, trajectory)?);
+                return Ok(Reply::Loaded);
+            }
         };
         let given = trajectory.read_frame(path).map_err(error)?;
         let refused = |e: anyhow::Error| Reply::Refused {
@@ -175,9 +209,11 @@ impl Server {
             calls,
             elapsed_ns,
             step_ns: vec![time_ns],
+            building_ns: None,
             first_ns,
             contacts: digest.contacts,
             digest: digest.hex(),
+            steps: Box::default(),
         })
     }
 
@@ -239,6 +275,7 @@ impl Server {
             formula_bytes,
             contacts: digest.contacts,
             digest: digest.hex(),
+            steps: Box::default(),
         })
     }
 }
@@ -261,6 +298,6 @@ fn refused(refusal: Refusal) -> Reply {
     Reply::Refused { reason: refusal.to_string() }
 }
 
-fn error(error: anyhow::Error) -> Reply {
+pub(super) fn error(error: anyhow::Error) -> Reply {
     Reply::Error { reason: format!("{error:#}") }
 }

@@ -8,6 +8,7 @@
 
 use std::collections::BTreeSet;
 use std::path::Path;
+use std::rc::Rc;
 use std::time::Instant;
 
 use rand::SeedableRng;
@@ -18,6 +19,7 @@ use crate::contact::Arithmetic;
 use crate::experiment::Experiment;
 use crate::experiment::plan::FEWEST_BLOCKS;
 use crate::io::Place;
+use crate::moving::Moved;
 use crate::record::done::{Index, TooSlow};
 use crate::record::id::CellId;
 use crate::record::row::{Outcome, Pass, Row, Writer};
@@ -63,6 +65,14 @@ pub(crate) struct Stage<'a> {
     pub progress: &'a mut dyn Progress,
 }
 
+/// A scene as runners load it.
+struct Staged<'a> {
+    given: &'a Given,
+    /// It, and those before it.
+    loads: Rc<[Trajectory]>,
+    moved: Option<Moved>,
+}
+
 impl Stage<'_> {
     pub fn run(&mut self) -> anyhow::Result<()> {
         let blocks = self.experiment.all_blocks(self.job.quick);
@@ -77,8 +87,23 @@ impl Stage<'_> {
             return Ok(());
         }
         self.note(&given);
-        let mut judge = Judge::new(&given, self.experiment.memory_limit_mib << 20)?;
-        let running = self.enter_all(contenders, &given, &mut judge)?;
+        let limit = self.experiment.memory_limit_mib << 20;
+        if let Some((mut frames, count)) = self.spec.frames(&given)? {
+            let moving = Trajectory::write_moving(self.folder, &mut frames, count)?;
+            let (mut judge, moved) = Judge::moving(moving.clone(), limit)?;
+            let scene = Staged { given: &given, loads: [moving].into(), moved: Some(moved) };
+            let running = self.enter_all(contenders, scene, &mut judge)?;
+            return self.blocks(running, blocks, &mut judge);
+        }
+        let mut loads = Vec::new();
+        let history = self.spec.history()?;
+        for (k, given) in history.iter().chain([&given]).enumerate() {
+            let path = self.folder.join(format!("scene-{k}.npy"));
+            loads.push(Trajectory::write_at_rest(&path, given)?);
+        }
+        let mut judge = Judge::new(&given, limit)?;
+        let scene = Staged { given: &given, loads: loads.into(), moved: None };
+        let running = self.enter_all(contenders, scene, &mut judge)?;
         self.blocks(running, blocks, &mut judge)
     }
 
@@ -97,22 +122,16 @@ impl Stage<'_> {
     fn enter_all(
         &mut self,
         contenders: Vec<Contender>,
-        given: &Given,
+        Staged { given, loads, moved }: Staged<'_>,
         judge: &mut Judge<'_>,
     ) -> anyhow::Result<Vec<Running>> {
         let contacts = judge.contacts(Arithmetic::Exact)?.unwrap_or(0);
         let (scene, stats) = (&given.scene, stats::stats(given, contacts));
-        let mut loads = Vec::new();
-        let history = self.spec.history()?;
-        for (k, given) in history.iter().chain([given]).enumerate() {
-            let path = self.folder.join(format!("scene-{k}.npy"));
-            loads.push(Trajectory::write_at_rest(&path, given)?);
-        }
-        let loads = loads.into();
         let mut running = Vec::new();
         for contender in contenders {
             let contender = contender.allowing(scene, contacts);
             let blank = contender.blank(self.experiment, self.spec, Some(scene), &stats);
+            let blank = Row { moved: moved.clone(), ..blank };
             if self.give_up(&blank)? {
                 continue;
             }

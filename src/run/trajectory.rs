@@ -3,10 +3,11 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::ensure;
+use anyhow::{Context, ensure};
 use serde::{Deserialize, Serialize};
 
 use crate::io::exchange;
+use crate::scene::motion::Frames;
 use crate::scene::{Given, Lattice};
 
 /// The files of a trajectory. A runner opens one after the other: it never holds them all.
@@ -75,6 +76,23 @@ impl Trajectory {
             radius,
             in_box: lattice.as_ref().map(|lattice| BoxMessage::new(lattice, scene.dim())),
         })
+    }
+
+    /// Writes the frames of a motion in open space to files in a folder, one after the other.
+    pub fn write_moving(
+        folder: &Path,
+        frames: &mut Frames,
+        count: u64,
+    ) -> anyhow::Result<Trajectory> {
+        let mut all = Vec::new();
+        for k in 0..count {
+            let given = Given::from(frames.at(k)?);
+            let path = folder.join(format!("frame-{k}.npy"));
+            all.push(Trajectory::write_at_rest(&path, &given)?);
+        }
+        let paths = all.iter().flat_map(|frame| frame.frames.clone()).collect();
+        let first = all.into_iter().next().context("a trajectory has at least one frame")?;
+        Ok(Trajectory { frames: paths, ..first })
     }
 
     /// The dimensions of its box, if it has one: then contacts have images.

@@ -9,6 +9,7 @@ use serde_json::Value;
 use crate::nearest::hint;
 pub use crate::scene::generate::table::{GENERATORS, Generator, Kind, Parameter, Preset};
 use crate::scene::generate::{Inputs, file, table};
+use crate::scene::motion::{self, Frames, Motion};
 pub use crate::scene::order::Order;
 use crate::scene::order::{morton, shuffled};
 use crate::scene::{AnyScene, Given};
@@ -28,7 +29,69 @@ pub struct Spec {
     pub order: Order,
     /// All parameters with the values used, defaults included.
     pub params: BTreeMap<String, Value>,
+    /// How its particles move, if they do.
+    pub course: Option<Course>,
 }
+
+/// Frames of a scene in motion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Course {
+    /// How particles move.
+    pub motion: Motion,
+    /// Frames, the scene itself among them.
+    pub frames: u64,
+}
+
+impl Course {
+    /// Takes the parameters `motion`, `speed`, `motion-seed` and `frames` out of those of a scene.
+    /// None if there is no `motion`: then the others are no parameters of its course.
+    pub fn take(params: &mut BTreeMap<String, toml::Value>) -> anyhow::Result<Option<Course>> {
+        let Some(kind) = params.remove("motion") else { return Ok(None) };
+        let bare = |value: &toml::Value| match value {
+            toml::Value::String(text) => text.clone(),
+            other => other.to_string(),
+        };
+        let mut text = bare(&kind);
+        ensure!(
+            !text.contains(':'),
+            "motion = \"{text}\": say speed and motion-seed as parameters of their own"
+        );
+        for (name, key, mark) in [("speed", "speed", ':'), ("motion-seed", "seed", ',')] {
+            if let Some(value) = params.remove(name) {
+                let mark = if text.contains(':') { mark } else { ':' };
+                text += &format!("{mark}{key}={}", bare(&value));
+            }
+        }
+        let motion = text.parse()?;
+        let frames = params.remove("frames").map_or(Ok(FRAMES), |frames| {
+            let whole = frames.as_integer().and_then(|frames| u64::try_from(frames).ok());
+            whole.filter(|frames| (1..=MOST_FRAMES).contains(frames)).with_context(|| {
+                format!("frames = {frames}: it must be a whole number from 1 to {MOST_FRAMES}")
+            })
+        })?;
+        Ok(Some(Course { motion, frames }))
+    }
+
+    /// The parameters, with the values used.
+    fn axes(&self) -> impl Iterator<Item = (String, Value)> {
+        let Motion { kind, speed, seed } = self.motion;
+        let moves = kind != motion::Kind::Rest;
+        let axes: [(&str, Value, bool); 4] = [
+            ("motion", kind.name().into(), true),
+            ("frames", self.frames.into(), true),
+            ("speed", speed.into(), moves),
+            // Of most there is one, and it need not be said.
+            ("motion-seed", seed.into(), moves && seed != motion::SEED),
+        ];
+        let said = axes.into_iter().filter(|(.., said)| *said);
+        said.map(|(name, value, _)| (name.to_string(), value))
+    }
+}
+
+/// Where none are asked for.
+const FRAMES: u64 = 100;
+/// Each is a file while it is measured.
+const MOST_FRAMES: u64 = 100_000;
 
 impl Spec {
     /// Checks the parameters and fills in the defaults.
@@ -43,7 +106,13 @@ impl Spec {
         let params: BTreeMap<String, Value> =
             params.iter().map(|(name, value)| (name.clone(), json(value))).collect();
         let params = table::find(name)?.check(dim, n, &params)?;
-        Ok(Spec { name: name.to_string(), dim, n, seed, order, params })
+        Ok(Spec { name: name.to_string(), dim, n, seed, order, params, course: None })
+    }
+
+    /// All parameters, those of its course among them.
+    pub fn axes(&self) -> BTreeMap<String, Value> {
+        let course = self.course.iter().flat_map(Course::axes);
+        self.params.clone().into_iter().chain(course).collect()
     }
 
     /// A scene as named on the command line:
@@ -119,6 +188,20 @@ impl Spec {
     /// Makes the scene, with the box in which it repeats.
     pub fn given(&self) -> anyhow::Result<Given> {
         Ok(self.ordered(self.by(|generator, inputs| (generator.make)(inputs))?))
+    }
+
+    /// The frames of its course, if it has one, of the scene that [`Spec::given`] made.
+    pub fn frames(&self, given: &Given) -> anyhow::Result<Option<(Frames, u64)>> {
+        let Some(Course { motion, frames }) = self.course else { return Ok(None) };
+        ensure!(
+            given.lattice.is_none(),
+            "the scene '{}' repeats, and scenes in motion have open boundaries; leave out motion, \
+             or the box",
+            self.name
+        );
+        let made = Frames::new(&given.scene, motion)
+            .with_context(|| format!("cannot move the scene '{}'", self.name))?;
+        Ok(Some((made, frames)))
     }
 
     /// Makes the scenes that a detector is to be given before the one of [`Spec::make`], in order:

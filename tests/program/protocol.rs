@@ -45,7 +45,7 @@ fn steady(line: &str) -> Value {
 #[test]
 fn the_transcript_is_what_the_program_says() {
     let folder = tempfile::tempdir().unwrap();
-    for name in ["scene.npy", "far.npy"] {
+    for name in ["scene.npy", "far.npy", "moved.npy"] {
         let rows: Vec<Vec<f64>> = block(name)
             .iter()
             .map(|line| line.split(',').map(|x| x.parse().unwrap()).collect())
@@ -80,9 +80,11 @@ fn the_transcript_is_what_the_program_says() {
     let mut rest = String::new();
     assert_eq!(output.read_line(&mut rest).unwrap(), 0, "after quit it said {rest}");
     assert!(runner.wait().unwrap().success());
-    let mut pairs = crate::common::pairs(&folder.path().join("pairs.npy"));
-    contactbench::sink::normalise(&mut pairs);
-    assert_eq!(pairs, [[0, 1], [1, 2]]);
+    for name in ["pairs.npy", "first.npy"] {
+        let mut pairs = crate::common::pairs(&folder.path().join(name));
+        contactbench::sink::normalise(&mut pairs);
+        assert_eq!(pairs, [[0, 1], [1, 2]], "{name}");
+    }
 }
 
 #[test]

@@ -59,6 +59,7 @@ fn contacts_between_frames_are_counted_and_rest_has_none() {
     assert!(number(&slow, "tunnelled") * 50 < number(&fast, "tunnelled"), "{slow}");
     let rest = json(&[scene, "--motion", "rest", "--frames", "30"]);
     assert_eq!(number(&rest, "at_rest"), 29 * 500);
+    assert_eq!(rest["longest_way"].as_f64(), Some(0.0));
     assert_eq!(["born", "ended", "tunnelled"].map(|key| number(&rest, key)), [0; 3]);
     for tracker in rest["trackers"].as_array().unwrap() {
         let (name, built) = (tracker["tracker"].as_str().unwrap(), number(tracker, "built"));
@@ -116,4 +117,131 @@ fn what_cannot_be_tracked_is_refused_in_a_sentence() {
     let huge = ["track", wide, "--tracker", "verlet(nbs,skin=1e308)", "--tracker", "nbs"];
     let said = good(folder.path(), &huge).stdout;
     assert!(said.contains("ended at frame 0: with a skin of"), "{said}");
+}
+
+/// What `track` says of a tracker, an experiment has in its record: two paths through the program.
+#[test]
+fn experiments_say_of_a_course_what_track_says() {
+    let folder = tempfile::tempdir().unwrap();
+    let experiment = r#"
+name = "steps"
+title = "Steps"
+question = "?"
+reading = "!"
+blocks = 2
+detectors = [
+    "nbs",
+    "verlet(nbs,skin=0.05,rule=every-20)",
+    "verlet(nbs,skin=0.05,rule=lammps-10-1-yes)",
+    "verlet(nbs,skin=0.05,rule=half-skin)",
+]
+
+[[scene]]
+name = "loose"
+n = 400
+fraction = 0.5
+motion = "drift"
+speed = 0.02
+frames = 61
+
+[[claim]]
+name = "half of the skin is safe"
+kind = "equal"
+where = { rule = "half-skin" }
+value = "wrong + never + wrong_frames"
+to = "0"
+
+[[claim]]
+name = "a list is built at most as often as a detector is asked without one"
+kind = "at-most"
+value = "builds"
+to = "frames"
+
+[[figure]]
+name = "skins"
+title = "Skins"
+kind = "speed-error"
+"#;
+    file(folder.path(), "steps.toml", experiment);
+    let run = good(folder.path(), &["run", "steps.toml", "--out", "out"]);
+    assert!(run.stdout.contains("2 claims: 2 hold"), "{}", run.stdout);
+    let rows = std::fs::read_to_string(folder.path().join("out/samples.jsonl")).unwrap();
+    let rows: Vec<Value> = rows.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    let flight = ["loose:dim=2,n=400,fraction=0.5", "--motion", "drift:speed=0.02"];
+    let found = json(&[&flight[..], &["--frames", "61"], &UNSAFE].concat());
+    let [every, lammps, half_skin] = &found["trackers"].as_array().unwrap()[..] else { panic!() };
+    let mut judged = 0;
+    for row in &rows {
+        let (course, rule) = (&row["course"], &row["detector_params"]["rule"]);
+        for key in ["particles", "frames", "contacts", "born", "ended", "tunnelled"] {
+            assert_eq!(row["moved"][key], found[key], "{key}: {row}");
+        }
+        let expected = match (row["detector"].as_str().unwrap(), rule.as_str()) {
+            ("verlet", Some("every-20")) => every,
+            ("verlet", Some("lammps-10-1-yes")) => lammps,
+            ("verlet" | "verlet-twin", Some("half-skin")) => half_skin,
+            _ => {
+                assert_eq!([&course["builds"], &row["contacts"]], [61, number(&found, "contacts")]);
+                continue;
+            }
+        };
+        judged += 1;
+        for (key, of_track) in [
+            ("builds", "built"),
+            ("dangerous", "dangerous"),
+            ("dangerous_rightly", "dangerous_rightly"),
+            ("missing_builds", "missing_builds"),
+            ("listed", "listed"),
+            ("never", "never_reported"),
+            ("latest", "latest"),
+            ("worst_missed", "worst_missed"),
+            ("first_wrong", "first_missed_frame"),
+        ] {
+            assert_eq!(course[key], expected[of_track], "{key}: {row}");
+        }
+        assert_eq!(row["errors"]["missed"], expected["missed"], "{row}");
+        assert_eq!(row["contacts"], expected["reported"], "{row}");
+        let missed = number(expected, "missed") > 0;
+        assert_eq!(row["outcome"], if missed { "lossy" } else { "ok" }, "{row}");
+        match row["pass"].as_str().unwrap() {
+            "memory" => assert_eq!(row["formula_bytes"], expected["formula_bytes"], "{row}"),
+            "count" => assert!(number(&row["counts"], "contact_test") >= number(course, "listed")),
+            _ => assert!(number(row, "building_ns") < number(row, "time_ns"), "{row}"),
+        }
+    }
+    assert!(judged >= 3 * 4, "{judged} rows of trackers");
+}
+
+/// What cannot move, or not so, is said before anything is measured.
+#[test]
+fn courses_that_make_no_sense_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let head = "name = \"a\"\ntitle = \"a\"\nquestion = \"a\"\nreading = \"a\"\nblocks = 0\n";
+    for (detector, scene, words) in [
+        (
+            "nbs",
+            "name = \"packed\"\nn = 9\nmotion = \"drfit\"",
+            "there is no motion 'drfit'; did you mean drift?",
+        ),
+        ("nbs", "name = \"packed\"\nn = 9\nmotion = \"drift\"\nspeed = -1", "speed cannot be '-1'"),
+        (
+            "nbs",
+            "name = \"packed\"\nn = 9\nmotion = \"drift\"\nframes = 0",
+            "frames = 0: it must be a whole number from 1",
+        ),
+        ("nbs", "name = \"packed\"\nn = 9\nspeed = 1", "speed"),
+        (
+            "nbs",
+            "name = \"packed\"\nn = 9\nmotion = \"rest\"\nperiodic = true",
+            "scenes in motion have open boundaries",
+        ),
+        ("nbs", "name = \"hard\"\nmotion = \"drift\"", "hard cases stay where they are"),
+        ("verlet(nbs,skin=x)", "name = \"packed\"\nn = 9", "skin cannot be 'x'"),
+        ("verlet(nsb)", "name = \"packed\"\nn = 9", "; did you mean nbs?; docs/EXPERIMENTS.md"),
+        ("verlt(nbs)", "name = \"packed\"\nn = 9", "'verlt(nbs)' is no tracker"),
+    ] {
+        let text = format!("{head}detectors = [\"{detector}\"]\n[[scene]]\n{scene}\n");
+        file(folder.path(), "a.toml", text);
+        refused(folder.path(), &["run", "a.toml", "--out", "out"], &[words]);
+    }
 }

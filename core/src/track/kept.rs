@@ -8,7 +8,7 @@ use crate::contact::{Bodies, Test};
 use crate::detect::any::AnyDetector;
 use crate::filter::Near;
 use crate::pair_list::{PAIR_BYTES, PairList};
-use crate::probe::Silent;
+use crate::probe::{Op, Probe, Tally};
 use crate::refusal::{Refusal, reserve};
 use crate::scene::{AnyScene, Radii, Real, Scene, array};
 use crate::sink::Sink;
@@ -114,6 +114,7 @@ impl<const D: usize> Kept<D> {
         rounding: f64,
         limit: u64,
         detector: &mut dyn AnyDetector,
+        mut tally: Option<&mut Tally>,
     ) -> Result<(), Refusal>
     where
         for<'a> AnyScene<'a>: From<Scene<'a, f64, D>>,
@@ -142,6 +143,10 @@ impl<const D: usize> Kept<D> {
         }
         self.then.extend(scene.centres().iter().map(wide));
         self.cells.order(&self.then, &mut self.order)?;
+        if let Some(tally) = tally.as_deref_mut() {
+            tally.add(Op::Integerise, (n * D) as u64);
+            tally.add(Op::Move, n as u64);
+        }
         self.now.extend(self.order.iter().map(|&particle| self.then[particle as usize]));
         self.then.copy_from_slice(&self.now);
         self.radii.take(scene, &self.order)?;
@@ -157,7 +162,8 @@ impl<const D: usize> Kept<D> {
         let wider = Scene::new(&self.now[..], wider)
             .map_err(|_| Refusal::Skin { skin, diameter: 2.0 * largest })?;
         self.listed.clear();
-        detector.list(&wider.into(), Test::Exact, &mut self.listed).map_err(
+        let wider = wider.into();
+        super::list(detector, &wider, Test::Exact, limit, tally, &mut self.listed).map_err(
             |refusal| match refusal {
                 Refusal::Pairs { found, particles, room } if skin > 0.0 => {
                     Refusal::Listed { found, particles, room, skin }
@@ -174,18 +180,19 @@ impl<const D: usize> Kept<D> {
         self.listed.len() as u64
     }
 
-    /// Hands the listed pairs that touch in this frame to `pairs`.
-    pub fn pass<T: Real, B: Bodies<T, D>>(&self, bodies: B, pairs: &mut PairList<'_>) {
+    /// Hands the listed pairs that touch in this frame to `pairs`. Tells how many took exact
+    /// arithmetic.
+    pub fn pass<T: Real, B: Bodies<T, D>>(&self, bodies: B, pairs: &mut PairList<'_>) -> u64 {
         match &self.radii {
             KeptRadii::Each { placed, .. } => {
                 let slack = bodies.slack();
                 let near =
                     |[a, b]: [u32; 2]| Near::new(placed[a as usize] + placed[b as usize], slack);
-                self.pass_by(bodies, near, pairs);
+                self.pass_by(bodies, near, pairs)
             }
             KeptRadii::Uniform(r) => {
                 let near = Near::new(r + r, bodies.slack());
-                self.pass_by(bodies, |_| near, pairs);
+                self.pass_by(bodies, |_| near, pairs)
             }
         }
     }
@@ -195,10 +202,10 @@ impl<const D: usize> Kept<D> {
         bodies: B,
         near: impl Fn([u32; 2]) -> Near,
         pairs: &mut PairList<'_>,
-    ) {
+    ) -> u64 {
         const BLOCK: usize = 256;
         let (now, order) = (&self.now[..], &self.order[..]);
-        let mut touching = [[0; 2]; BLOCK];
+        let (mut touching, mut exact) = ([[0; 2]; BLOCK], 0);
         for block in self.listed.chunks(BLOCK) {
             let (mut len, mut open) = (0, false);
             for &[a, b] in block {
@@ -211,9 +218,10 @@ impl<const D: usize> Kept<D> {
             }
             pairs.contacts(&touching[..len]);
             if open {
-                self.pass_open(bodies, block, &near, pairs);
+                exact += self.pass_open(bodies, block, &near, pairs);
             }
         }
+        exact
     }
 
     /// Those pairs of a block that copies do not decide.
@@ -224,15 +232,17 @@ impl<const D: usize> Kept<D> {
         block: &[[u32; 2]],
         near: &impl Fn([u32; 2]) -> Near,
         pairs: &mut PairList<'_>,
-    ) {
+    ) -> u64 {
+        let mut tally = Tally::default();
         for &[a, b] in block {
             let (at_a, at_b) = (array(&self.now[a as usize]), array(&self.now[b as usize]));
             let open = near([a, b]).verdict(square(at_a, at_b)).is_none();
             let [i, j] = [self.order[a as usize], self.order[b as usize]];
-            if open && bodies.touch(i, j, &mut Silent) {
+            if open && bodies.touch(i, j, &mut tally) {
                 pairs.contact(i, j);
             }
         }
+        tally.get(Op::ExactTest)
     }
 }
 

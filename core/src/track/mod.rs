@@ -20,12 +20,12 @@
 //!     let centres = vec![[0.0, 0.0].into(), [1.25 - 0.1 * k, 0.0].into()];
 //!     Scene::new(centres, Radii::Uniform(0.5)).unwrap().into()
 //! };
-//! let spec = track::parse("verlet(nbs,skin=0.4,rule=top-two)")?;
+//! let spec = track::parse("verlet(nbs,rule=top-two,skin=0.4)")?;
 //! let mut tracker = spec.make(Options::default());
 //! let (mut pairs, mut built) = (Vec::new(), 0);
 //! for k in 0..4 {
 //!     pairs.clear();
-//!     built += tracker.step(&frame(f64::from(k)), Test::Exact, &mut pairs)?.built as u32;
+//!     built += tracker.step(&frame(f64::from(k)), Test::Exact, None, &mut pairs)?.built as u32;
 //!     assert_eq!(pairs.len(), usize::from(k == 3));
 //! }
 //! assert_eq!(built, 1);
@@ -43,11 +43,13 @@ mod verlet;
 use std::time::Duration;
 
 pub use rule::Rule;
-pub use spec::{FORMS, TrackerError, TrackerSpec, parse};
+pub use spec::{FORMS, PARAMETERS, TrackerError, TrackerSpec, parse};
 pub use travel::way;
 
 use crate::contact::Test;
 use crate::detect::any::AnyDetector;
+use crate::pair_list::{Allowance, PairList};
+use crate::probe::Tally;
 use crate::refusal::Refusal;
 use crate::scene::AnyScene;
 
@@ -56,7 +58,7 @@ pub trait Tracker: Send {
     /// The pairs of this frame, each once, appended to `pairs` in any order.
     ///
     /// Frames may be of any scene: where the number of particles or a radius is another than
-    /// before, a list is built anew.
+    /// before, a list is built anew. With a `tally` every operation is counted, which takes time.
     ///
     /// # Errors
     /// What the detector refuses, and [`Refusal::Pairs`]; `pairs` is then as it was, and the next
@@ -65,8 +67,12 @@ pub trait Tracker: Send {
         &mut self,
         frame: &AnyScene<'_>,
         test: Test,
+        tally: Option<&mut Tally>,
         pairs: &mut Vec<[u32; 2]>,
     ) -> Result<Step, Refusal>;
+
+    /// The next frame is taken as the first; buffers stay.
+    fn forget(&mut self);
 
     /// Bytes that the tracker and its detector need between frames, by formula; without the list of
     /// contacts, which is the caller's.
@@ -88,22 +94,45 @@ pub struct Step {
 }
 
 /// Asks its detector in every frame.
-struct EveryStep(Box<dyn AnyDetector>);
+struct EveryStep {
+    detector: Box<dyn AnyDetector>,
+    /// For the list of contacts, in bytes.
+    limit: u64,
+}
 
 impl Tracker for EveryStep {
     fn step(
         &mut self,
         frame: &AnyScene<'_>,
         test: Test,
+        tally: Option<&mut Tally>,
         pairs: &mut Vec<[u32; 2]>,
     ) -> Result<Step, Refusal> {
         let (started, before) = (std::time::Instant::now(), pairs.len());
-        self.0.list(frame, test, pairs)?;
+        list(&mut *self.detector, frame, test, self.limit, tally, pairs)?;
         let listed = (pairs.len() - before) as u64;
         Ok(Step { built: true, listed, dangerous: false, building: started.elapsed() })
     }
 
+    fn forget(&mut self) {}
+
     fn formula_bytes(&self) -> u64 {
-        self.0.formula_bytes()
+        self.detector.formula_bytes()
     }
+}
+
+/// Asks a detector for a list of at most so many bytes; counts if there is a tally.
+fn list(
+    detector: &mut dyn AnyDetector,
+    scene: &AnyScene<'_>,
+    test: Test,
+    limit: u64,
+    tally: Option<&mut Tally>,
+    pairs: &mut Vec<[u32; 2]>,
+) -> Result<(), Refusal> {
+    let Some(tally) = tally else { return detector.list(scene, test, pairs) };
+    let allowance = Allowance::new(limit);
+    let mut list = PairList::behind(std::mem::take(pairs), &allowance);
+    let counted = detector.count(scene, test, tally, &mut list);
+    list.end(scene.len(), pairs).and(counted)
 }

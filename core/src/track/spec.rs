@@ -1,5 +1,5 @@
 //! Which tracker, over which detector: written `every-step(nbs)` or
-//! `verlet(streamed-nbs,skin=0.2,rule=half-skin)`.
+//! `verlet(streamed-nbs,rule=half-skin,skin=0.2)`.
 
 use std::fmt;
 
@@ -33,10 +33,24 @@ impl TrackerSpec {
     /// detector as much.
     pub fn make(&self, options: Options) -> Box<dyn Tracker> {
         match self {
-            TrackerSpec::EveryStep(detector) => Box::new(EveryStep(detector.make(options))),
+            TrackerSpec::EveryStep(detector) => Box::new(EveryStep {
+                detector: detector.make(options),
+                limit: options.memory_limit,
+            }),
             TrackerSpec::Verlet { detector, skin, rule } => {
                 let limit = options.memory_limit;
                 Box::new(Verlet::new(detector.make(options), *skin, *rule, limit))
+            }
+        }
+    }
+
+    /// Its name and its parameters, in the order of the text. The first, `over`, is the detector.
+    pub fn parts(&self) -> (&'static str, Vec<(&'static str, String)>) {
+        let over = ("over", self.detector().to_string());
+        match self {
+            TrackerSpec::EveryStep(_) => ("every-step", vec![over]),
+            TrackerSpec::Verlet { skin, rule, .. } => {
+                ("verlet", vec![over, ("rule", rule.to_string()), ("skin", skin.to_string())])
             }
         }
     }
@@ -48,12 +62,17 @@ impl TrackerSpec {
         }
     }
 
+    /// Its rule lets contacts be missed.
+    pub fn may_miss(&self) -> bool {
+        matches!(self, TrackerSpec::Verlet { rule, .. } if !rule.is_safe())
+    }
+
     /// No contact is missed under this test, whatever moves. (The textbook's filters may lose some;
     /// lists are built without them.)
     pub fn is_safe(&self, test: Test) -> bool {
         let safe = match self {
             TrackerSpec::EveryStep(_) => test.margin() != Some(Margin::Textbook),
-            TrackerSpec::Verlet { rule, .. } => rule.is_safe(),
+            TrackerSpec::Verlet { .. } => !self.may_miss(),
         };
         safe && self.detector().entry.must_be_right()
     }
@@ -61,20 +80,23 @@ impl TrackerSpec {
 
 impl fmt::Display for TrackerSpec {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            TrackerSpec::EveryStep(detector) => write!(f, "every-step({detector})"),
-            TrackerSpec::Verlet { detector, skin, rule } => {
-                write!(f, "verlet({detector},skin={skin},rule={rule})")
-            }
+        let (name, parts) = self.parts();
+        write!(f, "{name}({}", self.detector())?;
+        for (key, value) in parts.iter().skip(1) {
+            write!(f, ",{key}={value}")?;
         }
+        f.write_str(")")
     }
 }
+
+/// The parameters of a tracker itself; what else stands in its text is its detector's.
+pub const PARAMETERS: [&str; 2] = ["rule", "skin"];
 
 /// How trackers are written, and what each does.
 pub const FORMS: [(&str, &str); 7] = [
     ("every-step(DETECTOR)", "asks the detector in every frame; DETECTOR alone is the same"),
     (
-        "verlet(DETECTOR,skin=S,rule=RULE)",
+        "verlet(DETECTOR,rule=RULE,skin=S)",
         "lists all pairs whose bodies are at most S apart, and looks at those only until the rule \
          has the list built again; skin=0.1 and rule=top-two where none is given",
     ),
@@ -93,7 +115,7 @@ pub const FORMS: [(&str, &str); 7] = [
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum TrackerError {
     /// Another form.
-    #[error("'{0}' is no tracker; write every-step(DETECTOR) or verlet(DETECTOR,skin=S,rule=RULE)")]
+    #[error("'{0}' is no tracker; write every-step(DETECTOR) or verlet(DETECTOR,rule=RULE,skin=S)")]
     Form(String),
     /// Not a length.
     #[error("'{text}': skin cannot be '{value}'; it is a number of at least 0, in diameters")]
@@ -191,11 +213,11 @@ mod tests {
         for (text, normal) in [
             ("nbs", "every-step(nbs)"),
             ("every-step(streamed-nbs:form=dense)", "every-step(streamed-nbs:form=dense)"),
-            ("verlet(nbs)", "verlet(nbs,skin=0.1,rule=top-two)"),
-            ("verlet(nbs,skin=-0)", "verlet(nbs,skin=0,rule=top-two)"),
+            ("verlet(nbs)", "verlet(nbs,rule=top-two,skin=0.1)"),
+            ("verlet(nbs,skin=-0)", "verlet(nbs,rule=top-two,skin=0)"),
             (
                 " verlet( rule = every-5 , streamed-nbs:form=dense, level=portable,skin =1e-3)",
-                "verlet(streamed-nbs:form=dense,level=portable,skin=0.001,rule=every-5)",
+                "verlet(streamed-nbs:form=dense,level=portable,rule=every-5,skin=0.001)",
             ),
         ] {
             let spec = parse(text).unwrap_or_else(|error| panic!("{text}: {error}"));

@@ -74,7 +74,7 @@ fn missed(
         let Ok(frame) = frame.stored(arithmetic) else { continue };
         let truth = oracle::truth_as_stored(&frame, arithmetic.test(), 1 << 30).unwrap().pairs;
         pairs.clear();
-        tracker.step(&frame, arithmetic.test(), &mut pairs).unwrap();
+        tracker.step(&frame, arithmetic.test(), None, &mut pairs).unwrap();
         normalise(&mut pairs);
         let errors = oracle::compare(&pairs, &truth, &frame);
         assert_eq!([errors.spurious, errors.duplicate, errors.self_pairs], [0; 3], "{errors}");
@@ -148,9 +148,9 @@ fn couples_at_the_limit_of_the_skin_are_not_lost() {
         for rule in rules {
             let mut tracker = tracker(&format!("verlet(direct,skin={skin},rule={rule})"));
             let mut pairs = Vec::new();
-            let listed = tracker.step(&frames[0], Test::Exact, &mut pairs).unwrap().listed;
+            let listed = tracker.step(&frames[0], Test::Exact, None, &mut pairs).unwrap().listed;
             pairs.clear();
-            tracker.step(&frames[1], Test::Exact, &mut pairs).unwrap();
+            tracker.step(&frames[1], Test::Exact, None, &mut pairs).unwrap();
             normalise(&mut pairs);
             let truth = oracle::truth(&frames[1], Arithmetic::Exact).unwrap().pairs;
             assert_eq!(pairs, truth, "{rule}, skin {skin}, {first:?} {second:?} {radius}");
@@ -211,7 +211,7 @@ fn a_fresh_list_has_what_rounding_accepts() {
         let frame = couple(x, r).stored(arithmetic).unwrap();
         let step = |tracker: &mut dyn Tracker, test| {
             let mut pairs = Vec::new();
-            (tracker.step(&frame, test, &mut pairs).unwrap().built, pairs.len())
+            (tracker.step(&frame, test, None, &mut pairs).unwrap().built, pairs.len())
         };
         assert_eq!(step(&mut *tracker, Test::Exact), (true, 0), "{x:?}");
         assert_eq!(step(&mut *tracker, arithmetic.test()), (true, 1), "{x:?}");
@@ -228,7 +228,7 @@ fn numbers_that_overflow_lose_nothing() {
     let mut pairs = Vec::new();
     for (skin, r) in [("1e308", 1.0), ("0", f64::MAX), ("0.5", 1e308)] {
         let refused = tracker(&format!("verlet(direct,skin={skin})"))
-            .step(&frame(1.7e308, r), Test::Exact, &mut pairs)
+            .step(&frame(1.7e308, r), Test::Exact, None, &mut pairs)
             .unwrap_err();
         assert!(matches!(refused, Refusal::Skin { .. }), "{refused}");
     }
@@ -251,7 +251,8 @@ fn the_ladder_of_rules_has_no_exception() {
         let given_up = |rule: &str, skin: &str| {
             let mut tracker = tracker(&format!("verlet(nbs,skin={skin},rule={rule})"));
             let mut pairs = Vec::new();
-            let mut built = |frame| tracker.step(frame, Test::Exact, &mut pairs).unwrap().built;
+            let mut built =
+                |frame| tracker.step(frame, Test::Exact, None, &mut pairs).unwrap().built;
             assert!(built(&frames[0]));
             (1..frames.len()).find(|&k| built(&frames[k])).unwrap_or(frames.len())
         };
@@ -282,8 +283,10 @@ fn unsafe_rules_miss_contacts_and_lammps_says_dangerous() {
     assert!(every_6 > all / 50, "{every_6} of {all}");
     assert!(of("verlet(nbs,skin=0.05,rule=lammps-5-1-yes)")[0] > 0);
     let mut tracker = tracker("verlet(nbs,skin=0.05,rule=lammps-5-1-yes)");
-    let steps: Vec<Step> =
-        frames.iter().map(|it| tracker.step(it, Test::Exact, &mut Vec::new()).unwrap()).collect();
+    let steps: Vec<Step> = frames
+        .iter()
+        .map(|it| tracker.step(it, Test::Exact, None, &mut Vec::new()).unwrap())
+        .collect();
     let built: Vec<usize> = (0..steps.len()).filter(|&k| steps[k].built).collect();
     assert_eq!(built, [0, 5, 10]);
     assert!(steps[5].dangerous && steps[10].dangerous && !steps[0].dangerous);
@@ -323,17 +326,22 @@ fn other_particles_other_radii_and_refusals_begin_anew() {
     let room = Options { memory_limit: 3_000, threads: 1 };
     let mut tracker_of_few = parse("verlet(direct,skin=0)").unwrap().make(room);
     let (near, far) = (grid(0.5), grid(2.5));
-    assert!(tracker_of_few.step(&far, Test::Exact, &mut Vec::new()).unwrap().built);
-    let refused = tracker_of_few.step(&near, Test::Exact, &mut Vec::new()).unwrap_err();
+    assert!(tracker_of_few.step(&far, Test::Exact, None, &mut Vec::new()).unwrap().built);
+    let refused = tracker_of_few.step(&near, Test::Exact, None, &mut Vec::new()).unwrap_err();
     assert!(matches!(refused, Refusal::Pairs { .. } | Refusal::Listed { .. }), "{refused}");
-    assert!(tracker_of_few.step(&far, Test::Exact, &mut Vec::new()).unwrap().built);
-    let listed =
-        parse("verlet(direct,skin=9)").unwrap().make(room).step(&far, Test::Exact, &mut Vec::new());
+    assert!(tracker_of_few.step(&far, Test::Exact, None, &mut Vec::new()).unwrap().built);
+    let listed = parse("verlet(direct,skin=9)").unwrap().make(room).step(
+        &far,
+        Test::Exact,
+        None,
+        &mut Vec::new(),
+    );
     assert!(listed.unwrap_err().to_string().contains("within a skin of"));
     let arrays = Options { memory_limit: 1_000, threads: 1 };
     let arrays = parse("verlet(direct,skin=0)").unwrap().make(arrays).step(
         &far,
         Test::Exact,
+        None,
         &mut Vec::new(),
     );
     assert!(matches!(arrays.unwrap_err(), Refusal::Memory { detector: "verlet", .. }));
@@ -341,18 +349,19 @@ fn other_particles_other_radii_and_refusals_begin_anew() {
     let mut huge = tracker("verlet(nbs,skin=1e308)");
     let mut pairs = vec![[7, 8]];
     for _ in 0..2 {
-        let refused = huge.step(&grown(2.5), Test::Exact, &mut pairs).unwrap_err().to_string();
+        let refused =
+            huge.step(&grown(2.5), Test::Exact, None, &mut pairs).unwrap_err().to_string();
         assert!(refused.contains("skin"), "{refused}");
         assert_eq!(pairs, [[7, 8]]);
     }
     let few = Options { memory_limit: 300, threads: 1 };
     for text in ["verlet(direct,skin=9)", "verlet(direct,skin=0)", "direct"] {
         let mut tracker = parse(text).unwrap().make(few);
-        assert!(tracker.step(&plane[0], Test::Exact, &mut pairs).is_err(), "{text}");
+        assert!(tracker.step(&plane[0], Test::Exact, None, &mut pairs).is_err(), "{text}");
         assert_eq!(pairs, [[7, 8]], "{text}");
         let alone: AnyScene<'_> =
             Scene::new(vec![Point::from([0.0, 0.0])], Radii::Uniform(1.0)).unwrap().into();
-        let step = tracker.step(&alone, Test::Exact, &mut pairs).unwrap();
+        let step = tracker.step(&alone, Test::Exact, None, &mut pairs).unwrap();
         assert!(step.built && pairs == [[7, 8]], "{text}");
     }
 }
@@ -362,7 +371,7 @@ fn formulas_give_the_bytes_of_the_arrays() {
     let frames = frames::<3>(500, true, Motion::Flight, 1);
     let mut tracker = tracker("verlet(direct,skin=0.2)");
     assert_eq!(tracker.formula_bytes(), 0);
-    let step = tracker.step(&frames[0], Test::Exact, &mut Vec::new()).unwrap();
+    let step = tracker.step(&frames[0], Test::Exact, None, &mut Vec::new()).unwrap();
     let cells = tracker.formula_bytes() - 500 * (4 + 48 + 16) - 8 * step.listed;
     assert!((4 * 500..=8 * 500 + 4).contains(&cells), "a cell number, and at most a cell, each");
 }

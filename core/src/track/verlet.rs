@@ -8,6 +8,7 @@ use super::{Step, Tracker};
 use crate::contact::{Bodies, Test, any_bodies};
 use crate::detect::any::AnyDetector;
 use crate::pair_list::{Allowance, PairList};
+use crate::probe::{Op, Probe, Tally};
 use crate::refusal::Refusal;
 use crate::scene::{AnyScene, Real, Scene};
 use crate::with_stored;
@@ -40,6 +41,7 @@ impl Tracker for Verlet {
         &mut self,
         frame: &AnyScene<'_>,
         test: Test,
+        tally: Option<&mut Tally>,
         pairs: &mut Vec<[u32; 2]>,
     ) -> Result<Step, Refusal> {
         let Verlet { detector, skin, rule, limit, plane, space } = self;
@@ -48,18 +50,22 @@ impl Tracker for Verlet {
         let step = match frame {
             AnyScene::Plane(frame) => {
                 space.forget();
-                with_stored!(frame, scene => settings.step(plane, scene, detector, pairs))
+                with_stored!(frame, scene => settings.step(plane, scene, detector, tally, pairs))
             }
             AnyScene::Space(frame) => {
                 plane.forget();
-                with_stored!(frame, scene => settings.step(space, scene, detector, pairs))
+                with_stored!(frame, scene => settings.step(space, scene, detector, tally, pairs))
             }
         };
         if step.is_err() {
-            plane.forget();
-            space.forget();
+            self.forget();
         }
         step
+    }
+
+    fn forget(&mut self) {
+        self.plane.forget();
+        self.space.forget();
     }
 
     fn formula_bytes(&self) -> u64 {
@@ -80,6 +86,7 @@ impl Settings {
         kept: &mut Kept<D>,
         scene: &Scene<'_, T, D>,
         detector: &mut dyn AnyDetector,
+        mut tally: Option<&mut Tally>,
         pairs: &mut Vec<[u32; 2]>,
     ) -> Result<Step, Refusal>
     where
@@ -96,13 +103,17 @@ impl Settings {
         }
         if step.built {
             let started = Instant::now();
-            kept.build(scene, half, rounding, self.limit, detector)?;
+            kept.build(scene, half, rounding, self.limit, detector, tally.as_deref_mut())?;
             step.building = started.elapsed();
         }
         step.listed = kept.listed();
         let allowance = Allowance::new(self.limit);
         let mut list = PairList::behind(std::mem::take(pairs), &allowance);
-        kept.pass(bodies, &mut list);
+        let exact = kept.pass(bodies, &mut list);
+        if let Some(tally) = tally {
+            tally.add(Op::ContactTest, step.listed);
+            tally.add(Op::ExactTest, exact);
+        }
         list.end(scene.len(), pairs)?;
         Ok(step)
     }

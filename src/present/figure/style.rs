@@ -8,6 +8,7 @@
 use std::collections::BTreeMap;
 
 use crate::cells::Cell;
+use crate::record::id::{OVER, split_contender};
 
 /// Red, green, blue.
 pub type Colour = (u8, u8, u8);
@@ -71,6 +72,14 @@ const KNOWN: [(&str, Colour, Marker); 12] = [
     ("kd-tree", (51, 34, 136), Marker::Up),
     ("bvh", (140, 110, 70), Marker::Diamond),
 ];
+/// Rules by which trackers build their lists, as their names begin.
+const RULES: [(&str, Colour, Marker); 5] = [
+    ("top-two", (0, 158, 115), Marker::Circle),
+    ("half-skin", (86, 180, 233), Marker::Square),
+    ("summed", (51, 34, 136), Marker::Up),
+    ("lammps-", (230, 159, 0), Marker::Diamond),
+    ("every-", (213, 94, 0), Marker::Down),
+];
 const REST: [Colour; 3] = [(0, 114, 178), (204, 102, 119), (90, 140, 90)];
 const MARKERS: [Marker; 5] =
     [Marker::Cross, Marker::Plus, Marker::Diamond, Marker::Square, Marker::Up];
@@ -94,8 +103,8 @@ impl Styles {
                     marker: if controls % 2 == 1 { Marker::Circle } else { Marker::Cross },
                     control: true,
                 }
-            } else if let Some(&(_, colour, marker)) = KNOWN.iter().find(|known| known.0 == name) {
-                Style { colour, marker, control: false }
+            } else if let Some(style) = kept_for(&name) {
+                style
             } else {
                 others += 1;
                 let (colour, marker) =
@@ -109,12 +118,26 @@ impl Styles {
 
     /// The style of a detector; grey for names that were not announced.
     pub fn get(&self, name: &str) -> Style {
-        self.0.get(name).copied().unwrap_or(Style {
-            colour: CONTROL,
-            marker: Marker::Plus,
-            control: true,
-        })
+        let known = self.0.get(name).copied().or_else(|| kept_for(name));
+        known.unwrap_or(Style { colour: CONTROL, marker: Marker::Plus, control: true })
     }
+}
+
+/// The style that is kept for a detector, or for the rule of a tracker where its skin does not
+/// matter.
+fn kept_for(name: &str) -> Option<Style> {
+    let (name, params) = split_contender(name);
+    let text = |key: &str| params.get(key).map(|value| value.to_string());
+    let known = |name: &str| KNOWN.iter().find(|known| known.0 == name);
+    let found = match (text(OVER), text("rule")) {
+        (None, _) if params.is_empty() => known(&name),
+        (Some(over), None) => known(&over),
+        (Some(_), Some(rule)) if !params.contains_key("skin") => {
+            RULES.iter().find(|kept| rule.starts_with(kept.0))
+        }
+        _ => None,
+    };
+    found.map(|&(_, colour, marker)| Style { colour, marker, control: false })
 }
 
 /// The place of a detector in legends: the book's order, then others, then controls.

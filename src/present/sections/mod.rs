@@ -10,6 +10,7 @@ pub mod claims;
 pub mod compare;
 pub mod conditions;
 pub mod cost;
+pub mod courses;
 pub mod coverage;
 pub mod errors;
 pub mod failures;
@@ -130,7 +131,9 @@ pub fn of_machine(machine: &Option<String>) -> Option<Block> {
 
 /// The tables of all cells: growth, scenes, failures, errors, noise.
 pub fn tables(own: &[&Cell]) -> Vec<Block> {
-    let mut out = operations::blocks(&crate::findings::operations::operations(own));
+    let moving = crate::findings::courses::Courses::new(own);
+    let mut out = moving.map_or_else(Vec::new, |found| courses::blocks(&found));
+    out.extend(operations::blocks(&crate::findings::operations::operations(own)));
     out.extend(scenes::blocks(&crate::findings::scenes::scenes(own)));
     let failed = failures::blocks(&crate::findings::failures::failures(own));
     if !failed.is_empty() {

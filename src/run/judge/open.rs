@@ -20,10 +20,10 @@ pub(super) struct Open<'a> {
 
 /// What is true in one arithmetic. Arithmetics that store the scene alike share.
 #[derive(Clone)]
-struct Truths {
-    stored: Rc<AnyScene<'static>>,
+pub(super) struct Truths {
+    pub stored: Rc<AnyScene<'static>>,
     /// By the arithmetic's own contact test.
-    rounded: Rc<Truth>,
+    pub rounded: Rc<Truth>,
     /// By exact decisions on the scene as stored.
     exact: Rc<Truth>,
 }
@@ -76,7 +76,8 @@ impl<'a> Open<'a> {
         Ok(Ok(judged))
     }
 
-    fn known(&mut self, arithmetic: Arithmetic) -> anyhow::Result<Result<Truths, Nothing>> {
+    /// What is true in an arithmetic.
+    pub fn known(&mut self, arithmetic: Arithmetic) -> anyhow::Result<Result<Truths, Nothing>> {
         if let Some(known) = self.known.get(&arithmetic) {
             return Ok(known.clone());
         }

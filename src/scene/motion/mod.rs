@@ -106,6 +106,8 @@ pub struct Motion {
 
 /// Where none is given: a particle needs some hundred frames for its diameter.
 const SPEED: f64 = 0.01;
+/// The same of draws.
+pub const SEED: u64 = 1;
 
 impl FromStr for Motion {
     type Err = anyhow::Error;
@@ -144,7 +146,7 @@ impl FromStr for Motion {
                 _ => bail!("'{text}': '{piece}' is neither speed=NUMBER nor seed=NUMBER"),
             }
         }
-        Ok(Motion { kind, speed: speed.unwrap_or(SPEED), seed: seed.unwrap_or(1) })
+        Ok(Motion { kind, speed: speed.unwrap_or(SPEED), seed: seed.unwrap_or(SEED) })
     }
 }
 

@@ -87,6 +87,11 @@ impl Plot {
         };
         let (arithmetic, threads, order) =
             (several("arithmetic"), several("threads"), several("order"));
+        // What lies along x makes no line, nor a skin that all lists have.
+        let mut common = vec![x_name.as_str()];
+        let skins: BTreeSet<_> =
+            chosen.iter().filter_map(|cell| cell.id.detector_params.get("skin")).collect();
+        common.extend((skins.len() == 1).then_some("skin"));
         let line_of = |cell: &Cell| {
             let key = &cell.id;
             let mut variant = if arithmetic { key.arithmetic.clone() } else { String::new() };
@@ -95,8 +100,7 @@ impl Plot {
             }
             CurveKey {
                 rank: crate::present::figure::style::rank(cell),
-                // What lies along x makes no line.
-                detector: key.contender_without(&[&x_name]),
+                detector: key.contender_without(&common),
                 variant: variant.trim().into(),
                 parallel: threads && key.threads() > 1,
             }

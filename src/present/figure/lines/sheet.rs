@@ -1,6 +1,7 @@
 //! The sheet: heading, a grid of panels (a row per dimension, a column per scene) that share their
 //! axes, and the legend beside them.
 
+use crate::cells::label;
 use crate::cells::machine::Machine;
 use crate::experiment::{Experiment, Lines};
 use crate::number::wrap;
@@ -40,12 +41,12 @@ fn binary(bytes: u64) -> String {
     if bytes >= 1 << 20 { format!("{} MiB", bytes >> 20) } else { format!("{} KiB", bytes >> 10) }
 }
 
-/// A line's name in the legend.
-fn label(key: &CurveKey) -> String {
-    if key.variant.is_empty() {
-        key.detector.clone()
-    } else {
-        format!("{}, {}", key.detector, key.variant)
+/// The names of lines in the legend.
+fn namer(plot: &Plot) -> impl Fn(&CurveKey) -> String {
+    let brief = label::brief(plot.keys().into_iter().map(|key| key.detector.as_str()));
+    move |key| {
+        let name = brief(&key.detector);
+        if key.variant.is_empty() { name } else { format!("{name}, {}", key.variant) }
     }
 }
 
@@ -73,8 +74,9 @@ impl<'a> Sheet<'a> {
         };
         let rows = count.div_ceil(columns.max(1));
         let mut names = 150.0_f64;
+        let named = namer(plot);
         for key in plot.keys() {
-            names = names.max(width(&label(key), 18.0, false)?);
+            names = names.max(width(&named(key), 18.0, false)?);
         }
         let slopes = options.slopes;
         // the names of the slopes stand between the panels, where no line can cross them
@@ -176,6 +178,7 @@ impl<'a> Sheet<'a> {
     fn legend(&self, canvas: &mut Canvas) -> anyhow::Result<()> {
         let (left, mut y) =
             (WIDTH - MARGIN - self.legend + 22.0 + self.gap - GAP, self.top + HEADING + 12.0);
+        let named = namer(self.plot);
         for key in self.plot.keys() {
             let style = self.styles.get(&key.detector);
             let (line_width, dash) = dash_of(style, key);
@@ -187,7 +190,7 @@ impl<'a> Sheet<'a> {
                 style.colour,
             )?;
             let colour = if style.control { FAINT } else { INK };
-            canvas.text(&label(key), (left + 46.0, y), Text::new(18.0, colour))?;
+            canvas.text(&named(key), (left + 46.0, y), Text::new(18.0, colour))?;
             y += 26.0;
         }
         let outcomes = self.plot.outcomes();

@@ -18,6 +18,8 @@ pub struct Mark {
     pub detector: String,
     /// Index into [`Plot::arithmetics`].
     pub arithmetic: usize,
+    /// Of a tracker, its skin: those of one rule have one colour.
+    pub skin: Option<String>,
     /// Median time per particle, ns.
     pub time: f64,
     /// Lower end of its interval.
@@ -83,7 +85,7 @@ impl Plot {
         arithmetics.sort_by_key(|name| rank(name));
         let ranked: BTreeSet<(usize, String)> = chosen
             .iter()
-            .map(|cell| (crate::present::figure::style::rank(cell), cell.id.contender()))
+            .map(|cell| (crate::present::figure::style::rank(cell), detector(cell)))
             .collect();
         let detectors: Vec<String> = ranked.into_iter().map(|(_, name)| name).collect();
 
@@ -126,9 +128,7 @@ impl Plot {
             for cell in cells {
                 match mark(cell, options.against, &arithmetics) {
                     Some(mark) => panel.marks.push(mark),
-                    None => {
-                        panel.missing.push((cell.id.contender(), cell.outcome(&[Pass::Time]).0))
-                    }
+                    None => panel.missing.push((detector(cell), cell.outcome(&[Pass::Time]).0)),
                 }
             }
             panel.missing.retain(|(_, outcome)| !outcome.is_good());
@@ -190,6 +190,11 @@ fn shown(value: &AxisValue) -> String {
     value.number().map_or_else(|| value.to_string(), crate::present::figure::axis::plain)
 }
 
+/// Who is shown in one colour.
+fn detector(cell: &Cell) -> String {
+    cell.id.contender_without(&["skin"])
+}
+
 fn mark(cell: &Cell, against: Against, arithmetics: &[String]) -> Option<Mark> {
     let (time, n) = (cell.time()?, cell.id.n.max(1) as f64);
     let rate = match against {
@@ -197,7 +202,8 @@ fn mark(cell: &Cell, against: Against, arithmetics: &[String]) -> Option<Mark> {
         Against::Stored => errors::stored_rate(cell)?,
     };
     Some(Mark {
-        detector: cell.id.contender(),
+        detector: detector(cell),
+        skin: cell.id.detector_params.get("skin").map(AxisValue::to_string),
         arithmetic: arithmetics.iter().position(|name| *name == cell.id.arithmetic)?,
         time: time.median / n,
         low: time.low / n,
@@ -227,6 +233,7 @@ mod tests {
         let mark = |(time, rate): &(f64, f64)| Mark {
             detector: "nbs".into(),
             arithmetic: 0,
+            skin: None,
             time: *time,
             low: *time,
             high: *time,

@@ -5,7 +5,7 @@ use crate::present::figure::canvas::{Canvas, Point, Text};
 use crate::present::figure::outcome::{badge, letter};
 use crate::present::figure::speed_error::data::{Mark, Panel};
 use crate::present::figure::speed_error::sheet::Sheet;
-use crate::present::figure::style::{Colour, GRID, INK};
+use crate::present::figure::style::{Colour, FAINT, GRID, INK};
 
 /// Between the logarithmic part and the field of zeros.
 pub const BREAK: f64 = 9.0;
@@ -210,6 +210,10 @@ impl SmallPanel<'_> {
                     &self.sheet.plot.arithmetics[mark.arithmetic],
                     self.colour(mark),
                 )?;
+                // In the lane of right answers there is room for one.
+                if let Some(skin) = mark.skin.as_ref().filter(|_| front || mark.rate > 0.0) {
+                    canvas.text(skin, (at.0, at.1 - 11.0), Text::new(12.0, FAINT).anchor(0))?;
+                }
             }
         }
         for (k, mark) in slow.iter().rev().enumerate() {

@@ -5,6 +5,7 @@
 //! without error, where every arithmetic has a line of its own, so that their marks do not hide
 //! each other.
 
+use crate::cells::label;
 use crate::experiment::{Against, Experiment, SpeedError};
 use crate::number::wrap;
 use crate::present::figure::axis::Axis;
@@ -71,9 +72,10 @@ impl<'a> Sheet<'a> {
         let top = MARGIN + 34.0 + 22.0 * subtitle.len() as f64 + 4.0;
         let zero = LANE * plot.arithmetics.len() as f64 + 4.0;
         let height = top + plot.rows.len() as f64 * (HEADING + SCALE + BREAK + zero) + 74.0;
+        let skins = plot.marks().any(|mark| mark.skin.is_some());
         let legend = 26.0
             * (plot.detectors.len() + plot.arithmetics.len() + plot.outcomes().len()) as f64
-            + 330.0;
+            + if skins { 356.0 } else { 330.0 };
         // with 100% as a landmark; without any error there is still an axis to be without error on
         let rates: Vec<f64> =
             plot.marks().map(|mark| mark.rate).filter(|rate| *rate > 0.0).chain([100.0]).collect();
@@ -154,11 +156,16 @@ impl<'a> Sheet<'a> {
         let (left, mut y) = (WIDTH - MARGIN - LEGEND + 16.0, self.top + HEADING + 6.0);
         let head = Text::new(16.0, FAINT);
         canvas.text("colour: detector", (left, y), head)?;
+        let brief = label::brief(self.plot.detectors.iter().map(String::as_str));
         for name in &self.plot.detectors {
             y += 26.0;
             let colour = self.styles.get(name).colour;
             canvas.rect((left + 6.0, y - 7.0), (left + 28.0, y + 7.0), colour)?;
-            canvas.text(name, (left + 40.0, y), Text::new(18.0, INK))?;
+            canvas.text(&brief(name), (left + 40.0, y), Text::new(18.0, INK))?;
+        }
+        if self.plot.marks().any(|mark| mark.skin.is_some()) {
+            y += 26.0;
+            canvas.text("above a mark: its skin", (left, y), Text::new(16.0, INK))?;
         }
         y += 40.0;
         canvas.text("shape: arithmetic", (left, y), head)?;

@@ -1,0 +1,136 @@
+//! Scenes in motion: how they move, how often each tracker built its list, and what was missed.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use crate::cells::label::{brief, swept, title};
+use crate::cells::{Cell, CellId};
+use crate::contact::Arithmetic;
+
+/// All courses of an experiment.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Courses {
+    /// Those who took part.
+    pub trackers: Vec<String>,
+    /// The arithmetic, where there are several.
+    pub arithmetic: Option<String>,
+    /// One for each scene and motion.
+    pub courses: Vec<Course>,
+}
+
+/// One course.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Course {
+    /// `packed, 3D, N = 1000, motion = drift`.
+    pub title: String,
+    /// How it moves.
+    pub motion: Motion,
+    /// What each tracker did, in their order; none where one has no answer.
+    pub done: Vec<Option<Done>>,
+}
+
+/// How a scene moves, in diameters of the largest body and pairs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Motion {
+    /// From one frame to the next, in the mean.
+    pub mean_way: Option<f64>,
+    /// The longest.
+    pub longest_way: Option<f64>,
+    /// In a frame, in the mean.
+    pub contacts: Option<f64>,
+    /// New in a frame, in the mean.
+    pub born: Option<f64>,
+    /// That touch between two frames alone, in the mean.
+    pub tunnelled: Option<f64>,
+}
+
+/// What a tracker did.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Done {
+    /// Frames in which it built its list.
+    pub builds: f64,
+    /// Missed pair-steps.
+    pub missed: f64,
+    /// Those among all that there were.
+    pub share: f64,
+    /// The first frame with one.
+    pub first: Option<f64>,
+    /// Contacts that were never reported.
+    pub never: f64,
+    /// Frames until the latest was.
+    pub latest: f64,
+    /// The largest overlap then, in mean radii.
+    pub deepest: f64,
+    /// Builds that LAMMPS would call dangerous.
+    pub dangerous: f64,
+    /// Of those, after a missed contact.
+    pub rightly: f64,
+    /// Builds after a missed contact.
+    pub missing: f64,
+}
+
+impl Courses {
+    /// From the cells of an experiment, in exact arithmetic if it is there; none if nothing moves.
+    pub fn new(cells: &[&Cell]) -> Option<Courses> {
+        let mut own: Vec<&Cell> = cells.to_vec();
+        own.retain(|cell| !cell.role.is_control() && cell.values.contains_key("builds"));
+        let arithmetics: BTreeSet<&str> =
+            own.iter().map(|cell| cell.id.arithmetic.as_str()).collect();
+        let arithmetic = match arithmetics.contains(Arithmetic::Exact.name()) {
+            true => Arithmetic::Exact.name(),
+            false => arithmetics.first()?,
+        };
+        let arithmetic = arithmetic.to_string();
+        let several = arithmetics.len() > 1;
+        own.retain(|cell| cell.id.arithmetic == arithmetic);
+        let names: BTreeSet<String> = own.iter().map(|cell| cell.id.contender()).collect();
+        let called = brief(names.iter().map(String::as_str));
+        let swept = swept(&own);
+        let mut scenes: BTreeMap<_, (&CellId, BTreeMap<String, &Cell>)> = BTreeMap::new();
+        for &cell in &own {
+            let (_, done) = scenes.entry(cell.id.scene_id()).or_insert((&cell.id, BTreeMap::new()));
+            done.insert(cell.id.contender(), cell);
+        }
+        let course = |(id, done): &(&CellId, BTreeMap<String, &Cell>)| {
+            let frames = id.axis("frames").and_then(|frames| frames.number()).unwrap_or(1.0);
+            let value = |name: &str| done.values().find_map(|cell| cell.variable(name, None));
+            let steps = (frames - 1.0).max(1.0);
+            Course {
+                title: title(*id, &swept),
+                motion: Motion {
+                    mean_way: value("mean_way"),
+                    longest_way: value("longest_way"),
+                    contacts: value("true_contacts").map(|all| all / frames),
+                    born: value("born").map(|all| all / steps),
+                    tunnelled: value("tunnelled").map(|all| all / steps),
+                },
+                done: names
+                    .iter()
+                    .map(|name| done.get(name).and_then(|cell| Done::new(cell)))
+                    .collect(),
+            }
+        };
+        Some(Courses {
+            trackers: names.iter().map(|name| called(name)).collect(),
+            arithmetic: several.then_some(arithmetic),
+            courses: scenes.values().map(course).collect(),
+        })
+    }
+}
+
+impl Done {
+    fn new(cell: &Cell) -> Option<Done> {
+        let value = |name: &str| cell.variable(name, None);
+        Some(Done {
+            builds: value("builds")?,
+            missed: value("search_missed")?,
+            share: value("search_missed")? / value("true_contacts")?.max(1.0),
+            first: value("first_wrong"),
+            never: value("never")?,
+            latest: value("latest")?,
+            deepest: value("deepest_late")?,
+            dangerous: value("dangerous")?,
+            rightly: value("dangerous_rightly")?,
+            missing: value("missing_builds")?,
+        })
+    }
+}

@@ -1,0 +1,224 @@
+//! A tracker at work on a trajectory, in passes: each frame is read from its file, outside the
+//! clock, and looked at.
+
+use std::path::Path;
+use std::time::Instant;
+
+use anyhow::Context;
+
+use crate::contact::Arithmetic;
+use crate::detect::Options;
+use crate::io;
+use crate::probe::Tally;
+use crate::run::alloc::Meter;
+use crate::run::protocol::{Reply, Steps};
+use crate::run::server::{Answer, error};
+use crate::run::trajectory::Trajectory;
+use crate::scene::AnyScene;
+use crate::sink::Digest;
+use crate::track::{Step, Tracker, TrackerSpec};
+
+/// A tracker with its trajectory and its buffers.
+pub struct Walk {
+    spec: TrackerSpec,
+    arithmetic: Arithmetic,
+    options: Options,
+    trajectory: Trajectory,
+    tracker: Box<dyn Tracker>,
+    pairs: Vec<[u32; 2]>,
+    /// Of a pass that went no farther than to the pairs of a frame: the frame after it.
+    next: Option<usize>,
+}
+
+/// What became of a frame.
+struct Seen {
+    step: Step,
+    ns: u64,
+}
+
+impl Walk {
+    /// Takes a trajectory in open space.
+    pub fn new(
+        spec: &TrackerSpec,
+        arithmetic: Arithmetic,
+        options: Options,
+        trajectory: &Trajectory,
+    ) -> Result<Walk, Reply> {
+        let refused = |reason: &str| Err(Reply::Refused { reason: reason.into() });
+        if trajectory.in_box.is_some() {
+            return refused("trackers know no boxes that repeat; take the scene in open space");
+        }
+        if trajectory.frames.is_empty() {
+            return refused("the trajectory has no frames");
+        }
+        let walk = Walk {
+            spec: spec.clone(),
+            arithmetic,
+            options,
+            trajectory: trajectory.clone(),
+            tracker: spec.make(options),
+            pairs: Vec::new(),
+            next: None,
+        };
+        // What is wrong with all frames, or not there, is said at once.
+        walk.frame(0)?;
+        for path in &trajectory.frames {
+            std::fs::metadata(path)
+                .with_context(|| format!("cannot read {}", path.display()))
+                .map_err(error)?;
+        }
+        Ok(walk)
+    }
+
+    fn frame(&self, k: usize) -> Result<AnyScene<'static>, Reply> {
+        let path = &self.trajectory.frames[k];
+        let given = self.trajectory.read_frame(path).map_err(error)?;
+        given.scene.stored(self.arithmetic).map_err(|e| Reply::Refused {
+            reason: format!("frame {k} in {}: {e}", self.arithmetic.name()),
+        })
+    }
+
+    /// One frame, in the place of what is in the list.
+    fn step(
+        &mut self,
+        scene: &AnyScene<'_>,
+        k: usize,
+        tally: Option<&mut Tally>,
+    ) -> Result<Seen, Reply> {
+        self.pairs.clear();
+        let test = self.arithmetic.test();
+        let start = Instant::now();
+        let step = self.tracker.step(scene, test, tally, &mut self.pairs);
+        let ns = start.elapsed().as_nanos() as u64;
+        let step = step.map_err(|refusal| Reply::Refused {
+            reason: match self.trajectory.frames.len() {
+                1 => refusal.to_string(),
+                _ => format!("frame {k}: {refusal}"),
+            },
+        })?;
+        Ok(Seen { step, ns })
+    }
+
+    /// All frames, as if nothing had been seen before.
+    fn pass(
+        &mut self,
+        mut tally: Option<&mut Tally>,
+        mut each: impl FnMut(usize, &Seen, &[[u32; 2]]),
+    ) -> Answer<()> {
+        self.reset();
+        for k in 0..self.trajectory.frames.len() {
+            let scene = self.frame(k)?;
+            let seen = self.step(&scene, k, tally.as_deref_mut())?;
+            each(k, &seen, &self.pairs);
+        }
+        Ok(())
+    }
+
+    fn reset(&mut self) {
+        self.tracker.forget();
+        self.next = None;
+    }
+
+    /// Passes of at least so many nanoseconds together, after one look at the first frame that
+    /// warms caches and buffers.
+    pub fn sample(&mut self, min_ns: u64) -> Answer {
+        let first = self.frame(0)?;
+        self.reset();
+        let first_ns = Some(self.step(&first, 0, None)?.ns).filter(|&ns| ns > 0);
+        drop(first);
+        let count = self.trajectory.frames.len();
+        let (mut ns, mut steps) = (vec![0; count], Steps::default());
+        let (mut passes, mut building) = (0, 0);
+        while passes == 0 || ns.iter().sum::<u64>() < min_ns {
+            self.pass(None, |k, seen, pairs| {
+                ns[k] += seen.ns;
+                building += seen.step.building.as_nanos() as u64;
+                if passes == 0 {
+                    steps.push(Digest::from_pairs(pairs), &seen.step);
+                }
+            })?;
+            passes += 1;
+        }
+        let (elapsed_ns, calls) = (ns.iter().sum::<u64>(), passes * count as u64);
+        let mean = |ns: u64, calls: u64| (ns + calls / 2) / calls;
+        let (contacts, digest) = steps.last();
+        Ok(Reply::Sample {
+            time_ns: mean(elapsed_ns, calls),
+            calls,
+            elapsed_ns,
+            step_ns: ns.into_iter().map(|ns| mean(ns, passes)).collect(),
+            building_ns: Some(mean(building, calls)),
+            first_ns,
+            contacts,
+            digest,
+            steps: Box::new(steps),
+        })
+    }
+
+    /// One pass, counted.
+    pub fn count(&mut self) -> Answer {
+        let (mut tally, mut steps) = (Tally::default(), Steps::default());
+        self.pass(Some(&mut tally), |_, seen, pairs| {
+            steps.push(Digest::from_pairs(pairs), &seen.step);
+        })?;
+        let counts = tally.iter().map(|(op, count)| (op.name().into(), count)).collect();
+        let (contacts, digest) = steps.last();
+        Ok(Reply::Count { counts, contacts, digest, steps: Box::new(steps) })
+    }
+
+    /// Two passes of a fresh tracker. The list of pairs goes where there is room for it already,
+    /// and is not measured.
+    pub fn memory(&mut self) -> Answer {
+        // Makes that room.
+        self.pass(None, |_, _, _| ())?;
+        self.tracker = self.spec.make(self.options);
+        let (mut steps, mut usage, mut formula) = (Steps::default(), Vec::new(), 0);
+        for _ in 0..2 {
+            steps = Steps::default();
+            let meter = Meter::start();
+            self.reset();
+            for k in 0..self.trajectory.frames.len() {
+                let scene = self.frame(k)?;
+                let seen = meter.during(|| self.step(&scene, k, None))?;
+                steps.push(Digest::from_pairs(&self.pairs), &seen.step);
+                formula = self.tracker.formula_bytes().max(formula);
+            }
+            usage.push(meter.end());
+        }
+        let [Some(cold), Some(warm)] = usage[..] else { return Ok(Reply::Unsupported) };
+        let ours = self.spec.detector().entry.is_ours();
+        let (contacts, digest) = steps.last();
+        Ok(Reply::Memory {
+            peak_bytes: cold.peak_bytes,
+            live_bytes: cold.live_bytes,
+            allocations: cold.allocations,
+            warm_allocations: Some(warm.allocations),
+            formula_bytes: ours.then_some(formula),
+            contacts,
+            digest,
+            steps: Box::new(steps),
+        })
+    }
+
+    /// Writes the pairs of a frame, of the last if none is named. Frames that are asked for in
+    /// order are of one pass.
+    pub fn write(&mut self, path: &Path, frame: Option<u64>) -> Answer {
+        let count = self.trajectory.frames.len();
+        let wanted = frame.unwrap_or(count as u64 - 1);
+        if wanted >= count as u64 {
+            let reason = format!("there is no frame {wanted}; the trajectory has {count}");
+            return Err(Reply::Error { reason });
+        }
+        let wanted = wanted as usize;
+        if self.next.is_none_or(|next| next > wanted) {
+            self.reset();
+        }
+        for k in self.next.take().unwrap_or(0)..=wanted {
+            let scene = self.frame(k)?;
+            self.step(&scene, k, None)?;
+        }
+        self.next = Some(wanted + 1);
+        io::write::pairs(path, &self.pairs).map_err(error)?;
+        Ok(Reply::Pairs { contacts: self.pairs.len() as u64 })
+    }
+}
