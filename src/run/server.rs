@@ -5,7 +5,7 @@
 //! Of a scene at rest, a trajectory of one frame, a pass of a detector is one detection, and a
 //! reset has nothing to drop: the detectors of the table keep buffers, and nothing that was
 //! computed from coordinates. Trackers, and trajectories of several frames, are looked at in
-//! [`Walk`]s.
+//! walks (`run::walk`).
 
 use std::collections::BTreeMap;
 use std::hint::black_box;
