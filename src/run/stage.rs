@@ -91,9 +91,12 @@ impl Stage<'_> {
         if let Some((mut frames, count)) = self.spec.frames(&given)? {
             let moving = Trajectory::write_moving(self.folder, &mut frames, count)?;
             let (mut judge, moved) = Judge::moving(moving.clone(), limit)?;
-            let scene = Staged { given: &given, loads: [moving].into(), moved: Some(moved) };
+            let loads = [moving.clone()].into();
+            let scene = Staged { given: &given, loads, moved: Some(moved) };
             let running = self.enter_all(contenders, scene, &mut judge)?;
-            return self.blocks(running, blocks, &mut judge);
+            self.blocks(running, blocks, &mut judge)?;
+            moving.remove();
+            return Ok(());
         }
         let mut loads = Vec::new();
         let history = self.spec.history()?;

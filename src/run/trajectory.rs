@@ -7,6 +7,7 @@ use anyhow::{Context, ensure};
 use serde::{Deserialize, Serialize};
 
 use crate::io::exchange;
+use crate::run::interrupt;
 use crate::scene::motion::Frames;
 use crate::scene::{Given, Lattice};
 
@@ -86,6 +87,7 @@ impl Trajectory {
     ) -> anyhow::Result<Trajectory> {
         let mut all = Vec::new();
         for k in 0..count {
+            interrupt::check()?;
             let given = Given::from(frames.at(k)?);
             let path = folder.join(format!("frame-{k}.npy"));
             all.push(Trajectory::write_at_rest(&path, &given)?);
@@ -93,6 +95,12 @@ impl Trajectory {
         let paths = all.iter().flat_map(|frame| frame.frames.clone()).collect();
         let first = all.into_iter().next().context("a trajectory has at least one frame")?;
         Ok(Trajectory { frames: paths, ..first })
+    }
+
+    /// Removes its files, of which there may be many.
+    pub fn remove(&self) {
+        // They are temporary: what cannot be removed now goes with its folder.
+        self.frames.iter().for_each(|path| drop(std::fs::remove_file(path)));
     }
 
     /// The dimensions of its box, if it has one: then contacts have images.

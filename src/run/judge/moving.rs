@@ -7,6 +7,7 @@ use crate::moving::{Builds, Late, Moved};
 use crate::oracle::{Causes, Errors};
 use crate::periodic::Contacts;
 use crate::record::row::Outcome;
+use crate::run::interrupt;
 use crate::run::judge::open::Open;
 use crate::run::judge::{Judged, Nothing};
 use crate::run::protocol::Steps;
@@ -90,6 +91,7 @@ impl Moving {
     ) -> anyhow::Result<Result<Vec<Right>, Nothing>> {
         let mut all = Vec::new();
         for k in 0..self.trajectory.frames.len() {
+            interrupt::check()?;
             let given = self.read(k)?;
             let mut open = Open::new(&given.scene, self.memory_limit);
             let truths = match open.known(arithmetic)? {

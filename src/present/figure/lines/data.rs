@@ -128,11 +128,26 @@ impl Plot {
             }
             label
         };
+        // Who has no such parameter, where others have it, is the same along all of it.
+        let of_some = chosen.iter().any(|cell| cell.id.detector_params.contains_key(&x_name));
+        let xs = || chosen.iter().filter(|_| of_some).filter_map(|cell| x.at(cell, None));
+        let ends = match (xs().reduce(f64::min), xs().reduce(f64::max)) {
+            (Some(low), Some(high)) if low < high => vec![low, high],
+            _ => Vec::new(),
+        };
         type Gathered<'a> =
             BTreeMap<(u32, usize, usize, String), BTreeMap<CurveKey, Vec<(f64, &'a Cell)>>>;
         let (mut gathered, mut places): (Gathered, Vec<String>) = (BTreeMap::new(), Vec::new());
+        let places_of = |cell: &Cell| match x.at(cell, None) {
+            Some(at) => vec![at],
+            None if cell.id.axis(&x_name).is_none() => ends.clone(),
+            None => Vec::new(),
+        };
         for cell in &chosen {
-            let Some(at) = x.at(cell, None) else { continue };
+            let at = places_of(cell);
+            if at.is_empty() {
+                continue;
+            }
             let scene = scene_of(&cell.id);
             let place = places.iter().position(|known| *known == scene).unwrap_or_else(|| {
                 places.push(scene.clone());
@@ -141,7 +156,8 @@ impl Plot {
             let first =
                 scenes.iter().position(|known| *known == cell.id.scene).unwrap_or(scenes.len());
             let lines = gathered.entry((cell.id.dim, first, place, scene)).or_default();
-            lines.entry(line_of(cell)).or_default().push((at, cell));
+            let line: &mut Vec<_> = lines.entry(line_of(cell)).or_default();
+            line.extend(at.into_iter().map(|at| (at, *cell)));
         }
         let mut over_seeds = false;
         let mut panels = Vec::new();
