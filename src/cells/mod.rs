@@ -169,6 +169,18 @@ impl Cell {
         if rounds.is_empty() { ratio(&self.times, &to.times) } else { typical_ratio(&rounds) }
     }
 
+    /// Frames of its scene, over which counts and contacts are summed; 1 at rest.
+    pub fn frames(&self) -> f64 {
+        let moves = self.values.contains_key("mean_way");
+        let frames = self.id.axis("frames").filter(|_| moves).and_then(|frames| frames.number());
+        frames.unwrap_or(1.0).max(1.0)
+    }
+
+    /// A list that is not built in time, and missed contacts: by its rule it may.
+    pub fn misses_by_rule(&self) -> bool {
+        self.id.detector_params.contains_key("rule") && self.overall().0 == Outcome::Lossy
+    }
+
     /// The median time of a wrong answer: never compared with anything, but shown, marked.
     pub fn wrong_time(&self) -> Option<f64> {
         self.blocks().filter(|_| self.overall().0 == Outcome::Wrong).map(|time| time.median)

@@ -9,6 +9,8 @@
 
 use std::fmt;
 
+use crate::record::column::Column;
+use crate::record::outcome::Pass;
 use serde::de::{Error, Visitor};
 use serde::{Deserialize, Deserializer};
 
@@ -114,7 +116,9 @@ impl Expression {
 
     /// Does it use the measured time, so that it has an interval and is of one machine?
     pub fn uses_time(&self) -> bool {
-        self.variables().any(|(name, _)| name == "time_ns")
+        self.variables().any(|(name, _)| {
+            Column::find(name).is_some_and(|column| column.pass == Some(Pass::Time))
+        })
     }
 
     /// The result, where every variable has a value; it need not be finite.

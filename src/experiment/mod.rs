@@ -192,8 +192,14 @@ impl Experiment {
         for sweep in &mut experiment.scenes {
             sweep.relative_to(folder).with_context(|| format!("line {}", sweep.line))?;
         }
-        experiment.plan(false)?;
+        let moves = experiment.plan(false)?.iter().any(|spec| spec.course.is_some());
         experiment.plan(true)?;
+        if moves && (experiment.bound || experiment.cost_model) {
+            let words = "bound and cost-model are about single detections, and a scene moves; \
+                         leave them out";
+            let key = if experiment.bound { "bound" } else { "cost-model" };
+            return Err(document.key(key, words.into()));
+        }
         Ok((experiment, document))
     }
 

@@ -303,7 +303,7 @@ fn faster(than: &str, by: f64, cells: &[&Cell], own: &[Cell]) -> (Finding, BTree
     let mut found: Vec<(&Cell, Interval)> = Vec::new();
     for &cell in cells.iter().filter(|cell| cell.id.contender() != than) {
         let twin = cell.id.clone().with_contender(than);
-        let good = |cell: &Cell| cell.outcome(&[Pass::Time]).0.is_good();
+        let good = |cell: &Cell| cell.outcome(&[Pass::Time]).0.is_good() && !cell.misses_by_rule();
         if let Some(&other) = other.get(&twin).filter(|other| good(other) && good(cell)) {
             found.extend(cell.ratio(other).map(|ratio| (cell, ratio)));
         }

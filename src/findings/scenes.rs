@@ -82,6 +82,8 @@ pub fn scenes(cells: &[&Cell]) -> Vec<SceneResults> {
 
 fn contender(cell: &Cell, name: String, n: f64, fastest: Option<&Cell>) -> Contender {
     let per = |name: &str| cell.variable(name, None).map(|value| value / n);
+    // As the time is that of a step.
+    let per_step = |name: &str| per(name).map(|value| value / cell.frames());
     let lists = ["list_push", "list_step", "list_reset"];
     Contender {
         name,
@@ -93,8 +95,8 @@ fn contender(cell: &Cell, name: String, n: f64, fastest: Option<&Cell>) -> Conte
             (Some(fastest), Some(_)) => cell.ratio(fastest).map_or(Versus::Unknown, Versus::Slower),
             _ => Versus::Unknown,
         },
-        contact_tests: per("contact_test"),
-        list_operations: lists.into_iter().map(per).sum(),
+        contact_tests: per_step("contact_test"),
+        list_operations: lists.into_iter().map(per_step).sum(),
         peak_bytes: per("peak_bytes"),
         formula_bytes: per("formula_bytes"),
         outcome: cell.overall().0,

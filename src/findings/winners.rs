@@ -18,7 +18,6 @@ use crate::cells::series::Line;
 use crate::cells::{Cell, CellId, label, series};
 use crate::contact::Arithmetic;
 use crate::findings::noise::Noise;
-use crate::record::outcome::Outcome;
 use crate::stats::interval::{Interval, median};
 
 /// A scene at its largest N.
@@ -89,8 +88,7 @@ pub fn winner<'a>(cells: &[&'a Cell], noise: &Noise) -> Option<&'a Cell> {
 
 fn is_able(cell: &Cell) -> bool {
     // A list that misses contacts is not the fastest way to find them.
-    let misses = cell.values.contains_key("builds") && cell.overall().0 == Outcome::Lossy;
-    !cell.role.is_control() && cell.time().is_some() && !misses
+    !cell.role.is_control() && cell.time().is_some() && !cell.misses_by_rule()
 }
 
 /// A scene at its largest N, and among several with that N at the last parameters and the first

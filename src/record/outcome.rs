@@ -60,8 +60,8 @@ pub enum Outcome {
     /// The answer was right.
     #[default]
     Ok,
-    /// Contacts were lost, as textbook filters may: the answer is what was asked for, and its error
-    /// stands in the row.
+    /// Contacts were lost, as textbook filters and careless trackers may: the answer is what was
+    /// asked for, and its error stands in the row.
     Lossy,
     /// The answer was wrong: its time means nothing.
     Wrong,

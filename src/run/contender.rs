@@ -5,8 +5,8 @@ use std::path::Path;
 use std::time::Duration;
 
 use crate::contact::Arithmetic;
-use crate::experiment::Experiment;
 use crate::experiment::plan::{Entrant, Program, THREADS};
+use crate::experiment::{Experiment, detectors};
 use crate::record::id::{CellId, split_contender};
 use crate::record::role::Role;
 use crate::record::row::Row;
@@ -146,7 +146,14 @@ fn asked(experiment: &Experiment, path: &Path, beside: bool) -> Vec<Contender> {
                 Ok(spec) => (Role::from(spec.detector().entry.role), None),
                 Err(reason) => (Role::Peer, Some(reason.to_string())),
             };
-            let with = |threads| start(own(path, name, arithmetic, threads, limit), "", threads);
+            let with = |threads| {
+                let mut start = start(own(path, name, arithmetic, threads, limit), "", threads);
+                // A tracker may take the limit for its lists beside its detector's arrays.
+                if detectors::is_tracker(name) {
+                    start.memory_limit = start.memory_limit.saturating_add(limit);
+                }
+                start
+            };
             Contender {
                 name: name.into(),
                 arithmetic: Some(arithmetic),

@@ -90,7 +90,7 @@ impl Stage<'_> {
                 row.reason =
                     format!("{others} of {} turns gave another answer than the last", turns.len());
                 // Those of the last say nothing of the others.
-                (row.errors, row.causes) = (None, None);
+                (row.errors, row.causes, row.course) = (None, None, None);
                 self.note_wrong(&row);
             }
             self.write(&row)?;
@@ -128,10 +128,17 @@ fn total(turns: &[Sample]) -> Option<Sample> {
     let (first, last) = (turns.first()?, turns.last()?);
     let calls: u64 = turns.iter().map(|turn| turn.calls).sum();
     let elapsed_ns: u64 = turns.iter().map(|turn| turn.elapsed_ns).sum();
+    // As the time: the mean over all detections.
+    let mean = |of: &dyn Fn(&Sample) -> Option<u64>| {
+        let all = turns.iter().map(|turn| Some(u128::from(of(turn)?) * u128::from(turn.calls)));
+        let all: u128 = all.sum::<Option<u128>>()?;
+        Some(((all + u128::from(calls / 2)) / u128::from(calls.max(1))) as u64)
+    };
+    let step_ns = (0..last.step_ns.len()).map_while(|k| mean(&|turn| turn.step_ns.get(k).copied()));
     Some(Sample {
         time_ns: (elapsed_ns + calls / 2) / calls.max(1),
-        step_ns: last.step_ns.clone(),
-        building_ns: last.building_ns,
+        step_ns: step_ns.collect(),
+        building_ns: mean(&|turn| turn.building_ns),
         first_ns: first.first_ns,
         calls,
         elapsed_ns,

@@ -20,7 +20,7 @@ use crate::record::row::Outcome;
 use crate::run::protocol;
 use crate::run::trajectory::Trajectory;
 use crate::scene::Given;
-use crate::sink::Digest;
+use crate::sink::{Digest, splitmix64};
 
 /// Judges the answers about one scene. What is true is found when it is first needed.
 pub(crate) struct Judge<'a> {
@@ -122,11 +122,12 @@ impl<'a> Judge<'a> {
         Ok(Judge { of, seen: HashMap::new() })
     }
 
-    /// A judge of all frames of a trajectory in open space, and what the motion is like.
+    /// A judge of all frames of a trajectory in open space, and what the motion is like, if the
+    /// truth is known in all of them.
     pub fn moving(
         trajectory: Trajectory,
         memory_limit: u64,
-    ) -> anyhow::Result<(Judge<'static>, Moved)> {
+    ) -> anyhow::Result<(Judge<'static>, Option<Moved>)> {
         let (moving, moved) = Moving::new(trajectory, memory_limit)?;
         Ok((Judge { of: Of::Moving(moving), seen: HashMap::new() }, moved))
     }
@@ -175,7 +176,13 @@ impl<'a> Judge<'a> {
         whole: Digest,
         fetch: impl FnMut(u64) -> Result<Contacts, String>,
     ) -> anyhow::Result<(Judged, Course)> {
-        let key = (said.arithmetic, contender.to_string(), whole.contacts, whole.sum);
+        if let Some(why) = said.steps.answers().find_map(Result::err) {
+            return Ok((Judged::without_pairs(Outcome::Wrong, why), Course::default()));
+        }
+        // When lists were built is part of what is said.
+        let flags = said.steps.built.iter().chain(&said.steps.dangerous);
+        let sum = flags.fold(whole.sum, |sum, &flag| splitmix64(sum ^ u64::from(flag)));
+        let key = (said.arithmetic, contender.to_string(), whole.contacts, sum);
         if let Some(known) = self.seen.get(&key) {
             return Ok(known.clone());
         }
@@ -189,6 +196,14 @@ impl<'a> Judge<'a> {
             self.seen.insert(key, found.clone());
         }
         Ok(found)
+    }
+
+    /// How many contacts there are at most in a frame, in exact arithmetic.
+    pub fn most_contacts(&mut self) -> anyhow::Result<u64> {
+        match &mut self.of {
+            Of::Moving(moving) => moving.most_contacts(),
+            _ => Ok(self.contacts(Arithmetic::Exact)?.unwrap_or(0)),
+        }
     }
 
     /// Are there frames to be judged?

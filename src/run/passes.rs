@@ -119,9 +119,10 @@ pub(crate) struct Sample {
 
 /// The contacts of all frames together, and a digest of their digests, in order: a chain as that of
 /// [`scene_hash`](crate::scene::stats::scene_hash), over their sums. Those of the last detection,
-/// where frames are not told apart.
+/// where there is one frame.
 fn whole(steps: &Steps, last: (u64, String)) -> (u64, String) {
-    if steps.is_empty() {
+    // Of one frame it is its own.
+    if steps.digests.len() < 2 {
         return last;
     }
     let sums = steps.answers().map(|answer| answer.map_or(0, |digest| digest.sum));

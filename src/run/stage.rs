@@ -92,7 +92,7 @@ impl Stage<'_> {
             let moving = Trajectory::write_moving(self.folder, &mut frames, count)?;
             let (mut judge, moved) = Judge::moving(moving.clone(), limit)?;
             let loads = [moving.clone()].into();
-            let scene = Staged { given: &given, loads, moved: Some(moved) };
+            let scene = Staged { given: &given, loads, moved };
             let running = self.enter_all(contenders, scene, &mut judge)?;
             self.blocks(running, blocks, &mut judge)?;
             moving.remove();
@@ -130,9 +130,10 @@ impl Stage<'_> {
     ) -> anyhow::Result<Vec<Running>> {
         let contacts = judge.contacts(Arithmetic::Exact)?.unwrap_or(0);
         let (scene, stats) = (&given.scene, stats::stats(given, contacts));
+        let most = judge.most_contacts()?;
         let mut running = Vec::new();
         for contender in contenders {
-            let contender = contender.allowing(scene, contacts);
+            let contender = contender.allowing(scene, most);
             let blank = contender.blank(self.experiment, self.spec, Some(scene), &stats);
             let blank = Row { moved: moved.clone(), ..blank };
             if self.give_up(&blank)? {

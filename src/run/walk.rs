@@ -11,12 +11,16 @@ use crate::detect::Options;
 use crate::io;
 use crate::probe::Tally;
 use crate::run::alloc::Meter;
+use crate::run::possible::MOST_CALLS;
 use crate::run::protocol::{Reply, Steps};
 use crate::run::server::{Answer, error};
 use crate::run::trajectory::Trajectory;
 use crate::scene::AnyScene;
 use crate::sink::Digest;
 use crate::track::{Step, Tracker, TrackerSpec};
+
+/// Each reads all frames from their files.
+const MOST_PASSES: u64 = 64;
 
 /// A tracker with its trajectory and its buffers.
 pub struct Walk {
@@ -46,7 +50,10 @@ impl Walk {
     ) -> Result<Walk, Reply> {
         let refused = |reason: &str| Err(Reply::Refused { reason: reason.into() });
         if trajectory.in_box.is_some() {
-            return refused("trackers know no boxes that repeat; take the scene in open space");
+            return refused(
+                "scenes in motion, and trackers, have open boundaries; take the scene without its \
+                 box",
+            );
         }
         if trajectory.frames.is_empty() {
             return refused("the trajectory has no frames");
@@ -105,10 +112,15 @@ impl Walk {
         mut tally: Option<&mut Tally>,
         mut each: impl FnMut(usize, &Seen, &[[u32; 2]]),
     ) -> Answer<()> {
-        self.reset();
         for k in 0..self.trajectory.frames.len() {
             let scene = self.frame(k)?;
-            let seen = self.step(&scene, k, tally.as_deref_mut())?;
+            let start = Instant::now();
+            if k == 0 {
+                self.reset();
+            }
+            let reset = start.elapsed().as_nanos() as u64;
+            let mut seen = self.step(&scene, k, tally.as_deref_mut())?;
+            seen.ns += reset;
             each(k, &seen, &self.pairs);
         }
         Ok(())
@@ -119,17 +131,17 @@ impl Walk {
         self.next = None;
     }
 
-    /// Passes of at least so many nanoseconds together, after one look at the first frame that
-    /// warms caches and buffers.
+    /// Passes of at least so many nanoseconds together, after one that warms caches and buffers; of
+    /// several frames at most [`MOST_PASSES`].
     pub fn sample(&mut self, min_ns: u64) -> Answer {
-        let first = self.frame(0)?;
-        self.reset();
-        let first_ns = Some(self.step(&first, 0, None)?.ns).filter(|&ns| ns > 0);
-        drop(first);
         let count = self.trajectory.frames.len();
+        let mut first = 0;
+        self.pass(None, |_, seen, _| first += seen.ns)?;
+        let first_ns = Some(first / count as u64).filter(|&ns| ns > 0);
+        let most = if count == 1 { MOST_CALLS } else { MOST_PASSES };
         let (mut ns, mut steps) = (vec![0; count], Steps::default());
         let (mut passes, mut building) = (0, 0);
-        while passes == 0 || ns.iter().sum::<u64>() < min_ns {
+        while passes == 0 || passes < most && ns.iter().sum::<u64>() < min_ns {
             self.pass(None, |k, seen, pairs| {
                 ns[k] += seen.ns;
                 building += seen.step.building.as_nanos() as u64;

@@ -65,8 +65,8 @@ impl Course {
         let motion = text.parse()?;
         let frames = params.remove("frames").map_or(Ok(FRAMES), |frames| {
             let whole = frames.as_integer().and_then(|frames| u64::try_from(frames).ok());
-            whole.filter(|frames| (1..=MOST_FRAMES).contains(frames)).with_context(|| {
-                format!("frames = {frames}: it must be a whole number from 1 to {MOST_FRAMES}")
+            whole.filter(|frames| (2..=MOST_FRAMES).contains(frames)).with_context(|| {
+                format!("frames = {frames}: it must be a whole number from 2 to {MOST_FRAMES}")
             })
         })?;
         Ok(Some(Course { motion, frames }))
@@ -90,8 +90,9 @@ impl Course {
 
 /// Where none are asked for.
 const FRAMES: u64 = 100;
-/// Each is a file while it is measured.
-const MOST_FRAMES: u64 = 100_000;
+/// Each is a file while it is measured, and has some sixty bytes in a reply, which is a line of at
+/// most 1 MiB.
+const MOST_FRAMES: u64 = 10_000;
 
 impl Spec {
     /// Checks the parameters and fills in the defaults.

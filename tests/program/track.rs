@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use crate::common::{file, good, refused, run};
+use crate::common::{PROGRAM, file, good, refused, run};
 
 fn json(arguments: &[&str]) -> Value {
     let folder = tempfile::tempdir().unwrap();
@@ -212,6 +212,53 @@ kind = "speed-error"
     assert!(judged >= 3 * 4, "{judged} rows of trackers");
 }
 
+/// Trackers beside detectors, scenes in motion beside scenes at rest, and builds that take turns.
+#[test]
+fn motion_and_rest_are_in_one_record() {
+    let folder = tempfile::tempdir().unwrap();
+    let experiment = r#"
+name = "mixed"
+title = "Mixed"
+question = "?"
+reading = "!"
+blocks = 2
+detectors = ["nbs", "nothing", "verlet(nbs,rule=every-3,skin=0)", "every-step(streamed-nbs)"]
+arithmetics = ["exact", "textbook"]
+
+[[scene]]
+name = "packed"
+n = 60
+
+[[scene]]
+name = "packed"
+n = 60
+motion = ["drift", "rest"]
+frames = 5
+"#;
+    file(folder.path(), "mixed.toml", experiment);
+    for (out, more) in [("out", &[][..]), ("beside", &["--against", PROGRAM])] {
+        let all = [&["run", "mixed.toml", "--out", out], more].concat();
+        let said = good(folder.path(), &all);
+        assert!(!said.stderr.contains("WRONG"), "{}", said.stderr);
+        let report = good(folder.path(), &["report", out]);
+        assert!(report.stderr.is_empty(), "{}", report.stderr);
+        let rows = std::fs::read_to_string(folder.path().join(out).join("samples.jsonl")).unwrap();
+        for row in rows.lines().map(|line| serde_json::from_str::<Value>(line).unwrap()) {
+            let outcome = row["outcome"].as_str().unwrap();
+            assert!(["ok", "lossy", "control"].contains(&outcome), "{row}");
+            let moves = row["params"].get("motion").is_some();
+            assert_eq!(moves, !row["moved"].is_null(), "{row}");
+            let shown = ["ok", "lossy"].contains(&outcome);
+            assert_eq!(moves && shown, !row["course"].is_null(), "{row}");
+        }
+    }
+    // What was measured is not measured again.
+    let rows = || std::fs::read_to_string(folder.path().join("out/samples.jsonl")).unwrap();
+    let before = rows();
+    good(folder.path(), &["run", "mixed.toml", "--out", "out", "--resume"]);
+    assert_eq!(before, rows());
+}
+
 /// What cannot move, or not so, is said before anything is measured.
 #[test]
 fn courses_that_make_no_sense_are_refused() {
@@ -227,7 +274,7 @@ fn courses_that_make_no_sense_are_refused() {
         (
             "nbs",
             "name = \"packed\"\nn = 9\nmotion = \"drift\"\nframes = 0",
-            "frames = 0: it must be a whole number from 1",
+            "frames = 0: it must be a whole number from 2",
         ),
         ("nbs", "name = \"packed\"\nn = 9\nspeed = 1", "speed"),
         (

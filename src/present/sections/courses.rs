@@ -25,7 +25,8 @@ pub fn blocks(found: &Courses) -> Vec<Block> {
          and their share in all; since which frame; how many were never reported; after how many \
          frames the others were, at most, and how deep one then was. Dangerous: builds at the \
          first look at a rule that was broken, as LAMMPS counts them; how many of those came after \
-         missed contacts, and how many builds did in all. Who is not in the table missed nothing.",
+         missed contacts, and how many builds did in all. Who has builds above and is not here \
+         missed nothing.",
     ));
     let columns = vec![
         Column::left("scene"),

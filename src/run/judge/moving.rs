@@ -52,7 +52,10 @@ pub(crate) struct Said<'a> {
 
 impl Moving {
     /// Finds what is true by exact decisions, and what the motion is like.
-    pub fn new(trajectory: Trajectory, memory_limit: u64) -> anyhow::Result<(Moving, Moved)> {
+    pub fn new(
+        trajectory: Trajectory,
+        memory_limit: u64,
+    ) -> anyhow::Result<(Moving, Option<Moved>)> {
         let (mut moved, mut last) = (Moved::default(), None::<(Given, Vec<[u32; 2]>)>);
         let mut moving = Moving { trajectory, memory_limit, known: HashMap::new() };
         let exact = moving.find(Arithmetic::Exact, |given, truth| {
@@ -60,6 +63,7 @@ impl Moving {
             moved.take(before, &given.scene, truth, memory_limit);
             last = Some((given, truth.to_vec()));
         })?;
+        let moved = exact.is_ok().then_some(moved);
         moving.known.insert(Arithmetic::Exact, exact);
         Ok((moving, moved))
     }
@@ -68,6 +72,12 @@ impl Moving {
     pub fn truth(&mut self, arithmetic: Arithmetic) -> anyhow::Result<Result<Digest, Nothing>> {
         let known = self.known(arithmetic)?;
         Ok(known.map(|frames| frames.first().map(|right| right.digest).unwrap_or_default()))
+    }
+
+    /// Contacts in the frame that has the most.
+    pub fn most_contacts(&mut self) -> anyhow::Result<u64> {
+        let known = self.known(Arithmetic::Exact)?.unwrap_or_default();
+        Ok(known.iter().map(|right| right.digest.contacts).max().unwrap_or(0))
     }
 
     fn known(&mut self, arithmetic: Arithmetic) -> anyhow::Result<Result<Vec<Right>, Nothing>> {
