@@ -91,7 +91,7 @@ impl Courses {
             done.insert(cell.id.contender(), cell);
         }
         let course = |(id, done): &(&CellId, BTreeMap<String, &Cell>)| {
-            let frames = id.axis("frames").and_then(|frames| frames.number()).unwrap_or(1.0);
+            let frames = done.values().next().map_or(1.0, |cell| cell.frames());
             let value = |name: &str| done.values().find_map(|cell| cell.variable(name, None));
             let steps = (frames - 1.0).max(1.0);
             Course {

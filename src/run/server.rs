@@ -13,7 +13,6 @@ use std::io::{BufRead, Write};
 use std::time::Instant;
 
 use crate::contact::Arithmetic;
-use crate::detect::table::DetectorSpec;
 use crate::detect::{Options, Refusal};
 use crate::experiment::detectors;
 use crate::io;
@@ -34,7 +33,6 @@ pub struct Server {
     tracker: TrackerSpec,
     /// At work, where this is a tracker or the trajectory has several frames.
     walk: Option<Walk>,
-    spec: DetectorSpec,
     arithmetic: Arithmetic,
     options: Options,
     searcher: Searcher,
@@ -53,13 +51,11 @@ impl Server {
     /// It is neither.
     pub fn new(text: &str, arithmetic: Arithmetic, options: Options) -> anyhow::Result<Server> {
         let tracker = detectors::parse_tracker(text)?;
-        let spec = tracker.detector().clone();
         Ok(Server {
             name: detectors::normal(text),
+            searcher: Searcher::new(tracker.detector(), options),
             tracker,
             walk: None,
-            searcher: Searcher::new(&spec, options),
-            spec,
             arithmetic,
             options,
             scene: None,
@@ -101,7 +97,7 @@ impl Server {
         };
         let said = [
             ("features", env!("CONTACTBENCH_FEATURES")),
-            ("level", self.spec.level().unwrap_or_default()),
+            ("level", self.tracker.detector().level().unwrap_or_default()),
             ("profile", env!("CONTACTBENCH_PROFILE")),
             ("revision", provenance::revision().unwrap_or("unknown")),
             ("rustflags", env!("CONTACTBENCH_RUSTFLAGS")),
@@ -249,17 +245,18 @@ impl Server {
         self.detect()?;
         // The buffers of the detector at hand must not count against the limit of the one that is
         // measured.
-        self.searcher = Searcher::new(&self.spec, self.options);
+        self.searcher = Searcher::new(self.tracker.detector(), self.options);
         let (scene, arithmetic) = (loaded(&self.scene)?, self.arithmetic);
         let contacts = &mut self.contacts;
         let ((result, mut searcher), cold) = alloc::measure(|| {
-            let mut searcher = Searcher::new(&self.spec, self.options);
+            let mut searcher = Searcher::new(self.tracker.detector(), self.options);
             (searcher.list(scene, arithmetic, contacts), searcher)
         });
         result.map_err(refused)?;
         let digest = contacts.digest();
         // A library declares no formula.
-        let formula_bytes = self.spec.entry.is_ours().then(|| searcher.formula_bytes(scene));
+        let formula_bytes =
+            self.tracker.detector().entry.is_ours().then(|| searcher.formula_bytes(scene));
         let (again, warm) = alloc::measure(|| searcher.list(scene, arithmetic, contacts));
         again.map_err(refused)?;
         let (Some(cold), Some(warm)) = (cold, warm) else { return Ok(Reply::Unsupported) };
