@@ -42,8 +42,9 @@ pub struct Track {
 }
 
 /// Where none are named: all safe rules, LAMMPS's default, and one that looks at no particle.
-const USUAL: [&str; 6] = [
+const USUAL: [&str; 7] = [
     "every-step(streamed-nbs)",
+    "verlet(streamed-nbs,skin=auto)",
     "verlet(streamed-nbs,rule=top-two)",
     "verlet(streamed-nbs,rule=half-skin)",
     "verlet(streamed-nbs,rule=summed)",

@@ -86,7 +86,7 @@ fn files_and_all_arithmetics_can_be_tracked_and_the_table_fits_a_terminal() {
         );
         assert!(said.stdout.contains("All over streamed-nbs"), "{}", said.stdout);
         let rows = said.stdout.lines().filter(|line| line.contains("  "));
-        assert_eq!(rows.clone().count(), 7, "{}", said.stdout);
+        assert_eq!(rows.clone().count(), 8, "{}", said.stdout);
         assert!(rows.clone().all(|line| line.chars().count() <= 80), "{}", said.stdout);
         assert!(said.stdout.contains("every step "), "{}", said.stdout);
     }

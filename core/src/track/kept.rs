@@ -25,6 +25,8 @@ pub(super) struct Kept<const D: usize> {
     now: Vec<Point<f64, D>>,
     radii: KeptRadii,
     listed: Vec<[u32; 2]>,
+    /// Half of the skin of the list.
+    half: f64,
     /// What the contact test may round beyond the sum of two radii: the list allows for it.
     rounding: f64,
     /// Frames since the list was built; none if there is no list.
@@ -171,8 +173,14 @@ impl<const D: usize> Kept<D> {
                 other => other,
             },
         )?;
-        (self.age, self.summed, self.rounding) = (Some(0), 0.0, rounding);
+        (self.age, self.summed) = (Some(0), 0.0);
+        (self.half, self.rounding) = (half, rounding);
         Ok(())
+    }
+
+    /// Of the list.
+    pub fn skin(&self) -> f64 {
+        2.0 * self.half
     }
 
     /// Pairs in the list.

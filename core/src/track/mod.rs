@@ -38,12 +38,13 @@ mod spec;
 #[cfg(test)]
 mod tests;
 mod travel;
+mod tuner;
 mod verlet;
 
 use std::time::Duration;
 
 pub use rule::Rule;
-pub use spec::{FORMS, PARAMETERS, TrackerError, TrackerSpec, parse};
+pub use spec::{FORMS, PARAMETERS, Skin, TrackerError, TrackerSpec, parse};
 pub use travel::way;
 
 use crate::contact::Test;

@@ -91,14 +91,22 @@ impl Rule {
         }
     }
 
+    /// How far two particles may have come nearer, by this rule, so that a list is given up when it
+    /// is more than the skin.
+    pub(super) fn gone(self, ways: &Ways) -> f64 {
+        match self {
+            // Rounded up, but no more than twice the longest.
+            Rule::TopTwo => (ways.first + ways.second).next_up().min(2.0 * ways.first),
+            Rule::Summed => 2.0 * ways.summed,
+            Rule::HalfSkin | Rule::Every(_) | Rule::Lammps { .. } => 2.0 * ways.first,
+        }
+    }
+
     /// Must a list with this skin be built again in this frame, the `age`-th after that in which
     /// it was built?
     pub(super) fn is_due(self, age: u32, ways: &Ways, skin: f64) -> Due {
         let build = match self {
-            Rule::HalfSkin => 2.0 * ways.first > skin,
-            // Rounded up, but no more than twice the longest.
-            Rule::TopTwo => (ways.first + ways.second).next_up().min(2.0 * ways.first) > skin,
-            Rule::Summed => 2.0 * ways.summed > skin,
+            Rule::HalfSkin | Rule::TopTwo | Rule::Summed => self.gone(ways) > skin,
             Rule::Every(k) => age >= k,
             Rule::Lammps { delay, every, check } => {
                 let build = self.may_build(age) && (!check || ways.square > 0.25 * skin * skin);

@@ -20,12 +20,29 @@ pub enum TrackerSpec {
     Verlet {
         /// Who builds it.
         detector: DetectorSpec,
-        /// How far apart listed bodies may be at most, from surface to surface, in diameters of the
-        /// largest body.
-        skin: f64,
+        /// How far apart listed bodies may be at most, from surface to surface.
+        skin: Skin,
         /// When it is built again.
         rule: Rule,
     },
+}
+
+/// How thick a skin is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Skin {
+    /// In diameters of the largest body.
+    Diameters(f64),
+    /// What makes steps cheap, found while they go on: the same for the same frames.
+    Auto,
+}
+
+impl fmt::Display for Skin {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Skin::Diameters(skin) => skin.fmt(f),
+            Skin::Auto => f.write_str("auto"),
+        }
+    }
 }
 
 impl TrackerSpec {
@@ -93,13 +110,14 @@ impl fmt::Display for TrackerSpec {
 pub const PARAMETERS: [&str; 2] = ["rule", "skin"];
 
 /// How trackers are written, and what each does.
-pub const FORMS: [(&str, &str); 7] = [
+pub const FORMS: [(&str, &str); 8] = [
     ("every-step(DETECTOR)", "asks the detector in every frame; DETECTOR alone is the same"),
     (
         "verlet(DETECTOR,rule=RULE,skin=S)",
         "lists all pairs whose bodies are at most S apart, and looks at those only until the rule \
          has the list built again; skin=0.1 and rule=top-two where none is given",
     ),
+    ("skin=auto", "the skin that makes steps cheap, found while they go on; with a safe rule"),
     ("rule=top-two", "when the two that have gone farthest have together gone the skin: safe"),
     ("rule=half-skin", "when one has gone half of the skin: safe"),
     ("rule=summed", "when the longest ways of all frames, added up, are half of the skin: safe"),
@@ -118,7 +136,9 @@ pub enum TrackerError {
     #[error("'{0}' is no tracker; write every-step(DETECTOR) or verlet(DETECTOR,rule=RULE,skin=S)")]
     Form(String),
     /// Not a length.
-    #[error("'{text}': skin cannot be '{value}'; it is a number of at least 0, in diameters")]
+    #[error(
+        "'{text}': skin cannot be '{value}'; it is a number of at least 0, in diameters, or auto"
+    )]
     Skin {
         /// The whole text.
         text: String,
@@ -136,6 +156,14 @@ pub enum TrackerError {
         /// As given.
         value: String,
     },
+    /// A skin that nobody looks after.
+    #[error(
+        "'{text}': skin=auto goes with half-skin, top-two or summed, which look where bodies go"
+    )]
+    Auto {
+        /// The whole text.
+        text: String,
+    },
     /// One parameter, two values.
     #[error("'{text}': {name} is given twice; leave out one of the two")]
     Twice {
@@ -151,7 +179,7 @@ pub enum TrackerError {
 
 /// Where none is given: a tenth of a diameter, as in the granular benchmark of LAMMPS
 /// (`bench/in.chute`).
-const SKIN: f64 = 0.1;
+const SKIN: Skin = Skin::Diameters(0.1);
 
 /// The tracker that a text asks for; of a detector alone, one that asks it in every frame.
 ///
@@ -179,12 +207,18 @@ fn verlet(text: &str, inner: &str) -> Result<TrackerSpec, TrackerError> {
         match piece.split_once('=').map(|(key, value)| (key.trim(), value.trim())) {
             Some(("skin", value)) => {
                 let wrong = || TrackerError::Skin { text: whole(), value: value.into() };
-                let length: f64 = value.parse().map_err(|_| wrong())?;
-                if !(length >= 0.0 && length.is_finite()) {
-                    return Err(wrong());
-                }
-                // -0 becomes 0.
-                if skin.replace(length + 0.0).is_some() {
+                let length = match value {
+                    "auto" => Skin::Auto,
+                    _ => {
+                        let length: f64 = value.parse().map_err(|_| wrong())?;
+                        if !(length >= 0.0 && length.is_finite()) {
+                            return Err(wrong());
+                        }
+                        // -0 becomes 0.
+                        Skin::Diameters(length + 0.0)
+                    }
+                };
+                if skin.replace(length).is_some() {
                     return Err(twice("skin"));
                 }
             }
@@ -197,11 +231,12 @@ fn verlet(text: &str, inner: &str) -> Result<TrackerSpec, TrackerError> {
             _ => detector.push(piece),
         }
     }
-    Ok(TrackerSpec::Verlet {
-        detector: spec::parse(&detector.join(","))?,
-        skin: skin.unwrap_or(SKIN),
-        rule: rule.unwrap_or(Rule::TopTwo),
-    })
+    let (skin, rule) = (skin.unwrap_or(SKIN), rule.unwrap_or(Rule::TopTwo));
+    let looks = matches!(rule, Rule::HalfSkin | Rule::TopTwo | Rule::Summed);
+    if skin == Skin::Auto && !looks {
+        return Err(TrackerError::Auto { text: whole() });
+    }
+    Ok(TrackerSpec::Verlet { detector: spec::parse(&detector.join(","))?, skin, rule })
 }
 
 #[cfg(test)]
@@ -214,6 +249,7 @@ mod tests {
             ("nbs", "every-step(nbs)"),
             ("every-step(streamed-nbs:form=dense)", "every-step(streamed-nbs:form=dense)"),
             ("verlet(nbs)", "verlet(nbs,rule=top-two,skin=0.1)"),
+            ("verlet(nbs,skin=auto)", "verlet(nbs,rule=top-two,skin=auto)"),
             ("verlet(nbs,skin=-0)", "verlet(nbs,rule=top-two,skin=0)"),
             (
                 " verlet( rule = every-5 , streamed-nbs:form=dense, level=portable,skin =1e-3)",
@@ -237,6 +273,8 @@ mod tests {
             ("verlet(nbs,skin=nan)", "skin cannot be 'nan'"),
             ("verlet(nbs,skin=inf)", "skin cannot be 'inf'"),
             ("verlet(nbs,rule=never)", "rule cannot be 'never'"),
+            ("verlet(nbs,skin=auto,rule=every-5)", "skin=auto goes with half-skin"),
+            ("verlet(nbs,skin=auto,rule=lammps-0-1-yes)", "skin=auto goes with half-skin"),
             ("verlet(nbs,skin=1,skin=2)", "skin is given twice"),
             ("verlet(nbs,rule=summed,rule=top-two)", "rule is given twice"),
         ] {

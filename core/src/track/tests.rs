@@ -100,7 +100,7 @@ fn safe_rules_miss_nothing_over_any_detector_in_any_arithmetic() {
             for entry in TABLE.iter().filter(|it| it.role == crate::detect::table::Role::Detector) {
                 for arithmetic in Arithmetic::ALL {
                     for rule in ["half-skin", "top-two", "summed"] {
-                        for skin in ["0", "0.02", "0.5"] {
+                        for skin in ["0", "0.02", "0.5", "auto"] {
                             let text = format!("verlet({},skin={skin},rule={rule})", entry.name);
                             for frames in &scenes {
                                 let mut tracker = tracker(&text);

@@ -100,7 +100,10 @@ impl Plot {
             }
             CurveKey {
                 rank: crate::present::figure::style::rank(cell),
-                detector: key.contender_without(&common),
+                detector: match key.axis(&x_name).is_some_and(|at| at.number().is_none()) {
+                    true => key.contender(),
+                    false => key.contender_without(&common),
+                },
                 variant: variant.trim().into(),
                 parallel: threads && key.threads() > 1,
             }
@@ -140,8 +143,8 @@ impl Plot {
         let (mut gathered, mut places): (Gathered, Vec<String>) = (BTreeMap::new(), Vec::new());
         let places_of = |cell: &Cell| match x.at(cell, None) {
             Some(at) => vec![at],
-            None if cell.id.axis(&x_name).is_none() => ends.clone(),
-            None => Vec::new(),
+            // Or one that is no number.
+            None => ends.clone(),
         };
         for cell in &chosen {
             let at = places_of(cell);

@@ -1,0 +1,155 @@
+//! The skin that makes steps cheap, found while they go on.
+//!
+//! A thick skin makes a list long, a thin one makes it short-lived. Per particle and step, in units
+//! of one look at a listed pair, a list whose two fastest bodies go u diameters in a step together
+//! costs about
+//!
+//! ```text
+//! BUILD / (floor(s / u) + 1)  +  e ((1 + s)^D - 1)
+//! ```
+//!
+//! looks more than a list without a skin that needed no building: the first is what building costs,
+//! spread over the steps that the list serves; the second what it lists beyond contacts, where e is
+//! known from the list at hand. Both are counted, not timed, so that the same frames are given the
+//! same skins on every machine. Near its least the cost hardly depends on s: half or twice the best
+//! skin costs a quarter more of the excess, and an error of four times in BUILD is one of two times
+//! in the skin.
+
+/// What building costs, in looks at a listed pair: about 90 ns per particle with `streamed-nbs`, and
+/// 2.3 ns for a look, for a million spheres. Slower detectors want somewhat thicker skins.
+const BUILD: f64 = 40.0;
+/// In diameters: before anything is known, and at least and at most.
+const FIRST: f64 = 0.1;
+pub(super) const LEAST: f64 = 0.01;
+const MOST: f64 = 1.0;
+/// Where lists are of no use so many frames are looked at without one.
+const DIRECT: u32 = 15;
+/// So many frames after a list was built it is asked whether a thinner skin would do, and then after
+/// twice as many.
+const ASKED: u32 = 64;
+
+/// What is known of a list that is given up, or looked at.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Served {
+    /// Frames since it was built.
+    pub age: u32,
+    /// How far the two that went farthest have gone together, in diameters.
+    pub together: f64,
+    /// Its skin, in diameters.
+    pub skin: f64,
+    /// Listed pairs for each particle.
+    pub listed: f64,
+    /// Of those, in touch.
+    pub touching: f64,
+    /// Dimensions.
+    pub dim: u32,
+}
+
+/// Chooses skins.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Tuner {
+    /// Of the next list, in diameters.
+    pub skin: f64,
+    /// Frames to come that are looked at without a list.
+    pub direct: u32,
+}
+
+impl Default for Tuner {
+    fn default() -> Tuner {
+        Tuner { skin: FIRST, direct: 0 }
+    }
+}
+
+impl Tuner {
+    /// A list has been given up.
+    pub fn learn(&mut self, served: &Served) {
+        match best(served) {
+            Some(skin) => (self.skin, self.direct) = (skin, 0),
+            None => (self.skin, self.direct) = (FIRST, DIRECT),
+        }
+    }
+
+    /// A list that may serve on: is it worth building a thinner one?
+    pub fn is_too_thick(&self, served: &Served) -> bool {
+        let asked = served.age >= ASKED && served.age.is_power_of_two();
+        asked && best(served).is_some_and(|skin| skin < 0.5 * served.skin)
+    }
+
+    /// There is no room for a list with this skin.
+    pub fn thinner(&mut self) {
+        self.skin = (0.5 * self.skin).max(LEAST);
+    }
+}
+
+/// The skin of least cost, in diameters; none if it costs less to build in every step.
+fn best(served: &Served) -> Option<f64> {
+    let Served { age, together, skin, listed, touching, dim } = *served;
+    // Multiplied out: powers are rounded differently from machine to machine.
+    let grown = |skin: f64| (0..dim).fold(1.0, |power, _| power * (1.0 + skin)) - 1.0;
+    // An empty list says nothing of the next.
+    let extra = ((listed - touching) / grown(skin).max(LEAST)).max(1.0);
+    let step = together / f64::from(age.max(1));
+    let cost = |steps: f64, skin: f64| BUILD / (steps + 1.0) + extra * grown(skin);
+    if step * f64::from(u16::MAX) < LEAST {
+        return Some(LEAST);
+    }
+    let mut found: Option<(f64, f64)> = None;
+    let mut steps = 1.0;
+    while steps * step <= MOST {
+        // Speeds vary a little.
+        let skin = (1.01 * steps * step).max(LEAST);
+        let cost = cost((skin / step).floor(), skin);
+        if cost < BUILD && found.is_none_or(|(least, _)| cost < least) {
+            found = Some((cost, skin));
+        }
+        steps = (steps + 1.0).max((1.1 * steps).floor());
+    }
+    found.map(|(_, skin)| skin)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A dense pack, in which the two fastest go so far together in a step.
+    fn served(step: f64, skin: f64) -> Served {
+        let age = (skin / step).floor().clamp(1.0, 1e6);
+        let listed = 3.0 + 6.0 * ((1.0 + skin).powi(3) - 1.0);
+        let together = (age * step).min(1e3);
+        Served { age: age as u32, together, skin, listed, touching: 3.0, dim: 3 }
+    }
+
+    /// By the model without whole steps: s = sqrt(BUILD u / (D e)) where it is small.
+    #[test]
+    fn the_skin_grows_with_the_root_of_the_speed() {
+        for step in [1e-5, 1e-4, 1e-3, 1e-2] {
+            let mut tuner = Tuner::default();
+            tuner.learn(&served(step, 0.1));
+            let predicted = (BUILD * step / (3.0 * 6.0)).sqrt().max(LEAST);
+            let ratio = tuner.skin / predicted;
+            assert!((0.5..=1.5).contains(&ratio), "{step}: {} for {predicted}", tuner.skin);
+            // What it finds it keeps.
+            let before = tuner;
+            tuner.learn(&served(step, tuner.skin));
+            assert!((tuner.skin / before.skin - 1.0).abs() < 0.3, "{step}: {tuner:?}");
+        }
+    }
+
+    #[test]
+    fn where_lists_are_of_no_use_there_is_none_for_a_while() {
+        let mut tuner = Tuner::default();
+        tuner.learn(&served(0.7, 0.1));
+        assert_eq!((tuner.direct, tuner.skin), (DIRECT, FIRST));
+        tuner.learn(&served(1e-3, 0.1));
+        assert_eq!(tuner.direct, 0);
+    }
+
+    #[test]
+    fn what_rests_has_the_thinnest_skin_soon() {
+        let rest = Served { age: 64, together: 0.0, ..served(1e-3, 0.1) };
+        let tuner = Tuner::default();
+        assert!(tuner.is_too_thick(&rest) && !tuner.is_too_thick(&Served { age: 63, ..rest }));
+        assert_eq!(best(&rest), Some(LEAST));
+        assert!(!tuner.is_too_thick(&Served { skin: LEAST, ..rest }));
+    }
+}
