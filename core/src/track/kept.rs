@@ -2,9 +2,11 @@
 
 use nalgebra::Point;
 
+use super::cells::{self, Room};
+use super::places::{Place, Unit};
 use super::rule::{Looks, Rule, Ways};
-use super::travel::{TopTwo, at_most, square};
-use crate::contact::{Bodies, Test};
+use super::travel::{TopTwo, at_most};
+use crate::contact::{Bodies, Corners, Test};
 use crate::detect::any::AnyDetector;
 use crate::filter::Near;
 use crate::pair_list::{PAIR_BYTES, PairList};
@@ -13,18 +15,22 @@ use crate::refusal::{Refusal, reserve};
 use crate::scene::{AnyScene, Radii, Real, Scene, array};
 use crate::sink::Sink;
 
+/// Particles or pairs that are handled together.
+const BLOCK: usize = 128;
+
 /// Particles stand in places, so that those near one another are side by side in memory; listed
 /// pairs are of places.
 #[derive(Default)]
 pub(super) struct Kept<const D: usize> {
-    /// The particle in each place.
-    order: Vec<u32>,
+    /// Where each particle was in the last frame.
+    places: Vec<Place<D>>,
+    unit: Unit<D>,
     /// Where it was when the list was built.
     then: Vec<Point<f64, D>>,
-    /// Where it was in the last frame.
-    now: Vec<Point<f64, D>>,
+    /// Where it was in the last frame, in full, for rules that ask for its way since then.
+    last: Vec<Point<f64, D>>,
     radii: KeptRadii,
-    listed: Vec<[u32; 2]>,
+    listed: Room,
     /// Half of the skin of the list.
     half: f64,
     /// What the contact test may round beyond the sum of two radii: the list allows for it.
@@ -33,7 +39,6 @@ pub(super) struct Kept<const D: usize> {
     age: Option<u32>,
     /// The longest way in each of them, added up.
     summed: f64,
-    cells: Cells,
 }
 
 enum KeptRadii {
@@ -60,12 +65,16 @@ impl<const D: usize> Kept<D> {
 
     /// Bytes of the arrays, where the list has room for as many pairs as it holds.
     pub fn bytes(&self) -> u64 {
-        let n = self.order.len() as u64;
+        let n = self.places.len();
         let radii = match self.radii {
-            KeptRadii::Each { .. } => 16 * n,
+            KeptRadii::Each { .. } => 16 * n as u64,
             KeptRadii::Uniform(_) => 0,
         };
-        n * (4 + 16 * D as u64) + radii + self.listed.len() as u64 * PAIR_BYTES + self.cells.bytes()
+        let pairs = self.listed.len().max(cells::room(n)) as u64;
+        (n + self.last.len()) as u64 * POINT * D as u64
+            + n as u64 * place_bytes::<D>()
+            + radii
+            + pairs * PAIR_BYTES
     }
 
     /// Brings the particles to their places in this frame, and says how far they have gone and how
@@ -79,42 +88,49 @@ impl<const D: usize> Kept<D> {
     ) -> Option<(u32, Ways)> {
         let age = self.age?.saturating_add(1);
         let centres = scene.centres();
-        let same = centres.len() == self.order.len() && self.radii.are(scene);
+        let same = centres.len() == self.places.len() && self.radii.are(scene);
         if !same || rounding > self.rounding {
             return None;
         }
-        let (mut top, mut step) = (TopTwo::default(), 0.0f64);
-        let places = self.order.iter().zip(&mut self.now).zip(&self.then);
-        match rule.looks(age) {
-            Looks::Nowhere => places.for_each(|((&particle, now), _)| {
-                *now = wide(&centres[particle as usize]);
-            }),
-            Looks::SinceBuilt => places.for_each(|((&particle, now), then)| {
-                *now = wide(&centres[particle as usize]);
-                top.take(square(array(now), array(then)));
-            }),
-            Looks::SinceFrame => places.for_each(|((&particle, now), then)| {
-                let at = wide(&centres[particle as usize]);
-                top.take(square(array(&at), array(then)));
-                step = step.max(square(array(&at), array(now)));
-                *now = at;
-            }),
+        let (mut top, mut step) = (TopTwo::default(), TopTwo::default());
+        let looks = rule.looks(age);
+        let mut unit = self.unit.begun();
+        let mut block = [Point::origin(); BLOCK];
+        let blocks = self.places.chunks_mut(BLOCK).zip(self.then.chunks(BLOCK));
+        for (k, (places, then)) in blocks.enumerate() {
+            // Nothing else, so that many wait for memory at the same time.
+            for (at, place) in block.iter_mut().zip(&*places) {
+                *at = wide(&centres[place.particle as usize]);
+            }
+            let at = &block[..places.len()];
+            for (place, at) in places.iter_mut().zip(at) {
+                unit.put(place, at);
+            }
+            if looks != Looks::Nowhere {
+                top.take_all(at, then);
+            }
+            if looks == Looks::SinceFrame {
+                let last = &mut self.last[k * BLOCK..][..at.len()];
+                step.take_all(at, last);
+                last.copy_from_slice(at);
+            }
         }
+        self.unit = unit;
         let (first, second) = (at_most(top.first), at_most(top.second));
         // No less than the longest way, as in real numbers.
-        self.summed = (self.summed + at_most(step)).next_up().max(first);
+        self.summed = (self.summed + at_most(step.first)).next_up().max(first);
         self.age = Some(age);
         Some((age, Ways { square: top.first, first, second, summed: self.summed }))
     }
 
     /// Lists all pairs whose bodies are at most twice `half` apart in this frame, and further by
-    /// what the contact test may round. The arrays may take `limit` bytes.
+    /// what the contact test may round, for a rule. The arrays may take `limit` bytes. The centres
+    /// are within `corners`.
     pub fn build<T: Real>(
         &mut self,
         scene: &Scene<'_, T, D>,
-        half: f64,
-        rounding: f64,
-        limit: u64,
+        corners: Corners<D>,
+        list: &Wanted,
         detector: &mut dyn AnyDetector,
         mut tally: Option<&mut Tally>,
     ) -> Result<(), Refusal>
@@ -122,6 +138,7 @@ impl<const D: usize> Kept<D> {
         for<'a> AnyScene<'a>: From<Scene<'a, f64, D>>,
     {
         self.age = None;
+        let Wanted { half, rounding, rule, limit } = *list;
         let (n, skin) = (scene.len(), 2.0 * half);
         let largest = scene.largest_radius().wide();
         let margin = if rounding == 0.0 { half } else { (half + 0.5 * rounding).next_up() };
@@ -129,29 +146,42 @@ impl<const D: usize> Kept<D> {
         if !(2.0 * larger(largest)).is_finite() {
             return Err(Refusal::Skin { skin, diameter: 2.0 * largest });
         }
+        let last = if rule.looks(1) == Looks::SinceFrame { n } else { 0 };
         let each = match scene.radii() {
             // By particle, by place, and larger while the list is built.
             Radii::Each(_) => 24,
             Radii::Uniform(_) => 0,
         };
-        let needed = n as u64 * (12 + 16 * D as u64 + each);
+        let needed = (n + last) as u64 * POINT * D as u64
+            + n as u64 * (place_bytes::<D>() + each)
+            + cells::room(n) as u64 * PAIR_BYTES;
         if needed > limit {
             let shape = format!("{n} particles, without the list");
             return Err(Refusal::Memory { detector: "verlet", needed, limit, shape });
         }
-        for points in [&mut self.then, &mut self.now] {
+        let centres = scene.centres();
+        self.places.clear();
+        reserve(&mut self.places, n)?;
+        self.places.resize(n, Place::NONE);
+        for (points, len) in [(&mut self.then, n), (&mut self.last, last)] {
             points.clear();
-            reserve(points, n)?;
+            reserve(points, len)?;
         }
-        self.then.extend(scene.centres().iter().map(wide));
-        self.cells.order(&self.then, &mut self.order)?;
+        let points = centres.iter().map(|centre| array(centre).map(Real::wide));
+        cells::places(points, corners, &mut self.listed, |particle, place| {
+            self.places[place].particle = particle;
+        })?;
         if let Some(tally) = tally.as_deref_mut() {
             tally.add(Op::Integerise, (n * D) as u64);
             tally.add(Op::Move, n as u64);
         }
-        self.now.extend(self.order.iter().map(|&particle| self.then[particle as usize]));
-        self.then.copy_from_slice(&self.now);
-        self.radii.take(scene, &self.order)?;
+        self.then.extend(self.places.iter().map(|place| wide(&centres[place.particle as usize])));
+        self.last.extend_from_slice(&self.then[..last]);
+        self.unit = Unit::new(corners, 2.0 * largest);
+        for (place, at) in self.places.iter_mut().zip(&self.then) {
+            self.unit.put(place, at);
+        }
+        self.radii.take(scene, &self.places)?;
         let wider = match &self.radii {
             KeptRadii::Each { placed, .. } => {
                 let mut radii = Vec::new();
@@ -161,7 +191,7 @@ impl<const D: usize> Kept<D> {
             }
             KeptRadii::Uniform(r) => Radii::Uniform(larger(*r)),
         };
-        let wider = Scene::new(&self.now[..], wider)
+        let wider = Scene::new(&self.then[..], wider)
             .map_err(|_| Refusal::Skin { skin, diameter: 2.0 * largest })?;
         self.listed.clear();
         let wider = wider.into();
@@ -191,15 +221,14 @@ impl<const D: usize> Kept<D> {
     /// Hands the listed pairs that touch in this frame to `pairs`. Tells how many took exact
     /// arithmetic.
     pub fn pass<T: Real, B: Bodies<T, D>>(&self, bodies: B, pairs: &mut PairList<'_>) -> u64 {
+        let near = self.unit.near(bodies.slack());
         match &self.radii {
             KeptRadii::Each { placed, .. } => {
-                let slack = bodies.slack();
-                let near =
-                    |[a, b]: [u32; 2]| Near::new(placed[a as usize] + placed[b as usize], slack);
+                let near = |[a, b]: [u32; 2]| near(placed[a as usize] + placed[b as usize]);
                 self.pass_by(bodies, near, pairs)
             }
             KeptRadii::Uniform(r) => {
-                let near = Near::new(r + r, bodies.slack());
+                let near = near(r + r);
                 self.pass_by(bodies, |_| near, pairs)
             }
         }
@@ -211,18 +240,18 @@ impl<const D: usize> Kept<D> {
         near: impl Fn([u32; 2]) -> Near,
         pairs: &mut PairList<'_>,
     ) -> u64 {
-        const BLOCK: usize = 256;
-        let (now, order) = (&self.now[..], &self.order[..]);
+        let places = &self.places[..];
         let (mut touching, mut exact) = ([[0; 2]; BLOCK], 0);
         for block in self.listed.chunks(BLOCK) {
             let (mut len, mut open) = (0, false);
             for &[a, b] in block {
                 let near = near([a, b]);
-                let square = square(array(&now[a as usize]), array(&now[b as usize]));
-                touching[len % BLOCK] = [order[a as usize], order[b as usize]];
+                let (a, b) = (&places[a as usize], &places[b as usize]);
+                let verdict = near.verdict(a.square(b));
+                touching[len % BLOCK] = [a.particle, b.particle];
                 // Without a branch: nobody can foresee which of the listed pairs touch.
-                len += usize::from(square <= near.inner);
-                open |= (square > near.inner) & (square <= near.outer);
+                len += usize::from(verdict == Some(true));
+                open |= verdict.is_none();
             }
             pairs.contacts(&touching[..len]);
             if open {
@@ -243,15 +272,33 @@ impl<const D: usize> Kept<D> {
     ) -> u64 {
         let mut tally = Tally::default();
         for &[a, b] in block {
-            let (at_a, at_b) = (array(&self.now[a as usize]), array(&self.now[b as usize]));
-            let open = near([a, b]).verdict(square(at_a, at_b)).is_none();
-            let [i, j] = [self.order[a as usize], self.order[b as usize]];
-            if open && bodies.touch(i, j, &mut tally) {
-                pairs.contact(i, j);
+            let (at_a, at_b) = (&self.places[a as usize], &self.places[b as usize]);
+            let open = near([a, b]).verdict(at_a.square(at_b)).is_none();
+            if open && bodies.touch(at_a.particle, at_b.particle, &mut tally) {
+                pairs.contact(at_a.particle, at_b.particle);
             }
         }
         tally.get(Op::ExactTest)
     }
+}
+
+/// Bytes of a coordinate.
+const POINT: u64 = size_of::<f64>() as u64;
+
+fn place_bytes<const D: usize>() -> u64 {
+    size_of::<Place<D>>() as u64
+}
+
+/// A list that is to be built.
+pub(super) struct Wanted {
+    /// Half of its skin.
+    pub half: f64,
+    /// What the contact test may round beyond the sum of two radii.
+    pub rounding: f64,
+    /// How long it serves.
+    pub rule: Rule,
+    /// Bytes that arrays may take.
+    pub limit: u64,
 }
 
 impl KeptRadii {
@@ -270,7 +317,7 @@ impl KeptRadii {
     fn take<T: Real, const D: usize>(
         &mut self,
         scene: &Scene<'_, T, D>,
-        order: &[u32],
+        places: &[Place<D>],
     ) -> Result<(), Refusal> {
         *self = match scene.radii() {
             Radii::Uniform(r) => KeptRadii::Uniform(r.wide()),
@@ -284,79 +331,10 @@ impl KeptRadii {
                     reserve(list, radii.len())?;
                 }
                 given.extend(radii.iter().map(|r| r.wide()));
-                placed.extend(order.iter().map(|&particle| given[particle as usize]));
+                placed.extend(places.iter().map(|place| given[place.particle as usize]));
                 KeptRadii::Each { given, placed }
             }
         };
-        Ok(())
-    }
-}
-
-/// Cells in rows, by which particles are put in order; no answer depends on them.
-#[derive(Default)]
-struct Cells {
-    /// Of each particle.
-    cell: Vec<u32>,
-    /// Where the particles of each cell begin.
-    starts: Vec<u32>,
-}
-
-impl Cells {
-    fn bytes(&self) -> u64 {
-        4 * (self.cell.len() + self.starts.len()) as u64
-    }
-
-    /// Puts the particles into the order of their cells, of which there are at most as many.
-    fn order<const D: usize>(
-        &mut self,
-        points: &[Point<f64, D>],
-        order: &mut Vec<u32>,
-    ) -> Result<(), Refusal> {
-        let n = points.len();
-        let (mut low, mut high) = ([f64::INFINITY; D], [f64::NEG_INFINITY; D]);
-        for point in points {
-            for k in 0..D {
-                (low[k], high[k]) = (low[k].min(point[k]), high[k].max(point[k]));
-            }
-        }
-        // Where they overflow all particles are in the first cell, and stay as they are.
-        let extent: [f64; D] = std::array::from_fn(|k| high[k] - low[k]);
-        let count = |edge: f64| extent.map(|extent| (extent / edge).floor() + 1.0);
-        let mut edge = 2.0 * extent.iter().fold(0.0f64, |most, &extent| most.max(extent));
-        while edge > f64::MIN_POSITIVE && edge < f64::INFINITY {
-            if count(0.5 * edge).iter().product::<f64>() > n as f64 {
-                break;
-            }
-            edge *= 0.5;
-        }
-        let counts = match edge > 0.0 && edge < f64::INFINITY {
-            true => count(edge).map(|count| count as usize),
-            false => [1; D],
-        };
-        for (list, len) in [(&mut self.cell, n), (order, n)] {
-            list.clear();
-            reserve(list, len)?;
-        }
-        self.starts.clear();
-        reserve(&mut self.starts, counts.iter().product::<usize>() + 1)?;
-        self.starts.resize(counts.iter().product::<usize>() + 1, 0);
-        for point in points {
-            let cell = (0..D).rev().fold(0, |cell, k| {
-                let along = ((point[k] - low[k]) / edge) as usize;
-                cell * counts[k] + along.min(counts[k] - 1)
-            });
-            self.cell.push(cell as u32);
-            self.starts[cell + 1] += 1;
-        }
-        for cell in 1..self.starts.len() {
-            self.starts[cell] += self.starts[cell - 1];
-        }
-        order.resize(n, 0);
-        for (particle, &cell) in self.cell.iter().enumerate() {
-            let place = &mut self.starts[cell as usize];
-            order[*place as usize] = particle as u32;
-            *place += 1;
-        }
         Ok(())
     }
 }

@@ -32,7 +32,9 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod cells;
 mod kept;
+mod places;
 mod rule;
 mod spec;
 #[cfg(test)]

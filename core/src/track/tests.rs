@@ -369,9 +369,13 @@ fn other_particles_other_radii_and_refusals_begin_anew() {
 #[test]
 fn formulas_give_the_bytes_of_the_arrays() {
     let frames = frames::<3>(500, true, Motion::Flight, 1);
-    let mut tracker = tracker("verlet(direct,skin=0.2)");
-    assert_eq!(tracker.formula_bytes(), 0);
-    let step = tracker.step(&frames[0], Test::Exact, None, &mut Vec::new()).unwrap();
-    let cells = tracker.formula_bytes() - 500 * (4 + 48 + 16) - 8 * step.listed;
-    assert!((4 * 500..=8 * 500 + 4).contains(&cells), "a cell number, and at most a cell, each");
+    for (rule, last) in [("top-two", 0), ("summed", 24)] {
+        let mut tracker = tracker(&format!("verlet(direct,rule={rule},skin=0.6)"));
+        assert_eq!(tracker.formula_bytes(), 0);
+        let step = tracker.step(&frames[0], Test::Exact, None, &mut Vec::new()).unwrap();
+        // In full when the list was built, in f32 in the last frame with its number, two radii.
+        let each = 24 + 16 + 16 + last;
+        assert!(step.listed > 501);
+        assert_eq!(tracker.formula_bytes(), 500 * each + 8 * step.listed);
+    }
 }

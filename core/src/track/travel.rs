@@ -1,5 +1,9 @@
 //! How far particles have gone: upper bounds from rounded squares.
 
+use nalgebra::Point;
+
+use crate::scene::array;
+
 /// An upper bound of a distance in up to three dimensions from its square as computed,
 /// Σ fl(fl(x - y)²).
 ///
@@ -39,6 +43,22 @@ impl TopTwo {
         let lower = if square < self.first { square } else { self.first };
         self.second = if lower > self.second { lower } else { self.second };
         self.first = if square > self.first { square } else { self.first };
+    }
+
+    /// The squares of the ways between points, in turn. Nearly always none is among the two
+    /// largest; so the largest is found first, in turns that need not wait for each other.
+    #[inline(always)]
+    pub fn take_all<const D: usize>(&mut self, now: &[Point<f64, D>], then: &[Point<f64, D>]) {
+        const TURNS: usize = 4;
+        let ways = || now.iter().zip(then).map(|(a, b)| square(array(a), array(b)));
+        let mut most = [0.0f64; TURNS];
+        for (k, square) in ways().enumerate() {
+            let most = &mut most[k % TURNS];
+            *most = if square > *most { square } else { *most };
+        }
+        if most.into_iter().fold(0.0, f64::max) > self.second {
+            ways().for_each(|square| self.take(square));
+        }
     }
 }
 

@@ -2,13 +2,14 @@
 
 use std::time::Instant;
 
-use super::kept::Kept;
+use super::kept::{Kept, Wanted};
 use super::rule::Rule;
 use super::spec::Skin;
 use super::tuner::{LEAST, Served, Tuner};
 use super::{Step, Tracker};
 use crate::contact::{Bodies, Test, any_bodies};
 use crate::detect::any::AnyDetector;
+use crate::filter::bounds;
 use crate::pair_list::{Allowance, PairList};
 use crate::probe::{Op, Probe, Tally};
 use crate::refusal::Refusal;
@@ -18,8 +19,9 @@ use crate::with_stored;
 /// Keeps all pairs whose bodies are at most a skin apart, found by a detector among larger bodies,
 /// and looks at those only, until the rule says that others may touch.
 ///
-/// Needs, for N particles in D dimensions and L listed pairs, at most (12 + 16·D) N + 8 L bytes, 16
-/// N more with a radius each, beside its detector; 8 N more of those while a list is built.
+/// Needs, for N particles in D dimensions and L listed pairs, (4 + 12·D) N bytes and 8 for each of L
+/// or N + 1, whichever are more, beside its detector; 16 N more with a radius each, and 8 N more
+/// of those while a list is built; 8·D N more where the rule is [`Rule::Summed`].
 pub(super) struct Verlet {
     detector: Box<dyn AnyDetector>,
     skin: Skin,
@@ -161,14 +163,15 @@ impl Settings {
         }
         if step.built {
             let started = Instant::now();
+            let corners = bounds(&bodies);
             loop {
                 let half = largest
                     * match &skin {
                         Thick::Given(skin) => *skin,
                         Thick::By(tuner) => tuner.skin,
                     };
-                let built =
-                    kept.build(scene, half, rounding, self.limit, detector, tally.as_deref_mut());
+                let list = Wanted { half, rounding, rule: self.rule, limit: self.limit };
+                let built = kept.build(scene, corners, &list, detector, tally.as_deref_mut());
                 let Err(refusal) = built else { break };
                 let too_long = matches!(refusal, Refusal::Listed { .. });
                 match &mut skin {

@@ -1,0 +1,62 @@
+//! Particles put into the order of cells in rows; no answer depends on it.
+
+use crate::contact::Corners;
+use crate::refusal::{Refusal, reserve};
+
+/// What putting in order takes for the time: in the i-th pair the cell of particle i, and the place
+/// of the next particle of cell i.
+pub(super) type Room = Vec<[u32; 2]>;
+
+/// Pairs of [`Room`] for so many particles.
+pub(super) fn room(particles: usize) -> usize {
+    if particles == 0 { 0 } else { particles + 1 }
+}
+
+/// Tells for each particle its place, where those of a cell are side by side. They are within a box;
+/// there are at most as many cells as particles.
+///
+/// # Errors
+/// There is no memory for it.
+pub(super) fn places<const D: usize>(
+    points: impl ExactSizeIterator<Item = [f64; D]>,
+    (low, high): Corners<D>,
+    taken: &mut Room,
+    mut put: impl FnMut(u32, usize),
+) -> Result<(), Refusal> {
+    let n = points.len();
+    // Where they overflow all particles are in the first cell, and stay as they are.
+    let extent: [f64; D] = std::array::from_fn(|k| high[k] - low[k]);
+    let count = |edge: f64| extent.map(|extent| (extent / edge).floor() + 1.0);
+    let mut edge = 2.0 * extent.iter().fold(0.0f64, |most, &extent| most.max(extent));
+    while edge > f64::MIN_POSITIVE && edge < f64::INFINITY {
+        if count(0.5 * edge).iter().product::<f64>() > n as f64 {
+            break;
+        }
+        edge *= 0.5;
+    }
+    let counts = match edge > 0.0 && edge < f64::INFINITY {
+        true => count(edge).map(|count| count as usize),
+        false => [1; D],
+    };
+    taken.clear();
+    reserve(taken, room(n))?;
+    taken.resize(room(n), [0; 2]);
+    for (i, point) in points.enumerate() {
+        let cell = (0..D).rev().fold(0, |cell, k| {
+            let along = ((point[k] - low[k]) / edge) as usize;
+            cell * counts[k] + along.min(counts[k] - 1)
+        });
+        taken[i][0] = cell as u32;
+        taken[cell + 1][1] += 1;
+    }
+    for cell in 1..taken.len() {
+        taken[cell][1] += taken[cell - 1][1];
+    }
+    for particle in 0..n {
+        let [cell, _] = taken[particle];
+        let [_, place] = &mut taken[cell as usize];
+        put(particle as u32, *place as usize);
+        *place += 1;
+    }
+    Ok(())
+}
