@@ -13,7 +13,8 @@
 //! **Radii.** From the file (a column of diameters is halved, without error above 10^-307), or one
 //! for all from the options; both, or neither, is refused. Equal radii become one radius for all.
 //!
-//! **Frames.** A file of several frames is refused unless the options say which one.
+//! **Frames.** A file of several frames is refused unless the options say which one. All are read
+//! one after the other by [`frames`].
 //!
 //! **Boxes.** A box that repeats stays with the particles, and no open scene is made of them unless
 //! the options say so: see [`boxes`].
@@ -43,7 +44,8 @@ pub use boxes::{Boundaries, Declared};
 pub use chosen::Chosen;
 use formats::gzip::{self, Unpacking};
 pub use formats::{FORMATS, Format};
-pub use frames::Frame;
+use frames::Choice;
+pub use frames::{Frame, Frames};
 pub use lines::LONGEST_LINE;
 use lines::Source;
 pub use notice::{Notice, Place};
@@ -114,6 +116,10 @@ pub struct About {
     pub frames: u64,
     /// The frame that was read.
     pub frame: u64,
+    /// Its time step, where the format counts them.
+    pub step: Option<i64>,
+    /// Its time, where the format has one.
+    pub time: Option<f64>,
     /// The box that the file declares, where it has edges along the axes: least and largest
     /// coordinate along each.
     pub bounds: Option<Vec<[f64; 2]>>,
@@ -149,9 +155,19 @@ pub fn from(
 
 /// Reads the particles of a file, which need not have radii, and says what was understood.
 pub fn load(path: &Path, options: Options) -> anyhow::Result<(Particles, About)> {
+    frames(path, options, |frames| frames.chosen())
+}
+
+/// Hands the frames of a file that are chosen to `body`, which takes them one by one.
+pub fn frames<T>(
+    path: &Path,
+    options: Options,
+    body: impl FnOnce(Frames<'_>) -> anyhow::Result<T>,
+) -> anyhow::Result<T> {
     let name = path.display().to_string();
     let file = File::open(path).with_context(|| format!("cannot read {name}"))?;
-    load_from(BufReader::with_capacity(1 << 18, file), &name, &ending(path), options)
+    let reader = BufReader::with_capacity(1 << 18, file);
+    frames_from(reader, &name, &ending(path), options, body)
 }
 
 /// The ending of a file's name in lower case, without `.gz`.
@@ -174,6 +190,17 @@ pub fn load_from(
     ending: &str,
     options: Options,
 ) -> anyhow::Result<(Particles, About)> {
+    frames_from(reader, name, ending, options, |frames| frames.chosen())
+}
+
+/// As [`frames`], from a stream; `ending` is the file name's, in lower case.
+pub fn frames_from<T>(
+    reader: impl BufRead,
+    name: &str,
+    ending: &str,
+    options: Options,
+    body: impl FnOnce(Frames<'_>) -> anyhow::Result<T>,
+) -> anyhow::Result<T> {
     if let Some(radius) = options.radius {
         ensure!(
             radius.is_finite() && radius >= 0.0,
@@ -188,22 +215,28 @@ pub fn load_from(
     let mut reader = unpacking.file(reader);
     let head = head(&mut reader, name)?;
     let mut reader = std::io::Cursor::new(&head[..]).chain(reader);
-    let (mut particles, mut about) = if head.starts_with(gzip::MAGIC) {
-        let mut reader = BufReader::with_capacity(1 << 17, unpacking.gzip(reader));
-        let head = self::head(&mut reader, name)?;
-        ensure!(!head.starts_with(gzip::MAGIC), "{name} is compressed twice; unpack it once");
-        let mut reader = std::io::Cursor::new(&head[..]).chain(reader);
-        let (particles, about) = (formats::find(&head, name, ending, options)?.read)(
-            Source { input: &mut reader, name, unpacking: &unpacking },
-            options,
-        )?;
-        (particles, About { gzip: true, ..about })
-    } else {
-        (formats::find(&head, name, ending, options)?.read)(
-            Source { input: &mut reader, name, unpacking: &unpacking },
-            options,
-        )?
+    let frames = |input: &mut dyn BufRead, head: &[u8], gzip: bool| {
+        let source = Source { input, name, unpacking: &unpacking };
+        let reader = formats::find(head, name, ending, options)?.open(source, options);
+        let choice = Choice::new(options.frame, options.survey);
+        body(Frames { reader, choice, name, options, gzip, ended: false })
     };
+    if !head.starts_with(gzip::MAGIC) {
+        return frames(&mut reader, &head, false);
+    }
+    let mut reader = BufReader::with_capacity(1 << 17, unpacking.gzip(reader));
+    let head = self::head(&mut reader, name)?;
+    ensure!(!head.starts_with(gzip::MAGIC), "{name} is compressed twice; unpack it once");
+    frames(&mut std::io::Cursor::new(&head[..]).chain(reader), &head, true)
+}
+
+/// What holds for the particles of every format.
+fn finished(
+    mut particles: Particles,
+    mut about: About,
+    name: &str,
+    options: Options,
+) -> anyhow::Result<(Particles, About)> {
     particles.as_asked(name, options)?;
     let (dim, declared) = (particles.dim(), about.declared.as_ref());
     particles.lattice = options.boundaries.lattice(name, dim, declared, &mut about.notes)?;
@@ -218,7 +251,6 @@ pub fn load_from(
     if let (RadiusSource::Missing, Some(_)) = (&about.radius, options.radius) {
         about.radius = RadiusSource::Given;
     }
-    about.frames = about.frames.max(1);
     Ok((particles, about))
 }
 

@@ -1,34 +1,71 @@
 //! Contact lists that other codes wrote: CSV, npy, MercuryDPM `.fstat`, LAMMPS dump local.
 //!
 //! A list names particles by numbers, whose meaning is the caller's business: indices from 0 or 1,
-//! or the ids of the particles' file.
+//! or the ids of the particles' file. A file may hold a list for each of several frames: the
+//! sections of a dump, those of an `.fstat` file, or rows in order of a column `frame` (from 0) or
+//! `step`; in npy the first of three, five or six columns, where all frames are wanted.
 
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 
-use anyhow::{Context, bail, ensure};
+use anyhow::{Context, ensure};
 
 use crate::io::Frame;
 use crate::io::formats::gzip::{self, Unpacking};
 use crate::io::formats::npy;
-use crate::io::frames::{Frames, Step};
-use crate::io::lines::{Lines, Separator, Source, number, shown};
+use crate::io::frames::{Choice, Reader, chosen};
+use crate::io::lines::{Lines, Source, number, words};
 use crate::io::particles::room;
-use crate::sink::splitmix64;
 
+mod array;
 mod columns;
+mod csv;
+mod dump;
+mod fstat;
 mod list;
-use columns::Columns;
 pub use columns::Other;
 pub use list::{List, columns_of};
+
+/// The contact lists of a file, one after the other: no more than one is held at a time.
+pub struct Lists<'a> {
+    reader: Box<dyn Reader<List> + 'a>,
+    choice: Choice,
+    name: &'a str,
+    ended: bool,
+}
+
+impl Lists<'_> {
+    /// Frames that are not there are lists without pairs: so it is where rows say their frame.
+    pub fn is_sparse(&self) -> bool {
+        self.choice.sparse
+    }
+
+    fn chosen(mut self) -> anyhow::Result<List> {
+        let (kept, frame) = chosen(&mut *self.reader, &mut self.choice, self.name)?;
+        let none = || List { format: "CSV or npy", frame: Some(frame), ..List::default() };
+        Ok(kept.unwrap_or_else(none))
+    }
+}
+
+/// An error ends them.
+impl Iterator for Lists<'_> {
+    type Item = anyhow::Result<List>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        if self.ended {
+            return None;
+        }
+        let next = self.reader.next(&mut self.choice).transpose()?;
+        self.ended = next.is_err();
+        Some(next)
+    }
+}
 
 /// Reads a contact list. `columns` names those of a LAMMPS dump or a CSV that hold the numbers:
 /// none, the two of the particles, or these and the two or three of the image.
 pub fn read(path: &Path, columns: &[&str], frame: Frame) -> anyhow::Result<List> {
-    let name = path.display().to_string();
-    let file = File::open(path).with_context(|| format!("cannot read {name}"))?;
-    from(BufReader::with_capacity(1 << 17, file), &name, columns, frame)
+    lists(path, columns, frame, |lists| lists.chosen())
 }
 
 /// As [`read`], from a stream.
@@ -38,6 +75,29 @@ pub fn from(
     columns: &[&str],
     frame: Frame,
 ) -> anyhow::Result<List> {
+    lists_from(reader, name, columns, frame, |lists| lists.chosen())
+}
+
+/// Hands the lists of a file that are chosen to `body`, which takes them one by one.
+pub fn lists<T>(
+    path: &Path,
+    columns: &[&str],
+    frame: Frame,
+    body: impl FnOnce(Lists<'_>) -> anyhow::Result<T>,
+) -> anyhow::Result<T> {
+    let name = path.display().to_string();
+    let file = File::open(path).with_context(|| format!("cannot read {name}"))?;
+    lists_from(BufReader::with_capacity(1 << 17, file), &name, columns, frame, body)
+}
+
+/// As [`lists`], from a stream.
+pub fn lists_from<T>(
+    reader: impl BufRead,
+    name: &str,
+    columns: &[&str],
+    frame: Frame,
+    body: impl FnOnce(Lists<'_>) -> anyhow::Result<T>,
+) -> anyhow::Result<T> {
     ensure!(
         matches!(columns.len(), 0 | 2 | 4 | 5),
         "--pairs-columns takes the two columns of the particles, and those of the image where \
@@ -45,49 +105,55 @@ pub fn from(
     );
     let unpacking = &Unpacking::default();
     let mut reader = unpacking.file(reader);
-    let mut head = Vec::new();
-    (&mut reader)
-        .take(4096)
-        .read_to_end(&mut head)
-        .with_context(|| format!("cannot read {name}"))?;
+    let head = head(&mut reader, name)?;
     let mut reader = std::io::Cursor::new(&head[..]).chain(reader);
-    if head.starts_with(gzip::MAGIC) {
-        let mut unpacked = BufReader::with_capacity(1 << 17, unpacking.gzip(reader));
-        let mut inner = Vec::new();
-        (&mut unpacked)
-            .take(4096)
-            .read_to_end(&mut inner)
-            .with_context(|| format!("cannot read {name}"))?;
-        let input = &mut std::io::Cursor::new(&inner[..]).chain(unpacked);
-        return plain(Source { input, name, unpacking }, &inner, columns, frame);
+    let lists = |input: &mut dyn BufRead, head: &[u8]| {
+        let reader = open(Source { input, name, unpacking }, head, columns)?;
+        body(Lists { reader, choice: Choice::new(frame, false), name, ended: false })
+    };
+    if !head.starts_with(gzip::MAGIC) {
+        return lists(&mut reader, &head);
     }
-    plain(Source { input: &mut reader, name, unpacking }, &head, columns, frame)
+    let mut reader = BufReader::with_capacity(1 << 17, unpacking.gzip(reader));
+    let head = self::head(&mut reader, name)?;
+    lists(&mut std::io::Cursor::new(&head[..]).chain(reader), &head)
 }
 
-fn plain(source: Source<'_>, head: &[u8], columns: &[&str], frame: Frame) -> anyhow::Result<List> {
+/// The first bytes, which tell the format.
+fn head(reader: &mut impl BufRead, name: &str) -> anyhow::Result<Vec<u8>> {
+    let mut head = Vec::new();
+    reader.take(4096).read_to_end(&mut head).with_context(|| format!("cannot read {name}"))?;
+    Ok(head)
+}
+
+fn open<'a>(
+    source: Source<'a>,
+    head: &[u8],
+    columns: &'a [&'a str],
+) -> anyhow::Result<Box<dyn Reader<List> + 'a>> {
     let name = source.name;
     if head.starts_with(npy::MAGIC) {
-        return array(source);
+        return Ok(Box::new(array::Array::new(source)));
     }
     ensure!(
         !head.contains(&0),
         "{name} is binary, and no npy file; write the pairs as CSV with a header i,j"
     );
+    let lines = Lines::new(source);
     if head.starts_with(b"ITEM:") {
-        return dump_local(Lines::new(source), columns, frame);
+        return Ok(Box::new(dump::Dump::new(lines, columns)));
     }
     // MercuryDPM writes three lines that begin with #, then lines of 14 numbers.
     let mut data = head
         .split(|&b| b == b'\n')
         .map(<[u8]>::trim_ascii)
         .filter(|line| !line.is_empty() && !line.starts_with(b"#"));
-    if head.starts_with(b"#")
-        && data.next().is_some_and(|line| crate::io::lines::words(line).count() >= 13)
+    if head.starts_with(b"#") && data.next().is_some_and(|line| words(line).count() >= 13)
         || name.ends_with(".fstat")
     {
-        return fstat(Lines::new(source), frame);
+        return Ok(Box::new(fstat::Fstat::new(lines)));
     }
-    csv(Lines::new(source), columns)
+    Ok(Box::new(csv::Csv::new(lines, columns)))
 }
 
 fn push(list: &mut List, pair: [i64; 2]) -> anyhow::Result<()> {
@@ -106,54 +172,6 @@ fn whole(cell: &[u8]) -> Option<i64> {
     })
 }
 
-fn cell(lines: &Lines<'_>, cells: &[&[u8]], k: usize) -> anyhow::Result<i64> {
-    let found = cells.get(k).copied().unwrap_or_default();
-    whole(found).with_context(|| {
-        format!(
-            "{}: column {}: '{}' is not the number of a particle",
-            lines.place(),
-            k + 1,
-            shown(found)
-        )
-    })
-}
-
-fn array(mut source: Source<'_>) -> anyhow::Result<List> {
-    let header = npy::header(&mut source)?;
-    let name = source.name;
-    let columns = header.columns.filter(|columns| [2, 4, 5].contains(columns));
-    let Some(columns) = columns.filter(|_| !header.fortran) else {
-        bail!(
-            "{name}: the shape is ({}); pairs have the shape (pairs, 2), with images in a box \
-             (pairs, 4) for discs and (pairs, 5) for spheres, in C order",
-            header.shape
-        );
-    };
-    let mut list = List { format: "npy", ..List::default() };
-    list.images = (columns > 2).then(Vec::new);
-    list.flat = columns == 4;
-    let mut row = [0; 5];
-    header.values(&mut source, header.rows.saturating_mul(columns as u64), |k, value| {
-        let (pair, column) = (k / columns as u64, (k % columns as u64) as usize);
-        ensure!(
-            value.fract() == 0.0 && value.abs() < 9e15,
-            "{name}: pair {pair}: {value} is not the number of {}",
-            if column < 2 { "a particle" } else { "an image" }
-        );
-        row[column] = value as i64;
-        if column + 1 < columns {
-            return Ok(());
-        }
-        if let Some(images) = &mut list.images {
-            room(images)?;
-            images.push(image([row[2], row[3], row[4]], || format!("{name}: pair {pair}"))?);
-        }
-        push(&mut list, [row[0], row[1]])
-    })?;
-    source.end(&header)?;
-    Ok(list)
-}
-
 /// Images are numbered in 32 bits.
 fn image(numbers: [i64; 3], place: impl Fn() -> String) -> anyhow::Result<[i32; 3]> {
     let mut image = [0; 3];
@@ -165,188 +183,19 @@ fn image(numbers: [i64; 3], place: impl Fn() -> String) -> anyhow::Result<[i32; 
     Ok(image)
 }
 
-/// Two columns of whole numbers, and those of images: by a header, which may be a comment, or the
-/// first ones.
-fn csv(mut lines: Lines<'_>, chosen: &[&str]) -> anyhow::Result<List> {
-    let mut list = List { format: "CSV", ..List::default() };
-    let mut layout: Option<(Separator, Columns)> = None;
-    while lines.advance()? {
-        let line = lines.line();
-        let comment = line.strip_prefix(b"#").map(<[u8]>::trim_ascii);
-        if line.is_empty() || comment.is_some() && layout.is_some() {
-            continue;
-        }
-        let line = comment.unwrap_or(line);
-        let separator = layout.as_ref().map_or_else(|| Separator::guess(line), |layout| layout.0);
-        let cells: Vec<&[u8]> = separator.cells(line).collect();
-        if let Some((_, columns)) = &mut layout {
-            columns.push(&lines, &cells, &mut list)?;
-            continue;
-        }
-        let names: Vec<String> =
-            cells.iter().map(|cell| String::from_utf8_lossy(cell).into_owned()).collect();
-        if comment.is_some() {
-            let header = cells.iter().all(|cell| number(cell).is_none());
-            if let (true, Ok(Some(columns))) =
-                (header, Columns::named(&names, chosen, || lines.place()))
-            {
-                layout = Some((separator, columns));
-            }
-            continue;
-        }
-        ensure!(cells.len() >= 2, "{}: a pair needs two columns; write i,j", lines.place());
-        let header = cells.iter().take(2).any(|cell| number(cell).is_none());
-        let numbers = || (1..=cells.len()).map(|k| k.to_string()).collect();
-        let names = if header { names } else { numbers() };
-        let named = Columns::named(&names, chosen, || lines.place())?;
-        ensure!(
-            named.is_some() || !header || cells.len() == 2,
-            "{}: which columns hold the numbers of a pair? Name them with --pairs-columns I,J",
-            lines.place()
-        );
-        let mut columns = named.unwrap_or_else(|| Columns::bare(cells.len()));
-        if !header {
-            columns.push(&lines, &cells, &mut list)?;
-        }
-        layout = Some((separator, columns));
-    }
-    if let Some((_, columns)) = layout {
-        columns.end(&mut list);
-    }
-    Ok(list)
-}
-
-/// `time i j x y z overlap ...`, indices from 0, walls negative; each contact of two particles from
-/// both sides.
-fn fstat(mut lines: Lines<'_>, frame: Frame) -> anyhow::Result<List> {
-    let mut frames = Frames::new(crate::io::Options { frame, ..crate::io::Options::default() });
-    let mut list = List { format: "MercuryDPM fstat", ..List::default() };
-    let (mut in_header, mut step) = (false, Step::Keep);
-    while lines.advance_over_blanks()? {
-        if lines.line().starts_with(b"#") {
-            if !in_header {
-                step = frames.begin(|| lines.place())?;
-                if step == Step::Stop {
-                    break;
-                }
-                if step == Step::Keep {
-                    list = List { format: list.format, ..List::default() };
-                }
-            }
-            in_header = true;
-            continue;
-        }
-        in_header = false;
-        if step != Step::Keep {
-            continue;
-        }
-        let cells: Vec<&[u8]> = crate::io::lines::words(lines.line()).collect();
-        ensure!(
-            cells.len() >= 13,
-            "{}: {} columns; lines of an .fstat file have 14: is it cut off?",
-            lines.place(),
-            cells.len()
-        );
-        let pair = [cell(&lines, &cells, 1)?, cell(&lines, &cells, 2)?];
-        if pair.iter().any(|&k| k < 0) {
-            list.walls += 1;
-        } else {
-            push(&mut list, pair)?;
-        }
-    }
-    if let Frame::Number(_) = frame {
-        frames.end(lines.source.name, crate::io::About::default())?;
-    }
-    // Where all are there from both sides, one side is taken: then fingerprints of the pairs as
-    // they stand and of the pairs turned round are the same, whatever their order.
-    let mix = |i: i64, j: i64| splitmix64(splitmix64(i as u64) ^ j as u64);
-    let sum = |sum: [u64; 2], &[i, j]: &[i64; 2]| {
-        [sum[0].wrapping_add(mix(i, j)), sum[1].wrapping_add(mix(j, i))]
-    };
-    let [there, back] = list.pairs.iter().fold([0; 2], sum);
-    list.both_sides = there == back && !list.pairs.is_empty();
-    if list.both_sides {
-        list.pairs.retain(|[i, j]| i <= j);
-    }
-    Ok(list)
-}
-
-/// `ITEM: ENTRIES` of a LAMMPS dump local.
-fn dump_local(mut lines: Lines<'_>, chosen: &[&str], frame: Frame) -> anyhow::Result<List> {
-    let mut frames = Frames::new(crate::io::Options { frame, ..crate::io::Options::default() });
-    let mut list = List { format: "LAMMPS dump local", ids: true, ..List::default() };
-    let (mut n, mut open) = (None, false);
-    while lines.advance_over_blanks()? {
-        let (text, place) = (lines.text(), lines.place());
-        let Some(item) = text.strip_prefix("ITEM:").map(str::trim) else {
-            bail!(
-                "{place}: '{}' stands where a line 'ITEM: ...' is expected; mend the file",
-                crate::io::lines::short(&text)
-            );
-        };
-        // The header of a frame has begun, and its entries have not come.
-        open = !item.starts_with("ENTRIES");
-        if item.starts_with("NUMBER OF") {
-            ensure!(
-                lines.advance()?,
-                "{} is cut off in a header; write it again",
-                lines.source.name
-            );
-            n = Some(lines.count(lines.line(), "the number of entries")?);
-        } else if item.starts_with("BOX BOUNDS") {
-            for _ in 0..3 {
-                lines.advance()?;
-            }
-        } else if let Some(names) = item.strip_prefix("ENTRIES") {
-            let names: Vec<String> = names.split_whitespace().map(str::to_string).collect();
-            let named = Columns::named(&names, chosen, || place.clone())?;
-            let mut columns = named.with_context(|| {
-                format!(
-                    "{place}: which columns hold the ids of a pair? Name them with --pairs-columns \
-                     I,J; there are {}",
-                    crate::io::lines::listed(&names)
-                )
-            })?;
-            let n = n.take().with_context(|| {
-                format!("{place}: no 'ITEM: NUMBER OF ENTRIES' stands before the entries")
-            })?;
-            let step = frames.begin(|| lines.place())?;
-            if step == Step::Stop {
-                break;
-            }
-            if step == Step::Keep {
-                list.pairs.clear();
-                list.images = None;
-            }
-            for k in 0..n {
-                ensure!(
-                    lines.advance()?,
-                    "{} ends after {k} of the {n} entries that its header announces",
-                    lines.source.name
-                );
-                if step == Step::Keep {
-                    let cells: Vec<&[u8]> = crate::io::lines::words(lines.line()).collect();
-                    columns.push(&lines, &cells, &mut list)?;
-                }
-            }
-            if step == Step::Keep {
-                columns.end(&mut list);
-            }
-        } else {
-            ensure!(
-                !item.starts_with("ATOMS"),
-                "{place}: this is a dump of atoms, not of pairs; write pairs with dump local"
-            );
-            lines.advance()?;
-        }
-    }
-    let name = lines.source.name;
-    let about = frames.end(name, crate::io::About::default())?;
-    ensure!(about.frames > 0, "{name} ends before a section 'ITEM: ENTRIES'; write it again");
+/// Rows that say to which frame they belong stand in its order.
+fn ascends(
+    last: Option<i64>,
+    label: i64,
+    what: &str,
+    place: impl Fn() -> String,
+) -> anyhow::Result<()> {
+    let after = last.filter(|&last| last > label);
     ensure!(
-        !open,
-        "{name} is cut off in the header of a frame; write it again, or take an earlier \
-         --pairs-frame"
+        after.is_none(),
+        "{}: {what} {label} stands after {what} {}; sort the rows by {what}",
+        place(),
+        after.unwrap_or_default()
     );
-    Ok(list)
+    Ok(())
 }

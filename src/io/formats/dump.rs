@@ -15,73 +15,84 @@
 use anyhow::{Context, bail, ensure};
 
 use crate::io::boxes::{in_order, letters};
-use crate::io::frames::{Frames, Step};
-use crate::io::lines::{Lines, Separator, Source, number, short, shown};
+use crate::io::frames::{Choice, Reader, Step};
+use crate::io::lines::{Lines, Separator, Source, number, short, shown, step_of};
 use crate::io::particles::{Centres, Column, Columns, Particles, loaded};
 use crate::io::{About, Declared, Options};
 
-pub(crate) fn read(source: Source<'_>, options: Options) -> anyhow::Result<(Particles, About)> {
-    let mut lines = Lines::new(source);
-    let mut frames = Frames::new(options);
-    let mut result = None;
-    let (mut n, mut bounds) = (None, None);
-    // The header of a frame has begun, and its atoms have not come.
-    let mut open = false;
-    while lines.advance_over_blanks()? {
-        let text = lines.text();
-        let Some(item) = text.strip_prefix("ITEM:").map(str::trim) else {
-            bail!(
-                "{}: '{}' stands where a line 'ITEM: ...' is expected; mend the file",
-                lines.place(),
-                short(&text)
-            );
-        };
-        open = !item.starts_with("ATOMS");
-        if item == "NUMBER OF ATOMS" {
-            next(&mut lines)?;
-            n = Some(lines.count(lines.line(), "the number of atoms")?);
-        } else if let Some(kind) = item.strip_prefix("BOX BOUNDS") {
-            bounds = Some(Bounds::read(&mut lines, kind, options)?);
-        } else if let Some(names) = item.strip_prefix("ATOMS") {
-            let place = lines.place();
-            let n = n.take().with_context(|| {
-                format!("{place}: no 'ITEM: NUMBER OF ATOMS' stands before the atoms")
-            })?;
-            let step = frames.begin(|| lines.place())?;
-            if step == Step::Stop {
-                break;
-            }
-            // The box of a frame is for that frame only.
-            let bounds = bounds.take();
-            let atoms = if step == Step::Keep {
-                Some(Atoms::new(names, bounds, &place, options)?)
-            } else {
-                None
+pub(crate) fn frames<'a>(
+    source: Source<'a>,
+    options: Options,
+) -> Box<dyn Reader<(Particles, About)> + 'a> {
+    Box::new(Dump { lines: Lines::new(source), options })
+}
+
+struct Dump<'a> {
+    lines: Lines<'a>,
+    options: Options,
+}
+
+impl Reader<(Particles, About)> for Dump<'_> {
+    fn next(&mut self, choice: &mut Choice) -> anyhow::Result<Option<(Particles, About)>> {
+        let Dump { lines, options } = self;
+        let (mut n, mut bounds, mut at) = (None, None, (None, None));
+        // The header of a frame has begun, and its atoms have not come.
+        let mut open = false;
+        while lines.advance_over_blanks()? {
+            let text = lines.text();
+            let Some(item) = text.strip_prefix("ITEM:").map(str::trim) else {
+                bail!(
+                    "{}: '{}' stands where a line 'ITEM: ...' is expected; mend the file",
+                    lines.place(),
+                    short(&text)
+                );
             };
-            let kept = section(&mut lines, n, atoms)?;
-            result = kept.or(result);
-        } else if item.starts_with("ENTRIES") || item.starts_with("NUMBER OF ENTRIES") {
-            bail!(
-                "{}: this is a dump of pairs or bonds, not of atoms; give it to verify --pairs",
-                lines.place()
-            );
-        } else {
-            // A time step, a time, units: one line each.
-            next(&mut lines)?;
+            open = !item.starts_with("ATOMS");
+            if item == "NUMBER OF ATOMS" {
+                next(lines)?;
+                n = Some(lines.count(lines.line(), "the number of atoms")?);
+            } else if let Some(kind) = item.strip_prefix("BOX BOUNDS") {
+                bounds = Some(Bounds::read(lines, kind, *options)?);
+            } else if let Some(names) = item.strip_prefix("ATOMS") {
+                let place = lines.place();
+                let n = n.take().with_context(|| {
+                    format!("{place}: no 'ITEM: NUMBER OF ATOMS' stands before the atoms")
+                })?;
+                // The box of a frame is for that frame only, and so is its time.
+                let (bounds, (step, time)) = (bounds.take(), std::mem::take(&mut at));
+                match choice.begin(|| lines.place())? {
+                    Step::Stop => return Ok(None),
+                    Step::Skip => drop(section(lines, n, None)?),
+                    Step::Keep => {
+                        let atoms = Atoms::new(names, bounds, &place, *options)?;
+                        let kept = section(lines, n, Some(atoms))?;
+                        let timed = |(it, about)| (it, About { step, time, ..about });
+                        return Ok(kept.map(timed));
+                    }
+                }
+            } else if item.starts_with("ENTRIES") || item.starts_with("NUMBER OF ENTRIES") {
+                bail!(
+                    "{}: this is a dump of pairs or bonds, not of atoms; give it to verify --pairs",
+                    lines.place()
+                );
+            } else {
+                // A time step, a time, units: one line each.
+                next(lines)?;
+                match item {
+                    "TIMESTEP" => at.0 = step_of(lines.line()),
+                    "TIME" => at.1 = number(lines.line()),
+                    _ => {}
+                }
+            }
         }
+        let name = lines.source.name;
+        ensure!(choice.seen > 0, "{name} ends before a section 'ITEM: ATOMS'; write it again");
+        ensure!(
+            !open,
+            "{name} is cut off in the header of a frame; write it again, or take an earlier --frame"
+        );
+        Ok(None)
     }
-    let name = lines.source.name;
-    let (particles, about) = match result {
-        Some(result) => result,
-        None => (Particles::new(3, false), About { format: "LAMMPS dump", ..About::default() }),
-    };
-    let about = frames.end(name, about)?;
-    ensure!(about.frames > 0, "{name} ends before a section 'ITEM: ATOMS'; write it again");
-    ensure!(
-        !open,
-        "{name} is cut off in the header of a frame; write it again, or take an earlier --frame"
-    );
-    Ok((particles, about))
 }
 
 fn next(lines: &mut Lines<'_>) -> anyhow::Result<()> {

@@ -8,7 +8,7 @@
 use anyhow::{Context, bail, ensure};
 
 use crate::io::boxes::in_order;
-use crate::io::frames::{Frames, Step};
+use crate::io::frames::{Choice, Reader, Step};
 use crate::io::lines::{Lines, Separator, Source, number, words};
 use crate::io::particles::{Columns, Particles, loaded};
 use crate::io::{About, Declared, Options};
@@ -29,73 +29,106 @@ fn header(line: &[u8]) -> bool {
     whole && matches!(words(line).count(), 6 | 8) && words(line).all(|word| number(word).is_some())
 }
 
-pub(crate) fn read(source: Source<'_>, options: Options) -> anyhow::Result<(Particles, About)> {
-    let mut lines = Lines::new(source);
-    let mut frames = Frames::new(options);
-    let mut result = None;
-    while lines.advance_over_blanks()? {
-        ensure!(
-            header(lines.line()),
-            "{}: a line 'N time xmin ymin zmin xmax ymax zmax' is expected; is the number of \
-             particles before it right?",
-            lines.place()
-        );
-        let n = lines
-            .count(words(lines.line()).next().unwrap_or_default(), "the number of particles")?;
-        let bounds: Vec<f64> = words(lines.line()).skip(2).filter_map(number).collect();
-        let step = frames.begin(|| lines.place())?;
-        if step == Step::Stop {
-            break;
-        }
-        let mut rows: Option<(Columns, Particles)> = None;
-        for k in 0..n {
+pub(crate) fn frames<'a>(
+    source: Source<'a>,
+    options: Options,
+) -> Box<dyn Reader<(Particles, About)> + 'a> {
+    Box::new(Data { lines: Lines::new(source), options })
+}
+
+struct Data<'a> {
+    lines: Lines<'a>,
+    options: Options,
+}
+
+impl Reader<(Particles, About)> for Data<'_> {
+    fn next(&mut self, choice: &mut Choice) -> anyhow::Result<Option<(Particles, About)>> {
+        let Data { lines, options } = self;
+        while lines.advance_over_blanks()? {
             ensure!(
-                lines.advance()?,
-                "{} ends after {k} of the {n} particles that the frame's first line announces; \
-                 write it again, or take an earlier --frame",
-                lines.source.name
+                header(lines.line()),
+                "{}: a line 'N time xmin ymin zmin xmax ymax zmax' is expected; is the number of \
+                 particles before it right?",
+                lines.place()
             );
-            if step == Step::Skip {
-                continue;
+            let mut numbers = words(lines.line());
+            let n = lines.count(numbers.next().unwrap_or_default(), "the number of particles")?;
+            let time = numbers.next().and_then(number);
+            let bounds: Vec<f64> = numbers.filter_map(number).collect();
+            let step = choice.begin(|| lines.place())?;
+            if step == Step::Stop {
+                return Ok(None);
             }
-            if rows.is_none() {
-                let columns = match words(lines.line()).count() {
-                    8 => Columns::named(PLANE.split(' ')),
-                    14.. => Columns { or_more: true, ..Columns::named(SPACE.split(' ')) },
-                    count => bail!(
-                        "{}: {count} columns; 8 (discs) or 14 (spheres) are expected",
-                        lines.place()
-                    ),
-                };
-                let columns = columns.chosen(&lines.place(), options)?;
-                let particles = columns.particles(&lines.place(), options)?;
-                rows = Some((columns, particles));
+            let rows = rows(lines, n, step == Step::Keep, *options)?;
+            if step == Step::Keep {
+                let (columns, particles) = rows
+                    .unwrap_or_else(|| (Columns::named(SPACE.split(' ')), Particles::new(3, true)));
+                let about = About { time, ..in_bounds(lines, &bounds, &particles, *options)? };
+                let (particles, loaded) = loaded("MercuryDPM data", particles, columns.radius());
+                let About { format, radius, .. } = loaded;
+                return Ok(Some((particles, About { format, radius, ..about })));
             }
-            let Some((columns, particles)) = &mut rows else { continue };
-            columns.push(
-                particles,
-                Separator::Blanks.cells(lines.line()),
-                || lines.place(),
-                || format!(" ({})", crate::io::lines::listed(&columns.names)),
-            )?;
         }
-        if step == Step::Keep {
-            let (columns, particles) =
-                rows.unwrap_or_else(|| (Columns::named(SPACE.split(' ')), Particles::new(3, true)));
-            let (particles, mut about) = loaded("MercuryDPM data", particles, columns.radius());
-            let half = bounds.len() / 2;
-            about.bounds = Some(
-                (0..particles.dim().min(half)).map(|k| [bounds[k], bounds[k + half]]).collect(),
-            );
-            about.bounds =
-                about.bounds.filter(|bounds| bounds.iter().flatten().all(|x| x.is_finite()));
-            let bounds = about.bounds.as_deref().unwrap_or_default();
-            in_order(bounds, options.boundaries).with_context(|| lines.source.name.to_string())?;
-            // It stands in no data file whether the domain repeats.
-            about.declared = about.bounds.as_ref().map(|bounds| Declared::between(bounds, None));
-            result = Some((particles, about));
-        }
+        Ok(None)
     }
-    let (particles, about) = result.unwrap_or_else(|| (Particles::new(3, true), About::default()));
-    Ok((particles, frames.end(lines.source.name, about)?))
+}
+
+/// The rows of one frame; none where there are none, or they are not kept.
+fn rows(
+    lines: &mut Lines<'_>,
+    n: u64,
+    keep: bool,
+    options: Options,
+) -> anyhow::Result<Option<(Columns, Particles)>> {
+    let mut rows: Option<(Columns, Particles)> = None;
+    for k in 0..n {
+        ensure!(
+            lines.advance()?,
+            "{} ends after {k} of the {n} particles that the frame's first line announces; \
+             write it again, or take an earlier --frame",
+            lines.source.name
+        );
+        if !keep {
+            continue;
+        }
+        if rows.is_none() {
+            let columns = match words(lines.line()).count() {
+                8 => Columns::named(PLANE.split(' ')),
+                14.. => Columns { or_more: true, ..Columns::named(SPACE.split(' ')) },
+                count => bail!(
+                    "{}: {count} columns; 8 (discs) or 14 (spheres) are expected",
+                    lines.place()
+                ),
+            };
+            let columns = columns.chosen(&lines.place(), options)?;
+            let particles = columns.particles(&lines.place(), options)?;
+            rows = Some((columns, particles));
+        }
+        let Some((columns, particles)) = &mut rows else { continue };
+        columns.push(
+            particles,
+            Separator::Blanks.cells(lines.line()),
+            || lines.place(),
+            || format!(" ({})", crate::io::lines::listed(&columns.names)),
+        )?;
+    }
+    Ok(rows)
+}
+
+/// The domain of a frame: least coordinates, then largest.
+fn in_bounds(
+    lines: &Lines<'_>,
+    bounds: &[f64],
+    particles: &Particles,
+    options: Options,
+) -> anyhow::Result<About> {
+    let half = bounds.len() / 2;
+    let bounds: Vec<[f64; 2]> =
+        (0..particles.dim().min(half)).map(|k| [bounds[k], bounds[k + half]]).collect();
+    let bounds = Some(bounds).filter(|bounds| bounds.iter().flatten().all(|x| x.is_finite()));
+    in_order(bounds.as_deref().unwrap_or_default(), options.boundaries)
+        .with_context(|| lines.source.name.to_string())?;
+    // It stands in no data file whether the domain repeats.
+    let declared = bounds.as_ref().map(|bounds| Declared::between(bounds, None));
+    Ok(About { bounds, declared, ..About::default() })
 }

@@ -15,6 +15,7 @@ mod xyz;
 
 use anyhow::{bail, ensure};
 
+use crate::io::frames::{Once, Reader};
 use crate::io::lines::{Source, number, words};
 use crate::io::{About, Options, Particles};
 
@@ -63,7 +64,32 @@ pub struct Entry {
     /// With what every such file begins, for messages; empty where anything may stand first.
     pub begins: &'static str,
     tells: fn(&[u8]) -> bool,
-    pub(crate) read: fn(Source<'_>, Options) -> anyhow::Result<(Particles, About)>,
+    read: Read,
+}
+
+/// Particles, and what was understood.
+type Loaded = (Particles, About);
+
+/// How a format is read.
+enum Read {
+    /// A file is one frame.
+    Whole(fn(Source<'_>, Options) -> anyhow::Result<Loaded>),
+    /// It may have several.
+    Frames(for<'a> fn(Source<'a>, Options) -> Box<dyn Reader<Loaded> + 'a>),
+}
+
+impl Entry {
+    /// The frames of a file of this format.
+    pub(crate) fn open<'a>(
+        &self,
+        source: Source<'a>,
+        options: Options,
+    ) -> Box<dyn Reader<Loaded> + 'a> {
+        match self.read {
+            Read::Whole(read) => Box::new(Once::new(move || read(source, options))),
+            Read::Frames(open) => open(source, options),
+        }
+    }
 }
 
 /// All formats. The first whose bytes tell is taken.
@@ -74,7 +100,7 @@ pub static FORMATS: [Entry; 10] = [
         endings: &["npy"],
         begins: "\\x93NUMPY; write it with numpy.save",
         tells: |head| head.starts_with(npy::MAGIC),
-        read: npy::read,
+        read: Read::Frames(npy::frames),
     },
     Entry {
         format: Format::Npz,
@@ -82,7 +108,7 @@ pub static FORMATS: [Entry; 10] = [
         endings: &["npz"],
         begins: "PK; write it with numpy.savez",
         tells: |head| head.starts_with(b"PK\x03\x04") || head.starts_with(b"PK\x05\x06"),
-        read: npz::read,
+        read: Read::Whole(npz::read),
     },
     Entry {
         format: Format::Dump,
@@ -90,7 +116,7 @@ pub static FORMATS: [Entry; 10] = [
         endings: &["dump", "lammpstrj"],
         begins: "ITEM:",
         tells: |head| head.starts_with(b"ITEM:"),
-        read: dump::read,
+        read: Read::Frames(dump::frames),
     },
     Entry {
         format: Format::Vtk,
@@ -98,7 +124,7 @@ pub static FORMATS: [Entry; 10] = [
         endings: &["vtk"],
         begins: "# vtk",
         tells: |head| head.starts_with(b"# vtk DataFile"),
-        read: vtk::read,
+        read: Read::Whole(vtk::read),
     },
     Entry {
         format: Format::Vtp,
@@ -106,7 +132,7 @@ pub static FORMATS: [Entry; 10] = [
         endings: &["vtp", "vtu"],
         begins: "<?xml or <VTKFile",
         tells: |head| head.trim_ascii_start().starts_with(b"<"),
-        read: vtp::read,
+        read: Read::Whole(vtp::read),
     },
     Entry {
         format: Format::Ply,
@@ -114,7 +140,7 @@ pub static FORMATS: [Entry; 10] = [
         endings: &["ply"],
         begins: "ply",
         tells: |head| head.starts_with(b"ply\n") || head.starts_with(b"ply\r"),
-        read: ply::read,
+        read: Read::Whole(ply::read),
     },
     Entry {
         format: Format::LammpsData,
@@ -122,7 +148,7 @@ pub static FORMATS: [Entry; 10] = [
         endings: &["lmp"],
         begins: "",
         tells: lammps::tells,
-        read: lammps::read,
+        read: Read::Whole(lammps::read),
     },
     Entry {
         format: Format::Mercury,
@@ -130,7 +156,7 @@ pub static FORMATS: [Entry; 10] = [
         endings: &[],
         begins: "",
         tells: mercury::tells,
-        read: mercury::read,
+        read: Read::Frames(mercury::frames),
     },
     Entry {
         format: Format::Xyz,
@@ -138,7 +164,7 @@ pub static FORMATS: [Entry; 10] = [
         endings: &["xyz", "extxyz"],
         begins: "",
         tells: |_| false,
-        read: xyz::read,
+        read: Read::Frames(xyz::frames),
     },
     Entry {
         format: Format::Csv,
@@ -146,7 +172,7 @@ pub static FORMATS: [Entry; 10] = [
         endings: &["csv", "tsv"],
         begins: "",
         tells: |_| false,
-        read: csv::read,
+        read: Read::Whole(csv::read),
     },
 ];
 

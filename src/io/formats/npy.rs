@@ -1,7 +1,8 @@
 //! NumPy npy: versions 1 to 3, f64 and f32 of either byte order, C and Fortran order.
 //!
 //! Shape N x 2: x, y. N x 3: x, y, z, or x, y, radius where the options ask for two dimensions. N x
-//! 4: x, y, z, radius. f32 widens without error. Format:
+//! 4: x, y, z, radius. f32 widens without error. Shape (frames, N, 2 to 4), in C order: as many
+//! frames of such rows. Format:
 //! <https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html>.
 
 use std::io::{self, Write};
@@ -10,6 +11,7 @@ use anyhow::{Context, bail, ensure};
 use nalgebra::Point;
 
 use crate::io::counted::Counted;
+use crate::io::frames::{Choice, Reader, Step};
 use crate::io::lines::{Source, short};
 use crate::io::particles::{Centres, Column, Particles, loaded, room};
 use crate::io::scalars::Kind;
@@ -21,10 +23,66 @@ pub const MAGIC: &[u8] = b"\x93NUMPY";
 /// Longest header read; NumPy's own default limit is 10,000.
 const LONGEST_HEADER: usize = 1 << 20;
 
-pub(crate) fn read(mut source: Source<'_>, options: Options) -> anyhow::Result<(Particles, About)> {
-    let header = header(&mut source)?;
-    let (particles, radius) = particles(&mut source, &header, options)?;
-    source.end(&header)?;
+pub(crate) fn frames<'a>(
+    source: Source<'a>,
+    options: Options,
+) -> Box<dyn Reader<(Particles, About)> + 'a> {
+    Box::new(Array { source, options, header: None, read: 0 })
+}
+
+struct Array<'a> {
+    source: Source<'a>,
+    options: Options,
+    header: Option<Header>,
+    /// So many frames were read or passed over.
+    read: u64,
+}
+
+impl Reader<(Particles, About)> for Array<'_> {
+    fn next(&mut self, choice: &mut Choice) -> anyhow::Result<Option<(Particles, About)>> {
+        let Array { source, options, header, read } = self;
+        let header = match header {
+            Some(header) => header,
+            None => header.insert(header_of(source, true)?),
+        };
+        while *read < header.frames.unwrap_or(1) {
+            let k = *read;
+            let step = match header.frames {
+                None => Step::Keep,
+                Some(_) => choice.begin(|| format!("{}: frame {k}", source.name))?,
+            };
+            if step == Step::Stop {
+                return Ok(None);
+            }
+            *read += 1;
+            if step == Step::Keep {
+                let frame = frame(source, header, *options);
+                return match header.frames {
+                    None => frame.map(Some),
+                    Some(_) => frame.with_context(|| format!("frame {k}")).map(Some),
+                };
+            }
+            let numbers = header.rows.saturating_mul(header.columns.unwrap_or(1) as u64);
+            let bytes = numbers.saturating_mul(header.kind.width() as u64);
+            ensure!(
+                source.skip(bytes)?,
+                "{} ends in frame {k} of the {} that its header announces; write it again",
+                source.name,
+                header.frames.unwrap_or(1)
+            );
+        }
+        source.end(header)?;
+        Ok(None)
+    }
+}
+
+/// The next rows as particles.
+fn frame(
+    source: &mut Source<'_>,
+    header: &Header,
+    options: Options,
+) -> anyhow::Result<(Particles, About)> {
+    let (particles, radius) = particles(source, header, options)?;
     if options.dim.is_none() {
         // Who gives the dimension knows the columns.
         let which = match particles.counted() {
@@ -195,6 +253,8 @@ pub(crate) struct Header {
     pub descr: String,
     pub big: bool,
     pub fortran: bool,
+    /// None for an array of one or two dimensions.
+    pub frames: Option<u64>,
     pub rows: u64,
     /// None for an array of one dimension.
     pub columns: Option<usize>,
@@ -251,7 +311,13 @@ impl Header {
     }
 }
 
+/// The header of an array of one or two dimensions.
 pub(crate) fn header(source: &mut Source<'_>) -> anyhow::Result<Header> {
+    header_of(source, false)
+}
+
+/// The same; where `frames` are known, also of three.
+fn header_of(source: &mut Source<'_>, frames: bool) -> anyhow::Result<Header> {
     let name = source.name;
     let mut need = |bytes: &mut [u8]| match source.fill(bytes) {
         Ok(true) => Ok(()),
@@ -286,7 +352,7 @@ pub(crate) fn header(source: &mut Source<'_>) -> anyhow::Result<Header> {
     let mut text = vec![0; length];
     need(&mut text)?;
     let text = String::from_utf8_lossy(&text).to_string();
-    parse(&text).with_context(|| format!("{name}: npy header {}", short(text.trim())))
+    parse(&text, frames).with_context(|| format!("{name}: npy header {}", short(text.trim())))
 }
 
 /// The header of an array of two dimensions in C order, version 1.
@@ -309,7 +375,7 @@ pub(crate) fn write_header(
 
 /// Parses the Python dictionary of the header, such as `{'descr': '<f8', 'fortran_order': False,
 /// 'shape': (10, 3), }`.
-fn parse(text: &str) -> anyhow::Result<Header> {
+fn parse(text: &str, frames_known: bool) -> anyhow::Result<Header> {
     let value = |key: &str| -> anyhow::Result<&str> {
         let at = [format!("'{key}'"), format!("\"{key}\"")]
             .iter()
@@ -347,13 +413,22 @@ fn parse(text: &str) -> anyhow::Result<Header> {
         .filter(|size| !size.is_empty())
         .map(|size| size.parse().ok())
         .collect();
-    let (rows, columns) = match sizes.as_deref() {
-        Some(&[rows]) => (rows, None),
-        Some(&[rows, columns @ 1..=1000]) => (rows, Some(columns as usize)),
+    let (frames, rows, columns) = match sizes.as_deref() {
+        Some(&[rows]) => (None, rows, None),
+        Some(&[rows, columns @ 1..=1000]) => (None, rows, Some(columns as usize)),
+        // Of frames without particles there may be more than anybody can count.
+        Some(&[frames, rows, columns @ 2..=4]) if frames_known && frames.min(rows) > 0 => {
+            ensure!(
+                !fortran,
+                "the shape is ({shape}), in Fortran order; write frames in C order, with \
+                 numpy.ascontiguousarray"
+            );
+            (Some(frames), rows, Some(columns as usize))
+        }
         _ => bail!(
             "the shape is ({shape}); it must be that of rows: (N, 2), (N, 3) or (N, 4) for \
              particles (x, y, z, and the radius last), (N, 2) for pairs"
         ),
     };
-    Ok(Header { kind, descr, big, fortran, rows, columns, shape })
+    Ok(Header { kind, descr, big, fortran, frames, rows, columns, shape })
 }

@@ -6,91 +6,114 @@
 //!   `radius`, `d` or `diameter` the size; the rest is skipped.
 //! * The box: `Lattice="ax ay az bx by bz cx cy cz"`, of any direction, from the corner `Origin`;
 //!   it repeats along all three unless `pbc="T T F"` says otherwise, as for ASE and OVITO.
+//! * Its time: `step=100` (or `timestep`), `time=0.5`.
 //! * Plain: `species x y z`. What further columns mean, nobody knows: it may be a radius, a charge
 //!   or a velocity. So a plain file with more columns is refused, unless the options give the
 //!   radius: then the columns are skipped.
 
 use anyhow::{Context, bail, ensure};
 
-use crate::io::frames::{Frames, Step};
-use crate::io::lines::{Lines, Source, number, short, words};
+use crate::io::frames::{Choice, Reader, Step};
+use crate::io::lines::{Lines, Source, number, short, step_of, words};
 use crate::io::particles::{Column, Columns, Particles};
 use crate::io::{About, Declared, Options};
 
 const MOST_COLUMNS: usize = 10_000;
 
-pub(crate) fn read(source: Source<'_>, options: Options) -> anyhow::Result<(Particles, About)> {
-    let mut lines = Lines::new(source);
-    let mut frames = Frames::new(options);
-    let mut result: Option<(Particles, About)> = None;
-    lines.advance()?;
-    loop {
-        let n = lines.count(
-            lines.line(),
-            "the number of particles, which is the first line of an XYZ file",
-        )?;
-        let step = frames.begin(|| lines.place())?;
-        if step == Step::Stop {
-            break;
-        }
-        // A file of no particles may end before its comment line.
-        let comment = if lines.advance()? { lines.text() } else { String::new() };
-        let short_of = |k: u64, name: &str| {
-            anyhow::anyhow!(
-                "{name} ends after {k} of the {n} particles that its first line announces; mend \
-                 the number or the file"
-            )
-        };
-        if step == Step::Keep {
-            let declared = match declared(&comment, options) {
-                // Nobody asks.
-                Err(_) if options.boundaries.open => None,
-                declared => declared.with_context(|| lines.place())?,
+pub(crate) fn frames<'a>(
+    source: Source<'a>,
+    options: Options,
+) -> Box<dyn Reader<(Particles, About)> + 'a> {
+    Box::new(Xyz { lines: Lines::new(source), options })
+}
+
+struct Xyz<'a> {
+    lines: Lines<'a>,
+    options: Options,
+}
+
+impl Reader<(Particles, About)> for Xyz<'_> {
+    fn next(&mut self, choice: &mut Choice) -> anyhow::Result<Option<(Particles, About)>> {
+        let Xyz { lines, options } = self;
+        loop {
+            // The first line counts the particles, blank or not.
+            let more = if choice.seen == 0 {
+                lines.advance()?;
+                true
+            } else {
+                lines.advance_over_blanks()?
             };
-            let columns = columns(&comment).with_context(|| lines.place())?;
-            let columns = columns.chosen(&lines.place(), options)?;
-            let mut particles = columns.particles(&lines.place(), options)?;
-            let between = || format!(" ({})", crate::io::lines::listed(&columns.names));
-            for k in 0..n {
-                if !lines.advance()? {
-                    return Err(short_of(k, lines.source.name));
-                }
-                let line = lines.line();
-                if columns.or_more && options.radius.is_none() && options.columns.is_none() {
-                    let count = words(line).count();
-                    ensure!(
-                        count <= columns.names.len(),
-                        "{}: {count} columns in a plain XYZ file: it is not known whether the \
-                         others are radii; give --radius R to skip them, or name them in line 2 \
-                         as in Properties=species:S:1:pos:R:3:radius:R:1",
-                        lines.place()
-                    );
-                }
-                columns.push(
-                    &mut particles,
-                    crate::io::lines::Separator::Blanks.cells(line),
-                    || lines.place(),
-                    between,
-                )?;
+            if !more {
+                return Ok(None);
             }
-            let format = if columns.or_more { "XYZ" } else { "extended XYZ" };
-            let (particles, mut about) =
-                crate::io::particles::loaded(format, particles, columns.radius());
-            about.declared = declared;
-            result = Some((particles, about));
-        } else {
-            for k in 0..n {
-                if !lines.advance()? {
-                    return Err(short_of(k, lines.source.name));
+            let n = lines.count(
+                lines.line(),
+                "the number of particles, which is the first line of an XYZ file",
+            )?;
+            match choice.begin(|| lines.place())? {
+                Step::Stop => return Ok(None),
+                Step::Keep => return frame(lines, n, *options).map(Some),
+                Step::Skip => {
+                    lines.advance()?;
+                    for k in 0..n {
+                        row(lines, k, n)?;
+                    }
                 }
             }
-        }
-        if !lines.advance_over_blanks()? {
-            break;
         }
     }
-    let (particles, about) = result.unwrap_or_else(|| (Particles::new(3, false), About::default()));
-    Ok((particles, frames.end(lines.source.name, about)?))
+}
+
+/// Goes to the line of particle `k` of `n`.
+fn row(lines: &mut Lines<'_>, k: u64, n: u64) -> anyhow::Result<()> {
+    ensure!(
+        lines.advance()?,
+        "{} ends after {k} of the {n} particles that its first line announces; mend the number \
+         or the file",
+        lines.source.name
+    );
+    Ok(())
+}
+
+/// The comment line and the rows of one frame.
+fn frame(lines: &mut Lines<'_>, n: u64, options: Options) -> anyhow::Result<(Particles, About)> {
+    // A file of no particles may end before its comment line.
+    let comment = if lines.advance()? { lines.text() } else { String::new() };
+    let declared = match declared(&comment, options) {
+        // Nobody asks.
+        Err(_) if options.boundaries.open => None,
+        declared => declared.with_context(|| lines.place())?,
+    };
+    let columns = columns(&comment).with_context(|| lines.place())?;
+    let columns = columns.chosen(&lines.place(), options)?;
+    let mut particles = columns.particles(&lines.place(), options)?;
+    let between = || format!(" ({})", crate::io::lines::listed(&columns.names));
+    for k in 0..n {
+        row(lines, k, n)?;
+        let line = lines.line();
+        if columns.or_more && options.radius.is_none() && options.columns.is_none() {
+            let count = words(line).count();
+            ensure!(
+                count <= columns.names.len(),
+                "{}: {count} columns in a plain XYZ file: it is not known whether the others are \
+                 radii; give --radius R to skip them, or name them in line 2 as in \
+                 Properties=species:S:1:pos:R:3:radius:R:1",
+                lines.place()
+            );
+        }
+        columns.push(
+            &mut particles,
+            crate::io::lines::Separator::Blanks.cells(line),
+            || lines.place(),
+            between,
+        )?;
+    }
+    let format = if columns.or_more { "XYZ" } else { "extended XYZ" };
+    let (particles, about) = crate::io::particles::loaded(format, particles, columns.radius());
+    let first = |keys: &[&str]| keys.iter().find_map(|key| value(&comment, key));
+    let step = first(&["step", "timestep"]).and_then(|text| step_of(text.as_bytes()));
+    let time = first(&["time"]).and_then(|text| number(text.as_bytes()));
+    Ok((particles, About { declared, step, time, ..about }))
 }
 
 /// The columns that the comment line announces, or those of a plain file.

@@ -48,6 +48,7 @@ impl Other {
 }
 
 /// The columns of a table.
+#[derive(Clone)]
 pub(super) struct Columns {
     pair: [usize; 2],
     /// None, two or three.
@@ -113,6 +114,14 @@ impl Columns {
         let image = if guessed { (2..count).collect() } else { Vec::new() };
         let others = if guessed { Vec::new() } else { (2..count).map(unnamed).collect() };
         Columns { pair: [0, 1], image, guessed, others, whole: Vec::new(), count }
+    }
+
+    /// What this column holds is known otherwise.
+    pub fn known(&mut self, column: usize) {
+        let Some(m) = self.others.iter().position(|(k, _)| *k == column) else { return };
+        self.others.remove(m);
+        self.whole.retain(|&k| k != m);
+        self.whole.iter_mut().filter(|k| **k > m).for_each(|k| *k -= 1);
     }
 
     /// Adds the pair of one line.

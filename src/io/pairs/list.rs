@@ -9,6 +9,10 @@ use super::Other;
 pub struct List {
     /// The format's name.
     pub format: &'static str,
+    /// The number of its frame, where the file has frames.
+    pub frame: Option<u64>,
+    /// Its time step, where the file says it.
+    pub step: Option<i64>,
     /// Couples of numbers, in file order.
     pub pairs: Vec<[i64; 2]>,
     /// Which image of the second particle it is, for each, where the list says so: so many vectors
