@@ -140,8 +140,8 @@ pub(crate) fn chosen<T>(
 
 /// The frames of a particle file, one after the other: no more than one is held at a time.
 ///
-/// Particles stand in the order of the file, frame by frame; see [`Particles::by_id`] for one that
-/// is the same in all. Each frame says its number and, where the format has one, its time step
+/// Particles stand in the order of the file, frame by frame; see [`Particles::sort_by_id`] for one
+/// that is the same in all. Each frame says its number and, where the format has one, its time step
 /// ([`About`]). Numbers of particles, ids and boxes may change from one to the next.
 pub struct Frames<'a> {
     pub(super) reader: Box<dyn Reader<(Particles, About)> + 'a>,

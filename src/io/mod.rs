@@ -129,6 +129,16 @@ pub struct About {
     pub notes: Vec<String>,
 }
 
+impl About {
+    /// `frame 3 (step 300)`.
+    pub fn which(&self) -> String {
+        match self.step {
+            Some(step) => format!("frame {} (step {step})", self.frame),
+            None => format!("frame {}", self.frame),
+        }
+    }
+}
+
 /// Reads the particles of a file, in file order, as a scene with open boundaries.
 pub fn scene(path: &Path, options: Options) -> anyhow::Result<AnyScene<'static>> {
     let (particles, _) = load(path, options)?;

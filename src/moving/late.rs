@@ -1,6 +1,7 @@
 //! What a tracker missed, over the frames.
 
 use std::collections::HashMap;
+use std::hash::Hash;
 
 use crate::contact::depth::depth;
 use crate::scene::{AnyScene, Real, array};
@@ -10,8 +11,9 @@ use crate::with_scene;
 ///
 /// A *missed pair-step* is a pair that touches in a frame and is not reported in it. A contact is
 /// missed from one frame on, until it is reported, or until it has ended and nobody knew of it.
+/// Pairs go by their places, or by other names that are the same in all frames.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Late {
+pub struct Late<P: Eq + Hash = [u32; 2]> {
     /// Missed pair-steps.
     pub missed: u64,
     /// The most in one frame.
@@ -27,7 +29,7 @@ pub struct Late {
     /// Of those, the largest overlap when they were first reported, in mean radii of the couple.
     pub deepest: f64,
     /// Missed so far, and since which frame.
-    open: HashMap<[u32; 2], u64>,
+    open: HashMap<P, u64>,
 }
 
 impl Late {
@@ -50,24 +52,36 @@ impl Late {
             while reports.next_if(|&report| report < pair).is_some() {
                 spurious += 1;
             }
-            match reports.next_if_eq(&pair) {
-                Some(_) => {
-                    if let Some(since) = self.open.remove(&pair) {
-                        self.latest = self.latest.max(k - since);
-                        self.deepest = self.deepest.max(depth_of(frame, pair));
-                    }
-                }
-                None => missed.push(pair),
+            if reports.next_if_eq(&pair).is_none() {
+                missed.push(pair);
             }
         }
         spurious += reports.count() as u64;
-        // What was missed before and is so no more has ended.
-        let before = std::mem::take(&mut self.open);
-        for &pair in &missed {
-            self.open.insert(pair, before.get(&pair).copied().unwrap_or(k));
+        let depth =
+            |pair: &[u32; 2]| truth.binary_search(pair).is_ok().then(|| depth_of(frame, *pair));
+        self.note(k, &missed, depth);
+        spurious
+    }
+}
+
+impl<P: Copy + Eq + Hash> Late<P> {
+    /// These were missed in frame `k`, each once; `depth` is that of a contact which is there, and
+    /// none of one that has ended.
+    pub(crate) fn note(&mut self, k: u64, missed: &[P], depth: impl Fn(&P) -> Option<f64>) {
+        // What was missed before and is so no more was reported, or has ended.
+        let mut before = std::mem::take(&mut self.open);
+        for &pair in missed {
+            self.open.insert(pair, before.remove(&pair).unwrap_or(k));
         }
-        let stay = missed.iter().filter(|&pair| before.contains_key(pair)).count();
-        self.never += (before.len() - stay) as u64;
+        for (pair, since) in before {
+            match depth(&pair) {
+                Some(depth) => {
+                    self.latest = self.latest.max(k - since);
+                    self.deepest = self.deepest.max(depth);
+                }
+                None => self.never += 1,
+            }
+        }
         let missed = missed.len() as u64;
         if missed > 0 {
             self.first.get_or_insert(k);
@@ -75,7 +89,6 @@ impl Late {
         }
         self.missed += missed;
         self.worst = self.worst.max(missed);
-        spurious
     }
 
     /// Is something missed that may still be reported?

@@ -3,6 +3,7 @@
 mod between;
 mod builds;
 mod late;
+mod recorded;
 
 use std::time::{Duration, Instant};
 
@@ -10,13 +11,13 @@ use crate::contact::Arithmetic;
 use crate::detect::Options;
 use crate::oracle;
 use crate::scene::AnyScene;
-use crate::scene::motion::Frames;
 use crate::sink::normalise;
 use crate::track::{Tracker, TrackerSpec};
 
 pub use between::{Moved, Way};
 pub use builds::Builds;
 pub use late::Late;
+pub use recorded::Recorded;
 
 /// What is asked.
 pub struct Question<'a> {
@@ -24,7 +25,7 @@ pub struct Question<'a> {
     pub trackers: &'a [TrackerSpec],
     /// How contacts are decided.
     pub arithmetic: Arithmetic,
-    /// Frames, the first among them.
+    /// Frames at most, the first among them.
     pub frames: u64,
     /// For lists, in bytes.
     pub memory_limit: u64,
@@ -96,13 +97,17 @@ struct Follower {
     pairs: Vec<[u32; 2]>,
 }
 
-/// Follows the frames with all trackers side by side, and with the truth. Making frames and finding
-/// the truth is outside the clock.
+/// Follows the frames with all trackers side by side, and with the truth. `frame` gives the one of
+/// each number in turn, and none after the last; making frames and finding the truth is outside the
+/// clock.
 ///
 /// # Errors
 /// Frames that cannot be made or stored, and scenes without a truth. What a tracker refuses is in
 /// its answer.
-pub fn follow(frames: &mut Frames, question: &Question<'_>) -> anyhow::Result<Followed> {
+pub fn follow(
+    mut frame: impl FnMut(u64) -> anyhow::Result<Option<AnyScene<'static>>>,
+    question: &Question<'_>,
+) -> anyhow::Result<Followed> {
     let Question { trackers, arithmetic, memory_limit, .. } = *question;
     let options = Options { memory_limit, threads: 1 };
     let mut followers: Vec<Follower> = trackers
@@ -116,7 +121,7 @@ pub fn follow(frames: &mut Frames, question: &Question<'_>) -> anyhow::Result<Fo
     let mut moved = Moved::default();
     let mut last: Option<(AnyScene<'static>, Vec<[u32; 2]>)> = None;
     for k in 0..question.frames {
-        let given = frames.at(k)?;
+        let Some(given) = frame(k)? else { break };
         let frame = given.stored(arithmetic)?;
         let truth = oracle::truth_as_stored(&frame, arithmetic.test(), memory_limit)?.pairs;
         for follower in followers.iter_mut().filter(|follower| follower.tracked.refused.is_none()) {

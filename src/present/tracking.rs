@@ -9,7 +9,6 @@ use crate::moving::{Followed, Moved, Tracked};
 use crate::number::{number, percent, plural};
 use crate::present::document::Block;
 use crate::present::table::{Cell, Column, Table};
-use crate::scene::motion::Motion;
 use crate::track::TrackerSpec;
 
 /// The middle of the times of frames and the longest, in nanoseconds per particle.
@@ -27,7 +26,8 @@ fn mean(tracked: &Tracked, particles: u64) -> Option<f64> {
     (steps > 0.0).then(|| all.as_nanos() as f64 / steps)
 }
 
-fn motion(name: &str, motion: Motion, moved: &Moved) -> String {
+/// What the motion is like.
+pub fn motion(name: &str, motion: &str, moved: &Moved) -> String {
     let Moved { particles, frames, contacts, born, ended, tunnelled, uncounted, way } = moved;
     let mut said =
         format!("{name}, {particles} particles, {motion}, {}", plural(*frames as usize, "frame"));
@@ -73,7 +73,7 @@ fn label(spec: &TrackerSpec, common: bool) -> String {
 }
 
 /// What is said of all of them.
-pub fn words(name: &str, of: Motion, followed: &Followed) -> Vec<Block> {
+pub fn words(name: &str, of: &str, followed: &Followed) -> Vec<Block> {
     let mut blocks = vec![Block::paragraph(motion(name, of, &followed.moved))];
     if let Some(detector) = common(followed) {
         blocks.push(Block::paragraph(format!(
@@ -161,7 +161,7 @@ pub fn table(followed: &Followed) -> Table {
 }
 
 /// All of it for programs.
-pub fn as_json(name: &str, motion: Motion, followed: &Followed) -> Value {
+pub fn as_json(name: &str, motion: &str, followed: &Followed) -> Value {
     let moved = &followed.moved;
     let Moved { particles, frames, contacts, born, ended, tunnelled, uncounted, way } = moved;
     let trackers = followed.trackers.iter().map(|it| {
@@ -194,7 +194,7 @@ pub fn as_json(name: &str, motion: Motion, followed: &Followed) -> Value {
     });
     json!({
         "scene": name,
-        "motion": motion.to_string(),
+        "motion": motion,
         "particles": particles,
         "frames": frames,
         "contacts": contacts,

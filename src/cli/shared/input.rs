@@ -21,7 +21,8 @@ pub struct Input {
     /// 2 or 3, where the file leaves it open (an npy array of three columns, or z = 0)
     #[arg(long, value_parser = values::whole::<u32>)]
     pub dim: Option<u32>,
-    /// Which frame of a file that has several: a number from 0, or last (default: last)
+    /// Which frame of a file that has several: a number from 0, or last; some verbs take all
+    /// (default: last)
     #[arg(long)]
     pub frame: Option<Frame>,
     /// Which column of a text holds what, by number from 1 or by name: x=3,y=4,z=5,r=6 (keys: x, y,
@@ -120,6 +121,27 @@ pub fn load(
     input: &Input,
     options: io::Options,
 ) -> anyhow::Result<(io::Particles, io::About)> {
+    is_file(path)?;
+    let (particles, about) = explained(path, io::load(path, options))?;
+    if about.frames > 1 && input.frame.is_none() {
+        let (text, last) = (path.display(), about.frames - 1);
+        eprintln!("{text}: frame {last}, the last of 0 to {last}, is read (--frame)");
+    }
+    Ok((particles, about))
+}
+
+/// Hands all frames of a file to `body`, which takes them one by one.
+pub fn frames<T>(
+    path: &Path,
+    options: io::Options,
+    body: impl FnOnce(io::Frames<'_>) -> anyhow::Result<T>,
+) -> anyhow::Result<T> {
+    is_file(path)?;
+    explained(path, io::frames(path, io::Options { frame: Frame::All, ..options }, body))
+}
+
+/// Refuses the name of a scene.
+fn is_file(path: &Path) -> anyhow::Result<()> {
     let text = path.display().to_string();
     let scene = text.split(':').next().is_some_and(is_generator) && !path.exists();
     ensure!(
@@ -127,12 +149,7 @@ pub fn load(
         "'{text}' is a scene, and a file is wanted here; write it to one first: contactbench \
          scene {text} -o scene.csv"
     );
-    let (particles, about) = explained(path, io::load(path, options))?;
-    if about.frames > 1 && input.frame.is_none() {
-        let last = about.frames - 1;
-        eprintln!("{text}: frame {last}, the last of 0 to {last}, is read (--frame)");
-    }
-    Ok((particles, about))
+    Ok(())
 }
 
 /// Says what a file leaves open about its box.

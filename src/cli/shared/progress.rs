@@ -1,4 +1,5 @@
-//! How far a run has come: a bar with the remaining time on a terminal, plain lines elsewhere.
+//! How far a run has come: a bar with the remaining time on a terminal, plain lines elsewhere. And
+//! how far a pass over frames.
 
 use std::io::IsTerminal;
 use std::time::Instant;
@@ -35,6 +36,36 @@ impl Drop for Terminal {
         if let Some(bar) = &self.bar {
             bar.finish_and_clear();
         }
+    }
+}
+
+/// Frames that are gone through: a line on a terminal, and nothing elsewhere.
+pub struct Counted(Option<ProgressBar>);
+
+impl Counted {
+    /// Of so many frames, where that is known.
+    pub fn new(frames: Option<u64>) -> Counted {
+        Counted(std::io::stderr().is_terminal().then(|| {
+            let of = if frames.is_some() { " of {len}" } else { "" };
+            // The template is constant; were it wrong, the default style would do.
+            let style = ProgressStyle::with_template(&format!("frame {{pos}}{of}, {{elapsed}}"));
+            let bar = frames.map_or_else(ProgressBar::no_length, ProgressBar::new);
+            let bar = bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+            bar.enable_steady_tick(std::time::Duration::from_millis(500));
+            bar
+        }))
+    }
+
+    /// The frame of this number begins.
+    pub fn frame(&self, k: u64) {
+        self.0.iter().for_each(|bar| bar.set_position(k));
+    }
+}
+
+impl Drop for Counted {
+    /// What is printed next begins on a line of its own.
+    fn drop(&mut self) {
+        self.0.iter().for_each(ProgressBar::finish_and_clear);
     }
 }
 

@@ -105,7 +105,7 @@ pub struct Motion {
 }
 
 /// Where none is given: a particle needs some hundred frames for its diameter.
-const SPEED: f64 = 0.01;
+pub const SPEED: f64 = 0.01;
 /// The same of draws.
 pub const SEED: u64 = 1;
 
