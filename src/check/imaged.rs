@@ -9,7 +9,7 @@ use std::collections::HashMap;
 use anyhow::{Context, bail};
 
 use crate::check::listed::{
-    Allowed, Couple, Naming, READING_BYTES, Taken, Terms, Verification, WORST, room_for,
+    Allowed, Couple, Naming, READING_BYTES, Taken, Terms, Touching, Verification, room_for,
 };
 use crate::check::reading::{Reading, TakenBox};
 use crate::contact::Arithmetic;
@@ -47,14 +47,15 @@ impl Verification {
             skin if skin > 0.0 => within_gap(periodic, skin, terms.memory_limit)?,
             _ => Vec::new(),
         };
-        let view = View { periodic, truth: &truth, near: &near };
+        let view = View { periodic, truth: &truth, near: &near, kept: terms.kept };
         let mut found = view.compare(list, naming, terms.allowed)?;
         found.contacts = truth.len() as u64;
         let small = (list.pairs.len() + truth.len()) as u64 * READING_BYTES <= terms.memory_limit;
-        if !found.is_same() && terms.allowed == Allowed::default() && small {
+        if terms.explain && !found.is_same() && terms.allowed == Allowed::default() && small {
             let namings: Vec<&Naming> = std::iter::once(naming).chain(others).collect();
             found.reading = explain::explain(periodic, list, &namings, &truth, terms)?;
         }
+        found.touching = Touching::Boxed(truth);
         Ok(found)
     }
 }
@@ -202,6 +203,8 @@ struct View<'a> {
     truth: &'a [ImagePair],
     /// What may be there, beside.
     near: &'a [ImagePair],
+    /// Pairs of a kind that are kept.
+    kept: usize,
 }
 
 impl View<'_> {
@@ -253,7 +256,7 @@ impl View<'_> {
             }
         }
         let mut errors = Errors::default();
-        let (mut missed, mut spurious) = (Worst::default(), Worst::default());
+        let (mut missed, mut spurious) = (Worst::new(self.kept), Worst::new(self.kept));
         let mut within_skin = 0;
         for same in reported.chunk_by(|a, b| a == b) {
             let pair = same[0];
@@ -328,7 +331,7 @@ impl View<'_> {
         };
         let (mut touching, near) = (of(self.truth), of(self.near));
         let (mut errors, mut within_skin) = (Errors::default(), 0);
-        let (mut missed, mut spurious) = (Worst::default(), Worst::default());
+        let (mut missed, mut spurious) = (Worst::new(self.kept), Worst::new(self.kept));
         for &(pair, count) in reported {
             let mut images = touching.remove(&pair).unwrap_or_default();
             let beside = near.get(&pair).map_or(0, Vec::len).saturating_sub(images.len());
@@ -368,8 +371,8 @@ impl View<'_> {
 }
 
 /// The worst of many pairs, and how many there are.
-#[derive(Default)]
 struct Worst {
+    kept: usize,
     pairs: Vec<(ImagePair, f64)>,
     count: u64,
     largest: f64,
@@ -378,6 +381,10 @@ struct Worst {
 }
 
 impl Worst {
+    fn new(kept: usize) -> Worst {
+        Worst { kept, pairs: Vec::new(), count: 0, largest: 0.0, gap: 0.0 }
+    }
+
     fn apart(&mut self, periodic: &Periodic<'_>, pair: ImagePair) {
         self.gap = self.gap.max(periodic.gap(pair));
         self.add(pair, depth(periodic, pair));
@@ -387,14 +394,14 @@ impl Worst {
         self.count += 1;
         self.largest = self.largest.max(depth.abs());
         self.pairs.push((pair, depth));
-        if self.pairs.len() == 2 * WORST {
+        if self.pairs.len() == self.kept.saturating_mul(2) {
             self.keep();
         }
     }
 
     fn keep(&mut self) {
         self.pairs.sort_by(|(p, a), (q, b)| b.abs().total_cmp(&a.abs()).then(p.cmp(q)));
-        self.pairs.truncate(WORST);
+        self.pairs.truncate(self.kept);
     }
 }
 
@@ -418,6 +425,7 @@ fn verification(
     };
     Verification {
         contacts: 0,
+        touching: Touching::Boxed(Vec::new()),
         errors,
         unknown,
         missed: missed.pairs,

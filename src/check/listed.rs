@@ -56,10 +56,40 @@ pub struct Terms {
     pub allowed: Allowed,
     /// Most bytes for a list of pairs.
     pub memory_limit: u64,
+    /// Most pairs of a kind that are kept: [`WORST`], or more where all that is missed is wanted.
+    pub kept: usize,
+    /// Where the list differs, other ways to read it are tried.
+    pub explain: bool,
 }
 
 /// A pair of the list, by the numbers that stand there.
 pub(super) type Couple = [i64; 2];
+
+/// The pairs that touch, in order.
+#[derive(Clone, Debug)]
+pub enum Touching {
+    /// In open space.
+    Open(Vec<[u32; 2]>),
+    /// Images, in a box that repeats.
+    Boxed(Vec<ImagePair>),
+}
+
+impl Touching {
+    /// The contacts of a pair i < j: none, one, or through several images.
+    pub fn of(&self, [i, j]: [u32; 2]) -> Vec<ImagePair> {
+        match self {
+            Touching::Open(pairs) => {
+                let found = pairs.binary_search(&[i, j]).is_ok();
+                found.then(|| ImagePair::new(i, j, [0; 3])).into_iter().collect()
+            }
+            Touching::Boxed(pairs) => {
+                let from = pairs.partition_point(|pair| [pair.i, pair.j] < [i, j]);
+                let same = pairs[from..].iter().take_while(|pair| [pair.i, pair.j] == [i, j]);
+                same.copied().collect()
+            }
+        }
+    }
+}
 
 /// What of a list is compared with what touches.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -80,15 +110,17 @@ pub enum Taken {
 pub struct Verification {
     /// The pairs that touch.
     pub contacts: u64,
+    /// These.
+    pub touching: Touching,
     /// Against them.
     pub errors: Errors,
     /// Pairs of the list that name no particle.
     pub unknown: Vec<[i64; 2]>,
     /// Pairs that are not listed and their overlap in mean radii, the deepest first, at most
-    /// [`WORST`].
+    /// as many as are kept.
     pub missed: Vec<(ImagePair, f64)>,
     /// Pairs that are listed and do not touch, with their depth in mean radii, which is negative:
-    /// the widest gap first, at most [`WORST`].
+    /// the widest gap first, at most as many as are kept.
     pub spurious: Vec<(ImagePair, f64)>,
     /// Pairs of the list that are there from one side only, where both are expected.
     pub one_sided: Vec<[i64; 2]>,
@@ -169,7 +201,7 @@ impl Verification {
         terms: Terms,
         bounds: Option<&[[f64; 2]]>,
     ) -> anyhow::Result<Verification> {
-        let Terms { arithmetic, allowed, memory_limit } = terms;
+        let Terms { arithmetic, allowed, memory_limit, kept, explain } = terms;
         let stored = scene.stored(arithmetic)?;
         let truth = oracle::truth_as_stored(&stored, arithmetic.test(), memory_limit)?.pairs;
         drop(stored);
@@ -190,8 +222,9 @@ impl Verification {
             contacts: truth.len() as u64,
             errors,
             unknown,
-            missed: only(scene, &truth, &reported),
-            spurious: only(scene, &reported, &truth),
+            missed: only(scene, &truth, &reported, kept),
+            spurious: only(scene, &reported, &truth, kept),
+            touching: Touching::Open(truth),
             one_sided,
             within_skin: (named - reported.len()) as u64,
             reading: None,
@@ -200,10 +233,15 @@ impl Verification {
         };
         drop(reported);
         // A hint is not worth all the memory there is.
-        let small = (list.len() + truth.len()) as u64 * READING_BYTES <= memory_limit;
-        if !found.is_same() && allowed == Allowed::default() && small {
+        let small = (list.len() as u64 + found.contacts) * READING_BYTES <= memory_limit;
+        if let Touching::Open(truth) = &found.touching
+            && explain
+            && !found.is_same()
+            && allowed == Allowed::default()
+            && small
+        {
             let namings: Vec<&Naming> = std::iter::once(naming).chain(others).collect();
-            found.reading = reading::explain(scene, list, &namings, &truth, arithmetic, bounds)?;
+            found.reading = reading::explain(scene, list, &namings, truth, arithmetic, bounds)?;
         }
         Ok(found)
     }
@@ -224,11 +262,16 @@ pub(super) fn room_for<T>(count: usize) -> anyhow::Result<Vec<T>> {
 
 /// The worst pairs of `these` that are not among `those`, both in order: the deepest overlap first,
 /// or the widest gap.
-fn only(scene: &AnyScene<'_>, these: &[[u32; 2]], those: &[[u32; 2]]) -> Vec<(ImagePair, f64)> {
+fn only(
+    scene: &AnyScene<'_>,
+    these: &[[u32; 2]],
+    those: &[[u32; 2]],
+    kept: usize,
+) -> Vec<(ImagePair, f64)> {
     let mut worst: Vec<([u32; 2], f64)> = Vec::new();
     let keep = |worst: &mut Vec<([u32; 2], f64)>| {
         worst.sort_by(|(_, a), (_, b)| b.abs().total_cmp(&a.abs()));
-        worst.truncate(WORST);
+        worst.truncate(kept);
     };
     let mut last = None;
     for &pair in these {
@@ -239,7 +282,7 @@ fn only(scene: &AnyScene<'_>, these: &[[u32; 2]], those: &[[u32; 2]]) -> Vec<(Im
             continue;
         }
         worst.push((pair, pair_depth(scene, pair)));
-        if worst.len() == 2 * WORST {
+        if worst.len() == kept.saturating_mul(2) {
             keep(&mut worst);
         }
     }

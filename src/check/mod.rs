@@ -18,6 +18,7 @@ pub mod conversation;
 pub mod imaged;
 pub mod listed;
 pub mod numbers;
+pub mod paired;
 pub mod process;
 pub mod reading;
 pub mod regression;

@@ -1,5 +1,6 @@
 //! `contactbench verify`.
 
+mod frames;
 mod hint;
 
 use std::io::Write;
@@ -10,7 +11,7 @@ use anyhow::{Context, bail, ensure};
 use serde_json::{Value, json};
 
 use crate::check::imaged::Listed;
-use crate::check::listed::{Allowed, Meaning, Naming, Taken, Terms, Verification, particle};
+use crate::check::listed::{Allowed, Meaning, Naming, Taken, Terms, Verification, WORST, particle};
 use crate::cli::shared::arithmetic::arithmetic;
 use crate::cli::shared::input::{self, Input};
 use crate::cli::shared::limit::Limit;
@@ -18,7 +19,8 @@ use crate::cli::shared::terminal;
 use crate::contact::Arithmetic;
 use crate::io;
 use crate::io::boxes::along;
-use crate::io::{Frame, Place, pairs};
+use crate::io::pairs::{self, List};
+use crate::io::{About, Frame, Particles, Place};
 use crate::number::{number, plural, wrap};
 use crate::oracle::Errors;
 use crate::periodic::{ImagePair, Periodic};
@@ -73,10 +75,10 @@ pub struct Verify {
 /// What there is to print.
 struct Verified<'a> {
     options: &'a Verify,
-    list: &'a pairs::List,
+    list: List,
     naming: Meaning,
-    scene: &'a AnyScene<'a>,
-    lattice: Option<&'a Lattice>,
+    scene: AnyScene<'static>,
+    lattice: Option<Lattice>,
     /// The file declares a box with edges along the axes.
     boxed: bool,
     /// The file says that it repeats.
@@ -98,95 +100,146 @@ pub fn verify(options: &Verify) -> anyhow::Result<ExitCode> {
     );
     let columns = options.pairs_columns.as_deref().map(|text| text.split(',').map(str::trim));
     let columns: Vec<&str> = columns.into_iter().flatten().collect();
+    if options.input.frame == Some(Frame::All) {
+        return frames::verify(options, &columns);
+    }
     let frame = options.pairs_frame.or(options.input.frame).unwrap_or(Frame::Last);
-    let mut list = pairs::read(&options.pairs, &columns, frame)?;
+    let list = pairs::read(&options.pairs, &columns, frame)?;
     let (particles, about) = input::load(
         &options.file,
         &options.input,
         io::Options { ids: true, ..options.input.options() },
     )?;
-    let file = options.file.display().to_string();
-    input::tell(&file, particles.notices(), Place::Argument);
-    let ids = particles.ids().map(Naming::by_id);
-    let (naming, others) = match (options.base, ids) {
-        (None, Some(ids)) if options.ids || list.ids => {
-            let ids = ids.context("the ids of the particles cannot be used")?;
-            (ids, vec![Naming::Base(0), Naming::Base(1)])
-        }
-        (None, None) if options.ids => bail!(
-            "{} has no column 'id' of whole numbers; give --base 0 or --base 1",
-            options.file.display()
-        ),
-        (base, ids) => {
-            let base = base.unwrap_or(i64::from(list.ids));
-            let ids = ids.and_then(Result::ok);
-            (Naming::Base(base), [Naming::Base(1 - base)].into_iter().chain(ids).collect())
-        }
-    };
-    let Given { scene, lattice, .. } = particles.given(&file, options.input.radius)?;
-    let terms = Terms {
-        arithmetic: options.arithmetic,
-        allowed: Allowed { both_sides: options.both_sides, skin: options.skin },
-        memory_limit: options.limit.bytes(scene.len()),
-    };
-    let meaning = naming.meaning();
-    let periodic;
-    let (scene, lattice, found) = match lattice {
-        Some(lattice) => {
-            periodic = Periodic::new(scene, lattice)?;
-            list.understood(periodic.scene().dim(), periodic.lattice().periodic())
-                .with_context(|| options.pairs.display().to_string())?;
-            let listed = Listed { pairs: &list.pairs, images: list.images.as_deref() };
-            let found = Verification::in_box(&periodic, listed, &naming, &others, terms)
-                .with_context(|| options.pairs.display().to_string())?;
-            (periodic.scene(), Some(periodic.lattice()), found)
-        }
-        None => {
-            let vectors = about.declared.as_ref().and_then(|of| of.vectors);
-            if vectors.is_none() {
-                list.without_box();
-            }
-            let images = list.images.as_deref().unwrap_or_default();
-            if let Some(k) = images.iter().position(|image| *image != [0; 3]) {
-                let remedy = match vectors {
-                    _ if options.input.open => "leave out --open",
-                    Some(_) if options.input.periodic.is_some() => "leave out --periodic none",
-                    Some(_) => "give --periodic with the axes along which the box repeats",
-                    None => "give --box LX,LY,LZ, and --periodic where it is open along some axis",
-                };
-                bail!(
-                    "{}: pair {k} (from 0) names an image in a box that repeats, {}, and \
-                     boundaries are open here; {remedy}, or --pairs-columns I,J if it is something \
-                     else",
-                    options.pairs.display(),
-                    numbers(&images[k], ",")
-                );
-            }
-            let bounds = about.bounds.as_deref();
-            let mut found =
-                Verification::new(&scene, &list.pairs, &naming, &others, terms, bounds)?;
-            let boundaries = options.input.options().boundaries;
-            let left_out = boundaries.left_out(scene.dim(), about.declared.as_ref());
-            if let (false, Some(lattice)) = (found.is_same(), left_out) {
-                let periodic = Periodic::new(scene.clone(), lattice)?;
-                found.try_declared(&periodic, &list.pairs, &naming, &others, terms);
-            }
-            (&scene, None, found)
-        }
-    };
-    let same = found.is_same();
-    let boxed = about.bounds.is_some() && options.input.edges.is_none();
-    let flags = about.declared.and_then(|declared| declared.periodic);
-    let repeats = flags.is_some_and(|flags| flags.contains(&true));
-    let verified =
-        Verified { options, list: &list, naming: meaning, scene, lattice, boxed, repeats, found };
+    same_step(options, &list, &about)?;
+    if about.frames > 1 && options.input.frame.is_none() && list.frame.is_some() {
+        eprintln!("{}: --frame all compares each of them", options.file.display());
+    }
+    input::tell(&options.file.display().to_string(), particles.notices(), Place::Argument);
+    let verified = Verified::new(options, list, particles, about, WORST, true)?;
     let mut out = std::io::stdout().lock();
     if options.json {
         writeln!(out, "{:#}", verified.json())?
     } else {
         verified.print(&mut out)?
     }
-    Ok(ExitCode::from(u8::from(!same)))
+    Ok(ExitCode::from(u8::from(!verified.found.is_same())))
+}
+
+/// Refuses a list of another time than the particles, unless it was asked for.
+fn same_step(options: &Verify, list: &List, about: &About) -> anyhow::Result<()> {
+    let Some((of_list, of_particles)) = list.step.zip(about.step).filter(|(a, b)| a != b) else {
+        return Ok(());
+    };
+    let (pairs, file) = (options.pairs.display(), options.file.display());
+    if options.pairs_frame.is_some() {
+        eprintln!(
+            "{pairs}: the list is of step {of_list}, the particles are of step {of_particles}"
+        );
+        return Ok(());
+    }
+    bail!(
+        "{pairs}: the list is of step {of_list}, and {} of {file}; give --frame all, which brings \
+         the steps together, or --pairs-frame K with the list that is meant",
+        about.which()
+    )
+}
+
+impl<'a> Verified<'a> {
+    /// A list against a frame of the particles. So many pairs of a kind are kept; other ways to
+    /// read the list are tried if that is asked for.
+    fn new(
+        options: &'a Verify,
+        mut list: List,
+        particles: Particles,
+        about: About,
+        kept: usize,
+        explain: bool,
+    ) -> anyhow::Result<Verified<'a>> {
+        let file = options.file.display().to_string();
+        let ids = particles.ids().map(Naming::by_id);
+        let (naming, others) = match (options.base, ids) {
+            (None, Some(ids)) if options.ids || list.ids => {
+                let ids = ids.context("the ids of the particles cannot be used")?;
+                (ids, vec![Naming::Base(0), Naming::Base(1)])
+            }
+            (None, None) if options.ids => {
+                bail!("{file} has no column 'id' of whole numbers; give --base 0 or --base 1")
+            }
+            (base, ids) => {
+                let base = base.unwrap_or(i64::from(list.ids));
+                let ids = ids.and_then(Result::ok);
+                (Naming::Base(base), [Naming::Base(1 - base)].into_iter().chain(ids).collect())
+            }
+        };
+        let Given { scene, lattice, .. } = particles.given(&file, options.input.radius)?;
+        let terms = Terms {
+            arithmetic: options.arithmetic,
+            allowed: Allowed { both_sides: options.both_sides, skin: options.skin },
+            memory_limit: options.limit.bytes(scene.len()),
+            kept,
+            explain,
+        };
+        let (scene, lattice, found) = match lattice {
+            Some(lattice) => {
+                let periodic = Periodic::new(scene, lattice)?;
+                list.understood(periodic.scene().dim(), periodic.lattice().periodic())
+                    .with_context(|| options.pairs.display().to_string())?;
+                let listed = Listed { pairs: &list.pairs, images: list.images.as_deref() };
+                let found = Verification::in_box(&periodic, listed, &naming, &others, terms)
+                    .with_context(|| options.pairs.display().to_string())?;
+                let (scene, lattice) = periodic.into_parts();
+                (scene, Some(lattice), found)
+            }
+            None => {
+                let found = open(options, &mut list, &scene, &about, (&naming, &others), terms)?;
+                (scene, None, found)
+            }
+        };
+        let boxed = about.bounds.is_some() && options.input.edges.is_none();
+        let flags = about.declared.and_then(|declared| declared.periodic);
+        let repeats = flags.is_some_and(|flags| flags.contains(&true));
+        let naming = naming.meaning();
+        Ok(Verified { options, list, naming, scene, lattice, boxed, repeats, found })
+    }
+}
+
+/// The comparison where boundaries are open.
+fn open(
+    options: &Verify,
+    list: &mut List,
+    scene: &AnyScene<'static>,
+    about: &About,
+    (naming, others): (&Naming, &[Naming]),
+    terms: Terms,
+) -> anyhow::Result<Verification> {
+    let vectors = about.declared.as_ref().and_then(|of| of.vectors);
+    if vectors.is_none() {
+        list.without_box();
+    }
+    let images = list.images.as_deref().unwrap_or_default();
+    if let Some(k) = images.iter().position(|image| *image != [0; 3]) {
+        let remedy = match vectors {
+            _ if options.input.open => "leave out --open",
+            Some(_) if options.input.periodic.is_some() => "leave out --periodic none",
+            Some(_) => "give --periodic with the axes along which the box repeats",
+            None => "give --box LX,LY,LZ, and --periodic where it is open along some axis",
+        };
+        bail!(
+            "{}: pair {k} (from 0) names an image in a box that repeats, {}, and boundaries are \
+             open here; {remedy}, or --pairs-columns I,J if it is something else",
+            options.pairs.display(),
+            numbers(&images[k], ",")
+        );
+    }
+    let bounds = about.bounds.as_deref();
+    let mut found = Verification::new(scene, &list.pairs, naming, others, terms, bounds)?;
+    let boundaries = options.input.options().boundaries;
+    let left_out = boundaries.left_out(scene.dim(), about.declared.as_ref());
+    if let (true, false, Some(lattice)) = (terms.explain, found.is_same(), left_out) {
+        let periodic = Periodic::new(scene.clone(), lattice)?;
+        found.try_declared(&periodic, &list.pairs, naming, others, terms);
+    }
+    Ok(found)
 }
 
 fn words(meaning: Meaning) -> String {
@@ -213,7 +266,7 @@ impl Verified<'_> {
             options.file.display(),
             plural(self.scene.len(), "particle"),
             counted(found.contacts, "touching pair"),
-            self.lattice.map_or(String::new(), |lattice| {
+            self.lattice.as_ref().map_or(String::new(), |lattice| {
                 format!(" in a box that repeats along {}", along(lattice.periodic()))
             }),
             options.arithmetic.name()
@@ -262,7 +315,7 @@ impl Verified<'_> {
 
     /// What was compared, where it is not pairs as they are.
     fn compared(&self) -> Option<&'static str> {
-        self.lattice?;
+        self.lattice.as_ref()?;
         Some(match self.found.taken {
             Taken::Pairs => "pairs; each touches through one image",
             Taken::Images => "pairs with their images",
@@ -294,7 +347,7 @@ impl Verified<'_> {
             };
             writeln!(out, "  {i},{j}{across}  {measure} {}", number(depth.abs()))?;
             for k in [*i, *j] {
-                let (centre, radius) = particle(self.scene, k);
+                let (centre, radius) = particle(&self.scene, k);
                 let centre: Vec<String> = centre.iter().map(|x| format!("{x:?}")).collect();
                 let line = format!("{k}: {} r {radius:?}", centre.join(" "));
                 for line in wrap(&line, terminal::width().saturating_sub(6)) {
@@ -311,7 +364,7 @@ impl Verified<'_> {
     fn json(&self) -> Value {
         let Verified { options, list, found, .. } = self;
         let body = |k: u32| {
-            let (centre, radius) = particle(self.scene, k);
+            let (centre, radius) = particle(&self.scene, k);
             json!({ "index": k, "centre": centre, "radius": radius })
         };
         let couples = |list: &[(ImagePair, f64)]| -> Vec<Value> {
@@ -332,7 +385,7 @@ impl Verified<'_> {
             "arithmetic": options.arithmetic.name(),
             "n": self.scene.len(),
             "contacts": found.contacts,
-            "periodic": self.lattice.map(|lattice| lattice.periodic()[..self.scene.dim()].to_vec()),
+            "periodic": self.lattice.as_ref().map(|lattice| lattice.periodic()[..self.scene.dim()].to_vec()),
             "compared": self.compared(),
             "reported": list.pairs.len(),
             "walls": list.walls,

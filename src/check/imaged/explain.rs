@@ -1,7 +1,7 @@
 //! How a list in a box may be meant that differs from the truth, so that it agrees.
 
 use super::{Listed, View, contacts, swollen};
-use crate::check::listed::{Allowed, Naming, Terms, Verification};
+use crate::check::listed::{Allowed, Naming, Terms, Verification, WORST};
 use crate::check::reading::{Deviation, FAR, ImagesOf, ROUNDED, Reading, TANGENT, TakenBox};
 use crate::contact::Arithmetic;
 use crate::periodic::{self, ImagePair, Periodic, depth};
@@ -21,7 +21,7 @@ pub(super) fn explain(
     if list.pairs.is_empty() {
         return Ok(None);
     }
-    let view = View { periodic, truth, near: &[] };
+    let view = View { periodic, truth, near: &[], kept: WORST };
     let mut best: Option<Found<'_>> = None;
     let mut given = None;
     for &naming in namings {
@@ -131,7 +131,8 @@ impl Search<'_> {
     ) -> anyhow::Result<()> {
         let list = Listed { images: of.shifts.as_deref(), ..self.list };
         let allowed = Allowed { both_sides: reading.both_sides, ..Allowed::default() };
-        let found = View { periodic, truth, near }.compare(list, self.naming, allowed)?;
+        let found =
+            View { periodic, truth, near, kept: WORST }.compare(list, self.naming, allowed)?;
         let wrong = wrong(&found);
         if wrong < self.best.wrong {
             self.best = Reading { wrong, ..reading };

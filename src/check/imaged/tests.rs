@@ -1,4 +1,5 @@
 use super::*;
+use crate::check::listed::WORST;
 use crate::check::reading::Deviation;
 use crate::periodic::BRUTE_FORCE;
 use crate::scene::Lattice;
@@ -21,7 +22,8 @@ fn verify(
     images: Option<&[[i32; 3]]>,
     allowed: Allowed,
 ) -> Verification {
-    let terms = Terms { arithmetic: Arithmetic::Exact, allowed, memory_limit: 1 << 28 };
+    let (arithmetic, memory_limit) = (Arithmetic::Exact, 1 << 28);
+    let terms = Terms { arithmetic, allowed, memory_limit, kept: WORST, explain: true };
     let list = Listed { pairs, images };
     Verification::in_box(periodic, list, &Naming::Base(0), &[Naming::Base(1)], terms).unwrap()
 }

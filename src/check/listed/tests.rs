@@ -27,7 +27,8 @@ fn allowing(
     others: &[Naming],
     allowed: Allowed,
 ) -> Verification {
-    let terms = Terms { arithmetic: Arithmetic::Exact, allowed, memory_limit: 1 << 30 };
+    let (arithmetic, memory_limit) = (Arithmetic::Exact, 1 << 30);
+    let terms = Terms { arithmetic, allowed, memory_limit, kept: WORST, explain: true };
     Verification::new(scene, list, naming, others, terms, None).unwrap()
 }
 

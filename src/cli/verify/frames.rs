@@ -1,0 +1,388 @@
+//! `verify --frame all`: the contact lists of all frames, with the particles of theirs.
+
+use std::cell::OnceCell;
+use std::collections::HashMap;
+use std::io::Write;
+use std::process::ExitCode;
+
+use anyhow::{bail, ensure};
+use serde_json::{Value, json};
+
+use crate::check::listed::{Verification, pair_depth};
+use crate::check::paired::Paired;
+use crate::cli::shared::input;
+use crate::cli::shared::progress::Counted;
+use crate::cli::shared::terminal;
+use crate::cli::verify::{Verified, Verify, counted, words};
+use crate::io::{self, Frame, Place, pairs};
+use crate::moving::Late;
+use crate::number::{number, plural, wrap};
+use crate::oracle::Errors;
+use crate::periodic::{Periodic, depth};
+use crate::present::table::{Cell, Column, Table};
+
+/// So many frames are shown, of those that are wrong the worst.
+const SHOWN: usize = 12;
+/// Bytes of a missed pair while it is followed.
+const FOLLOWED: u64 = 128;
+
+/// What came of one frame.
+struct Row {
+    frame: u64,
+    step: Option<i64>,
+    particles: usize,
+    contacts: u64,
+    listed: usize,
+    errors: Errors,
+    /// Pairs of particles that are not there, and pairs that are there from one side only.
+    others: [u64; 2],
+    within_skin: u64,
+    same: bool,
+}
+
+impl Row {
+    /// What is wrong in it.
+    fn wrong(&self) -> u64 {
+        self.errors.wrong() + self.others.iter().sum::<u64>()
+    }
+
+    fn name(&self) -> String {
+        self.step.map_or(format!("frame {}", self.frame), |step| format!("step {step}"))
+    }
+}
+
+/// What came of all.
+#[derive(Default)]
+struct All {
+    rows: Vec<Row>,
+    /// Contacts by the ids of their particles, or by their places.
+    late: Late<[i64; 2]>,
+    by_step: bool,
+    left_out: Vec<u64>,
+    without_rows: u64,
+    /// How the list was read: its format, what its numbers mean, and what was compared.
+    read: Option<(&'static str, String, Option<&'static str>)>,
+    /// Of the first frame that is wrong.
+    hint: Option<(String, String)>,
+}
+
+/// Compares frame by frame, and prints a line of each.
+pub(super) fn verify(options: &Verify, columns: &[&str]) -> anyhow::Result<ExitCode> {
+    ensure!(
+        options.pairs_frame.is_none(),
+        "--pairs-frame names the list of one frame, and --frame all takes all; leave one out"
+    );
+    let all = io::Options { ids: true, ..options.input.options() };
+    let all = input::frames(&options.file, all, |frames| {
+        pairs::lists(&options.pairs, columns, Frame::All, |lists| {
+            let names = [&options.file, &options.pairs].map(|path| path.display().to_string());
+            all_of(options, Paired::new(frames, lists, [&names[0], &names[1]]))
+        })
+    })?;
+    let mut out = std::io::stdout().lock();
+    if options.json {
+        writeln!(out, "{:#}", all.json(options))?;
+    } else {
+        all.print(options, &mut out)?;
+    }
+    Ok(ExitCode::from(u8::from(!all.is_same())))
+}
+
+fn all_of(options: &Verify, mut frames: Paired<'_, '_>) -> anyhow::Result<All> {
+    let mut all = All::default();
+    let progress = Counted::new(None);
+    while let Some((particles, about, list)) = frames.next()? {
+        progress.frame(about.frame);
+        if all.rows.is_empty() {
+            let file = options.file.display().to_string();
+            input::tell(&file, particles.notices(), Place::Argument);
+        }
+        let (frame, step) = (about.frame, about.step);
+        let ids = particles.ids().map(<[i64]>::to_vec);
+        let memory = options.limit.bytes(particles.len());
+        let kept = usize::try_from(memory / FOLLOWED).unwrap_or(usize::MAX).max(1);
+        let explain = all.hint.is_none() && all.is_same();
+        let which = about.which();
+        let verified = Verified::new(options, list, particles, about, kept, explain)
+            .map_err(|error| error.context(which.clone()))?;
+        let found = &verified.found;
+        if found.errors.missed > kept as u64 {
+            bail!(
+                "{which}: the list misses {}, more than can be followed in {memory} bytes; look at \
+                 that frame alone (--frame {frame}), or give a larger --memory-limit",
+                counted(found.errors.missed, "contact")
+            );
+        }
+        all.note(&verified, ids.as_deref());
+        if let Some(reading) = &found.reading {
+            all.hint = Some((which, verified.sentence(reading)));
+        }
+        let compared = verified.compared();
+        all.read.get_or_insert((verified.list.format, words(verified.naming), compared));
+        all.rows.push(Row {
+            frame,
+            step,
+            particles: verified.scene.len(),
+            contacts: found.contacts,
+            listed: verified.list.pairs.len(),
+            errors: found.errors,
+            others: [found.unknown.len() as u64, found.one_sided.len() as u64],
+            within_skin: found.within_skin,
+            same: found.is_same(),
+        });
+    }
+    all.late.end();
+    all.by_step = frames.is_by_step();
+    all.left_out = frames.left_out;
+    all.without_rows = frames.without_rows;
+    ensure!(!all.rows.is_empty(), "{}: no frame has a list", options.pairs.display());
+    Ok(all)
+}
+
+impl All {
+    fn is_same(&self) -> bool {
+        self.rows.iter().all(|row| row.same)
+    }
+
+    /// Follows the contacts that are missed from frame to frame.
+    fn note(&mut self, verified: &Verified<'_>, ids: Option<&[i64]>) {
+        let Verification { missed, touching, .. } = &verified.found;
+        let name = |k: u32| ids.map_or(i64::from(k), |ids| ids[k as usize]);
+        let pair = |[a, b]: [i64; 2]| [a.min(b), a.max(b)];
+        let mut names: Vec<[i64; 2]> =
+            missed.iter().map(|(it, _)| pair([name(it.i), name(it.j)])).collect();
+        names.sort_unstable();
+        names.dedup();
+        let places: OnceCell<HashMap<i64, u32>> = OnceCell::new();
+        let place = |name: i64| match ids {
+            None => u32::try_from(name).ok().filter(|&k| (k as usize) < verified.scene.len()),
+            Some(ids) => {
+                let of = || ids.iter().zip(0..).map(|(&id, k)| (id, k)).collect();
+                places.get_or_init(of).get(&name).copied()
+            }
+        };
+        let periodic = OnceCell::new();
+        let depth_of = |names: &[i64; 2]| {
+            let (i, j) = (place(names[0])?, place(names[1])?);
+            let images = touching.of([i.min(j), i.max(j)]);
+            let depths = images.into_iter().map(|contact| match &verified.lattice {
+                None => pair_depth(&verified.scene, [contact.i, contact.j]),
+                Some(lattice) => periodic
+                    .get_or_init(|| Periodic::new(verified.scene.clone(), *lattice).ok())
+                    .as_ref()
+                    .map_or(0.0, |periodic| depth(periodic, contact)),
+            });
+            depths.reduce(f64::max)
+        };
+        self.late.note(self.rows.len() as u64, &names, depth_of);
+    }
+
+    /// The first frame that is wrong, and the worst.
+    fn worst(&self) -> Option<(&Row, &Row)> {
+        let first = self.rows.iter().find(|row| !row.same)?;
+        let worst = self.rows.iter().reduce(|a, b| if b.wrong() > a.wrong() { b } else { a })?;
+        Some((first, worst))
+    }
+
+    /// The frames that are shown: all, or those that are wrong, or the worst of these and the first.
+    fn shown(&self) -> Vec<&Row> {
+        let mut rows: Vec<&Row> = self.rows.iter().collect();
+        if rows.len() <= SHOWN {
+            return rows;
+        }
+        rows.retain(|row| !row.same);
+        let first = rows.first().copied();
+        rows.sort_by_key(|row| std::cmp::Reverse(row.wrong()));
+        rows.truncate(SHOWN);
+        if let Some(first) = first.filter(|first| rows.iter().all(|row| row.frame != first.frame)) {
+            rows.truncate(SHOWN - 1);
+            rows.push(first);
+        }
+        rows.sort_by_key(|row| row.frame);
+        rows
+    }
+
+    fn print(&self, options: &Verify, out: &mut impl Write) -> anyhow::Result<()> {
+        let width = terminal::width();
+        let shown = self.shown();
+        let wrapped = |texts: Vec<String>| -> Vec<String> {
+            texts.iter().flat_map(|text| wrap(text, width)).collect()
+        };
+        let mut lines = wrapped(self.heads(options));
+        if !shown.is_empty() {
+            lines.push(String::new());
+            lines.push(table(&shown).plain(width).trim_end().to_string());
+        }
+        if shown.len() < self.rows.len() && !shown.is_empty() {
+            let wrong = self.rows.iter().filter(|row| !row.same).count();
+            let which = match wrong == shown.len() {
+                true => "those that differ".to_string(),
+                false => format!("of {wrong} that differ the first and the worst"),
+            };
+            let of = self.rows.len();
+            let said = format!("({} of {of} frames: {which}; --json has all)", shown.len());
+            lines.extend(wrapped(vec![said]));
+        }
+        lines.push(String::new());
+        lines.extend(wrapped(self.sentences()));
+        if let Some((which, hint)) = &self.hint {
+            lines.push(String::new());
+            lines.extend(wrapped(vec![format!("hint, from {which}: {hint}")]));
+        }
+        writeln!(out, "{}", lines.join("\n"))?;
+        Ok(())
+    }
+
+    /// What was compared.
+    fn heads(&self, options: &Verify) -> Vec<String> {
+        let sum = |of: fn(&Row) -> u64| self.rows.iter().map(of).sum::<u64>();
+        let sizes = || self.rows.iter().map(|row| row.particles);
+        let particles = match (sizes().min(), sizes().max()) {
+            (Some(least), Some(most)) if least < most => format!("{least} to {most} particles"),
+            (_, most) => plural(most.unwrap_or_default(), "particle"),
+        };
+        let (format, meaning, compared) = self.read.clone().unwrap_or_default();
+        let by = if self.by_step { "time step" } else { "number" };
+        let mut said = vec![
+            format!(
+                "{}: {}, {particles}, {} ({} arithmetic)",
+                options.file.display(),
+                plural(self.rows.len(), "frame"),
+                counted(sum(|row| row.contacts), "touching pair"),
+                options.arithmetic.name()
+            ),
+            format!(
+                "{}: {} ({format}; {meaning}); frames by {by}",
+                options.pairs.display(),
+                counted(sum(|row| row.listed as u64), "pair")
+            ),
+        ];
+        said.extend(compared.map(|compared| format!("compared: {compared}")));
+        if !self.left_out.is_empty() {
+            let frames: Vec<String> = self.left_out.iter().take(6).map(u64::to_string).collect();
+            said.push(format!(
+                "left out, without a list: {} of the particles: {}{}",
+                plural(self.left_out.len(), "frame"),
+                frames.join(" "),
+                if self.left_out.len() > frames.len() { " …" } else { "" }
+            ));
+        }
+        if self.without_rows > 0 {
+            said.push(format!(
+                "without a row in the list, and taken as without contacts: {}",
+                counted(self.without_rows, "frame")
+            ));
+        }
+        let within = sum(|row| row.within_skin);
+        if within > 0 {
+            said.push(format!("{} apart within the skin, allowed", counted(within, "pair")));
+        }
+        said
+    }
+
+    /// What is said of all frames together.
+    fn sentences(&self) -> Vec<String> {
+        let frames = plural(self.rows.len(), "frame");
+        let Some((first, worst)) = self.worst() else {
+            return vec![format!("the same in {frames}: no pair is missed, spurious or repeated")];
+        };
+        let Late { frames: with, latest, deepest, never, .. } = self.late;
+        let errors = self.errors();
+        let wrong = self.rows.iter().filter(|row| !row.same).count();
+        let which = match first.frame == worst.frame {
+            true => "the first and worst".to_string(),
+            false => format!("the first {}; the worst", first.name()),
+        };
+        let mut said = vec![format!(
+            "{wrong} of {frames} differ, {which} {}: {} missed, {} spurious.",
+            worst.name(),
+            worst.errors.missed,
+            worst.errors.spurious
+        )];
+        if errors.missed > 0 {
+            said.push(format!(
+                "missed, summed over the frames: {} in {}, the deepest overlap {} mean radii.",
+                counted(errors.missed, "contact"),
+                counted(with, "frame"),
+                number(errors.deepest_miss)
+            ));
+            let late = match latest {
+                0 => "None was listed later".into(),
+                _ => format!(
+                    "Listed late by {} at most, the overlap then up to {} mean radii",
+                    counted(latest, "frame"),
+                    number(deepest)
+                ),
+            };
+            said.push(format!("{late}; {} never listed.", counted(never, "contact")));
+        }
+        said
+    }
+
+    /// Of all frames together.
+    fn errors(&self) -> Errors {
+        let mut errors = Errors::default();
+        self.rows.iter().for_each(|row| errors.add(&row.errors));
+        errors
+    }
+
+    fn json(&self, options: &Verify) -> Value {
+        let (format, numbers, compared) = self.read.clone().unwrap_or_default();
+        let rows = self.rows.iter().map(|row| {
+            json!({
+                "frame": row.frame,
+                "step": row.step,
+                "n": row.particles,
+                "contacts": row.contacts,
+                "reported": row.listed,
+                "same": row.same,
+                "errors": row.errors,
+                "unknown": row.others[0],
+                "one_sided": row.others[1],
+                "within_skin": row.within_skin,
+            })
+        });
+        let late = &self.late;
+        json!({
+            "file": options.file.display().to_string(),
+            "pairs": options.pairs.display().to_string(),
+            "format": format,
+            "numbers": numbers,
+            "compared": compared,
+            "arithmetic": options.arithmetic.name(),
+            "paired_by": if self.by_step { "step" } else { "frame" },
+            "left_out": self.left_out,
+            "without_rows": self.without_rows,
+            "same": self.is_same(),
+            "errors": self.errors(),
+            "frames_missed": late.frames,
+            "never_reported": late.never,
+            "latest": late.latest,
+            "deepest_when_reported": late.deepest,
+            "first_wrong_frame": self.worst().map(|(first, _)| first.frame),
+            "worst_frame": self.worst().map(|(_, worst)| worst.frame),
+            "hint": self.hint.as_ref().map(|(_, hint)| hint),
+            "frames": rows.collect::<Vec<_>>(),
+        })
+    }
+}
+
+fn table(rows: &[&Row]) -> Table {
+    let steps = rows.iter().any(|row| row.step.is_some());
+    let others = rows.iter().any(|row| row.wrong() > row.errors.missed + row.errors.spurious);
+    let right = |name: &str| Column::right(name, "");
+    let mut columns = vec![right(if steps { "step" } else { "frame" })];
+    columns.extend(["touching", "listed", "missed", "spurious"].map(right));
+    columns.extend(others.then(|| right("other")));
+    columns.push(right("deepest missed"));
+    let row = |row: &&Row| {
+        let Errors { missed, spurious, deepest_miss, .. } = row.errors;
+        let at = row.step.map_or(row.frame.to_string(), |step| step.to_string());
+        let mut cells = vec![Cell::from(at), Cell::count(row.contacts)];
+        cells.extend([row.listed as u64, missed, spurious].map(Cell::count));
+        cells.extend(others.then(|| Cell::count(row.wrong() - missed - spurious)));
+        cells.push(if missed > 0 { Cell::number(deepest_miss) } else { Cell::absent() });
+        cells
+    };
+    Table::new("", columns).with(rows.iter().map(row))
+}
