@@ -1,7 +1,9 @@
 //! `contactbench detect`.
 
+mod frames;
+
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 
@@ -17,6 +19,7 @@ use crate::detect::Options;
 use crate::detect::spec::DetectorSpec;
 use crate::experiment::detectors;
 use crate::io;
+use crate::io::Frame;
 use crate::io::boxes::along;
 use crate::number::plural;
 use crate::pair_list::PAIR_BYTES;
@@ -47,7 +50,7 @@ pub struct Detect {
     #[command(flatten)]
     limit: Limit,
     /// Where the pairs go: a .csv or .npy file, or .vtk to see them in ParaView (default: CSV to
-    /// standard output)
+    /// standard output); with --frame all the first column is the frame
     #[arg(short, long)]
     output: Option<PathBuf>,
 }
@@ -67,6 +70,11 @@ pub fn detect(options: &Detect) -> anyhow::Result<ExitCode> {
         io::write::format(path)?;
     }
     crate::cli::use_threads(threads);
+    if let (Some(Frame::All), Some(text)) = (options.source.input.frame, &options.source.scene)
+        && Path::new(text).exists()
+    {
+        return frames::detect(options, &spec, Path::new(text));
+    }
     let Some((name, Given { scene: given, lattice, .. })) = options.source.given()? else {
         bail!("name a particle file, or a scene such as packed:n=1000 (contactbench list scenes)");
     };

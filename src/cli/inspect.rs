@@ -8,12 +8,13 @@ use serde_json::{Value, json};
 
 use crate::cli::shared::input::{self, Input};
 use crate::cli::shared::terminal;
-use crate::io::{self, About, Notice, Particles, Place, RadiusSource};
+use crate::io::{self, About, Frame, Notice, Particles, Place, RadiusSource};
 use crate::number::{number, wrap};
 use crate::scene::stats::stats;
 
 mod boxes;
 mod contacts;
+mod motion;
 use contacts::Contacts;
 
 /// Options of `inspect`.
@@ -34,11 +35,15 @@ struct Line(&'static str, String, Vec<(&'static str, Value)>);
 
 /// Reads the file, looks for contacts, prints what was found, and warns.
 pub fn inspect(options: &Inspect) -> anyhow::Result<ExitCode> {
+    // Of all frames the last is described, and then how they follow each other.
+    let all = options.input.frame == Some(Frame::All);
+    let frame = if all { Frame::Last } else { options.input.options().frame };
     let (particles, about) = input::load(
         &options.file,
         &options.input,
-        io::Options { survey: true, ..options.input.options() },
+        io::Options { survey: true, frame, ..options.input.options() },
     )?;
+    let of_all = [particles.len(), about.frames as usize];
     let (mut lines, mut warnings) = (Vec::new(), Vec::new());
     of_file(options, &particles, &about, &mut lines, &mut warnings);
     boxes::report(&particles, &about, &options.input, &mut lines);
@@ -79,6 +84,9 @@ pub fn inspect(options: &Inspect) -> anyhow::Result<ExitCode> {
                 vec![("scene_hash", json!(stats.scene_hash))],
             ));
         }
+    }
+    if all {
+        motion::report(options, of_all, &mut lines, &mut warnings);
     }
     let mut out = std::io::stdout().lock();
     if options.json {

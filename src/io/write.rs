@@ -1,6 +1,7 @@
 //! Files out: pairs of touching particles as CSV with the header `i,j`, npy of shape (pairs, 2) in
 //! u32, or lines in VTK legacy; in a box that repeats with the image of j, as `i,j,sx,sy[,sz]`, npy
-//! of shape (pairs, 2 + dim) in i32, or lines to the image; scenes as CSV, extended XYZ or npy.
+//! of shape (pairs, 2 + dim) in i32, or lines to the image; of several frames with the number of the
+//! frame before them ([`framed()`]); scenes as CSV, extended XYZ or npy.
 //!
 //! Pairs are written as given: see [`crate::sink::normalise`] for the order in which lists are
 //! published. Numbers are the shortest that read back to the same bits.
@@ -15,6 +16,9 @@ use crate::io::formats::npy;
 use crate::periodic::ImagePair;
 use crate::scene::{AnyScene, Given, Lattice, Real, Scene, array};
 use crate::with_scene;
+
+mod framed;
+pub use framed::{Framed, framed};
 
 /// What a file of pairs can be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

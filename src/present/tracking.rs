@@ -26,19 +26,22 @@ fn mean(tracked: &Tracked, particles: u64) -> Option<f64> {
     (steps > 0.0).then(|| all.as_nanos() as f64 / steps)
 }
 
-/// What the motion is like.
-pub fn motion(name: &str, motion: &str, moved: &Moved) -> String {
-    let Moved { particles, frames, contacts, born, ended, tunnelled, uncounted, way } = moved;
-    let mut said =
-        format!("{name}, {particles} particles, {motion}, {}", plural(*frames as usize, "frame"));
+/// What a motion is like from frame to frame; nothing where there is but one.
+pub fn motion(moved: &Moved) -> String {
+    let Moved { frames, contacts, born, ended, tunnelled, uncounted, way, .. } = moved;
     if moved.steps() == 0 {
-        return said + ".";
+        return String::new();
+    }
+    let mut said = format!(
+        "a particle goes {} diameters per frame, at most {}",
+        number(moved.mean_way()),
+        number(way.longest)
+    );
+    if way.at_rest > 0 {
+        said += &format!(", and {} of them stay where they are", percent(moved.share_at_rest()));
     }
     said += &format!(
-        ": a particle goes {} diameters per frame, at most {}. Of {} contacts in a frame {} are \
-         new and {} end with it.",
-        number(moved.mean_way()),
-        number(way.longest),
+        ". Of {} contacts in a frame {} are new and {} end with it.",
         number(*contacts as f64 / *frames as f64),
         number(*born as f64 / moved.steps() as f64),
         number(*ended as f64 / moved.steps() as f64),
@@ -74,7 +77,14 @@ fn label(spec: &TrackerSpec, common: bool) -> String {
 
 /// What is said of all of them.
 pub fn words(name: &str, of: &str, followed: &Followed) -> Vec<Block> {
-    let mut blocks = vec![Block::paragraph(motion(name, of, &followed.moved))];
+    let moved = &followed.moved;
+    let frames = plural(moved.frames as usize, "frame");
+    let mut said = format!("{name}, {} particles, {of}, {frames}", moved.particles);
+    match motion(moved) {
+        none if none.is_empty() => said += ".",
+        motion => said += &format!(": {motion}"),
+    }
+    let mut blocks = vec![Block::paragraph(said)];
     if let Some(detector) = common(followed) {
         blocks.push(Block::paragraph(format!(
             "All over {detector}; behind a rule stands the skin, in diameters."
@@ -162,8 +172,7 @@ pub fn table(followed: &Followed) -> Table {
 
 /// All of it for programs.
 pub fn as_json(name: &str, motion: &str, followed: &Followed) -> Value {
-    let moved = &followed.moved;
-    let Moved { particles, frames, contacts, born, ended, tunnelled, uncounted, way } = moved;
+    let particles = &followed.moved.particles;
     let trackers = followed.trackers.iter().map(|it| {
         let late = &it.late;
         json!({
@@ -192,9 +201,17 @@ pub fn as_json(name: &str, motion: &str, followed: &Followed) -> Value {
             "refused": it.refused,
         })
     });
+    let mut all = moved_as_json(&followed.moved);
+    all["scene"] = json!(name);
+    all["motion"] = json!(motion);
+    all["trackers"] = trackers.collect();
+    all
+}
+
+/// What a motion is like, for programs.
+pub fn moved_as_json(moved: &Moved) -> Value {
+    let Moved { particles, frames, contacts, born, ended, tunnelled, uncounted, way } = moved;
     json!({
-        "scene": name,
-        "motion": motion,
         "particles": particles,
         "frames": frames,
         "contacts": contacts,
@@ -205,6 +222,5 @@ pub fn as_json(name: &str, motion: &str, followed: &Followed) -> Value {
         "mean_way": moved.mean_way(),
         "longest_way": way.longest,
         "at_rest": way.at_rest,
-        "trackers": trackers.collect::<Vec<_>>(),
     })
 }

@@ -1,0 +1,49 @@
+//! What happens from frame to frame.
+
+use crate::cli::inspect::{Inspect, Line};
+use crate::cli::shared::input;
+use crate::cli::shared::progress::Counted;
+use crate::contact::Arithmetic;
+use crate::io;
+use crate::memory;
+use crate::moving::{Moved, Question, Recorded, follow};
+use crate::number::plural;
+use crate::present::tracking;
+
+/// Describes the motion, or warns of what hinders it.
+pub(super) fn report(
+    options: &Inspect,
+    [particles, frames]: [usize; 2],
+    lines: &mut Vec<Line>,
+    warnings: &mut Vec<String>,
+) {
+    match moved(options, particles, frames as u64) {
+        Ok(moved) if moved.steps() == 0 => {
+            lines.push(Line("motion", "none: the file has one frame".into(), vec![]));
+        }
+        Ok(moved) => {
+            let all = plural(moved.frames as usize, "frame");
+            let particles = plural(moved.particles as usize, "particle");
+            let text = format!("{all} of {particles}: {}", tracking::motion(&moved));
+            lines.push(Line("motion", text, vec![("motion", tracking::moved_as_json(&moved))]));
+        }
+        Err(error) => warnings.push(format!("the motion is not described: {error:#}")),
+    }
+}
+
+fn moved(options: &Inspect, particles: usize, frames: u64) -> anyhow::Result<Moved> {
+    let (input, name) = (&options.input, options.file.display().to_string());
+    let all = io::Options { ids: true, ..input.options() };
+    input::frames(&options.file, all, |of_file| {
+        let mut recorded = Recorded::new(of_file, &name, input.radius);
+        let progress = Counted::new(Some(frames));
+        let frame = |k| {
+            progress.frame(k);
+            recorded.next()?.map(|given| given.open(&name)).transpose()
+        };
+        let memory_limit = memory::limit_for(particles);
+        let arithmetic = Arithmetic::Exact;
+        let question = Question { trackers: &[], arithmetic, frames: u64::MAX, memory_limit };
+        Ok(follow(frame, &question)?.moved)
+    })
+}
