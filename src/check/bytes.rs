@@ -407,6 +407,10 @@ pub fn fuzz_reader(data: &[u8]) {
         15 => {
             let columns = [&[][..], &["i", "j"], &[], &["1", "2", "3", "4"]][usize::from(how) % 4];
             io::pairs::from(data, "bytes", columns, frame).map_or_else(clear, drop);
+            let all = io::pairs::lists_from(data, "bytes", columns, io::Frame::All, |lists| {
+                lists.collect::<anyhow::Result<Vec<_>>>()
+            });
+            all.map_or_else(clear, drop);
             return;
         }
         k => io::FORMATS.get(k).map(|entry| entry.format),
@@ -423,6 +427,11 @@ pub fn fuzz_reader(data: &[u8]) {
         boundaries: io::Boundaries { open: kind & 32 != 0, ..io::Boundaries::AS_DECLARED },
     };
     let ending = ["", "csv", "xyz", "txt"][usize::from(kind >> 6)];
+    let all = io::Options { frame: io::Frame::All, ..options };
+    let frames = io::frames_from(data, "bytes", ending, all, |frames| {
+        frames.map(|frame| frame?.0.sort_by_id()).collect::<anyhow::Result<Vec<()>>>()
+    });
+    frames.map_or_else(clear, drop);
     let read = io::load_from(data, "bytes", ending, options)
         .and_then(|(particles, _)| particles.given("bytes", options.radius));
     let Given { scene, lattice, .. } = match read {

@@ -117,7 +117,7 @@ impl<'a, 'b> Paired<'a, 'b> {
             _ if self.lists.is_sparse() => {
                 self.without_rows += 1;
                 let (frame, step) = (Some(about.frame), about.step);
-                Ok(Some(List { format: "rows", frame, step, ..List::default() }))
+                Ok(Some(List { format: "rows", frame, step, sparse: true, ..List::default() }))
             }
             _ if self.by_step => {
                 self.left_out.push(about.frame);
@@ -172,5 +172,98 @@ impl<'a, 'b> Paired<'a, 'b> {
                 list.frame.unwrap_or_default()
             ),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::io::pairs::lists_from;
+    use crate::io::{Frame, Options, frames_from};
+
+    fn dump(steps: &[i64]) -> String {
+        let frame = |step| {
+            format!(
+                "ITEM: TIMESTEP\n{step}\nITEM: NUMBER OF ATOMS\n1\nITEM: ATOMS id x y z\n1 0 0 0\n"
+            )
+        };
+        steps.iter().map(frame).collect()
+    }
+
+    fn local(steps: &[i64]) -> String {
+        let frame = |step| {
+            format!(
+                "ITEM: TIMESTEP\n{step}\nITEM: NUMBER OF ENTRIES\n1\nITEM: ENTRIES i j\n{step} 0\n"
+            )
+        };
+        steps.iter().map(frame).collect()
+    }
+
+    /// Frames and the first number of their list, -1 where it is empty, what was left out, and how
+    /// many have no rows; or what was said.
+    fn paired(particles: &str, lists: &str) -> Result<(Vec<(u64, i64)>, Vec<u64>, u64), String> {
+        let options = Options { frame: Frame::All, radius: Some(1.0), ..Options::default() };
+        let told = frames_from(particles.as_bytes(), "p", "", options, |frames| {
+            lists_from(lists.as_bytes(), "l", &[], Frame::All, |lists| {
+                let (mut paired, mut told) = (Paired::new(frames, lists, ["p", "l"]), vec![]);
+                while let Some((_, about, list)) = paired.next()? {
+                    told.push((about.frame, list.pairs.first().map_or(-1, |pair| pair[0])));
+                }
+                Ok((told, paired.left_out, paired.without_rows))
+            })
+        });
+        told.map_err(|error| format!("{error:#}"))
+    }
+
+    #[test]
+    fn frames_are_brought_together_by_their_steps() {
+        let five = dump(&[0, 10, 20, 30, 40]);
+        let found = paired(&five, &local(&[0, 20, 40])).unwrap();
+        assert_eq!(found, (vec![(0, 0), (2, 20), (4, 40)], vec![1, 3], 0));
+        let found = paired(&five, &local(&[10])).unwrap();
+        assert_eq!(found, (vec![(1, 10)], vec![0, 2, 3, 4], 0));
+        let there = "l: the list of step 15 has no particles: p has the steps 0 10 20";
+        assert_eq!(
+            paired(&five, &local(&[0, 15, 20])).unwrap_err(),
+            format!("{there}; write both at the same steps")
+        );
+        let many: Vec<i64> = (0..9).collect();
+        assert_eq!(
+            paired(&dump(&many), &local(&[3, 9])).unwrap_err(),
+            "l: the list of step 9 has no particles: p has the steps 0 1 2 3 4 5 … 8; write both \
+             at the same steps"
+        );
+        let again = paired(&dump(&[0, 10, 10]), &local(&[0, 10])).unwrap_err();
+        assert_eq!(again, "p: step 10 stands after step 10; write the frames in order");
+        let again = paired(&five, &local(&[0, 10, 10])).unwrap_err();
+        assert_eq!(again, "l: step 10 stands after step 10; write them in order");
+    }
+
+    #[test]
+    fn without_steps_frames_are_brought_together_by_number() {
+        let xyz = |n: usize| "1\n\nA 0 0 0\n".repeat(n);
+        let found = paired(&xyz(2), &local(&[0, 20])).unwrap();
+        assert_eq!(found, (vec![(0, 0), (1, 20)], vec![], 0));
+        let short = paired(&xyz(3), &local(&[0, 20])).unwrap_err();
+        assert!(short.starts_with("l has no list for frame 2 of p, and not both have"), "{short}");
+        let long = paired(&xyz(1), &local(&[0, 20])).unwrap_err();
+        assert!(long.starts_with("l: the list of frame 1 (from 0) has no particles: p"), "{long}");
+        // A list without frames is that of a single one.
+        assert_eq!(paired(&xyz(1), "i,j\n7,8\n").unwrap(), (vec![(0, 7)], vec![], 0));
+        assert!(paired(&xyz(2), "i,j\n7,8\n").unwrap_err().contains("no list for frame 1 of p"));
+    }
+
+    #[test]
+    fn frames_of_which_no_row_speaks_have_no_contacts() {
+        let five = dump(&[0, 10, 20, 30, 40]);
+        let found = paired(&five, "frame,i,j\n1,7,8\n3,9,8\n").unwrap();
+        assert_eq!(found, (vec![(0, -1), (1, 7), (2, -1), (3, 9), (4, -1)], vec![], 3));
+        let found = paired(&five, "step,i,j\n0,7,8\n40,9,8\n").unwrap();
+        assert_eq!(found, (vec![(0, 7), (1, -1), (2, -1), (3, -1), (4, 9)], vec![], 3));
+        assert_eq!(paired(&five, "frame,i,j\n").unwrap().2, 5);
+        assert!(paired(&five, "step,i,j\n5,7,8\n").unwrap_err().contains("the list of step 5"));
+        assert!(paired(&five, "frame,i,j\n5,7,8\n").unwrap_err().contains("the list of frame 5"));
+        let none = paired("1\n\nA 0 0 0\n", "step,i,j\n5,7,8\n").unwrap_err();
+        assert!(none.starts_with("l: the rows say their step, and p has no steps"), "{none}");
     }
 }

@@ -76,7 +76,8 @@ pub enum Verb {
     Inspect(inspect::Inspect),
     /// Compares a contact list of another code with the exact truth
     #[command(after_help = "Example: contactbench verify packing.csv --pairs theirs.csv --base \
-                            1\nExit code 1 if the lists differ.")]
+                            1\nExample: contactbench verify flow.dump --pairs lists.dump --frame \
+                            all\nExit code 1 if the lists differ.")]
     Verify(verify::Verify),
     /// Writes a scene to a file, for use in your own code
     #[command(after_help = "Example: contactbench scene packed:dim=3,n=1000,seed=1 -o \

@@ -59,7 +59,7 @@ pub struct Verify {
     /// c_pair[1],c_pair[2], and those of the image; no others are looked at
     #[arg(long, value_name = "I,J[,SX,SY[,SZ]]")]
     pairs_columns: Option<String>,
-    /// Which frame of the list (default: as --frame)
+    /// Which frame of the list, where it is not that of --frame
     #[arg(long)]
     pairs_frame: Option<Frame>,
     /// How contacts are decided; the default is the exact sign for the numbers in the file
@@ -110,7 +110,7 @@ pub fn verify(options: &Verify) -> anyhow::Result<ExitCode> {
         &options.input,
         io::Options { ids: true, ..options.input.options() },
     )?;
-    same_step(options, &list, &about)?;
+    same_time(options, &list, &about)?;
     if about.frames > 1 && options.input.frame.is_none() && list.frame.is_some() {
         eprintln!("{}: --frame all compares each of them", options.file.display());
     }
@@ -126,21 +126,24 @@ pub fn verify(options: &Verify) -> anyhow::Result<ExitCode> {
 }
 
 /// Refuses a list of another time than the particles, unless it was asked for.
-fn same_step(options: &Verify, list: &List, about: &About) -> anyhow::Result<()> {
-    let Some((of_list, of_particles)) = list.step.zip(about.step).filter(|(a, b)| a != b) else {
-        return Ok(());
+fn same_time(options: &Verify, list: &List, about: &About) -> anyhow::Result<()> {
+    let of_list = match (list.step, about.step) {
+        (Some(of_list), Some(step)) if of_list != step => format!("step {of_list}"),
+        // Where frames have no rows, the last that has may be any.
+        (None, _) if list.sparse && list.frame != Some(about.frame) => {
+            format!("frame {}", list.frame.unwrap_or_default())
+        }
+        _ => return Ok(()),
     };
     let (pairs, file) = (options.pairs.display(), options.file.display());
+    let said = format!("{pairs}: the list is of {of_list}, the particles of {}", about.which());
     if options.pairs_frame.is_some() {
-        eprintln!(
-            "{pairs}: the list is of step {of_list}, the particles are of step {of_particles}"
-        );
+        eprintln!("{said}");
         return Ok(());
     }
     bail!(
-        "{pairs}: the list is of step {of_list}, and {} of {file}; give --frame all, which brings \
-         the steps together, or --pairs-frame K with the list that is meant",
-        about.which()
+        "{said} in {file}; give --frame all, which brings them together, or --pairs-frame K for \
+         the list that is meant"
     )
 }
 
@@ -377,6 +380,8 @@ impl Verified<'_> {
             list.iter().take(SHOWN).map(couple).collect()
         };
         let hint = found.reading.as_ref().map(|it| self.flags(it).join(" "));
+        let axes = |lattice: &Lattice| lattice.periodic()[..self.scene.dim()].to_vec();
+        let periodic = self.lattice.as_ref().map(axes);
         json!({
             "file": options.file.display().to_string(),
             "pairs": options.pairs.display().to_string(),
@@ -385,7 +390,7 @@ impl Verified<'_> {
             "arithmetic": options.arithmetic.name(),
             "n": self.scene.len(),
             "contacts": found.contacts,
-            "periodic": self.lattice.as_ref().map(|lattice| lattice.periodic()[..self.scene.dim()].to_vec()),
+            "periodic": periodic,
             "compared": self.compared(),
             "reported": list.pairs.len(),
             "walls": list.walls,

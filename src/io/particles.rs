@@ -135,6 +135,18 @@ impl Particles {
         Ok(())
     }
 
+    /// A copy of the ids, for whoever needs them longer than the particles.
+    pub(crate) fn ids_copied(&self) -> anyhow::Result<Option<Vec<i64>>> {
+        let copied = |ids: &[i64]| {
+            let mut copy = Vec::new();
+            let room = copy.try_reserve_exact(ids.len());
+            room.with_context(|| format!("no memory for {} ids", ids.len()))?;
+            copy.extend_from_slice(ids);
+            Ok(copy)
+        };
+        self.ids().map(copied).transpose()
+    }
+
     /// Puts the particles in the order of their ids, if there are any.
     ///
     /// # Errors

@@ -1,6 +1,6 @@
 //! The frames of a file as those of one motion: of the same particles.
 
-use anyhow::{Context, ensure};
+use anyhow::{Context, bail, ensure};
 
 use crate::io::{About, Particles};
 use crate::scene::Given;
@@ -51,16 +51,7 @@ impl<'a, I: Iterator<Item = anyhow::Result<(Particles, About)>>> Recorded<'a, I>
 
 impl First {
     fn new(particles: &Particles) -> anyhow::Result<First> {
-        let ids = match particles.ids() {
-            None => None,
-            Some(ids) => {
-                let mut copy = Vec::new();
-                let room = copy.try_reserve_exact(ids.len());
-                room.with_context(|| format!("no memory for {} ids", ids.len()))?;
-                copy.extend_from_slice(ids);
-                Some(copy)
-            }
-        };
+        let ids = particles.ids_copied()?;
         Ok(First { len: particles.len(), dim: particles.dim(), ids })
     }
 
@@ -82,10 +73,61 @@ impl First {
         );
         let (ids, before) = (ids.unwrap_or_default(), before.unwrap_or_default());
         if let Some((new, old)) = ids.iter().zip(before).find(|(new, old)| new != old) {
-            let [what, id] =
-                if new < old { ["a new", &new.to_string()] } else { ["no", &old.to_string()] };
-            anyhow::bail!("there is {what} particle of id {id}; {remedy}");
+            let (what, id) = if new < old { ("a new", new) } else { ("no", old) };
+            bail!("there is {what} particle of id {id}; {remedy}");
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::io::{Frame, Options, frames_from};
+
+    /// Frames of a dump by their rows `id x`, and how the reading of them ends.
+    fn read(frames: &[&[(i64, f64)]]) -> (Vec<Vec<f64>>, String) {
+        let frame = |(k, rows): (usize, &&[(i64, f64)])| {
+            let n = rows.len();
+            let rows: String = rows.iter().map(|(id, x)| format!("{id} {x} 0 0\n")).collect();
+            format!(
+                "ITEM: TIMESTEP\n{k}0\nITEM: NUMBER OF ATOMS\n{n}\nITEM: ATOMS id x y z\n{rows}"
+            )
+        };
+        let text: String = frames.iter().enumerate().map(frame).collect();
+        let options =
+            Options { ids: true, frame: Frame::All, radius: Some(1.0), ..Options::default() };
+        let mut places = Vec::new();
+        let end = frames_from(text.as_bytes(), "p", "", options, |frames| {
+            let mut recorded = Recorded::new(frames, "p", Some(1.0));
+            while let Some(given) = recorded.next()? {
+                let scene = given.scene;
+                let x = |k| crate::check::listed::particle(&scene, k).0[0];
+                places.push((0..scene.len() as u32).map(x).collect());
+            }
+            Ok(())
+        });
+        (places, end.map_or_else(|error| format!("{error:#}"), |()| String::new()))
+    }
+
+    #[test]
+    fn particles_are_the_same_whatever_their_order_in_the_file() {
+        let frames = [&[(4, 0.0), (2, 1.0), (9, 2.0)][..], &[(9, 5.0), (4, 3.0), (2, 4.0)]];
+        assert_eq!(read(&frames), (vec![vec![1.0, 0.0, 2.0], vec![4.0, 3.0, 5.0]], String::new()));
+    }
+
+    #[test]
+    fn other_particles_are_refused_with_the_frame() {
+        let two = &[(1, 0.0), (2, 1.0)][..];
+        for (frame, words) in [
+            (&[(1, 0.0)][..], "p: frame 1 (step 10): 1 particles in 3D, and 2 in 3D in the first"),
+            (&[(1, 0.0), (3, 1.0)], "p: frame 1 (step 10): there is no particle of id 2; a motion"),
+            (&[(0, 0.0), (2, 1.0)], "p: frame 1 (step 10): there is a new particle of id 0; a mo"),
+            (&[(2, 0.0), (2, 1.0)], "p: frame 1 (step 10): the id 2 stands twice"),
+        ] {
+            let (places, end) = read(&[two, frame, two]);
+            assert_eq!(places.len(), 1);
+            assert!(end.starts_with(words), "{end}");
+        }
     }
 }

@@ -8,6 +8,7 @@ mod common;
 mod compare;
 mod errors;
 mod files_cli;
+mod frames;
 mod harness;
 mod hidden;
 mod integrity;

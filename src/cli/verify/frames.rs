@@ -98,7 +98,7 @@ fn all_of(options: &Verify, mut frames: Paired<'_, '_>) -> anyhow::Result<All> {
             input::tell(&file, particles.notices(), Place::Argument);
         }
         let (frame, step) = (about.frame, about.step);
-        let ids = particles.ids().map(<[i64]>::to_vec);
+        let ids = particles.ids_copied()?;
         let memory = options.limit.bytes(particles.len());
         let kept = usize::try_from(memory / FOLLOWED).unwrap_or(usize::MAX).max(1);
         let explain = all.hint.is_none() && all.is_same();
@@ -184,7 +184,8 @@ impl All {
         Some((first, worst))
     }
 
-    /// The frames that are shown: all, or those that are wrong, or the worst of these and the first.
+    /// The frames that are shown: all, else those that are wrong, else the worst of these and the
+    /// first.
     fn shown(&self) -> Vec<&Row> {
         let mut rows: Vec<&Row> = self.rows.iter().collect();
         if rows.len() <= SHOWN {

@@ -128,7 +128,8 @@ impl Reader<List> for Csv<'_> {
         };
         choice.sparse = layout.label.is_some();
         while !*ended {
-            let mut list = List { format: "CSV", ..List::default() };
+            let sparse = choice.sparse;
+            let mut list = List { format: "CSV", sparse, ..List::default() };
             let mut columns = layout.columns.clone();
             let (mut step, mut empty) = (Step::Keep, true);
             loop {

@@ -13,6 +13,8 @@ pub struct List {
     pub frame: Option<u64>,
     /// Its time step, where the file says it.
     pub step: Option<i64>,
+    /// Rows say their frame: one of which no row speaks has no pairs.
+    pub sparse: bool,
     /// Couples of numbers, in file order.
     pub pairs: Vec<[i64; 2]>,
     /// Which image of the second particle it is, for each, where the list says so: so many vectors

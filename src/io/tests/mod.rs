@@ -1,7 +1,8 @@
 //! The formats: what is read (`text`, `npy`), what is refused and in which words, and that no bytes
-//! make a reader panic (`refused`); and their boxes (`boxes`).
+//! make a reader panic (`refused`); their boxes (`boxes`); and frames (`frames`).
 
 mod boxes;
+mod frames;
 mod npy;
 mod refused;
 mod text;
