@@ -54,7 +54,7 @@ impl<'a, 'b> Paired<'a, 'b> {
     ///
     /// # Errors
     /// A file is broken, or a list has no particles, or the other way round.
-    pub fn next(&mut self) -> anyhow::Result<Option<(Particles, About, List)>> {
+    pub fn next_frame(&mut self) -> anyhow::Result<Option<(Particles, About, List)>> {
         loop {
             let Some((particles, about)) = self.particles.next().transpose()? else {
                 let next = self.next.take();
@@ -199,14 +199,16 @@ mod tests {
         steps.iter().map(frame).collect()
     }
 
-    /// Frames and the first number of their list, -1 where it is empty, what was left out, and how
-    /// many have no rows; or what was said.
-    fn paired(particles: &str, lists: &str) -> Result<(Vec<(u64, i64)>, Vec<u64>, u64), String> {
+    /// Frames and the first number of their list, -1 where it is empty; what was left out; and how
+    /// many have no rows.
+    type Told = (Vec<(u64, i64)>, Vec<u64>, u64);
+
+    fn paired(particles: &str, lists: &str) -> Result<Told, String> {
         let options = Options { frame: Frame::All, radius: Some(1.0), ..Options::default() };
         let told = frames_from(particles.as_bytes(), "p", "", options, |frames| {
             lists_from(lists.as_bytes(), "l", &[], Frame::All, |lists| {
                 let (mut paired, mut told) = (Paired::new(frames, lists, ["p", "l"]), vec![]);
-                while let Some((_, about, list)) = paired.next()? {
+                while let Some((_, about, list)) = paired.next_frame()? {
                     told.push((about.frame, list.pairs.first().map_or(-1, |pair| pair[0])));
                 }
                 Ok((told, paired.left_out, paired.without_rows))

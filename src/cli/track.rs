@@ -107,7 +107,7 @@ fn of_file(
     let all = [Ok(first), Ok(second)].into_iter().chain(frames);
     let mut recorded = Recorded::new(all, &text, radius);
     let count = options.frames.unwrap_or(u64::MAX);
-    let mut next = |_| recorded.next()?.map(|given| given.open(&name)).transpose();
+    let mut next = |_| recorded.next_frame()?.map(|given| given.open(&name)).transpose();
     followed(options, trackers, (&name, "as recorded"), particles, &mut next, count)
 }
 

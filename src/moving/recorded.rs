@@ -32,7 +32,7 @@ impl<'a, I: Iterator<Item = anyhow::Result<(Particles, About)>>> Recorded<'a, I>
     ///
     /// # Errors
     /// The file is broken, or the frame holds other particles than the first.
-    pub fn next(&mut self) -> anyhow::Result<Option<Given>> {
+    pub fn next_frame(&mut self) -> anyhow::Result<Option<Given>> {
         let Some((mut particles, about)) = self.frames.next().transpose()? else {
             return Ok(None);
         };
@@ -100,7 +100,7 @@ mod tests {
         let mut places = Vec::new();
         let end = frames_from(text.as_bytes(), "p", "", options, |frames| {
             let mut recorded = Recorded::new(frames, "p", Some(1.0));
-            while let Some(given) = recorded.next()? {
+            while let Some(given) = recorded.next_frame()? {
                 let scene = given.scene;
                 let x = |k| crate::check::listed::particle(&scene, k).0[0];
                 places.push((0..scene.len() as u32).map(x).collect());

@@ -91,7 +91,7 @@ pub(super) fn verify(options: &Verify, columns: &[&str]) -> anyhow::Result<ExitC
 fn all_of(options: &Verify, mut frames: Paired<'_, '_>) -> anyhow::Result<All> {
     let mut all = All::default();
     let progress = Counted::new(None);
-    while let Some((particles, about, list)) = frames.next()? {
+    while let Some((particles, about, list)) = frames.next_frame()? {
         progress.frame(about.frame);
         if all.rows.is_empty() {
             let file = options.file.display().to_string();

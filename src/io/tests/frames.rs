@@ -77,6 +77,13 @@ fn all_formats_of_frames_give_them_one_by_one() {
     let frame = |k: u64| (k, None, None, vec![], vec![10.0 * k as f64, 10.0 * k as f64 + 2.0]);
     let frames: Vec<_> = (0..3).map(frame).collect();
     assert_eq!(all(&cube(12), "npy", HALF), (frames, String::new()));
+    // The radii go with the ids.
+    let sized = text.replace("id x y z", "id radius x y");
+    let ids = Options { ids: true, frame: Frame::Number(2), dim: Some(2), ..NONE };
+    let (mut particles, _) = load_from(sized.as_bytes(), "p", "", ids).unwrap();
+    particles.sort_by_id().unwrap();
+    let sizes = rows(&particles.scene("p", None).unwrap());
+    assert_eq!(sizes, [[0.0, 0.0, 20.0], [0.0, 0.0, 21.0], [0.0, 0.0, 27.0]]);
     // A file that is one frame is one.
     let csv = vec![(0, None, None, vec![], vec![1.0])];
     assert_eq!(all(b"x,y\n1,2\n", "csv", HALF), (csv, String::new()));
@@ -154,7 +161,10 @@ fn arrays_of_frames_without_end_are_refused() {
     );
 }
 
-fn lists(bytes: &[u8]) -> (Vec<(Option<u64>, Option<i64>, Vec<[i64; 2]>)>, String) {
+/// A list by its frame, its step and its pairs.
+type Lists = Vec<(Option<u64>, Option<i64>, Vec<[i64; 2]>)>;
+
+fn lists(bytes: &[u8]) -> (Lists, String) {
     let mut told = Vec::new();
     let end = pairs::lists_from(bytes, "p", &[], Frame::All, |lists| {
         for list in lists {
