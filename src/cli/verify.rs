@@ -1,5 +1,6 @@
 //! `contactbench verify`.
 
+mod compare;
 mod frames;
 mod hint;
 
@@ -7,11 +8,10 @@ use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use anyhow::{Context, bail, ensure};
+use anyhow::ensure;
 use serde_json::{Value, json};
 
-use crate::check::imaged::Listed;
-use crate::check::listed::{Allowed, Meaning, Naming, Taken, Terms, Verification, WORST, particle};
+use crate::check::listed::{Meaning, Taken, Verification, WORST, particle};
 use crate::cli::shared::arithmetic::arithmetic;
 use crate::cli::shared::input::{self, Input};
 use crate::cli::shared::limit::Limit;
@@ -20,12 +20,12 @@ use crate::contact::Arithmetic;
 use crate::io;
 use crate::io::boxes::along;
 use crate::io::pairs::{self, List};
-use crate::io::{About, Frame, Particles, Place};
+use crate::io::{Frame, Place};
 use crate::number::{number, plural, wrap};
 use crate::oracle::Errors;
-use crate::periodic::{ImagePair, Periodic};
+use crate::periodic::ImagePair;
 use crate::present::table::{Cell, Column, Table};
-use crate::scene::{AnyScene, Given, Lattice};
+use crate::scene::{AnyScene, Lattice};
 
 /// So many pairs are shown of each kind.
 const SHOWN: usize = 5;
@@ -110,7 +110,7 @@ pub fn verify(options: &Verify) -> anyhow::Result<ExitCode> {
         &options.input,
         io::Options { ids: true, ..options.input.options() },
     )?;
-    same_time(options, &list, &about)?;
+    compare::same_time(options, &list, &about)?;
     if about.frames > 1 && options.input.frame.is_none() && list.frame.is_some() {
         eprintln!("{}: --frame all compares each of them", options.file.display());
     }
@@ -123,126 +123,6 @@ pub fn verify(options: &Verify) -> anyhow::Result<ExitCode> {
         verified.print(&mut out)?
     }
     Ok(ExitCode::from(u8::from(!verified.found.is_same())))
-}
-
-/// Refuses a list of another time than the particles, unless it was asked for.
-fn same_time(options: &Verify, list: &List, about: &About) -> anyhow::Result<()> {
-    let of_list = match (list.step, about.step) {
-        (Some(of_list), Some(step)) if of_list != step => format!("step {of_list}"),
-        // Where frames have no rows, the last that has may be any.
-        (None, _) if list.sparse && list.frame != Some(about.frame) => {
-            format!("frame {}", list.frame.unwrap_or_default())
-        }
-        _ => return Ok(()),
-    };
-    let (pairs, file) = (options.pairs.display(), options.file.display());
-    let said = format!("{pairs}: the list is of {of_list}, the particles of {}", about.which());
-    if options.pairs_frame.is_some() {
-        eprintln!("{said}");
-        return Ok(());
-    }
-    bail!(
-        "{said} in {file}; give --frame all, which brings them together, or --pairs-frame K for \
-         the list that is meant"
-    )
-}
-
-impl<'a> Verified<'a> {
-    /// A list against a frame of the particles. So many pairs of a kind are kept; other ways to
-    /// read the list are tried if that is asked for.
-    fn new(
-        options: &'a Verify,
-        mut list: List,
-        particles: Particles,
-        about: About,
-        kept: usize,
-        explain: bool,
-    ) -> anyhow::Result<Verified<'a>> {
-        let file = options.file.display().to_string();
-        let ids = particles.ids().map(Naming::by_id);
-        let (naming, others) = match (options.base, ids) {
-            (None, Some(ids)) if options.ids || list.ids => {
-                let ids = ids.context("the ids of the particles cannot be used")?;
-                (ids, vec![Naming::Base(0), Naming::Base(1)])
-            }
-            (None, None) if options.ids => {
-                bail!("{file} has no column 'id' of whole numbers; give --base 0 or --base 1")
-            }
-            (base, ids) => {
-                let base = base.unwrap_or(i64::from(list.ids));
-                let ids = ids.and_then(Result::ok);
-                (Naming::Base(base), [Naming::Base(1 - base)].into_iter().chain(ids).collect())
-            }
-        };
-        let Given { scene, lattice, .. } = particles.given(&file, options.input.radius)?;
-        let terms = Terms {
-            arithmetic: options.arithmetic,
-            allowed: Allowed { both_sides: options.both_sides, skin: options.skin },
-            memory_limit: options.limit.bytes(scene.len()),
-            kept,
-            explain,
-        };
-        let (scene, lattice, found) = match lattice {
-            Some(lattice) => {
-                let periodic = Periodic::new(scene, lattice)?;
-                list.understood(periodic.scene().dim(), periodic.lattice().periodic())
-                    .with_context(|| options.pairs.display().to_string())?;
-                let listed = Listed { pairs: &list.pairs, images: list.images.as_deref() };
-                let found = Verification::in_box(&periodic, listed, &naming, &others, terms)
-                    .with_context(|| options.pairs.display().to_string())?;
-                let (scene, lattice) = periodic.into_parts();
-                (scene, Some(lattice), found)
-            }
-            None => {
-                let found = open(options, &mut list, &scene, &about, (&naming, &others), terms)?;
-                (scene, None, found)
-            }
-        };
-        let boxed = about.bounds.is_some() && options.input.edges.is_none();
-        let flags = about.declared.and_then(|declared| declared.periodic);
-        let repeats = flags.is_some_and(|flags| flags.contains(&true));
-        let naming = naming.meaning();
-        Ok(Verified { options, list, naming, scene, lattice, boxed, repeats, found })
-    }
-}
-
-/// The comparison where boundaries are open.
-fn open(
-    options: &Verify,
-    list: &mut List,
-    scene: &AnyScene<'static>,
-    about: &About,
-    (naming, others): (&Naming, &[Naming]),
-    terms: Terms,
-) -> anyhow::Result<Verification> {
-    let vectors = about.declared.as_ref().and_then(|of| of.vectors);
-    if vectors.is_none() {
-        list.without_box();
-    }
-    let images = list.images.as_deref().unwrap_or_default();
-    if let Some(k) = images.iter().position(|image| *image != [0; 3]) {
-        let remedy = match vectors {
-            _ if options.input.open => "leave out --open",
-            Some(_) if options.input.periodic.is_some() => "leave out --periodic none",
-            Some(_) => "give --periodic with the axes along which the box repeats",
-            None => "give --box LX,LY,LZ, and --periodic where it is open along some axis",
-        };
-        bail!(
-            "{}: pair {k} (from 0) names an image in a box that repeats, {}, and boundaries are \
-             open here; {remedy}, or --pairs-columns I,J if it is something else",
-            options.pairs.display(),
-            numbers(&images[k], ",")
-        );
-    }
-    let bounds = about.bounds.as_deref();
-    let mut found = Verification::new(scene, &list.pairs, naming, others, terms, bounds)?;
-    let boundaries = options.input.options().boundaries;
-    let left_out = boundaries.left_out(scene.dim(), about.declared.as_ref());
-    if let (true, false, Some(lattice)) = (terms.explain, found.is_same(), left_out) {
-        let periodic = Periodic::new(scene.clone(), lattice)?;
-        found.try_declared(&periodic, &list.pairs, naming, others, terms);
-    }
-    Ok(found)
 }
 
 fn words(meaning: Meaning) -> String {

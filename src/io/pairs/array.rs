@@ -1,5 +1,5 @@
-//! npy: rows of two numbers, the pair; with images in a box of four (discs) or five (spheres). Where
-//! all frames are wanted, of three, five or six, and the first is the frame.
+//! npy: rows of two numbers, the pair; with images in a box of four (discs) or five (spheres).
+//! Where all frames are wanted, of three, five or six, and the first is the frame.
 
 use anyhow::{bail, ensure};
 

@@ -1,5 +1,5 @@
-//! MercuryDPM `.fstat`: `time i j x y z overlap ...`, indices from 0, walls negative; each contact of
-//! two particles from both sides. Frames begin with lines that begin with #.
+//! MercuryDPM `.fstat`: `time i j x y z overlap ...`, indices from 0, walls negative; each contact
+//! of two particles from both sides. Frames begin with lines that begin with #.
 
 use anyhow::{Context, ensure};
 
