@@ -49,8 +49,8 @@ fn local(frames: usize, left_out: &[(usize, usize)]) -> String {
         wrong.for_each(|&(_, at)| drop(pairs.remove(at)));
         let _ = write!(
             text,
-            "ITEM: TIMESTEP\n{}\nITEM: NUMBER OF ENTRIES\n{}\nITEM: BOX BOUNDS ff ff ff\n-2 18\n-1.5 \
-             10\n-2 2\nITEM: ENTRIES c_p[1] c_p[2]\n{}",
+            "ITEM: TIMESTEP\n{}\nITEM: NUMBER OF ENTRIES\n{}\nITEM: BOX BOUNDS ff ff ff\n-2 18\n\
+             -1.5 10\n-2 2\nITEM: ENTRIES c_p[1] c_p[2]\n{}",
             50 * k,
             pairs.len(),
             pairs.concat()
@@ -70,7 +70,8 @@ fn json(folder: &Path, arguments: &[&str]) -> Value {
     serde_json::from_str(&ended.stdout).unwrap_or_else(|_| panic!("{}", ended.stdout))
 }
 
-/// What a file holds is followed as it is, whatever the order of its rows; a motion moves one frame.
+/// What a file holds is followed as it is, whatever the order of its rows; a motion moves one
+/// frame.
 #[test]
 fn trackers_follow_the_frames_of_a_file() {
     let folder = tempfile::tempdir().unwrap();
