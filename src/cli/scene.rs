@@ -4,11 +4,13 @@ use std::io::Write as _;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use anyhow::Context;
+use anyhow::{Context, bail, ensure};
 
 use crate::cli::shared::input::Input;
 use crate::cli::shared::values;
-use crate::io::write;
+use crate::io::write::{self, SceneFormat};
+use crate::number::plural;
+use crate::scene::motion::{Frames, Motion};
 
 /// Options of `scene`.
 #[derive(clap::Args)]
@@ -23,14 +25,39 @@ pub struct Scene {
     /// output); with a box that repeats .xyz, which holds one
     #[arg(short, long)]
     output: Option<PathBuf>,
+    /// Moves the scene, with speed in diameters per frame (see: contactbench list motions), for --at
+    /// or --frames
+    #[arg(long)]
+    motion: Option<Motion>,
+    /// The frame of the motion that is written; frame 0 is the scene
+    #[arg(long, requires = "motion", conflicts_with = "frames", value_name = "K")]
+    #[arg(value_parser = values::whole::<u64>)]
+    at: Option<u64>,
+    /// Writes so many frames of the motion, from frame 0, one after the other into an .xyz file
+    #[arg(long, requires = "motion", value_name = "COUNT", value_parser = values::whole::<u64>)]
+    frames: Option<u64>,
 }
 
 /// Makes or reads the scene and writes it, in numbers that read back to the same bits.
 pub fn scene(options: &Scene) -> anyhow::Result<ExitCode> {
-    if let Some(path) = &options.output {
-        write::scene_format(path)?;
+    let format = options.output.as_deref().map(write::scene_format).transpose()?;
+    let mut given = options.input.given(&options.scene)?;
+    if let Some(motion) = options.motion {
+        let scene = given.open(&options.scene)?;
+        let mut frames = Frames::new(&scene, motion)?;
+        match (options.at, options.frames) {
+            (Some(k), _) => given = frames.at(k)?.into(),
+            (None, Some(count)) => {
+                ensure!(
+                    count >= 1 && format.is_none_or(|format| format == SceneFormat::Xyz),
+                    "--frames {count}: frames, at least one, are written to one .xyz file; for \
+                     another format take --at K, frame by frame"
+                );
+                return trajectory(options, &mut frames, count);
+            }
+            (None, None) => bail!("--motion says how; add --at K for a frame, or --frames COUNT"),
+        }
     }
-    let given = options.input.given(&options.scene)?;
     match &options.output {
         Some(path) => {
             write::scene(path, &given)?;
@@ -40,12 +67,35 @@ pub fn scene(options: &Scene) -> anyhow::Result<ExitCode> {
         None => {
             let mut out = std::io::BufWriter::new(std::io::stdout().lock());
             let format = match given.lattice {
-                None => write::SceneFormat::Csv,
-                Some(_) => write::SceneFormat::Xyz,
+                None => SceneFormat::Csv,
+                Some(_) => SceneFormat::Xyz,
             };
             write::scene_to(&mut out, format, &given)
                 .and_then(|()| out.flush())
                 .context("cannot write the scene to standard output")?;
+        }
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Writes frames one after the other; none is kept.
+fn trajectory(options: &Scene, frames: &mut Frames, count: u64) -> anyhow::Result<ExitCode> {
+    let mut each = |out: &mut dyn std::io::Write| {
+        (0..count).try_for_each(|k| {
+            let frame = frames.at(k).map_err(std::io::Error::other)?;
+            write::scene_to(out, SceneFormat::Xyz, &frame.into())
+        })
+    };
+    match &options.output {
+        Some(path) => {
+            write::whole(path, each).with_context(|| format!("cannot write {}", path.display()))?;
+            eprintln!("{}: {}", path.display(), plural(count as usize, "frame"));
+        }
+        None => {
+            let mut out = std::io::BufWriter::new(std::io::stdout().lock());
+            each(&mut out)
+                .and_then(|()| out.flush())
+                .context("cannot write the frames to standard output")?;
         }
     }
     Ok(ExitCode::SUCCESS)

@@ -2,10 +2,11 @@
 //!
 //! Frame 0 is the scene. Frame k is a function of the scene, the motion and k alone, with the same
 //! bits on every machine: a frame may be asked for by itself and again. Speeds are in diameters of
-//! the largest body per frame. Nothing is simulated here: bodies fly through each other, so that a
-//! motion stays what its name says for as long as it lasts.
+//! the largest body per frame. In most motions bodies fly through each other, so that a motion stays
+//! what its name says for as long as it lasts; in those of [`Play`] they push each other.
 
 mod paths;
+mod soft;
 
 use std::fmt;
 use std::str::FromStr;
@@ -13,6 +14,7 @@ use std::str::FromStr;
 use anyhow::{Context, bail, ensure};
 
 use self::paths::Paths;
+pub use self::soft::Play;
 use crate::nearest::hint;
 use crate::scene::{AnyScene, Scene, Storage, Stored};
 
@@ -33,11 +35,13 @@ pub enum Kind {
     Jitter,
     /// A new velocity now and then.
     Brownian,
+    /// Soft spheres.
+    Soft(Play),
 }
 
 impl Kind {
     /// All of them.
-    pub const ALL: [Kind; 7] = [
+    pub const ALL: [Kind; 10] = [
         Kind::Rest,
         Kind::Drift,
         Kind::Shear,
@@ -45,6 +49,9 @@ impl Kind {
         Kind::Vortex,
         Kind::Jitter,
         Kind::Brownian,
+        Kind::Soft(Play::Collapse),
+        Kind::Soft(Play::Drum),
+        Kind::Soft(Play::Penetration),
     ];
 
     /// The name on the command line.
@@ -57,6 +64,7 @@ impl Kind {
             Kind::Vortex => "vortex",
             Kind::Jitter => "jitter",
             Kind::Brownian => "brownian",
+            Kind::Soft(play) => play.name(),
         }
     }
 
@@ -89,6 +97,7 @@ impl Kind {
                  (after Broadmark, Computer Graphics Forum 39:436, 2020, where bodies outside the \
                  box are frozen instead)"
             }
+            Kind::Soft(play) => play.summary(),
         }
     }
 }
@@ -172,7 +181,8 @@ impl Frames {
     /// Of this scene in open space.
     ///
     /// # Errors
-    /// The scene cannot be stored in f64, or has no diameter for speeds to be measured in.
+    /// The scene cannot be stored in f64, or has no diameter for speeds to be measured in; soft
+    /// spheres are too far apart, or too fast for their steps of time.
     pub fn new(scene: &AnyScene<'_>, motion: Motion) -> anyhow::Result<Frames> {
         let moves = motion.kind != Kind::Rest && motion.speed > 0.0 && !scene.is_empty();
         ensure!(
@@ -182,22 +192,23 @@ impl Frames {
         );
         Ok(Frames(match scene.stored(Storage::F64)? {
             AnyScene::Plane(Stored::F64(scene)) => {
-                let paths = Paths::new(&scene, motion);
+                let paths = Paths::new(&scene, motion)?;
                 Of::Plane(scene, paths)
             }
             AnyScene::Space(Stored::F64(scene)) => {
-                let paths = Paths::new(&scene, motion);
+                let paths = Paths::new(&scene, motion)?;
                 Of::Space(scene, paths)
             }
             _ => bail!("a scene stored in f64 is in f64"),
         }))
     }
 
-    /// Frame k. Those of [`Kind::Brownian`] cost as many frames as lie between it and the one
-    /// asked for before, or the first; all others cost one.
+    /// Frame k. Those of [`Kind::Brownian`] and [`Kind::Soft`] cost as many frames as lie between
+    /// it and the one asked for before, or the first; all others cost one.
     ///
     /// # Errors
-    /// A particle has flown beyond the numbers of f64.
+    /// A particle has flown beyond the numbers of f64; more soft spheres crowd than a list of pairs
+    /// may hold.
     pub fn at(&mut self, k: u64) -> anyhow::Result<AnyScene<'static>> {
         match &mut self.0 {
             Of::Plane(scene, paths) => Ok(moved(scene, paths, k)?.into()),
@@ -210,8 +221,11 @@ fn moved<const D: usize>(
     scene: &Scene<'static, f64, D>,
     paths: &mut Paths<D>,
     k: u64,
-) -> anyhow::Result<Scene<'static, f64, D>> {
-    Scene::new(paths.at(k, scene.centres()), scene.radii().clone())
+) -> anyhow::Result<Scene<'static, f64, D>>
+where
+    for<'a> AnyScene<'a>: From<Scene<'a, f64, D>>,
+{
+    Scene::new(paths.at(k, scene.centres())?, scene.radii().clone())
         .with_context(|| format!("frame {k}; take fewer frames, or a smaller speed"))
 }
 

@@ -2,9 +2,10 @@
 
 use nalgebra::Point;
 
+use super::soft::Soft;
 use super::{Kind, Motion, diameter};
-use crate::scene::Scene;
 use crate::scene::generate::draw::Draw;
+use crate::scene::{AnyScene, Scene};
 
 /// Frames between two new velocities of a particle ([`Kind::Brownian`]).
 const PERIOD: u64 = 100;
@@ -20,6 +21,8 @@ pub(super) struct Paths<const D: usize> {
     /// Per frame.
     velocities: Vec<[f64; D]>,
     walk: Walk<D>,
+    /// Of [`Kind::Soft`], if they move.
+    soft: Option<Soft<D>>,
 }
 
 /// How far a walk has come; walls are not yet looked at.
@@ -29,8 +32,11 @@ struct Walk<const D: usize> {
     velocities: Vec<[f64; D]>,
 }
 
-impl<const D: usize> Paths<D> {
-    pub fn new(scene: &Scene<'_, f64, D>, motion: Motion) -> Paths<D> {
+impl<const D: usize> Paths<D>
+where
+    for<'a> AnyScene<'a>: From<Scene<'a, f64, D>>,
+{
+    pub fn new(scene: &Scene<'_, f64, D>, motion: Motion) -> anyhow::Result<Paths<D>> {
         let Motion { kind, speed, seed } = motion;
         let (mut low, mut high) = ([f64::INFINITY; D], [f64::NEG_INFINITY; D]);
         for centre in scene.centres() {
@@ -42,6 +48,12 @@ impl<const D: usize> Paths<D> {
             (low, high) = ([0.0; D], [0.0; D]);
         }
         let extent = std::array::from_fn(|k| high[k] - low[k]);
+        let soft = match kind {
+            Kind::Soft(play) if speed > 0.0 && !scene.is_empty() => {
+                Some(Soft::new(scene, play, speed)?)
+            }
+            _ => None,
+        };
         let speed = speed * diameter(scene);
         let velocities = match kind {
             Kind::Drift | Kind::Brownian => {
@@ -51,19 +63,23 @@ impl<const D: usize> Paths<D> {
             _ => Vec::new(),
         };
         let walk = Walk { frame: 0, at: Vec::new(), velocities: Vec::new() };
-        Paths { kind, seed, speed, low, extent, velocities, walk }
+        Ok(Paths { kind, seed, speed, low, extent, velocities, walk, soft })
     }
 
     /// The centres in frame `k`, from those in frame 0.
-    pub fn at(&mut self, k: u64, first: &[Point<f64, D>]) -> Vec<Point<f64, D>> {
+    pub fn at(&mut self, k: u64, first: &[Point<f64, D>]) -> anyhow::Result<Vec<Point<f64, D>>> {
         let all =
             |place: &dyn Fn(&Point<f64, D>) -> Point<f64, D>| first.iter().map(place).collect();
         let time = k as f64;
         let middle: [f64; D] = std::array::from_fn(|k| self.low[k] + 0.5 * self.extent[k]);
         let outermost =
             |far: &dyn Fn(&Point<f64, D>) -> f64| first.iter().map(far).fold(0.0, f64::max);
-        match self.kind {
+        Ok(match self.kind {
             _ if k == 0 => first.to_vec(),
+            Kind::Soft(_) => match &mut self.soft {
+                Some(soft) => soft.at(k)?,
+                None => first.to_vec(),
+            },
             Kind::Rest => first.to_vec(),
             Kind::Drift => first
                 .iter()
@@ -97,7 +113,7 @@ impl<const D: usize> Paths<D> {
                 let widest = self.extent.iter().fold(0.0f64, |most, &edge| most.max(edge));
                 let core = 0.125 * widest;
                 if core == 0.0 {
-                    return first.to_vec();
+                    return Ok(first.to_vec());
                 }
                 let fastest = 2.0 * self.speed / core;
                 all(&|at| {
@@ -105,7 +121,7 @@ impl<const D: usize> Paths<D> {
                     turned(at, &middle, fastest / (1.0 + far * far) * time)
                 })
             }
-        }
+        })
     }
 
     /// Where a particle is that has gone this way, if walls reflect it.
