@@ -219,3 +219,6 @@ where
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests;

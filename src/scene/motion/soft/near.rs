@@ -30,7 +30,7 @@ pub(super) struct Near<const D: usize> {
     pairs: Vec<[u32; 2]>,
     couples: Vec<Couple>,
     /// Those that overlap in frame 0, and reach as far as they are apart there.
-    first: Vec<Couple>,
+    pub first: Vec<Couple>,
     /// Where bodies were when the list was built.
     then: Vec<[f64; D]>,
 }

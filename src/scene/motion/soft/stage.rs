@@ -47,11 +47,7 @@ impl<const D: usize> Stage<D> {
                 Stage { low, high, drum: None, gravity, speed: fall, fall }
             }
             Play::Drum => {
-                let middle = [0.5 * extent[0], 0.5 * height];
-                let radius = bodies.iter().fold(0.0f64, |most, body| {
-                    let way = [body.at[0] - middle[0], body.at[D - 1] - middle[1]];
-                    most.max(dot(&way, &way).sqrt() + body.radius)
-                });
+                let (middle, radius) = around(bodies, [0.5 * extent[0], 0.5 * height]);
                 let speed = (FROUDE * GRAVITY * radius).sqrt();
                 let (mut low, mut high) = ([f64::NEG_INFINITY; D], [f64::INFINITY; D]);
                 if D == 3 {
@@ -71,6 +67,19 @@ impl<const D: usize> Stage<D> {
     /// The fastest speed that is to be expected.
     pub fn fastest(&self) -> f64 {
         self.speed.max(self.fall)
+    }
+
+    /// No walls and no gravity.
+    #[cfg(test)]
+    pub fn open(&mut self) {
+        (self.low, self.high) = ([f64::NEG_INFINITY; D], [f64::INFINITY; D]);
+        (self.drum, self.gravity) = (None, 0.0);
+    }
+
+    /// The drum's middle and radius.
+    #[cfg(test)]
+    pub fn circle(&self) -> Option<([f64; 2], f64)> {
+        self.drum.as_ref().map(|drum| (drum.middle, drum.radius))
     }
 
     /// Adds what walls do to a body: they are as stiff as one like it, and heavy.
@@ -104,6 +113,26 @@ fn touch<const D: usize>(body: &mut Body<D>, normal: &[f64; D], depth: f64, wall
     for k in 0..D {
         body.force[k] += force[k];
     }
+}
+
+/// A circle around all bodies, nearly the smallest: its middle goes to the farthest body by ever
+/// smaller parts of the way (Badoiu and Clarkson 2003, doi:10.5555/644108.644240).
+fn around<const D: usize>(bodies: &[Body<D>], mut middle: [f64; 2]) -> ([f64; 2], f64) {
+    const ROUNDS: u32 = 256;
+    let farthest = |middle: [f64; 2]| {
+        bodies.iter().fold(([0.0; 2], 0.0), |most, body| {
+            let way = [body.at[0] - middle[0], body.at[D - 1] - middle[1]];
+            let reach = dot(&way, &way).sqrt() + body.radius;
+            if reach > most.1 { (way, reach) } else { most }
+        })
+    };
+    for round in 1..=ROUNDS {
+        let (way, _) = farthest(middle);
+        for k in 0..2 {
+            middle[k] += way[k] / f64::from(round + 1);
+        }
+    }
+    (middle, farthest(middle).1)
 }
 
 /// The largest body, the first particle of them; of equal ones the topmost.
