@@ -292,3 +292,32 @@ fn courses_that_make_no_sense_are_refused() {
         refused(folder.path(), &["run", "a.toml", "--out", "out"], &[words]);
     }
 }
+
+/// One frame of a motion in a file, or all of them: the same numbers.
+#[test]
+fn frames_of_a_motion_are_written_one_or_all() {
+    let folder = tempfile::tempdir().unwrap();
+    let drum = ["scene", "packed:n=60", "--motion", "drum:speed=0.05"];
+    let write = |more: &[&str]| good(folder.path(), &[&drum[..], more].concat());
+    write(&["--frames", "3", "-o", "all.xyz"]);
+    write(&["--at", "2", "-o", "two.csv"]);
+    write(&["--at", "0", "-o", "first.csv"]);
+    let bytes = |name: &str| std::fs::read(folder.path().join(name)).unwrap();
+    assert_eq!(bytes("all.xyz"), write(&["--frames", "3"]).stdout.into_bytes());
+    good(folder.path(), &["scene", "packed:n=60", "-o", "scene.csv"]);
+    assert_eq!(bytes("first.csv"), bytes("scene.csv"), "frame 0 is the scene");
+    for (frame, name) in [("0", "first.csv"), ("2", "two.csv")] {
+        good(folder.path(), &["scene", "all.xyz", "--frame", frame, "-o", "again.csv"]);
+        assert_eq!(bytes("again.csv"), bytes(name), "frame {frame}");
+    }
+    assert!(bytes("first.csv") != bytes("two.csv"));
+    for (more, words) in [
+        (&[][..], &["--at K", "--frames COUNT"][..]),
+        (&["--frames", "2", "-o", "all.csv"], &["one .xyz file", "--at K"]),
+        (&["--frames", "0"], &["at least one"]),
+    ] {
+        refused(folder.path(), &[&drum[..], more].concat(), words);
+    }
+    let fast = ["scene", "packed:n=9", "--motion", "collapse:speed=1e5", "--at", "1"];
+    refused(folder.path(), &fast, &["steps of time", "take a smaller speed"]);
+}

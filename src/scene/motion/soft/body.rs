@@ -48,11 +48,8 @@ impl<const D: usize> Body<D> {
 /// What the second does to the first, if they are nearer than their reach.
 #[inline]
 pub(super) fn between<const D: usize>(a: &Body<D>, b: &Body<D>, reach: f64) -> Option<[f64; D]> {
-    let (mut way, mut square) = ([0.0; D], 0.0);
-    for k in 0..D {
-        way[k] = a.at[k] - b.at[k];
-        square += way[k] * way[k];
-    }
+    let way: [f64; D] = std::array::from_fn(|k| a.at[k] - b.at[k]);
+    let square = dot(&way, &way);
     if square >= reach * reach {
         return None;
     }

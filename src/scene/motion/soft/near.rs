@@ -4,6 +4,7 @@ use nalgebra::Point;
 
 use super::body::Body;
 use crate::contact::Test;
+use crate::detect::Refusal;
 use crate::detect::any::AnyDetector;
 use crate::scene::{AnyScene, Radii, Scene};
 use crate::sink::normalise;
@@ -82,7 +83,8 @@ where
     }
 
     fn build(&mut self, bodies: &[Body<D>]) -> anyhow::Result<()> {
-        let centres: Vec<_> = bodies.iter().map(|body| Point::from(body.at)).collect();
+        let mut centres = room(bodies.len())?;
+        centres.extend(bodies.iter().map(|body| Point::from(body.at)));
         let wider = |body: &Body<D>| body.radius + 0.5 * self.skin;
         let radii = match bodies.iter().all(|body| body.radius == bodies[0].radius) {
             true => Radii::Uniform(wider(&bodies[0])),
@@ -93,6 +95,9 @@ where
         normalise(&mut self.pairs);
         let mut first = self.first.iter().peekable();
         self.couples.clear();
+        if self.couples.capacity() < self.pairs.len() {
+            self.couples = room(self.pairs.len())?;
+        }
         self.couples.extend(self.pairs.iter().map(|&pair| {
             while first.next_if(|couple| couple.pair < pair).is_some() {}
             let [a, b] = pair.map(|k| bodies[k as usize].radius);
@@ -105,6 +110,13 @@ where
         self.then.extend(bodies.iter().map(|body| body.at));
         Ok(())
     }
+}
+
+/// An empty list with room for so many.
+pub(super) fn room<T>(count: usize) -> Result<Vec<T>, Refusal> {
+    let (mut list, bytes) = (Vec::new(), (count as u64).saturating_mul(size_of::<T>() as u64));
+    list.try_reserve_exact(count).map_err(|_| Refusal::Exhausted { bytes })?;
+    Ok(list)
 }
 
 fn square<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {

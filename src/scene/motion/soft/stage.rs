@@ -110,9 +110,7 @@ impl<const D: usize> Stage<D> {
 fn touch<const D: usize>(body: &mut Body<D>, normal: &[f64; D], depth: f64, wall: &[f64; D]) {
     let velocity = std::array::from_fn(|k| body.velocity[k] - wall[k]);
     let force = contact(normal, depth, &velocity, body.stiffness, body.mass);
-    for k in 0..D {
-        body.force[k] += force[k];
-    }
+    body.force.iter_mut().zip(force).for_each(|(sum, force)| *sum += force);
 }
 
 /// A circle around all bodies, nearly the smallest: its middle goes to the farthest body by ever
