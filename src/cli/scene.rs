@@ -25,8 +25,8 @@ pub struct Scene {
     /// output); with a box that repeats .xyz, which holds one
     #[arg(short, long)]
     output: Option<PathBuf>,
-    /// Moves the scene, with speed in diameters per frame (see: contactbench list motions), for --at
-    /// or --frames
+    /// Moves the scene, for --at or --frames, with speed in diameters per frame (see: contactbench
+    /// list motions)
     #[arg(long)]
     motion: Option<Motion>,
     /// The frame of the motion that is written; frame 0 is the scene

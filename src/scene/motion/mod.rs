@@ -2,8 +2,8 @@
 //!
 //! Frame 0 is the scene. Frame k is a function of the scene, the motion and k alone, with the same
 //! bits on every machine: a frame may be asked for by itself and again. Speeds are in diameters of
-//! the largest body per frame. In most motions bodies fly through each other, so that a motion stays
-//! what its name says for as long as it lasts; in those of [`Play`] they push each other.
+//! the largest body per frame. In most motions bodies fly through each other, so that a motion
+//! stays what its name says for as long as it lasts; in those of [`Play`] they push each other.
 
 mod paths;
 mod soft;

@@ -78,7 +78,7 @@ impl Play {
 
 /// A frame has no more steps of time.
 const MOST_STEPS: f64 = 1e5;
-/// Diameters of the largest body along an edge of the scene, at most: places are known to 1e-7 then.
+/// Edges of the scene in diameters of the largest body, at most: places are known to 1e-7 then.
 const WIDEST: f64 = 1e9;
 /// Steps in the shortest collision of two bodies.
 const STEPS_PER_COLLISION: f64 = 25.0;
