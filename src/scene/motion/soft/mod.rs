@@ -69,7 +69,7 @@ impl Play {
             }
             Play::Penetration => {
                 "soft spheres in a box: the largest (the first of them; of equal ones the topmost) \
-                 is sent down into the others, as fast as 128 g d allow (Dosta et al. 2024, \
+                 is sent down into the others with the root of 128 g d (as in Dosta et al. 2024, \
                  doi:10.1016/j.cpc.2023.109066); speed is that"
             }
         }
