@@ -38,11 +38,18 @@ pub enum Op {
     ExactTest,
     /// An image of a particle made, so that a periodic box becomes a scene.
     GhostMade,
+    /// Two neighbours exchanged by an insertion sort that repairs the order of an earlier frame.
+    Swap,
+    /// A particle taken out of the list of an earlier frame and put on another (also counted as put
+    /// on a list).
+    Reinsert,
+    /// A box of an earlier frame made again, because bodies have left it or a box in it has grown.
+    Refit,
 }
 
 impl Op {
     /// All operations, in the order of their indices.
-    pub const ALL: [Op; 13] = [
+    pub const ALL: [Op; 16] = [
         Op::Integerise,
         Op::ListPush,
         Op::ListStep,
@@ -56,6 +63,9 @@ impl Op {
         Op::ContactTest,
         Op::ExactTest,
         Op::GhostMade,
+        Op::Swap,
+        Op::Reinsert,
+        Op::Refit,
     ];
 
     /// The name used in records and claims.
@@ -74,6 +84,9 @@ impl Op {
             Op::ContactTest => "contact_test",
             Op::ExactTest => "exact_test",
             Op::GhostMade => "ghost_made",
+            Op::Swap => "swap",
+            Op::Reinsert => "reinsert",
+            Op::Refit => "refit",
         }
     }
 }

@@ -141,8 +141,8 @@ where
         let allowance = Allowance::new(self.memory_limit);
         let mut found = PairList::behind(std::mem::take(pairs), &allowance);
         let result = match scene {
-            AnyScene::Plane(scene) => list(&mut self.plane, scene, test, &mut found),
-            AnyScene::Space(scene) => list(&mut self.space, scene, test, &mut found),
+            AnyScene::Plane(scene) => list(&mut self.plane, scene, test, &mut Silent, &mut found),
+            AnyScene::Space(scene) => list(&mut self.space, scene, test, &mut Silent, &mut found),
         };
         let listed = found.end(scene.len(), pairs);
         result.and(listed)
@@ -191,11 +191,11 @@ where
             }
             Searched::Stored(AnyScene::Plane(scene), test) => {
                 self.last_was_space = false;
-                list(&mut self.plane, scene, *test, &mut found)
+                list(&mut self.plane, scene, *test, &mut Silent, &mut found)
             }
             Searched::Stored(AnyScene::Space(scene), test) => {
                 self.last_was_space = true;
-                list(&mut self.space, scene, *test, &mut found)
+                list(&mut self.space, scene, *test, &mut Silent, &mut found)
             }
         }
     }
@@ -305,7 +305,7 @@ pub fn run_stored<const D: usize>(
 }
 
 /// As [`run_stored`], compiled once for all kinds of radii and tests.
-fn run_any<const D: usize>(
+pub(crate) fn run_any<const D: usize>(
     detector: &mut impl DetectorOfAll<D>,
     scene: &Stored<'_, D>,
     test: Test,
@@ -319,16 +319,17 @@ fn run_any<const D: usize>(
 }
 
 /// The list of pairs, compiled for every kind of radii and test where speed depends on it.
-fn list<const D: usize, X: DetectorOfAll<D> + Declare>(
+pub(crate) fn list<const D: usize, X: DetectorOfAll<D> + Declare>(
     detector: &mut X,
     scene: &Stored<'_, D>,
     test: Test,
+    probe: &mut impl Probe,
     pairs: &mut PairList<'_>,
 ) -> Result<(), Refusal> {
     if X::DECIDES_FROM_COPIES {
-        run_any(detector, scene, test, &mut Silent, pairs)
+        run_any(detector, scene, test, probe, pairs)
     } else {
-        run_stored(detector, scene, test, &mut Silent, pairs)
+        run_stored(detector, scene, test, probe, pairs)
     }
 }
 

@@ -49,15 +49,7 @@ impl<const D: usize> Cells<D> {
     /// test, safely widened.
     pub fn new<T: Real, B: Bodies<T, D>>(bodies: &B) -> Result<Cells<D>, Refusal> {
         let (low, high) = bounds(bodies);
-        // Points without extent touch only where they coincide (or underflow), so any larger cell
-        // will do: about one point per cell.
-        let points = spacing(low, high, bodies.len());
-        let reach = if bodies.reach() <= T::UNDERFLOW {
-            bodies.reach().max(points)
-        } else {
-            bodies.reach()
-        };
-        Cells::spanning(low, high, reach, bodies.margin())
+        Cells::spanning(low, high, cell_reach(bodies, low, high), bodies.margin())
     }
 
     /// The grid of a class of `bodies` in this box, whose radii are at most `largest`: the edge is
@@ -157,6 +149,18 @@ impl<const D: usize> Cells<D> {
     pub fn volume(&self) -> u64 {
         self.count.iter().fold(1, |product, &n| product.saturating_mul(u64::from(n)))
     }
+}
+
+/// What the smallest cells for `bodies` in this box must span: the reach of the contact test.
+/// Points without extent touch only where they coincide (or underflow), so any larger cell will do:
+/// about one point per cell.
+pub fn cell_reach<T: Real, const D: usize>(
+    bodies: &impl Bodies<T, D>,
+    low: [f64; D],
+    high: [f64; D],
+) -> f64 {
+    let points = spacing(low, high, bodies.len());
+    if bodies.reach() <= T::UNDERFLOW { bodies.reach().max(points) } else { bodies.reach() }
 }
 
 /// A division that the other arithmetics never wait for: out of line, so that it is not computed

@@ -5,6 +5,9 @@
 //! and look only at those until some body has moved too far. How long the list serves is decided by
 //! a [`Rule`]; what is safe to leave out is proved on the page of filters ([`crate::filter`], 7).
 //!
+//! Some detectors can themselves be carried from frame to frame: what they made for one is mended
+//! for the next ([`Native`]).
+//!
 //! A tracker stands above any detector of the table. It gives, for each frame, what the detector
 //! would give: the pairs that the contact test accepts in that frame, complete if its rule is safe,
 //! so that answers can be held to the truth frame by frame.
@@ -33,6 +36,7 @@
 //! ```
 
 mod cells;
+mod incremental;
 mod kept;
 mod places;
 mod rule;
@@ -45,6 +49,7 @@ mod verlet;
 
 use std::time::Duration;
 
+pub use incremental::Native;
 pub use rule::Rule;
 pub use spec::{FORMS, PARAMETERS, Skin, TrackerError, TrackerSpec, parse};
 pub use travel::way;
@@ -85,7 +90,7 @@ pub trait Tracker: Send {
 /// What a tracker did for a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Step {
-    /// It asked its detector.
+    /// It asked its detector, or made everything anew.
     pub built: bool,
     /// Pairs that it looked at, in touch or not.
     pub listed: u64,

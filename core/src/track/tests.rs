@@ -9,17 +9,17 @@ use crate::scene::{Radii, Scene};
 use crate::sink::{normalise, splitmix64};
 
 /// Uniform in [-1, 1), from a count.
-struct Draw(u64);
+pub(super) struct Draw(pub(super) u64);
 
 impl Draw {
-    fn symmetric(&mut self) -> f64 {
+    pub(super) fn symmetric(&mut self) -> f64 {
         self.0 += 1;
         (splitmix64(self.0) >> 11) as f64 / (1u64 << 52) as f64 - 1.0
     }
 }
 
 #[derive(Clone, Copy, Debug)]
-enum Motion {
+pub(super) enum Motion {
     /// Straight flight.
     Flight,
     /// About the first place.
@@ -29,7 +29,7 @@ enum Motion {
 }
 
 /// Frames of discs or spheres in a box in which each touches a few.
-fn frames<const D: usize>(
+pub(super) fn frames<const D: usize>(
     n: usize,
     sizes: bool,
     motion: Motion,
@@ -64,7 +64,7 @@ where
 }
 
 /// Pair-steps missed and pair-steps in all; pairs that do not touch are no matter of rules.
-fn missed(
+pub(super) fn missed(
     tracker: &mut dyn Tracker,
     frames: &[AnyScene<'_>],
     arithmetic: Arithmetic,
@@ -84,7 +84,7 @@ fn missed(
     [missed, all]
 }
 
-fn tracker(text: &str) -> Box<dyn Tracker> {
+pub(super) fn tracker(text: &str) -> Box<dyn Tracker> {
     parse(text).unwrap().make(Options { memory_limit: 1 << 26, threads: 1 })
 }
 
@@ -293,7 +293,7 @@ fn unsafe_rules_miss_contacts_and_lammps_says_dangerous() {
 }
 
 /// 49 discs of diameter 2 in a square, so far apart.
-fn grid(apart: f64) -> AnyScene<'static> {
+pub(super) fn grid(apart: f64) -> AnyScene<'static> {
     let at = |k: i32| Point::from([k % 7, k / 7].map(|x| apart * f64::from(x)));
     Scene::new((0..49).map(at).collect::<Vec<_>>(), Radii::Uniform(1.0)).unwrap().into()
 }

@@ -138,6 +138,12 @@ impl Heads {
         Some(first)
     }
 
+    /// Makes `particle` the first of `list`, or the list empty.
+    #[inline(always)]
+    pub fn set(&mut self, list: impl Index, particle: u32) {
+        self.0[list.at()] = particle;
+    }
+
     /// Makes `list` empty and new again.
     #[inline(always)]
     pub fn reset<P: Probe>(&mut self, list: impl Index, probe: &mut P) {

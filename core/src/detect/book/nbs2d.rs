@@ -93,10 +93,15 @@ impl<T: Real> Detector<T, 2> for Nbs2d {
 }
 
 impl Nbs2d {
-    fn prepare(&mut self, cells: &Cells<2>, n: usize) -> Result<(), Refusal> {
-        numbered("nbs", n)?;
+    /// What all arrays take.
+    pub(crate) fn bytes(cells: &Cells<2>, n: usize) -> u64 {
         let [nx, ny] = cells.count;
-        let needed = 4 * (u64::from(ny) + 2 * u64::from(nx) + 2 * n as u64);
+        4 * (u64::from(ny) + 2 * u64::from(nx) + 2 * n as u64)
+    }
+
+    pub(crate) fn prepare(&mut self, cells: &Cells<2>, n: usize) -> Result<(), Refusal> {
+        numbered("nbs", n)?;
+        let ([nx, ny], needed) = (cells.count, Nbs2d::bytes(cells, n));
         within(&self.options, "nbs", needed, || format!("{n} particles, {nx} x {ny} cells"))?;
         self.formula = needed;
         self.b.prepare(ny as usize);
@@ -156,8 +161,13 @@ impl Nbs2d {
         }
     }
 
+    /// The y-lists, which are of kind 0.
+    pub(crate) fn lists(&mut self) -> (&mut Heads, &mut Links<2>) {
+        (&mut self.b, &mut self.links)
+    }
+
     /// Checks the central row, which begins with `first`, against itself and the row below.
-    fn row<T: Real, P: Probe, S: Sink>(
+    pub(crate) fn row<T: Real, P: Probe, S: Sink>(
         &mut self,
         bodies: &impl Bodies<T, 2>,
         cells: &Cells<2>,

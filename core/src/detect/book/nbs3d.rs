@@ -92,10 +92,15 @@ impl<T: Real> Detector<T, 3> for Nbs3d {
 }
 
 impl Nbs3d {
-    fn prepare(&mut self, cells: &Cells<3>, n: usize) -> Result<(), Refusal> {
-        numbered("nbs", n)?;
+    /// What all arrays take.
+    pub(crate) fn bytes(cells: &Cells<3>, n: usize) -> u64 {
         let [nx, ny, nz] = cells.count;
-        let needed = 4 * (u64::from(nz) + 2 * u64::from(ny) + 2 * u64::from(nx) + 3 * n as u64);
+        4 * (u64::from(nz) + 2 * u64::from(ny) + 2 * u64::from(nx) + 3 * n as u64)
+    }
+
+    pub(crate) fn prepare(&mut self, cells: &Cells<3>, n: usize) -> Result<(), Refusal> {
+        numbered("nbs", n)?;
+        let ([nx, ny, nz], needed) = (cells.count, Nbs3d::bytes(cells, n));
         within(&self.options, "nbs", needed, || {
             format!("{n} particles, {nx} x {ny} x {nz} cells")
         })?;
@@ -118,8 +123,13 @@ impl Nbs3d {
         }
     }
 
+    /// The z-lists, which are of kind 0.
+    pub(crate) fn lists(&mut self) -> (&mut Heads, &mut Links<3>) {
+        (&mut self.c, &mut self.links)
+    }
+
     /// Checks the central layer, which begins with `first`, against itself and the layer below.
-    fn layer<T: Real, P: Probe, S: Sink>(
+    pub(crate) fn layer<T: Real, P: Probe, S: Sink>(
         &mut self,
         bodies: &impl Bodies<T, 3>,
         cells: &Cells<3>,

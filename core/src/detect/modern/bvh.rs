@@ -30,7 +30,7 @@ pub struct Bvh<const D: usize> {
     options: Options,
     /// Keys and the numbers of their particles.
     keys: Vec<(u64, u32)>,
-    tree: Tree<D>,
+    pub(crate) tree: Tree<D>,
 }
 
 impl<const D: usize> Declare for Bvh<D> {
@@ -55,8 +55,26 @@ impl<T: Real, const D: usize> Detector<T, D> for Bvh<D> {
         probe: &mut P,
         sink: &mut S,
     ) -> Result<(), Refusal> {
+        self.order(&bodies, "bvh", probe)?;
+        let (slack, touch) = (bodies.slack(), |i, j, probe: &mut P| bodies.touch(i, j, probe));
+        match bodies.uniform() {
+            Some(r) => self.tree.search(Judge::new(&touch, One::new(r, slack)), probe, sink),
+            None => self.tree.search(Judge::new(&touch, Each::new(slack)), probe, sink),
+        }
+        Ok(())
+    }
+}
+
+impl<const D: usize> Bvh<D> {
+    /// Copies the bodies into the tree, in the order of their keys. `name` is who refuses too many.
+    pub(crate) fn order<T: Real, P: Probe>(
+        &mut self,
+        bodies: &impl Bodies<T, D>,
+        name: &'static str,
+        probe: &mut P,
+    ) -> Result<(), Refusal> {
         let n = bodies.len();
-        within(&self.options, "bvh", KEY * n as u64 + Tree::<D>::bytes(n), || {
+        within(&self.options, name, KEY * n as u64 + Tree::<D>::bytes(n), || {
             format!("{n} particles")
         })?;
         room(&mut self.keys, n, (0, 0));
@@ -70,12 +88,7 @@ impl<T: Real, const D: usize> Detector<T, D> for Bvh<D> {
         sort(&mut self.keys, probe);
         for (record, key) in self.tree.records.iter_mut().zip(&self.keys) {
             probe.count(Op::Move);
-            *record = Record::new(&bodies, key.1);
-        }
-        let (slack, touch) = (bodies.slack(), |i, j, probe: &mut P| bodies.touch(i, j, probe));
-        match bodies.uniform() {
-            Some(r) => self.tree.search(Judge::new(&touch, One::new(r, slack)), probe, sink),
-            None => self.tree.search(Judge::new(&touch, Each::new(slack)), probe, sink),
+            *record = Record::new(bodies, key.1);
         }
         Ok(())
     }

@@ -310,6 +310,14 @@ impl<const D: usize> Bounds<D> {
         }
     }
 
+    /// Does all of another lie in the box?
+    #[inline(always)]
+    pub fn holds(&self, other: &Bounds<D>) -> bool {
+        (0..D).fold(true, |holds, k| {
+            holds & (self.low[k] <= other.low[k]) & (other.high[k] <= self.high[k])
+        })
+    }
+
     /// Do two boxes overlap, or touch?
     #[inline(always)]
     pub fn meets(&self, other: &Bounds<D>) -> bool {
@@ -318,12 +326,16 @@ impl<const D: usize> Bounds<D> {
         })
     }
 
-    /// The two longest edges, the longest first. Halved, so that they do not overflow.
+    /// The two longest edges, the longest first.
     pub fn longest(&self) -> [usize; 2] {
-        let edge = |k: usize| 0.5 * self.high[k] - 0.5 * self.low[k];
         let mut axes: [usize; D] = std::array::from_fn(|k| k);
-        axes.sort_unstable_by(|&a, &b| edge(b).total_cmp(&edge(a)));
+        axes.sort_unstable_by(|&a, &b| self.half_edge(b).total_cmp(&self.half_edge(a)));
         [axes[0], axes[1]]
+    }
+
+    /// Half of an edge, which does not overflow.
+    pub fn half_edge(&self, axis: usize) -> f64 {
+        0.5 * self.high[axis] - 0.5 * self.low[axis]
     }
 }
 

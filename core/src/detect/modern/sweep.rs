@@ -29,7 +29,7 @@ use crate::sink::Sink;
 pub struct Sweep<const D: usize> {
     options: Options,
     /// By the lower end of their intervals.
-    records: Vec<Record<D>>,
+    pub(crate) records: Vec<Record<D>>,
     /// Lower ends along the second axis.
     lows: Vec<f32>,
     /// Upper ends along the second axis.
@@ -59,12 +59,7 @@ impl<T: Real, const D: usize> Detector<T, D> for Sweep<D> {
         probe: &mut P,
         sink: &mut S,
     ) -> Result<(), Refusal> {
-        let n = bodies.len();
-        within(&self.options, "sweep", bytes::<D>(n), || format!("{n} particles"))?;
-        room(&mut self.records, n, Record::NONE);
-        for (id, record) in (0..).zip(&mut self.records) {
-            *record = Record::new(&bodies, id);
-        }
+        self.take(&bodies, "sweep")?;
         let bounds = Bounds::around(&self.records);
         let (slack, touch) = (bodies.slack(), |i, j, probe: &mut P| bodies.touch(i, j, probe));
         match bodies.uniform() {
@@ -73,6 +68,16 @@ impl<T: Real, const D: usize> Detector<T, D> for Sweep<D> {
         }
         Ok(())
     }
+}
+
+/// What a body covers of an axis.
+#[inline(always)]
+pub(crate) fn interval<const D: usize>(
+    record: &Record<D>,
+    axis: usize,
+    nearness: impl Nearness,
+) -> [f64; 2] {
+    filter::interval(record.position[axis], nearness.half(record.radius))
 }
 
 /// Compared on the second axis at a time.
@@ -86,14 +91,51 @@ impl<const D: usize> Sweep<D> {
         probe: &mut P,
         sink: &mut impl Sink,
     ) {
-        let [first, second] = bounds.longest();
-        let interval = |record: &Record<D>, axis: usize| {
-            filter::interval(record.position[axis], judge.nearness.half(record.radius))
-        };
+        let axes = bounds.longest();
+        self.sort(axes[0], judge.nearness, probe);
+        self.search(judge, axes, bounds, probe, sink);
+    }
+
+    /// Copies the bodies, in the order of their numbers. `name` is who refuses too many.
+    pub(crate) fn take<T: Real>(
+        &mut self,
+        bodies: &impl Bodies<T, D>,
+        name: &'static str,
+    ) -> Result<(), Refusal> {
+        let n = bodies.len();
+        within(&self.options, name, bytes::<D>(n), || format!("{n} particles"))?;
+        room(&mut self.records, n, Record::NONE);
+        for (id, record) in (0..).zip(&mut self.records) {
+            *record = Record::new(bodies, id);
+        }
+        Ok(())
+    }
+
+    /// Copies the same bodies again, in the order that the copies have.
+    pub(crate) fn follow<T: Real>(&mut self, bodies: &impl Bodies<T, D>) {
+        for record in &mut self.records {
+            *record = Record::new(bodies, record.id);
+        }
+    }
+
+    /// Sorts the copies along an axis.
+    pub(crate) fn sort<P: Probe>(&mut self, axis: usize, nearness: impl Nearness, probe: &mut P) {
         self.records.sort_unstable_by(|a, b| {
             probe.count(Op::KeyCompare);
-            interval(a, first)[0].total_cmp(&interval(b, first)[0])
+            interval(a, axis, nearness)[0].total_cmp(&interval(b, axis, nearness)[0])
         });
+    }
+
+    /// Finds the pairs of copies that are sorted along the first of two axes.
+    pub(crate) fn search<P: Probe>(
+        &mut self,
+        judge: Judge<'_, P, impl Nearness>,
+        [first, second]: [usize; 2],
+        bounds: Bounds<D>,
+        probe: &mut P,
+        sink: &mut impl Sink,
+    ) {
+        let interval = |record: &Record<D>, axis: usize| interval(record, axis, judge.nearness);
         let n = self.records.len();
         room(&mut self.lows, n, 0.0);
         room(&mut self.highs, n, 0.0);

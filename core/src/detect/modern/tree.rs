@@ -11,8 +11,10 @@
 //! so each couple of leaves comes up once.
 
 use super::copies::{Bounds, Found, Judge, Nearness, Record, room};
+use crate::contact::Bodies;
 use crate::filter;
 use crate::probe::{Op, Probe};
+use crate::scene::Real;
 use crate::sink::Sink;
 
 /// Most records of a leaf.
@@ -83,21 +85,102 @@ impl<const D: usize> Tree<D> {
         probe: &mut P,
         sink: &mut S,
     ) {
+        self.enclose(judge.nearness);
+        self.walk(judge, probe, sink);
+    }
+
+    /// Makes the boxes, around bodies of these halves.
+    pub(crate) fn enclose(&mut self, halves: impl Nearness) {
         let leaves = Leaves::new(self.records.len());
         let first = leaves.count();
         for leaf in 0..first {
-            let mut bounds = Bounds::NONE;
-            for record in &self.records[leaves.place(leaf)..leaves.place(leaf + 1)] {
-                let body = around(record, judge.nearness);
-                bounds.widen(body.low, body.high);
-            }
-            self.boxes[first + leaf] = bounds;
+            self.boxes[first + leaf] = self.around_leaf(leaves, leaf, halves);
         }
         for node in (1..first).rev() {
-            let mut bounds = self.boxes[2 * node];
-            bounds.widen(self.boxes[2 * node + 1].low, self.boxes[2 * node + 1].high);
-            self.boxes[node] = bounds;
+            self.boxes[node] = self.around_halves(node);
         }
+    }
+
+    fn around_leaf(&self, leaves: Leaves, leaf: usize, halves: impl Nearness) -> Bounds<D> {
+        let mut bounds = Bounds::NONE;
+        for record in &self.records[leaves.place(leaf)..leaves.place(leaf + 1)] {
+            let body = around(record, halves);
+            bounds.widen(body.low, body.high);
+        }
+        bounds
+    }
+
+    fn around_halves(&self, node: usize) -> Bounds<D> {
+        let mut bounds = self.boxes[2 * node];
+        bounds.widen(self.boxes[2 * node + 1].low, self.boxes[2 * node + 1].high);
+        bounds
+    }
+
+    /// Copies the same bodies again, in the order that the records have.
+    pub(crate) fn follow<T: Real>(&mut self, bodies: &impl Bodies<T, D>) {
+        for record in &mut self.records {
+            *record = Record::new(bodies, record.id);
+        }
+    }
+
+    /// Makes again, around bodies of the halves `roomy`, the boxes of leaves that bodies of the
+    /// halves `halves` have left, and those above them.
+    pub(crate) fn refit(
+        &mut self,
+        halves: impl Nearness,
+        roomy: impl Nearness,
+        probe: &mut impl Probe,
+    ) {
+        self.refit_below(1, Leaves::new(self.records.len()), halves, roomy, probe);
+    }
+
+    /// Was the box of this node made again?
+    fn refit_below(
+        &mut self,
+        node: usize,
+        leaves: Leaves,
+        halves: impl Nearness,
+        roomy: impl Nearness,
+        probe: &mut impl Probe,
+    ) -> bool {
+        let bounds = match node.checked_sub(leaves.count()) {
+            Some(leaf) => {
+                probe.count(Op::BoundTest);
+                if self.boxes[node].holds(&self.around_leaf(leaves, leaf, halves)) {
+                    return false;
+                }
+                self.around_leaf(leaves, leaf, roomy)
+            }
+            None => {
+                let left = self.refit_below(2 * node, leaves, halves, roomy, probe);
+                let right = self.refit_below(2 * node + 1, leaves, halves, roomy, probe);
+                if !(left || right) {
+                    return false;
+                }
+                self.around_halves(node)
+            }
+        };
+        probe.count(Op::Refit);
+        self.boxes[node] = bounds;
+        true
+    }
+
+    /// The edges of the boxes of all leaves, added up.
+    pub(crate) fn edges(&self) -> f64 {
+        let leaves = &self.boxes[Leaves::new(self.records.len()).count()..];
+        let edges =
+            |bounds: &Bounds<D>| -> f64 { (0..D).map(|k| bounds.high[k] - bounds.low[k]).sum() };
+        leaves.iter().map(edges).sum()
+    }
+
+    /// Finds the contacts, with the boxes as they are.
+    pub(crate) fn walk<P: Probe, S: Sink>(
+        &self,
+        judge: Judge<'_, P, impl Nearness>,
+        probe: &mut P,
+        sink: &mut S,
+    ) {
+        let leaves = Leaves::new(self.records.len());
         let mut walk = Walk { tree: self, leaves, judge, found: Found::none(), probe, sink };
         walk.inside(1);
         walk.found.flush(walk.sink);
