@@ -32,8 +32,9 @@ pub struct Track {
     /// Frames, the scene itself among them (default: 100, or all of a file)
     #[arg(long, value_parser = values::whole::<u64>)]
     frames: Option<u64>,
-    /// Who keeps a list: every-step(DETECTOR) or verlet(DETECTOR,rule=RULE,skin=S), the skin in
-    /// diameters; may be said several times (default: the rules there are, over streamed-nbs)
+    /// Who finds the contacts: every-step(DETECTOR), verlet(DETECTOR,rule=RULE,skin=S), the skin in
+    /// diameters, or incremental(DETECTOR); may be said several times (default: the rules there
+    /// are, over streamed-nbs)
     #[arg(long = "tracker", value_name = "TRACKER")]
     trackers: Vec<String>,
     /// How contacts are decided

@@ -26,6 +26,7 @@ pub const FILES: &[(&str, &str)] = &[
     ("motion", include_str!("../../experiments/motion.toml")),
     ("rebuilds", include_str!("../../experiments/rebuilds.toml")),
     ("buffers", include_str!("../../experiments/buffers.toml")),
+    ("mended", include_str!("../../experiments/mended.toml")),
     ("price", include_str!("../../experiments/price.toml")),
     ("scale", include_str!("../../experiments/scale.toml")),
     ("peers", include_str!("../../experiments/peers.toml")),

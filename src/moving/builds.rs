@@ -3,7 +3,7 @@
 /// Builds of a list over the frames.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Builds {
-    /// Frames in which the detector was asked, the first among them.
+    /// Frames in which the detector was asked, or all was made anew, the first among them.
     pub built: u64,
     /// Of those, how many LAMMPS would call dangerous.
     pub dangerous: u64,

@@ -354,6 +354,9 @@ mod tests {
         assert_eq!(of(&["skin"]), "verlet(nbs:levels=auto,form=a,rule=every-5)");
         assert_eq!(of(&["over", "rule"]), "verlet(skin=0.001)");
         assert_eq!(of(&["over", "rule", "skin"]), "verlet");
+        let carried = id().with_contender("incremental(bvh,margin=0.10)");
+        assert_eq!(carried.axis("margin"), Some(AxisValue::parse("0.1")));
+        assert_eq!(carried.contender_without(&["margin"]), "incremental(bvh)");
         // The text of a tracker is the normal form of its row.
         for text in ["every-step(nbs)", "verlet(streamed-nbs:form=dense,level=portable,skin=1e-7)"]
         {

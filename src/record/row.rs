@@ -101,7 +101,7 @@ pub struct Row {
 /// [`Builds`](crate::moving::Builds) and [`Late`](crate::moving::Late).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Course {
-    /// Frames in which the detector was asked.
+    /// Frames in which the detector was asked, or all was made anew.
     pub builds: u64,
     /// Of those, how many LAMMPS would call dangerous.
     pub dangerous: u64,

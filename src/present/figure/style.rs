@@ -131,7 +131,14 @@ fn kept_for(name: &str) -> Option<Style> {
     let known = |name: &str| KNOWN.iter().find(|known| known.0 == name);
     let found = match (text(OVER), text("rule")) {
         (None, _) if params.is_empty() => known(&name),
-        (Some(over), None) => known(&over),
+        (Some(over), None) if name != "incremental" => known(&over),
+        (Some(over), None) if params.len() == 1 => {
+            return known(&over).map(|&(_, colour, _)| Style {
+                colour,
+                marker: Marker::Cross,
+                control: false,
+            });
+        }
         (Some(_), Some(rule)) if !params.contains_key("skin") => {
             RULES.iter().find(|kept| rule.starts_with(kept.0))
         }

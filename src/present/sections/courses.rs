@@ -10,7 +10,8 @@ pub fn blocks(found: &Courses) -> Vec<Block> {
     out.push(Block::heading(3, "When lists were built"));
     let arithmetic = found.arithmetic.iter().map(|name| format!(", in {name} arithmetic"));
     out.push(Block::paragraph(format!(
-        "Frames in which the detector was asked, the first among them{}.",
+        "Frames in which the detector was asked, or what is mended was made anew, the first among \
+         them{}.",
         arithmetic.collect::<String>()
     )));
     out.push(Block::Table(builds(found)));
