@@ -43,8 +43,8 @@ pub enum Native {
 }
 
 impl Native {
-    /// The margin of boxes where none is given: an eighth of a body's extent, as of the boxes of
-    /// rapier (parry, `BvhLeaf`: 12.5 % of the smallest extent).
+    /// The margin of boxes where none is given: an eighth of a body's extent, as in rapier (12.5%
+    /// of the smallest extent).
     const MARGIN: f64 = 0.125;
 
     /// All, with their margin where they have one.

@@ -1,5 +1,5 @@
 //! `incremental(sweep)`: the order of the last frame, repaired by insertion sort (Baraff 1992,
-//! section 3.4.1; Ericson 2005, section 7.5.1).
+//! section 3.4; Ericson 2005, section 7.5).
 //!
 //! * **Bound:** a repair that takes more than N log2 N swaps is given up, and all is sorted anew.
 //!   So no frame costs more than about twice a new sort.
