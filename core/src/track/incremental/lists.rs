@@ -2,8 +2,9 @@
 //!
 //! Munjiza keeps a tree so (2004, p86-87: between detections only the elements that changed their
 //! leaf are moved); here it is the y-lists of NBS (in space its z-lists) and the lists of
-//! screening. A list comes up when the loop over particles is at the first one of it, so none need
-//! be marked old, and none emptied.
+//! screening. A run of lists that are not empty is searched, from the lowest upwards, when the loop
+//! over particles is at the first one of the lowest: so none need be marked old, and none emptied,
+//! and the list below is still in the caches. There is an empty one at either end.
 //!
 //! * **Room:** the grid reaches one cell farther than the bodies on each side, if there is memory
 //!   for it and it can be numbered. It is made anew when a body leaves it, and when the number of
@@ -50,7 +51,7 @@ pub(super) trait Lists<const D: usize, const L: usize>: Declare {
         &mut self,
         bodies: &impl Bodies<T, D>,
         cells: &Cells<D>,
-        list: Self::List,
+        list: usize,
         first: u32,
         probe: &mut impl Probe,
         sink: &mut impl Sink,
@@ -127,9 +128,13 @@ impl<T: Real, X: Lists<D, L>, const D: usize, const L: usize> Detector<T, D> for
             }
         };
         for k in 0..bodies.len() as u32 {
-            let list = self.lists[k as usize];
-            if self.detector.lists().0.first(list, probe) == k {
-                self.detector.search(&bodies, &grid.cells, list, k, probe, sink);
+            let (mut list, mut first) = (self.lists[k as usize].at(), k);
+            let heads = self.detector.lists().0;
+            let is_lowest = heads.first(list, probe) == k && heads.first(list - 1, probe) == EMPTY;
+            while is_lowest && first != EMPTY {
+                self.detector.search(&bodies, &grid.cells, list, first, probe, sink);
+                list += 1;
+                first = self.detector.lists().0.first(list, probe);
             }
         }
         self.grid = Some(grid);

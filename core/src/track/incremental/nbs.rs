@@ -41,12 +41,12 @@ impl Lists<2, 2> for Nbs2d {
         &mut self,
         bodies: &impl Bodies<T, 2>,
         cells: &Cells<2>,
-        row: u32,
+        row: usize,
         first: u32,
         probe: &mut impl Probe,
         sink: &mut impl Sink,
     ) {
-        self.row(bodies, cells, first, row, probe, sink);
+        self.row(bodies, cells, first, row as u32, probe, sink);
     }
 }
 
@@ -74,11 +74,11 @@ impl Lists<3, 3> for Nbs3d {
         &mut self,
         bodies: &impl Bodies<T, 3>,
         cells: &Cells<3>,
-        layer: u32,
+        layer: usize,
         first: u32,
         probe: &mut impl Probe,
         sink: &mut impl Sink,
     ) {
-        self.layer(bodies, cells, first, layer, probe, sink);
+        self.layer(bodies, cells, first, layer as u32, probe, sink);
     }
 }
