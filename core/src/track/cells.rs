@@ -12,8 +12,8 @@ pub(super) fn room(particles: usize) -> usize {
     if particles == 0 { 0 } else { particles + 1 }
 }
 
-/// Tells for each particle its place, where those of a cell are side by side. They are within a box;
-/// there are at most as many cells as particles.
+/// Tells for each particle within a box its place, where those of a cell are side by side. There
+/// are at most as many cells as particles.
 ///
 /// # Errors
 /// There is no memory for it.

@@ -247,11 +247,12 @@ impl<const D: usize> Kept<D> {
             for &[a, b] in block {
                 let near = near([a, b]);
                 let (a, b) = (&places[a as usize], &places[b as usize]);
-                let verdict = near.verdict(a.square(b));
+                let square = a.square(b);
+                let (touch, apart) = (square <= near.inner, square > near.outer);
                 touching[len % BLOCK] = [a.particle, b.particle];
                 // Without a branch: nobody can foresee which of the listed pairs touch.
-                len += usize::from(verdict == Some(true));
-                open |= verdict.is_none();
+                len += usize::from(touch);
+                open |= touch == apart;
             }
             pairs.contacts(&touching[..len]);
             if open {

@@ -1,8 +1,9 @@
 //! Particles side by side in memory as they are side by side in space.
 //!
-//! Where a particle is, is kept in f32: half of the memory, and what a list of near pairs is looked
-//! at with is mostly memory. Lengths are in a unit u, the power of two with u <= diameter < 2u, from
-//! an origin amid the particles. With x' for a coordinate as kept, M the largest |x'| and v = 2^-24:
+//! Where a particle is, is kept in f32: half of the memory, and a look at a list of near pairs
+//! waits for memory most of the time. Lengths are in a unit u, the power of two with
+//! u <= diameter < 2u, from an origin amid the particles. With x' for a coordinate as kept, M the
+//! largest |x'| and v = 2^-24:
 //!
 //! * x' is off by at most M(v + 4v²) + 2^-150, since the difference in f64 and its rounding to f32
 //!   are; so a distance of two centres as kept is off by at most √D · 2 · M · 1.01v < 2^-22 M, and

@@ -15,8 +15,8 @@
 //! skin costs a quarter more of the excess, and an error of four times in BUILD is one of two times
 //! in the skin.
 
-/// What building costs, in looks at a listed pair: about 90 ns per particle with `streamed-nbs`, and
-/// 2.3 ns for a look, for a million spheres. Slower detectors want somewhat thicker skins.
+/// What building costs, in looks at a listed pair: about 90 ns per particle with `streamed-nbs`,
+/// and 2.3 ns for a look, for a million spheres. Slower detectors want somewhat thicker skins.
 const BUILD: f64 = 40.0;
 /// In diameters: before anything is known, and at least and at most.
 const FIRST: f64 = 0.1;
@@ -24,8 +24,8 @@ pub(super) const LEAST: f64 = 0.01;
 const MOST: f64 = 1.0;
 /// Where lists are of no use so many frames are looked at without one.
 const DIRECT: u32 = 15;
-/// So many frames after a list was built it is asked whether a thinner skin would do, and then after
-/// twice as many.
+/// So many frames after a list was built it is asked whether a thinner skin would do, and then
+/// after twice as many.
 const ASKED: u32 = 64;
 
 /// What is known of a list that is given up, or looked at.
