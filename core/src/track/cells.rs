@@ -38,11 +38,15 @@ pub(super) fn places<const D: usize>(
         true => count(edge).map(|count| count as usize),
         false => [1; D],
     };
+    // Layers across the longest axis, as `streamed-nbs` goes through them: its pairs, and so looks
+    // at them, then stay in a few layers for long.
+    let mut axes: [usize; D] = std::array::from_fn(|k| k);
+    axes.sort_by(|&a, &b| extent[b].total_cmp(&extent[a]));
     taken.clear();
     reserve(taken, room(n))?;
     taken.resize(room(n), [0; 2]);
     for (i, point) in points.enumerate() {
-        let cell = (0..D).rev().fold(0, |cell, k| {
+        let cell = axes.iter().fold(0, |cell, &k| {
             let along = ((point[k] - low[k]) / edge) as usize;
             cell * counts[k] + along.min(counts[k] - 1)
         });
