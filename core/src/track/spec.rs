@@ -132,7 +132,7 @@ pub const FORMS: [(&str, &str); 10] = [
         "lists all pairs whose bodies are at most S apart, and looks at those only until the rule \
          has the list built again; skin=0.1 and rule=top-two where none is given",
     ),
-    ("skin=auto", "the skin that makes steps cheap, found while they go on; with a safe rule"),
+    ("skin=auto", "finds the skin that makes steps cheap; with top-two, half-skin or summed"),
     ("rule=top-two", "when the two that have gone farthest have together gone the skin: safe"),
     ("rule=half-skin", "when one has gone half of the skin: safe"),
     ("rule=summed", "when the longest ways of all frames, added up, are half of the skin: safe"),

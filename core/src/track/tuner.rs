@@ -5,15 +5,14 @@
 //! costs about
 //!
 //! ```text
-//! BUILD / (floor(s / u) + 1)  +  e ((1 + s)^D - 1)
+//! (BUILD + listed) / (floor(s / u) + 1)  +  listed,    listed = contacts + e ((1 + s)^D - 1)
 //! ```
 //!
-//! looks more than a list without a skin that needed no building: the first is what building costs,
-//! spread over the steps that the list serves; the second what it lists beyond contacts, where e is
-//! known from the list at hand. Both are counted, not timed, so that the same frames are given the
-//! same skins on every machine. Near its least the cost hardly depends on s: half or twice the best
-//! skin costs a quarter more of the excess, and an error of four times in BUILD is one of two times
-//! in the skin.
+//! looks: the first is what building costs, spread over the steps that the list serves; e is known
+//! from the list at hand. The detector alone costs BUILD + contacts. All are counted, not timed, so
+//! that the same frames are given the same skins on every machine. Near its least the cost hardly
+//! depends on s: half or twice the best skin costs a quarter more of the excess, and an error of
+//! four times in BUILD is one of two times in the skin.
 
 /// What building costs, in looks at a listed pair: about 90 ns per particle with `streamed-nbs`,
 /// and 2.3 ns for a look, for a million spheres. Slower detectors want somewhat thicker skins.
@@ -52,11 +51,13 @@ pub(super) struct Tuner {
     pub skin: f64,
     /// Frames to come that are looked at without a list.
     pub direct: u32,
+    /// The thickest for which there is room.
+    most: f64,
 }
 
 impl Default for Tuner {
     fn default() -> Tuner {
-        Tuner { skin: FIRST, direct: 0 }
+        Tuner { skin: FIRST, direct: 0, most: MOST }
     }
 }
 
@@ -64,9 +65,14 @@ impl Tuner {
     /// A list has been given up.
     pub fn learn(&mut self, served: &Served) {
         match best(served) {
-            Some(skin) => (self.skin, self.direct) = (skin, 0),
-            None => (self.skin, self.direct) = (FIRST, DIRECT),
+            Some(skin) => (self.skin, self.direct) = (skin.min(self.most), 0),
+            None => self.give_up(),
         }
+    }
+
+    /// No list for a while.
+    pub fn give_up(&mut self) {
+        (self.skin, self.direct) = (FIRST.min(self.most), DIRECT);
     }
 
     /// A list that may serve on: is it worth building a thinner one?
@@ -77,7 +83,8 @@ impl Tuner {
 
     /// There is no room for a list with this skin.
     pub fn thinner(&mut self) {
-        self.skin = (0.5 * self.skin).max(LEAST);
+        self.most = (0.5 * self.skin).max(LEAST);
+        self.skin = self.most;
     }
 }
 
@@ -89,7 +96,11 @@ fn best(served: &Served) -> Option<f64> {
     // An empty list says nothing of the next.
     let extra = ((listed - touching) / grown(skin).max(LEAST)).max(1.0);
     let step = together / f64::from(age.max(1));
-    let cost = |steps: f64, skin: f64| BUILD / (steps + 1.0) + extra * grown(skin);
+    let alone = BUILD + touching;
+    let cost = |steps: f64, skin: f64| {
+        let listed = touching + extra * grown(skin);
+        (BUILD + listed) / (steps + 1.0) + listed
+    };
     if step * f64::from(u16::MAX) < LEAST {
         return Some(LEAST);
     }
@@ -99,7 +110,7 @@ fn best(served: &Served) -> Option<f64> {
         // Speeds vary a little.
         let skin = (1.01 * steps * step).max(LEAST);
         let cost = cost((skin / step).floor(), skin);
-        if cost < BUILD && found.is_none_or(|(least, _)| cost < least) {
+        if cost < alone && found.is_none_or(|(least, _)| cost < least) {
             found = Some((cost, skin));
         }
         steps = (steps + 1.0).max((1.1 * steps).floor());

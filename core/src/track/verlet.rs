@@ -41,7 +41,7 @@ impl Verlet {
         Verlet { detector, skin, rule, limit, tuner: Tuner::default(), touching: 0, plane, space }
     }
 
-    /// Asks the detector, and keeps nothing.
+    /// Asks the detector, and keeps nothing. As safe as lists are, whatever filters are asked for.
     fn direct(
         &mut self,
         frame: &AnyScene<'_>,
@@ -53,7 +53,7 @@ impl Verlet {
         self.plane.forget();
         self.space.forget();
         self.tuner.direct = self.tuner.direct.saturating_sub(1);
-        super::list(&mut *self.detector, frame, test, self.limit, tally, pairs)?;
+        super::list(&mut *self.detector, frame, test.safe(), self.limit, tally, pairs)?;
         let listed = (pairs.len() - before) as u64;
         Ok(Step { built: true, listed, dangerous: false, building: started.elapsed() })
     }
@@ -175,8 +175,13 @@ impl Settings {
                 let Err(refusal) = built else { break };
                 let too_long = matches!(refusal, Refusal::Listed { .. });
                 match &mut skin {
+                    Thick::Given(_) => return Err(refusal),
                     Thick::By(tuner) if too_long && tuner.skin > LEAST => tuner.thinner(),
-                    _ => return Err(refusal),
+                    // Without a list there may be room.
+                    Thick::By(tuner) => {
+                        tuner.give_up();
+                        return Ok(None);
+                    }
                 }
             }
             step.building = started.elapsed();
@@ -201,7 +206,8 @@ impl Settings {
         gone: f64,
     ) -> Served {
         let diameter = 2.0 * scene.largest_radius().wide();
-        let in_diameters = |length: f64| if diameter > 0.0 { length / diameter } else { 0.0 };
+        // Points go infinitely far.
+        let in_diameters = |length: f64| if length > 0.0 { length / diameter } else { 0.0 };
         let per_particle = |count: u64| count as f64 / scene.len().max(1) as f64;
         Served {
             age,

@@ -143,7 +143,7 @@ impl Plot {
         let (mut gathered, mut places): (Gathered, Vec<String>) = (BTreeMap::new(), Vec::new());
         let places_of = |cell: &Cell| match x.at(cell, None) {
             Some(at) => vec![at],
-            // Or one that is no number.
+            // Without a number on this axis (a skin of auto, or none at all).
             None => ends.clone(),
         };
         for cell in &chosen {
