@@ -161,8 +161,8 @@ impl<'a, 'b> Paired<'a, 'b> {
                     there.push(format!("… {last}"));
                 }
                 bail!(
-                    "{lists}: the list of step {step} has no particles: {particles} has the steps \
-                     {}; write both at the same steps",
+                    "{lists}: the list of step {step} has no particles: up to there {particles} \
+                     has the steps {}; write both at the same steps",
                     there.join(" ")
                 )
             }
@@ -224,7 +224,7 @@ mod tests {
         assert_eq!(found, (vec![(0, 0), (2, 20), (4, 40)], vec![1, 3], 0));
         let found = paired(&five, &local(&[10])).unwrap();
         assert_eq!(found, (vec![(1, 10)], vec![0, 2, 3, 4], 0));
-        let there = "l: the list of step 15 has no particles: p has the steps 0 10 20";
+        let there = "l: the list of step 15 has no particles: up to there p has the steps 0 10 20";
         assert_eq!(
             paired(&five, &local(&[0, 15, 20])).unwrap_err(),
             format!("{there}; write both at the same steps")
@@ -232,8 +232,8 @@ mod tests {
         let many: Vec<i64> = (0..9).collect();
         assert_eq!(
             paired(&dump(&many), &local(&[3, 9])).unwrap_err(),
-            "l: the list of step 9 has no particles: p has the steps 0 1 2 3 4 5 … 8; write both \
-             at the same steps"
+            "l: the list of step 9 has no particles: up to there p has the steps 0 1 2 3 4 5 … 8; \
+             write both at the same steps"
         );
         let again = paired(&dump(&[0, 10, 10]), &local(&[0, 10])).unwrap_err();
         assert_eq!(again, "p: step 10 stands after step 10; write the frames in order");

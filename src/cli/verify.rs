@@ -100,6 +100,10 @@ pub fn verify(options: &Verify) -> anyhow::Result<ExitCode> {
     );
     let columns = options.pairs_columns.as_deref().map(|text| text.split(',').map(str::trim));
     let columns: Vec<&str> = columns.into_iter().flatten().collect();
+    ensure!(
+        options.pairs_frame != Some(Frame::All),
+        "--pairs-frame names the list of one frame; for all give --frame all"
+    );
     if options.input.frame == Some(Frame::All) {
         return frames::verify(options, &columns);
     }

@@ -51,11 +51,13 @@ pub(crate) struct Choice {
     pub seen: u64,
     /// Frames that are not there hold nothing.
     pub sparse: bool,
+    /// Frames say their time step, and those that are not there have no number.
+    pub by_step: bool,
 }
 
 impl Choice {
     pub fn new(frame: Frame, survey: bool) -> Choice {
-        Choice { frame, survey, seen: 0, sparse: false }
+        Choice { frame, survey, seen: 0, sparse: false, by_step: false }
     }
 
     /// All are wanted.
@@ -90,7 +92,7 @@ impl Choice {
             && (self.seen > 0 || self.sparse)
         {
             ensure!(
-                k < self.seen || self.sparse,
+                k < self.seen || self.sparse && !self.by_step,
                 "{name} holds {} frames, numbered from 0; there is no frame {k}",
                 self.seen
             );

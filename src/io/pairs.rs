@@ -43,7 +43,8 @@ impl Lists<'_> {
 
     fn chosen(mut self) -> anyhow::Result<List> {
         let (kept, frame) = chosen(&mut *self.reader, &mut self.choice, self.name)?;
-        let none = || List { format: "CSV", frame: Some(frame), sparse: true, ..List::default() };
+        let frame = Some(frame).filter(|_| self.choice.seen > 0);
+        let none = || List { format: "CSV", frame, sparse: true, ..List::default() };
         Ok(kept.unwrap_or_else(none))
     }
 }

@@ -169,7 +169,8 @@ fn lists_of_all_frames_are_compared_by_their_steps() {
         frames.iter().map(|frame| frame["errors"]["missed"].as_u64().unwrap()).collect();
     assert_eq!(missed, [0, 1, 0, 0, 0, 1]);
     assert!(ended.stdout.lines().all(|line| !line.ends_with(' ')), "{}", ended.stdout);
-    for words in ["2 of 6 frames differ", "1 contact never listed", "deepest missed", " 500  "] {
+    for words in ["2 of 6 frames differ", "1 contact missed to its end", "deepest missed", " 500  "]
+    {
         assert!(ended.stdout.contains(words), "no '{words}' in {}", ended.stdout);
     }
     // One frame by itself is what it was, and another step is no list of it.
@@ -194,8 +195,8 @@ fn lists_of_all_frames_are_compared_by_their_steps() {
 
     let shifted = local(12, &[]).replace("TIMESTEP\n200", "TIMESTEP\n210");
     file(folder, "l.dump", shifted);
-    let words = "l.dump: the list of step 210 has no particles: t.dump has the steps 0 50 100 150 \
-                 200 250; write both at the same steps";
+    let words = "l.dump: the list of step 210 has no particles: up to there t.dump has the steps \
+                 0 50 100 150 200 250; write both at the same steps";
     refused(folder, &verify, &[words]);
 }
 
@@ -303,4 +304,33 @@ fn the_motion_of_a_file_is_described() {
     file(folder, "one.csv", "x,y,r\n0,0,1\n");
     let said = good(folder, &["inspect", "one.csv", "--frame", "all"]).stdout;
     assert!(said.contains("none: the file has one frame"), "{said}");
+}
+
+/// Lists that would be taken for something else are refused, or named.
+#[test]
+fn one_list_of_many_is_the_one_that_is_meant() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let one = "1\n\nA 0 0 0\nA 1 0 0\n".replacen('1', "2", 1);
+    file(folder, "p.xyz", &one);
+    file(folder, "l.csv", "step,i,j\n0,0,1\n10,0,1\n20,0,1\n");
+    let verify = ["verify", "p.xyz", "--radius", "0.5", "--pairs", "l.csv"];
+    let said = run(folder, &verify);
+    assert_eq!(said.code, Some(0), "{}{}", said.stdout, said.stderr);
+    assert!(said.stderr.contains("l.csv: the list of step 20 is read (--pairs-frame)"));
+    refused(folder, &[&verify[..], &["--pairs-frame", "all"]].concat(), &["of one frame; for all"]);
+    // Rows of half of the steps: there is no list of that number, and no empty one is made up.
+    file(folder, "t.dump", dump(12, "ff ff ff"));
+    file(folder, "late.csv", "step,i,j\n300,0,1\n550,0,1\n");
+    let late = ["verify", "t.dump", "--pairs", "late.csv", "--frame", "11"];
+    refused(folder, &late, &["late.csv holds 2 frames, numbered from 0; there is no frame 11"]);
+    // A frame before the pair and an image of discs.
+    let header = "{'descr': '<i4', 'fortran_order': False, 'shape': (1, 5), }\n";
+    let mut bytes = [b"\x93NUMPY\x01\x00", &(header.len() as u16).to_le_bytes()[..]].concat();
+    bytes.extend(header.bytes());
+    [0i32, 0, 1, 0, 0].iter().for_each(|x| bytes.extend(x.to_le_bytes()));
+    file(folder, "l.npy", &bytes);
+    file(folder, "p.csv", "x,y,r\n0,0,0.5\n1,0,0.5\n");
+    let discs = ["verify", "p.csv", "--box", "9,9", "--pairs", "l.npy"];
+    refused(folder, &discs, &["if the first column is the frame, give --frame all"]);
 }

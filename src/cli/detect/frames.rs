@@ -13,8 +13,8 @@ use crate::crowd;
 use crate::detect::Options;
 use crate::detect::any::AnyDetector;
 use crate::detect::spec::DetectorSpec;
+use crate::io;
 use crate::io::write::{Framed, framed};
-use crate::io::{self, Place};
 use crate::number::plural;
 use crate::periodic::{Contacts, Finder, Periodic, without_shift};
 use crate::scene::Given;
@@ -65,13 +65,11 @@ fn all(
     let name = path.display().to_string();
     let mut done = Done { particles: [usize::MAX, 0], ..Done::default() };
     let mut search: Option<Search> = None;
-    let progress = Counted::new(None);
+    let (progress, mut told) = (Counted::new(None), Vec::new());
     for frame in frames {
         let (particles, about) = frame?;
         progress.frame(about.frame);
-        if done.frames == 0 {
-            input::tell(&name, particles.notices(), Place::Argument);
-        }
+        input::tell_of(&name, &particles, &about, &mut told);
         let place = || format!("{name}: {}", about.which());
         let given = particles.given(&name, options.source.input.radius).with_context(place)?;
         let n = given.scene.len();

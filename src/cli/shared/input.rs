@@ -159,6 +159,20 @@ pub fn tell(name: &str, notices: &[Notice], place: Place) {
     }
 }
 
+/// The same of a frame among others: what has been told of those before it is not told again.
+pub fn tell_of(name: &str, particles: &io::Particles, about: &io::About, told: &mut Vec<Notice>) {
+    let name = match about.frame {
+        0 => name.to_string(),
+        _ => format!("{name}: {}", about.which()),
+    };
+    for notice in particles.notices() {
+        if !told.contains(notice) {
+            tell(&name, &[*notice], Place::Argument);
+            told.push(*notice);
+        }
+    }
+}
+
 /// With the file beside it that may be meant, where there is none of that name.
 fn explained<T>(path: &Path, result: anyhow::Result<T>) -> anyhow::Result<T> {
     result.map_err(|error| {

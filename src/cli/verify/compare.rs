@@ -15,8 +15,15 @@ pub(super) fn same_time(options: &Verify, list: &List, about: &About) -> anyhow:
     let of_list = match (list.step, about.step) {
         (Some(of_list), Some(step)) if of_list != step => format!("step {of_list}"),
         // Where frames have no rows, the last that has may be any.
-        (None, _) if list.sparse && list.frame != Some(about.frame) => {
+        (None, _) if list.sparse && list.frame.is_some_and(|frame| frame != about.frame) => {
             format!("frame {}", list.frame.unwrap_or_default())
+        }
+        (Some(step), None) => {
+            eprintln!(
+                "{}: the list of step {step} is read (--pairs-frame)",
+                options.pairs.display()
+            );
+            return Ok(());
         }
         _ => return Ok(()),
     };

@@ -8,13 +8,13 @@ use std::process::ExitCode;
 use anyhow::{bail, ensure};
 use serde_json::{Value, json};
 
-use crate::check::listed::{Verification, pair_depth};
+use crate::check::listed::{Naming, Verification, pair_depth};
 use crate::check::paired::Paired;
 use crate::cli::shared::input;
 use crate::cli::shared::progress::Counted;
 use crate::cli::shared::terminal;
 use crate::cli::verify::{Verified, Verify, counted, words};
-use crate::io::{self, Frame, Place, pairs};
+use crate::io::{self, Frame, pairs};
 use crate::moving::Late;
 use crate::number::{number, plural, wrap};
 use crate::oracle::Errors;
@@ -62,6 +62,12 @@ struct All {
     without_rows: u64,
     /// How the list was read: its format, what its numbers mean, and what was compared.
     read: Option<(&'static str, String, Option<&'static str>)>,
+    /// Contacts with walls, which were left out.
+    walls: u64,
+    /// Contacts stand there from both sides, and were taken once.
+    both_sides: bool,
+    /// Columns that were not looked at.
+    others: Vec<String>,
     /// Of the first frame that is wrong.
     hint: Option<(String, String)>,
 }
@@ -90,15 +96,17 @@ pub(super) fn verify(options: &Verify, columns: &[&str]) -> anyhow::Result<ExitC
 
 fn all_of(options: &Verify, mut frames: Paired<'_, '_>) -> anyhow::Result<All> {
     let mut all = All::default();
-    let progress = Counted::new(None);
+    let (progress, mut told) = (Counted::new(None), Vec::new());
     while let Some((particles, about, list)) = frames.next_frame()? {
         progress.frame(about.frame);
-        if all.rows.is_empty() {
-            let file = options.file.display().to_string();
-            input::tell(&file, particles.notices(), Place::Argument);
-        }
+        input::tell_of(&options.file.display().to_string(), &particles, &about, &mut told);
         let (frame, step) = (about.frame, about.step);
-        let ids = particles.ids_copied()?;
+        let list_frame = list.frame.unwrap_or(frame);
+        // Numbers that two particles share name neither.
+        let ids = match particles.ids().map(Naming::by_id) {
+            Some(Ok(_)) => particles.ids_copied()?,
+            _ => None,
+        };
         let memory = options.limit.bytes(particles.len());
         let kept = usize::try_from(memory / FOLLOWED).unwrap_or(usize::MAX).max(1);
         let explain = all.hint.is_none() && all.is_same();
@@ -109,7 +117,8 @@ fn all_of(options: &Verify, mut frames: Paired<'_, '_>) -> anyhow::Result<All> {
         if found.errors.missed > kept as u64 {
             bail!(
                 "{which}: the list misses {}, more than can be followed in {memory} bytes; look at \
-                 that frame alone (--frame {frame}), or give a larger --memory-limit",
+                 that frame alone (--frame {frame} --pairs-frame {list_frame}), or give a larger \
+                 --memory-limit",
                 counted(found.errors.missed, "contact")
             );
         }
@@ -117,8 +126,16 @@ fn all_of(options: &Verify, mut frames: Paired<'_, '_>) -> anyhow::Result<All> {
         if let Some(reading) = &found.reading {
             all.hint = Some((which, verified.sentence(reading)));
         }
-        let compared = verified.compared();
-        all.read.get_or_insert((verified.list.format, words(verified.naming), compared));
+        // A list without pairs does not say how the others are read.
+        if all.rows.iter().all(|row| row.listed == 0) {
+            let compared = verified.compared();
+            all.read = Some((verified.list.format, words(verified.naming), compared));
+        }
+        all.walls += verified.list.walls;
+        all.both_sides |= verified.list.both_sides;
+        let others = verified.list.others.iter().map(|other| other.name.clone());
+        let others: Vec<String> = others.filter(|name| !all.others.contains(name)).collect();
+        all.others.extend(others);
         all.rows.push(Row {
             frame,
             step,
@@ -258,6 +275,16 @@ impl All {
                 counted(sum(|row| row.listed as u64), "pair")
             ),
         ];
+        if !self.others.is_empty() {
+            let others: Vec<&str> = self.others.iter().map(String::as_str).collect();
+            said.push(format!("not looked at: {}", pairs::columns_of(&others)));
+        }
+        if self.both_sides {
+            said.push("pairs are there from both sides, and taken once".into());
+        }
+        if self.walls > 0 {
+            said.push(format!("left out: {} with walls", counted(self.walls, "contact")));
+        }
         said.extend(compared.map(|compared| format!("compared: {compared}")));
         if !self.left_out.is_empty() {
             let frames: Vec<String> = self.left_out.iter().take(6).map(u64::to_string).collect();
@@ -315,7 +342,8 @@ impl All {
                     number(deepest)
                 ),
             };
-            said.push(format!("{late}; {} never listed.", counted(never, "contact")));
+            let end = if never == 1 { "its end" } else { "their end" };
+            said.push(format!("{late}; {} missed to {end}.", counted(never, "contact")));
         }
         said
     }
@@ -352,6 +380,8 @@ impl All {
             "compared": compared,
             "arithmetic": options.arithmetic.name(),
             "paired_by": if self.by_step { "step" } else { "frame" },
+            "walls": self.walls,
+            "both_sides": self.both_sides,
             "left_out": self.left_out,
             "without_rows": self.without_rows,
             "same": self.is_same(),

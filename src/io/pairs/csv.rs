@@ -127,6 +127,7 @@ impl Reader<List> for Csv<'_> {
             return Ok(None);
         };
         choice.sparse = layout.label.is_some();
+        choice.by_step = layout.label.as_ref().is_some_and(|label| label.is_step);
         while !*ended {
             let sparse = choice.sparse;
             let mut list = List { format: "CSV", sparse, ..List::default() };

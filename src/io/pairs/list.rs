@@ -43,6 +43,11 @@ impl List {
             "images are named along two vectors, and the box repeats along z, too; add the third, \
              sz"
         );
+        ensure!(
+            self.images.is_none() || self.flat || dim == 3 || self.format != "npy",
+            "images are named along three vectors, and these are discs; if the first column is the \
+             frame, give --frame all"
+        );
         if self.images.is_none() {
             let names = |which: &dyn Fn(&Other) -> bool| -> Vec<&str> {
                 let such = self.others.iter().filter(|other| which(other));

@@ -127,10 +127,12 @@ where
             }
         }
         let extent: [f64; D] = std::array::from_fn(|k| (high[k] - low[k]) / diameter);
+        let near = |x: f64| x.abs() <= WIDEST * diameter;
         ensure!(
-            extent.iter().all(|&edge| edge <= WIDEST),
-            "the scene is wider than {WIDEST:e} diameters of its largest body, and soft spheres \
-             know no places so far away; remove far-away particles, or take --motion drift"
+            extent.iter().all(|&edge| edge <= WIDEST) && low.into_iter().chain(high).all(near),
+            "the scene is wider than {WIDEST:e} diameters of its largest body, or as far from the \
+             origin, and soft spheres know no places so far away; remove far-away particles, move \
+             the others to the origin, or take --motion drift"
         );
         let order = morton(&scene.clone().into());
         let place = |k: u32| {

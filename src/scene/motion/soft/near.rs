@@ -1,5 +1,6 @@
 //! A list of the couples that may soon touch.
 
+use anyhow::Context;
 use nalgebra::Point;
 
 use super::body::Body;
@@ -88,10 +89,18 @@ where
         let wider = |body: &Body<D>| body.radius + 0.5 * self.skin;
         let radii = match bodies.iter().all(|body| body.radius == bodies[0].radius) {
             true => Radii::Uniform(wider(&bodies[0])),
-            false => Radii::Each(bodies.iter().map(wider).collect()),
+            false => {
+                let mut radii = room(bodies.len())?;
+                radii.extend(bodies.iter().map(wider));
+                Radii::Each(radii.into())
+            }
         };
         self.pairs.clear();
-        self.detector.list(&Scene::new(centres, radii)?.into(), Test::Exact, &mut self.pairs)?;
+        let scene = Scene::new(centres, radii)?.into();
+        self.detector.list(&scene, Test::Exact, &mut self.pairs).context(
+            "the motion is simulated within the memory that the machine has free, whatever \
+             --memory-limit says",
+        )?;
         normalise(&mut self.pairs);
         let mut first = self.first.iter().peekable();
         self.couples.clear();

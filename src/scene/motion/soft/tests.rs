@@ -284,6 +284,8 @@ fn what_cannot_be_simulated_is_refused_in_a_sentence() {
     assert!(refused(&wide, 0.1).contains("wider than 1e9 diameters"));
     let beyond = of(&[[-1.7e308, 0.0], [1.7e308, 0.0]], &[1e300, 1e300]);
     assert!(refused(&beyond, 0.1).contains("wider than 1e9 diameters"));
+    let away = of(&[[1e17, 1e17]], &[0.5]);
+    assert!(refused(&away, 0.1).contains("or as far from the origin"));
     let fast = refused(&plane("packed:n=20"), 1e4);
     assert!(fast.contains("take a smaller speed") && fast.contains("steps of time"), "{fast}");
 }
