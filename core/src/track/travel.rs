@@ -67,6 +67,22 @@ mod tests {
     use super::*;
     use crate::contact::exact::{Label, label};
 
+    /// Block by block as one by one, wherever the two farthest are, equal ones among them.
+    #[test]
+    fn the_two_farthest_are_found_among_all_blocks() {
+        for case in 0..200u32 {
+            let way = |k: u32| f64::from((k * 7919 + case * 104_729) % (3 + case));
+            let now: Vec<Point<f64, 2>> = (0..100).map(|k| Point::from([way(k), 0.0])).collect();
+            let then = vec![Point::from([0.0, 0.0]); now.len()];
+            let (mut blocks, mut each) = (TopTwo::default(), TopTwo::default());
+            for (now, then) in now.chunks(7).zip(then.chunks(7)) {
+                blocks.take_all(now, then);
+            }
+            now.iter().for_each(|at| each.take(at[0] * at[0]));
+            assert_eq!(blocks, each, "{case}");
+        }
+    }
+
     #[test]
     fn no_way_is_longer_than_its_bound() {
         let mut tight = 0;
