@@ -82,20 +82,19 @@ pub fn scene(options: &Scene) -> anyhow::Result<ExitCode> {
 fn trajectory(options: &Scene, frames: &mut Frames, count: u64) -> anyhow::Result<ExitCode> {
     let mut each = |out: &mut dyn std::io::Write| {
         (0..count).try_for_each(|k| {
-            let frame = frames.at(k).map_err(std::io::Error::other)?;
-            write::scene_to(out, SceneFormat::Xyz, &frame.into())
+            write::scene_to(out, SceneFormat::Xyz, &frames.at(k)?.into())?;
+            anyhow::Ok(())
         })
     };
     match &options.output {
         Some(path) => {
-            write::whole(path, each).with_context(|| format!("cannot write {}", path.display()))?;
+            write::whole(path, each).map_err(|error| write::of_file(error, path))?;
             eprintln!("{}: {}", path.display(), plural(count as usize, "frame"));
         }
         None => {
             let mut out = std::io::BufWriter::new(std::io::stdout().lock());
-            each(&mut out)
-                .and_then(|()| out.flush())
-                .context("cannot write the frames to standard output")?;
+            each(&mut out)?;
+            out.flush().context("cannot write the frames to standard output")?;
         }
     }
     Ok(ExitCode::SUCCESS)

@@ -18,7 +18,7 @@ use crate::scene::{AnyScene, Given, Lattice, Real, Scene, array};
 use crate::with_scene;
 
 mod framed;
-pub use framed::{Framed, framed};
+pub use framed::{Framed, framed, of_file};
 
 /// What a file of pairs can be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -77,12 +77,16 @@ fn create(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> 
 /// then. A pipe or a device is written to as it is.
 ///
 /// # Errors
-/// As of the system; the file is then as it was before.
-pub fn whole(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
-    let fill = |file: &mut File| -> io::Result<()> {
+/// As of the system, and what `write` says; the file is then as it was before.
+pub fn whole<T, E: From<io::Error>>(
+    path: &Path,
+    write: impl FnOnce(&mut dyn Write) -> Result<T, E>,
+) -> Result<T, E> {
+    let fill = |file: &mut File| -> Result<T, E> {
         let mut out = BufWriter::with_capacity(1 << 16, file);
-        write(&mut out)?;
-        out.flush()
+        let done = write(&mut out)?;
+        out.flush()?;
+        Ok(done)
     };
     // A link is followed: the file that it names is written, not the link.
     let path = &path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
@@ -104,9 +108,9 @@ pub fn whole(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) 
     if let Some(before) = before {
         file.as_file().set_permissions(before.permissions())?;
     }
-    fill(file.as_file_mut())?;
-    file.persist(path)?;
-    Ok(())
+    let done = fill(file.as_file_mut())?;
+    file.persist(path).map_err(io::Error::from)?;
+    Ok(done)
 }
 
 /// Writes pairs to a file whose ending, `.csv` or `.npy`, gives the format.

@@ -47,7 +47,7 @@ mod travel;
 mod tuner;
 mod verlet;
 
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 pub use incremental::Native;
 pub use rule::Rule;
@@ -116,10 +116,7 @@ impl Tracker for EveryStep {
         tally: Option<&mut Tally>,
         pairs: &mut Vec<[u32; 2]>,
     ) -> Result<Step, Refusal> {
-        let (started, before) = (std::time::Instant::now(), pairs.len());
-        list(&mut *self.detector, frame, test, self.limit, tally, pairs)?;
-        let listed = (pairs.len() - before) as u64;
-        Ok(Step { built: true, listed, dangerous: false, building: started.elapsed() })
+        ask(&mut *self.detector, frame, test, self.limit, tally, pairs)
     }
 
     fn forget(&mut self) {}
@@ -127,6 +124,21 @@ impl Tracker for EveryStep {
     fn formula_bytes(&self) -> u64 {
         self.detector.formula_bytes()
     }
+}
+
+/// A step in which the detector is asked.
+fn ask(
+    detector: &mut dyn AnyDetector,
+    frame: &AnyScene<'_>,
+    test: Test,
+    limit: u64,
+    tally: Option<&mut Tally>,
+    pairs: &mut Vec<[u32; 2]>,
+) -> Result<Step, Refusal> {
+    let (started, before) = (Instant::now(), pairs.len());
+    list(detector, frame, test, limit, tally, pairs)?;
+    let listed = (pairs.len() - before) as u64;
+    Ok(Step { built: true, listed, dangerous: false, building: started.elapsed() })
 }
 
 /// Asks a detector for a list of at most so many bytes; counts if there is a tally.

@@ -49,13 +49,10 @@ impl Verlet {
         tally: Option<&mut Tally>,
         pairs: &mut Vec<[u32; 2]>,
     ) -> Result<Step, Refusal> {
-        let (started, before) = (Instant::now(), pairs.len());
         self.plane.forget();
         self.space.forget();
         self.tuner.direct = self.tuner.direct.saturating_sub(1);
-        super::list(&mut *self.detector, frame, test.safe(), self.limit, tally, pairs)?;
-        let listed = (pairs.len() - before) as u64;
-        Ok(Step { built: true, listed, dangerous: false, building: started.elapsed() })
+        super::ask(&mut *self.detector, frame, test.safe(), self.limit, tally, pairs)
     }
 }
 

@@ -81,6 +81,14 @@ impl Framed<'_> {
     }
 }
 
+/// An error of the system, with the file.
+pub fn of_file(error: anyhow::Error, path: &Path) -> anyhow::Error {
+    match error.is::<io::Error>() {
+        true => error.context(format!("cannot write {}", path.display())),
+        false => error,
+    }
+}
+
 /// Writes to a file whose ending, `.csv` or `.npy`, gives the format; without one CSV to standard
 /// output. The file is there as a whole or not at all: see [`whole`].
 pub fn framed<T>(
@@ -95,21 +103,8 @@ pub fn framed<T>(
     };
     let cannot = || format!("cannot write {}", path.display());
     match format(path)? {
-        PairFormat::Csv => {
-            let mut done = None;
-            let written = whole(path, |out| {
-                let result = body(&mut Framed::new(out, PairFormat::Csv));
-                let failed = result.is_err();
-                done = Some(result);
-                if failed { Err(io::Error::other("no pairs")) } else { Ok(()) }
-            });
-            match done {
-                Some(done) => done.and_then(|done| written.with_context(cannot).map(|()| done)),
-                None => {
-                    bail!("{}: {}", cannot(), written.err().map_or("?".into(), |e| e.to_string()))
-                }
-            }
-        }
+        PairFormat::Csv => whole(path, |out| body(&mut Framed::new(out, PairFormat::Csv)))
+            .map_err(|error| of_file(error, path)),
         // Its header says how many rows there are.
         PairFormat::Npy => {
             let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());

@@ -52,6 +52,13 @@ impl<const D: usize> Record<D> {
     }
 }
 
+/// Copies the same bodies again, in the order that the records have.
+pub fn renew<T: Real, const D: usize>(records: &mut [Record<D>], bodies: &impl Bodies<T, D>) {
+    for record in records {
+        *record = Record::new(bodies, record.id);
+    }
+}
+
 /// Makes room for exactly `count` values: all that are kept are overwritten by the caller. A buffer
 /// that must grow is not copied, nor are both held at once.
 pub fn room<X: Clone>(buffer: &mut Vec<X>, count: usize, filling: X) {

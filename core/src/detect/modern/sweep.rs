@@ -111,13 +111,6 @@ impl<const D: usize> Sweep<D> {
         Ok(())
     }
 
-    /// Copies the same bodies again, in the order that the copies have.
-    pub(crate) fn follow<T: Real>(&mut self, bodies: &impl Bodies<T, D>) {
-        for record in &mut self.records {
-            *record = Record::new(bodies, record.id);
-        }
-    }
-
     /// Sorts the copies along an axis.
     pub(crate) fn sort<P: Probe>(&mut self, axis: usize, nearness: impl Nearness, probe: &mut P) {
         self.records.sort_unstable_by(|a, b| {

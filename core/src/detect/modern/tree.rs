@@ -11,10 +11,8 @@
 //! so each couple of leaves comes up once.
 
 use super::copies::{Bounds, Found, Judge, Nearness, Record, room};
-use crate::contact::Bodies;
 use crate::filter;
 use crate::probe::{Op, Probe};
-use crate::scene::Real;
 use crate::sink::Sink;
 
 /// Most records of a leaf.
@@ -114,13 +112,6 @@ impl<const D: usize> Tree<D> {
         let mut bounds = self.boxes[2 * node];
         bounds.widen(self.boxes[2 * node + 1].low, self.boxes[2 * node + 1].high);
         bounds
-    }
-
-    /// Copies the same bodies again, in the order that the records have.
-    pub(crate) fn follow<T: Real>(&mut self, bodies: &impl Bodies<T, D>) {
-        for record in &mut self.records {
-            *record = Record::new(bodies, record.id);
-        }
     }
 
     /// Makes again, around bodies of the halves `roomy`, the boxes of leaves that bodies of the

@@ -19,7 +19,7 @@ use std::time::{Duration, Instant};
 use super::{Carried, Meter, sorting};
 use crate::contact::Bodies;
 use crate::detect::modern::bvh::Bvh;
-use crate::detect::modern::copies::{Each, Judge, Nearness, One};
+use crate::detect::modern::copies::{Each, Judge, Nearness, One, renew};
 use crate::detect::{Declare, Detector, Options, Refusal};
 use crate::filter::Near;
 use crate::probe::Probe;
@@ -68,7 +68,7 @@ impl<const D: usize> Refitted<D> {
         let same = self.bvh.tree.records.len() == n;
         let mut quality = self.quality.take().filter(|it| same && it.more <= sorting(n));
         if let Some(Quality { edges, .. }) = quality {
-            self.bvh.tree.follow(bodies);
+            renew(&mut self.bvh.tree.records, bodies);
             self.bvh.tree.refit(nearness, roomy, probe);
             quality = quality.filter(|_| self.bvh.tree.edges() <= 2.0 * edges);
         }

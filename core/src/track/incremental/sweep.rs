@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 
 use super::{Carried, sorting};
 use crate::contact::Bodies;
-use crate::detect::modern::copies::{Bounds, Each, Judge, Nearness, One, Record};
+use crate::detect::modern::copies::{Bounds, Each, Judge, Nearness, One, Record, renew};
 use crate::detect::modern::sweep::{Sweep, interval};
 use crate::detect::{Declare, Detector, Options, Refusal};
 use crate::probe::{Op, Probe};
@@ -57,7 +57,7 @@ impl<T: Real, const D: usize> Detector<T, D> for Sweeping<D> {
     ) -> Result<(), Refusal> {
         let axis = self.axis.take().filter(|_| self.sweep.records.len() == bodies.len());
         match axis {
-            Some(_) => self.sweep.follow(&bodies),
+            Some(_) => renew(&mut self.sweep.records, &bodies),
             None => self.sweep.take(&bodies, "incremental(sweep)")?,
         }
         let (slack, touch) = (bodies.slack(), |i, j, probe: &mut P| bodies.touch(i, j, probe));
