@@ -106,6 +106,15 @@ pub enum Refusal {
          may not take more than {room} bytes; take a smaller skin, or raise the memory limit"
     )]
     Listed { found: u64, particles: u64, room: u64, skin: f64 },
+    /// A tracker that keeps nothing in boxes.
+    #[error("{tracker} is for open space; in a periodic box take every-step, or verlet")]
+    Boxed { tracker: &'static str },
+    /// A list that is kept in a box decides exactly.
+    #[error(
+        "in a periodic box a kept list decides in exact arithmetic, not in {arithmetic}, which \
+         depends on the images that are made in each frame; take exact, or every-step"
+    )]
+    Rounded { arithmetic: &'static str },
     /// The library behind a peer cannot be trusted with the scene.
     #[error("{detector}: {reason}")]
     Library { detector: &'static str, reason: String },

@@ -65,6 +65,26 @@
 //! than any skin. Where particles are is known without error in every storage (1), so nothing else
 //! depends on the arithmetic. The inequality is one of the numbers as stored, whatever they mean:
 //! positions by cells may change their origin between frames.
+//!
+//! **8. Lists kept in a periodic box,** whose vectors H may change from frame to frame ([`crate::track`]; exact tests). A list has all triples (i, j, S) whose bodies, i and the image of j by
+//! S·H, were at most s + E apart when it was built, where H was H0. Let z = x + W·H be where a
+//! particle is in a frame, for any whole numbers W: triples of z are those of x with other S. With
+//! d for the way to z from where the particle was, a triple that is not listed is farther apart
+//! than
+//!
+//! ```text
+//! ri + rj + s + E - di - dj - |S·(H - H0)|
+//! ```
+//!
+//! z is computed with an error that is bounded; while no two such errors are more than E, the rules
+//! of 7 hold for s - t, where t is the sum over the vectors of mv |Hv - H0v| and no |Sv| is more
+//! than mv. Other S need no list: with gv the dual of Hv and hv = 1 / |gv| the distance of the
+//! faces, which Sv alone moves, a triple is at least hv (|Sv| - |gv·(zi - zj)|) apart. The second
+//! term is at most σv, from how far the centres reached along the axes at first and the longest way
+//! since; so with mv = floor((reach / hv) + σv) and |Sv| >= mv + 1 this is more than the reach. t
+//! is 0 where the box has not changed, and rounded up. (LAMMPS takes from the skin the ways of the
+//! two corners of the box that went farthest, `neighbor.cpp`; where only near images matter that is
+//! the same thought.)
 
 pub mod bounds;
 pub mod cells;

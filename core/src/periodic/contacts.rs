@@ -4,7 +4,7 @@ use super::finder::Finder;
 use super::{IMAGE_PAIR_BYTES, ImagePair, Periodic, without_shift};
 use crate::contact::Arithmetic;
 use crate::detect::any::AnyDetector;
-use crate::pair_list::PairList;
+use crate::pair_list::{Allowance, PairList};
 use crate::refusal::{Refusal, reserve};
 use crate::sink::Digest;
 
@@ -70,6 +70,25 @@ impl Contacts {
         pairs.extend(without_shift(&self.plain).chain(self.shifted.iter().copied()));
         pairs.sort_unstable();
         Ok(pairs)
+    }
+
+    /// Appends what `find` puts into the lists, of at most `limit` bytes each, of a scene of so many
+    /// particles.
+    ///
+    /// # Errors
+    /// [`Refusal::Pairs`] if they would be longer; all is then as it was.
+    pub(crate) fn gather<R>(
+        &mut self,
+        limit: u64,
+        particles: usize,
+        find: impl FnOnce(&mut PairList<'_>, &mut List) -> R,
+    ) -> Result<R, Refusal> {
+        let allowance = Allowance::new(limit);
+        let mut plain = PairList::behind(std::mem::take(&mut self.plain), &allowance);
+        let mut shifted = List::behind(std::mem::take(&mut self.shifted), limit);
+        let found = find(&mut plain, &mut shifted);
+        self.end(plain, shifted, particles, Ok(()))?;
+        Ok(found)
     }
 
     /// Takes lists that were taken from it, with what has been found; without it on an error.

@@ -2,18 +2,20 @@
 
 use nalgebra::Point;
 
+use super::answer::{Answer, Boxed, Open};
+use super::around::Around;
 use super::cells::{self, Room};
 use super::places::{Place, Unit};
 use super::rule::{Looks, Rule, Ways};
 use super::travel::{TopTwo, at_most};
-use crate::contact::{Bodies, Corners, Test};
+use crate::contact::{Arithmetic, Bodies, Corners, Slack, Test};
 use crate::detect::any::AnyDetector;
 use crate::filter::Near;
 use crate::pair_list::{PAIR_BYTES, PairList};
+use crate::periodic::{Contacts, Finder, List, Periodic};
 use crate::probe::{Op, Probe, Tally};
 use crate::refusal::{Refusal, reserve};
-use crate::scene::{AnyScene, Radii, Real, Scene, array};
-use crate::sink::Sink;
+use crate::scene::{AnyScene, Lattice, Radii, Real, Scene, array};
 
 /// Particles or pairs that are handled together.
 const BLOCK: usize = 128;
@@ -39,6 +41,7 @@ pub(super) struct Kept<const D: usize> {
     age: Option<u32>,
     /// The longest way in each of them, added up.
     summed: f64,
+    around: Around<D>,
 }
 
 enum KeptRadii {
@@ -75,21 +78,23 @@ impl<const D: usize> Kept<D> {
             + n as u64 * place_bytes::<D>()
             + radii
             + pairs * PAIR_BYTES
+            + self.around.bytes()
     }
 
     /// Brings the particles to their places in this frame, and says how far they have gone and how
     /// many frames ago the list was built. None if there is no list, or it is of other particles,
-    /// or for a test that rounds less.
+    /// or of another kind of box, or for a test that rounds less.
     pub fn follow<T: Real>(
         &mut self,
         scene: &Scene<'_, T, D>,
+        lattice: Option<&Lattice>,
         rule: Rule,
         rounding: f64,
     ) -> Option<(u32, Ways)> {
         let age = self.age?.saturating_add(1);
         let centres = scene.centres();
         let same = centres.len() == self.places.len() && self.radii.are(scene);
-        if !same || rounding > self.rounding {
+        if !same || rounding > self.rounding || !self.around.serves(lattice) {
             return None;
         }
         let (mut top, mut step) = (TopTwo::default(), TopTwo::default());
@@ -102,8 +107,9 @@ impl<const D: usize> Kept<D> {
             for (at, place) in block.iter_mut().zip(&*places) {
                 *at = wide(&centres[place.particle as usize]);
             }
-            let at = &block[..places.len()];
-            for (place, at) in places.iter_mut().zip(at) {
+            let at = &mut block[..places.len()];
+            self.around.bring(at, then, k * BLOCK);
+            for (place, at) in places.iter_mut().zip(&*at) {
                 unit.put(place, at);
             }
             if looks != Looks::Nowhere {
@@ -116,6 +122,9 @@ impl<const D: usize> Kept<D> {
             }
         }
         self.unit = unit;
+        if 2.0 * self.around.off() > self.rounding {
+            return None;
+        }
         let (first, second) = (at_most(top.first), at_most(top.second));
         // No less than the longest way, as in real numbers.
         self.summed = (self.summed + at_most(step.first)).next_up().max(first);
@@ -131,6 +140,7 @@ impl<const D: usize> Kept<D> {
         scene: &Scene<'_, T, D>,
         corners: Corners<D>,
         list: &Wanted,
+        mut around: Option<(&Lattice, &mut Finder)>,
         detector: &mut dyn AnyDetector,
         mut tally: Option<&mut Tally>,
     ) -> Result<(), Refusal>
@@ -140,6 +150,8 @@ impl<const D: usize> Kept<D> {
         self.age = None;
         let Wanted { half, rounding, rule, limit } = *list;
         let (n, skin) = (scene.len(), 2.0 * half);
+        let lattice = around.as_ref().map(|(lattice, _)| *lattice);
+        let rounding = rounding + self.around.begin(lattice, n, corners)?;
         let largest = scene.largest_radius().wide();
         let margin = if rounding == 0.0 { half } else { (half + 0.5 * rounding).next_up() };
         let larger = |r: f64| (r + margin).next_up();
@@ -195,14 +207,32 @@ impl<const D: usize> Kept<D> {
             .map_err(|_| Refusal::Skin { skin, diameter: 2.0 * largest })?;
         self.listed.clear();
         let wider = wider.into();
-        super::list(detector, &wider, Test::Exact, limit, tally, &mut self.listed).map_err(
-            |refusal| match refusal {
-                Refusal::Pairs { found, particles, room } if skin > 0.0 => {
-                    Refusal::Listed { found, particles, room, skin }
-                }
-                other => other,
-            },
-        )?;
+        let listed = match &mut around {
+            None => super::list(detector, &wider, Test::Exact, limit, tally, &mut self.listed),
+            Some((lattice, finder)) => {
+                let mut contacts = Contacts {
+                    plain: std::mem::take(&mut self.listed),
+                    shifted: std::mem::take(&mut self.around.through),
+                };
+                let wider = Periodic::new(wider, **lattice).map_err(|_| Refusal::Range)?;
+                let found = super::list_in_box(
+                    finder,
+                    detector,
+                    &wider,
+                    Arithmetic::Exact,
+                    tally,
+                    &mut contacts,
+                );
+                (self.listed, self.around.through) = (contacts.plain, contacts.shifted);
+                found
+            }
+        };
+        listed.map_err(|refusal| match refusal {
+            Refusal::Pairs { found, particles, room } if skin > 0.0 => {
+                Refusal::Listed { found, particles, room, skin }
+            }
+            other => other,
+        })?;
         (self.age, self.summed) = (Some(0), 0.0);
         (self.half, self.rounding) = (half, rounding);
         Ok(())
@@ -213,73 +243,88 @@ impl<const D: usize> Kept<D> {
         2.0 * self.half
     }
 
-    /// Pairs in the list.
+    /// Pairs in the list, images among them.
     pub fn listed(&self) -> u64 {
-        self.listed.len() as u64
+        self.listed.len() as u64 + self.around.through.len() as u64
+    }
+
+    /// How much nearer than by their own ways a particle and an image may have come:
+    /// [`Around::nearer`].
+    pub fn nearer(&self, lattice: Option<&Lattice>, ways: &Ways, reach: f64) -> f64 {
+        self.around.nearer(lattice, ways.first, reach)
     }
 
     /// Hands the listed pairs that touch in this frame to `pairs`. Tells how many took exact
     /// arithmetic.
     pub fn pass<T: Real, B: Bodies<T, D>>(&self, bodies: B, pairs: &mut PairList<'_>) -> u64 {
-        let near = self.unit.near(bodies.slack());
+        let mut tally = Tally::default();
+        let touch = |i, j| bodies.touch(i, j, &mut tally);
+        self.pass_to(bodies.slack(), &mut Open { touch, pairs });
+        tally.get(Op::ExactTest)
+    }
+
+    /// As [`Kept::pass`], in a box.
+    pub fn pass_in_box(
+        &self,
+        scene: &Scene<'_, f64, D>,
+        plain: &mut PairList<'_>,
+        shifted: &mut List,
+    ) -> u64 {
+        let mut boxed = Boxed::new(scene, &self.places, &self.around, plain, shifted);
+        self.pass_to(self.around.slack(), &mut boxed);
+        self.around.through.iter().for_each(|&triple| boxed.decide_image(triple));
+        boxed.exact()
+    }
+
+    fn pass_to(&self, slack: Slack, answer: &mut impl Answer<D>) {
+        let near = self.unit.near(slack);
         match &self.radii {
             KeptRadii::Each { placed, .. } => {
-                let near = |[a, b]: [u32; 2]| near(placed[a as usize] + placed[b as usize]);
-                self.pass_by(bodies, near, pairs)
+                self.pass_by(|[a, b]| near(placed[a as usize] + placed[b as usize]), answer);
             }
             KeptRadii::Uniform(r) => {
                 let near = near(r + r);
-                self.pass_by(bodies, |_| near, pairs)
+                self.pass_by(|_| near, answer);
             }
         }
     }
 
-    fn pass_by<T: Real, B: Bodies<T, D>>(
-        &self,
-        bodies: B,
-        near: impl Fn([u32; 2]) -> Near,
-        pairs: &mut PairList<'_>,
-    ) -> u64 {
+    fn pass_by<A: Answer<D>>(&self, near: impl Fn([u32; 2]) -> Near, answer: &mut A) {
         let places = &self.places[..];
-        let (mut touching, mut exact) = ([[0; 2]; BLOCK], 0);
+        let mut touching = [[0; 2]; BLOCK];
         for block in self.listed.chunks(BLOCK) {
             let (mut len, mut open) = (0, false);
             for &[a, b] in block {
                 let near = near([a, b]);
-                let (a, b) = (&places[a as usize], &places[b as usize]);
-                let square = a.square(b);
+                let (at_a, at_b) = (&places[a as usize], &places[b as usize]);
+                let square = at_a.square(at_b);
                 let (touch, apart) = (square <= near.inner, square > near.outer);
-                touching[len % BLOCK] = [a.particle, b.particle];
+                touching[len % BLOCK] = [A::name(a, at_a), A::name(b, at_b)];
                 // Without a branch: nobody can foresee which of the listed pairs touch.
                 len += usize::from(touch);
                 open |= touch == apart;
             }
-            pairs.contacts(&touching[..len]);
+            answer.take(&touching[..len]);
             if open {
-                exact += self.pass_open(bodies, block, &near, pairs);
+                self.pass_open(block, &near, answer);
             }
         }
-        exact
     }
 
     /// Those pairs of a block that copies do not decide.
     #[cold]
-    fn pass_open<T: Real, B: Bodies<T, D>>(
+    fn pass_open<A: Answer<D>>(
         &self,
-        bodies: B,
         block: &[[u32; 2]],
         near: &impl Fn([u32; 2]) -> Near,
-        pairs: &mut PairList<'_>,
-    ) -> u64 {
-        let mut tally = Tally::default();
+        answer: &mut A,
+    ) {
         for &[a, b] in block {
             let (at_a, at_b) = (&self.places[a as usize], &self.places[b as usize]);
-            let open = near([a, b]).verdict(at_a.square(at_b)).is_none();
-            if open && bodies.touch(at_a.particle, at_b.particle, &mut tally) {
-                pairs.contact(at_a.particle, at_b.particle);
+            if near([a, b]).verdict(at_a.square(at_b)).is_none() {
+                answer.decide([A::name(a, at_a), A::name(b, at_b)]);
             }
         }
-        tally.get(Op::ExactTest)
     }
 }
 

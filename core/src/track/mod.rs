@@ -3,7 +3,8 @@
 //! A simulation does not ask once. Bodies move a little, and it asks again; so codes keep a list of
 //! all pairs that are nearly in touch, the *Verlet list* (Verlet 1967, doi:10.1103/PhysRev.159.98),
 //! and look only at those until some body has moved too far. How long the list serves is decided by
-//! a [`Rule`]; what is safe to leave out is proved on the page of filters ([`crate::filter`], 7).
+//! a [`Rule`]; what is safe to leave out is proved on the page of filters ([`crate::filter`], 7,
+//! and in periodic boxes 8).
 //!
 //! Some detectors can themselves be carried from frame to frame: what they made for one is mended
 //! for the next ([`Native`]).
@@ -35,6 +36,10 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod answer;
+mod around;
+#[cfg(test)]
+mod box_tests;
 mod cells;
 mod incremental;
 mod kept;
@@ -54,9 +59,10 @@ pub use rule::Rule;
 pub use spec::{FORMS, PARAMETERS, Skin, TrackerError, TrackerSpec, parse};
 pub use travel::way;
 
-use crate::contact::Test;
+use crate::contact::{Arithmetic, Test};
 use crate::detect::any::AnyDetector;
 use crate::pair_list::{Allowance, PairList};
+use crate::periodic::{Contacts, Finder, Periodic};
 use crate::probe::Tally;
 use crate::refusal::Refusal;
 use crate::scene::AnyScene;
@@ -77,6 +83,22 @@ pub trait Tracker: Send {
         test: Test,
         tally: Option<&mut Tally>,
         pairs: &mut Vec<[u32; 2]>,
+    ) -> Result<Step, Refusal>;
+
+    /// As [`Tracker::step`], of a frame in a periodic box. The box may be another in each frame,
+    /// and particles may be named by any of their images; frames in boxes and in open space may
+    /// follow each other.
+    ///
+    /// # Errors
+    /// As [`Tracker::step`]; what [`Finder::list`] refuses; [`Refusal::Rounded`] from trackers that
+    /// keep lists, which decide in exact arithmetic, and [`Refusal::Boxed`] from those that keep
+    /// none in boxes.
+    fn step_in_box(
+        &mut self,
+        frame: &Periodic<'_>,
+        arithmetic: Arithmetic,
+        tally: Option<&mut Tally>,
+        contacts: &mut Contacts,
     ) -> Result<Step, Refusal>;
 
     /// The next frame is taken as the first; buffers stay.
@@ -106,6 +128,8 @@ struct EveryStep {
     detector: Box<dyn AnyDetector>,
     /// For the list of contacts, in bytes.
     limit: u64,
+    /// Of images, once a frame is in a box.
+    finder: Option<Finder>,
 }
 
 impl Tracker for EveryStep {
@@ -116,13 +140,25 @@ impl Tracker for EveryStep {
         tally: Option<&mut Tally>,
         pairs: &mut Vec<[u32; 2]>,
     ) -> Result<Step, Refusal> {
+        self.finder = None;
         ask(&mut *self.detector, frame, test, self.limit, tally, pairs)
+    }
+
+    fn step_in_box(
+        &mut self,
+        frame: &Periodic<'_>,
+        arithmetic: Arithmetic,
+        tally: Option<&mut Tally>,
+        contacts: &mut Contacts,
+    ) -> Result<Step, Refusal> {
+        let finder = self.finder.get_or_insert_with(|| Finder::new(self.limit));
+        ask_in_box(finder, &mut *self.detector, frame, arithmetic, tally, contacts)
     }
 
     fn forget(&mut self) {}
 
     fn formula_bytes(&self) -> u64 {
-        self.detector.formula_bytes()
+        self.detector.formula_bytes() + self.finder.as_ref().map_or(0, Finder::formula_bytes)
     }
 }
 
@@ -141,6 +177,21 @@ fn ask(
     Ok(Step { built: true, listed, dangerous: false, building: started.elapsed() })
 }
 
+/// A step in a box in which the detector is asked.
+fn ask_in_box(
+    finder: &mut Finder,
+    detector: &mut dyn AnyDetector,
+    frame: &Periodic<'_>,
+    arithmetic: Arithmetic,
+    tally: Option<&mut Tally>,
+    contacts: &mut Contacts,
+) -> Result<Step, Refusal> {
+    let (started, before) = (Instant::now(), contacts.len());
+    list_in_box(finder, detector, frame, arithmetic, tally, contacts)?;
+    let listed = contacts.len() - before;
+    Ok(Step { built: true, listed, dangerous: false, building: started.elapsed() })
+}
+
 /// Asks a detector for a list of at most so many bytes; counts if there is a tally.
 fn list(
     detector: &mut dyn AnyDetector,
@@ -155,4 +206,19 @@ fn list(
     let mut list = PairList::behind(std::mem::take(pairs), &allowance);
     let counted = detector.count(scene, test, tally, &mut list);
     list.end(scene.len(), pairs).and(counted)
+}
+
+/// Asks a detector for the contacts in a box; counts if there is a tally.
+fn list_in_box(
+    finder: &mut Finder,
+    detector: &mut dyn AnyDetector,
+    frame: &Periodic<'_>,
+    arithmetic: Arithmetic,
+    tally: Option<&mut Tally>,
+    contacts: &mut Contacts,
+) -> Result<(), Refusal> {
+    match tally {
+        Some(tally) => finder.count(frame, detector, arithmetic, tally, contacts),
+        None => finder.list(frame, detector, arithmetic, contacts),
+    }
 }

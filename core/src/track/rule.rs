@@ -103,13 +103,14 @@ impl Rule {
     }
 
     /// Must a list with this skin be built again in this frame, the `age`-th after that in which
-    /// it was built?
+    /// it was built? Of a skin below 0 nothing is left.
     pub(super) fn is_due(self, age: u32, ways: &Ways, skin: f64) -> Due {
         let build = match self {
             Rule::HalfSkin | Rule::TopTwo | Rule::Summed => self.gone(ways) > skin,
             Rule::Every(k) => age >= k,
             Rule::Lammps { delay, every, check } => {
-                let build = self.may_build(age) && (!check || ways.square > 0.25 * skin * skin);
+                let gone = skin < 0.0 || ways.square > 0.25 * skin * skin;
+                let build = self.may_build(age) && (!check || gone);
                 return Due { build, dangerous: build && check && age == delay.max(every) };
             }
         };

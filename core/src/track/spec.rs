@@ -61,6 +61,7 @@ impl TrackerSpec {
             TrackerSpec::EveryStep(detector) => Box::new(EveryStep {
                 detector: detector.make(options),
                 limit: options.memory_limit,
+                finder: None,
             }),
             TrackerSpec::Verlet { detector, skin, rule } => {
                 let limit = options.memory_limit;

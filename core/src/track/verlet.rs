@@ -7,13 +7,14 @@ use super::rule::Rule;
 use super::spec::Skin;
 use super::tuner::{LEAST, Served, Tuner};
 use super::{Step, Tracker};
-use crate::contact::{Bodies, Test, any_bodies};
+use crate::contact::{Arithmetic, Bodies, Test, any_bodies};
 use crate::detect::any::AnyDetector;
 use crate::filter::bounds;
 use crate::pair_list::{Allowance, PairList};
+use crate::periodic::{Contacts, Finder, List, Periodic};
 use crate::probe::{Op, Probe, Tally};
 use crate::refusal::Refusal;
-use crate::scene::{AnyScene, Real, Scene};
+use crate::scene::{AnyScene, Lattice, Real, Scene};
 use crate::with_stored;
 
 /// Keeps all pairs whose bodies are at most a skin apart, found by a detector among larger bodies,
@@ -33,26 +34,57 @@ pub(super) struct Verlet {
     touching: u64,
     plane: Kept<2>,
     space: Kept<3>,
+    /// Of images, once a frame is in a box.
+    finder: Option<Finder>,
 }
 
 impl Verlet {
     pub fn new(detector: Box<dyn AnyDetector>, skin: Skin, rule: Rule, limit: u64) -> Verlet {
-        let (plane, space) = (Kept::default(), Kept::default());
-        Verlet { detector, skin, rule, limit, tuner: Tuner::default(), touching: 0, plane, space }
+        Verlet {
+            detector,
+            skin,
+            rule,
+            limit,
+            tuner: Tuner::default(),
+            touching: 0,
+            plane: Kept::default(),
+            space: Kept::default(),
+            finder: None,
+        }
     }
 
-    /// Asks the detector, and keeps nothing. As safe as lists are, whatever filters are asked for.
-    fn direct(
-        &mut self,
-        frame: &AnyScene<'_>,
+    /// What a step with a list takes.
+    fn at_work<'a>(
+        &'a mut self,
         test: Test,
-        tally: Option<&mut Tally>,
-        pairs: &mut Vec<[u32; 2]>,
-    ) -> Result<Step, Refusal> {
+        lattice: Option<&'a Lattice>,
+        tally: Option<&'a mut Tally>,
+    ) -> (Settings, Work<'a>, &'a mut Kept<2>, &'a mut Kept<3>) {
+        let settings =
+            Settings { rule: self.rule, limit: self.limit, touching: self.touching, test };
+        let skin = match self.skin {
+            Skin::Diameters(skin) => Thick::Given(skin),
+            Skin::Auto => Thick::By(&mut self.tuner),
+        };
+        let detector = &mut *self.detector;
+        let work = Work { skin, detector, around: lattice.zip(self.finder.as_mut()), tally };
+        (settings, work, &mut self.plane, &mut self.space)
+    }
+
+    /// The detector is asked in this frame, and nothing is kept.
+    fn without_list(&mut self) {
         self.plane.forget();
         self.space.forget();
         self.tuner.direct = self.tuner.direct.saturating_sub(1);
-        super::ask(&mut *self.detector, frame, test.safe(), self.limit, tally, pairs)
+    }
+
+    /// After a frame with so many contacts.
+    fn done(&mut self, step: Result<Step, Refusal>, touching: u64) -> Result<Step, Refusal> {
+        match &step {
+            Ok(_) => self.touching = touching,
+            Err(_) => self.forget(),
+        }
+        step
     }
 }
 
@@ -65,40 +97,72 @@ impl Tracker for Verlet {
         pairs: &mut Vec<[u32; 2]>,
     ) -> Result<Step, Refusal> {
         let before = pairs.len();
+        self.finder = None;
         let mut step = Ok(None);
         if self.tuner.direct == 0 {
-            let Verlet { detector, skin, rule, limit, tuner, touching, plane, space } = self;
-            let settings = Settings { rule: *rule, limit: *limit, touching: *touching, test };
-            let skin = match *skin {
-                Skin::Diameters(skin) => Thick::Given(skin),
-                Skin::Auto => Thick::By(tuner),
-            };
-            let (detector, tally) = (&mut **detector, tally.as_deref_mut());
+            let (settings, work, plane, space) = self.at_work(test, None, tally.as_deref_mut());
             step = match frame {
                 AnyScene::Plane(frame) => {
                     space.forget();
-                    with_stored!(frame, scene => {
-                        settings.step(plane, scene, skin, detector, tally, pairs)
-                    })
+                    with_stored!(frame, scene => settings.step(plane, scene, work, pairs))
                 }
                 AnyScene::Space(frame) => {
                     plane.forget();
-                    with_stored!(frame, scene => {
-                        settings.step(space, scene, skin, detector, tally, pairs)
-                    })
+                    with_stored!(frame, scene => settings.step(space, scene, work, pairs))
                 }
             };
         }
         let step = match step {
             Ok(Some(step)) => Ok(step),
-            Ok(None) => self.direct(frame, test, tally, pairs),
+            Ok(None) => {
+                self.without_list();
+                // As safe as lists are, whatever filters are asked for.
+                super::ask(&mut *self.detector, frame, test.safe(), self.limit, tally, pairs)
+            }
             Err(refusal) => Err(refusal),
         };
-        match &step {
-            Ok(_) => self.touching = (pairs.len() - before) as u64,
-            Err(_) => self.forget(),
+        self.done(step, (pairs.len() - before) as u64)
+    }
+
+    fn step_in_box(
+        &mut self,
+        frame: &Periodic<'_>,
+        arithmetic: Arithmetic,
+        mut tally: Option<&mut Tally>,
+        contacts: &mut Contacts,
+    ) -> Result<Step, Refusal> {
+        if arithmetic != Arithmetic::Exact {
+            return Err(Refusal::Rounded { arithmetic: arithmetic.name() });
         }
-        step
+        let before = contacts.len();
+        let limit = self.limit;
+        self.finder.get_or_insert_with(|| Finder::new(limit));
+        let mut step = Ok(None);
+        if self.tuner.direct == 0 {
+            let (settings, work, plane, space) =
+                self.at_work(Test::Exact, Some(frame.lattice()), tally.as_deref_mut());
+            step = match frame.scene() {
+                AnyScene::Plane(scene) => {
+                    space.forget();
+                    settings.step_in_box(plane, &scene.widened(), work, contacts)
+                }
+                AnyScene::Space(scene) => {
+                    plane.forget();
+                    settings.step_in_box(space, &scene.widened(), work, contacts)
+                }
+            };
+        }
+        let step = match step {
+            Ok(Some(step)) => Ok(step),
+            Ok(None) => {
+                self.without_list();
+                let finder = self.finder.get_or_insert_with(|| Finder::new(limit));
+                let detector = &mut *self.detector;
+                super::ask_in_box(finder, detector, frame, arithmetic, tally, contacts)
+            }
+            Err(refusal) => Err(refusal),
+        };
+        self.done(step, contacts.len() - before)
     }
 
     fn forget(&mut self) {
@@ -108,7 +172,8 @@ impl Tracker for Verlet {
     }
 
     fn formula_bytes(&self) -> u64 {
-        self.plane.bytes() + self.space.bytes() + self.detector.formula_bytes()
+        let images = self.finder.as_ref().map_or(0, Finder::formula_bytes);
+        self.plane.bytes() + self.space.bytes() + images + self.detector.formula_bytes()
     }
 }
 
@@ -116,6 +181,25 @@ impl Tracker for Verlet {
 enum Thick<'a> {
     Given(f64),
     By(&'a mut Tuner),
+}
+
+/// Who builds a list.
+struct Work<'a> {
+    skin: Thick<'a>,
+    detector: &'a mut dyn AnyDetector,
+    /// The box, if there is one.
+    around: Option<(&'a Lattice, &'a mut Finder)>,
+    tally: Option<&'a mut Tally>,
+}
+
+impl Work<'_> {
+    /// A list was looked at, and so many of its pairs took exact arithmetic.
+    fn tally(self, step: &Step, exact: u64) {
+        if let Some(tally) = self.tally {
+            tally.add(Op::ContactTest, step.listed);
+            tally.add(Op::ExactTest, exact);
+        }
+    }
 }
 
 struct Settings {
@@ -132,23 +216,65 @@ impl Settings {
         &self,
         kept: &mut Kept<D>,
         scene: &Scene<'_, T, D>,
-        mut skin: Thick<'_>,
-        detector: &mut dyn AnyDetector,
-        mut tally: Option<&mut Tally>,
+        mut work: Work<'_>,
         pairs: &mut Vec<[u32; 2]>,
     ) -> Result<Option<Step>, Refusal>
     where
         for<'a> AnyScene<'a>: From<Scene<'a, f64, D>>,
     {
         let bodies = any_bodies(scene, self.test)?;
+        let Some(step) = self.ready(kept, scene, &bodies, &mut work)? else { return Ok(None) };
+        let allowance = Allowance::new(self.limit);
+        let mut list = PairList::behind(std::mem::take(pairs), &allowance);
+        let exact = kept.pass(bodies, &mut list);
+        work.tally(&step, exact);
+        list.end(scene.len(), pairs)?;
+        Ok(Some(step))
+    }
+
+    /// None if the detector is to be asked without a list.
+    fn step_in_box<const D: usize>(
+        &self,
+        kept: &mut Kept<D>,
+        scene: &Scene<'_, f64, D>,
+        mut work: Work<'_>,
+        contacts: &mut Contacts,
+    ) -> Result<Option<Step>, Refusal>
+    where
+        for<'a> AnyScene<'a>: From<Scene<'a, f64, D>>,
+    {
+        let bodies = any_bodies(scene, self.test)?;
+        let Some(step) = self.ready(kept, scene, &bodies, &mut work)? else { return Ok(None) };
+        let pass =
+            |plain: &mut PairList<'_>, shifted: &mut List| kept.pass_in_box(scene, plain, shifted);
+        let exact = contacts.gather(self.limit, scene.len(), pass)?;
+        work.tally(&step, exact);
+        Ok(Some(step))
+    }
+
+    /// Brings particles to their places, and builds a list if it is due. None if the detector is to
+    /// be asked without one.
+    fn ready<T: Real, const D: usize>(
+        &self,
+        kept: &mut Kept<D>,
+        scene: &Scene<'_, T, D>,
+        bodies: &impl Bodies<T, D>,
+        work: &mut Work<'_>,
+    ) -> Result<Option<Step>, Refusal>
+    where
+        for<'a> AnyScene<'a>: From<Scene<'a, f64, D>>,
+    {
         let (largest, slack) = (scene.largest_radius().wide(), bodies.slack());
         let rounding = 2.0 * largest * slack.relative + slack.absolute;
+        let lattice = work.around.as_ref().map(|(lattice, _)| *lattice);
         let mut step = Step { built: true, ..Step::default() };
-        if let Some((age, ways)) = kept.follow(scene, self.rule, rounding) {
-            let due = self.rule.is_due(age, &ways, kept.skin());
+        if let Some((age, ways)) = kept.follow(scene, lattice, self.rule, rounding) {
+            let nearer = kept.nearer(lattice, &ways, 2.0 * largest);
+            let left = if nearer > 0.0 { (kept.skin() - nearer).next_down() } else { kept.skin() };
+            let due = self.rule.is_due(age, &ways, left);
             (step.built, step.dangerous) = (due.build, due.dangerous);
-            if let Thick::By(tuner) = &mut skin {
-                let served = self.served(kept, scene, age, self.rule.gone(&ways));
+            if let Thick::By(tuner) = &mut work.skin {
+                let served = self.served(kept, scene, age, self.rule.gone(&ways) + nearer);
                 step.built |= tuner.is_too_thick(&served);
                 if step.built {
                     tuner.learn(&served);
@@ -160,18 +286,21 @@ impl Settings {
         }
         if step.built {
             let started = Instant::now();
-            let corners = bounds(&bodies);
+            let corners = bounds(bodies);
             loop {
                 let half = largest
-                    * match &skin {
+                    * match &work.skin {
                         Thick::Given(skin) => *skin,
                         Thick::By(tuner) => tuner.skin,
                     };
                 let list = Wanted { half, rounding, rule: self.rule, limit: self.limit };
-                let built = kept.build(scene, corners, &list, detector, tally.as_deref_mut());
+                let around =
+                    work.around.as_mut().map(|(lattice, finder)| (*lattice, &mut **finder));
+                let tally = work.tally.as_deref_mut();
+                let built = kept.build(scene, corners, &list, around, work.detector, tally);
                 let Err(refusal) = built else { break };
                 let too_long = matches!(refusal, Refusal::Listed { .. });
-                match &mut skin {
+                match &mut work.skin {
                     Thick::Given(_) => return Err(refusal),
                     Thick::By(tuner) if too_long && tuner.skin > LEAST => tuner.thinner(),
                     // Without a list there may be room.
@@ -184,14 +313,6 @@ impl Settings {
             step.building = started.elapsed();
         }
         step.listed = kept.listed();
-        let allowance = Allowance::new(self.limit);
-        let mut list = PairList::behind(std::mem::take(pairs), &allowance);
-        let exact = kept.pass(bodies, &mut list);
-        if let Some(tally) = tally {
-            tally.add(Op::ContactTest, step.listed);
-            tally.add(Op::ExactTest, exact);
-        }
-        list.end(scene.len(), pairs)?;
         Ok(Some(step))
     }
 

@@ -17,11 +17,12 @@ mod tests;
 use std::time::Duration;
 
 use super::{Step, Tracker};
-use crate::contact::Test;
+use crate::contact::{Arithmetic, Test};
 use crate::detect::any::{self, DetectorOfAll};
 use crate::detect::{Declare, Options};
 use crate::event::Event;
 use crate::pair_list::{Allowance, PairList};
+use crate::periodic::{Contacts, Periodic};
 use crate::probe::{Op, Probe, Silent, Tally};
 use crate::refusal::Refusal;
 use crate::scene::{AnyScene, Stored};
@@ -135,6 +136,16 @@ where
         let (built, listed) = found.inspect_err(|_| self.forget())?;
         let building = built.unwrap_or_default();
         Ok(Step { built: built.is_some(), listed, dangerous: false, building })
+    }
+
+    fn step_in_box(
+        &mut self,
+        _: &Periodic<'_>,
+        _: Arithmetic,
+        _: Option<&mut Tally>,
+        _: &mut Contacts,
+    ) -> Result<Step, Refusal> {
+        Err(Refusal::Boxed { tracker: "incremental" })
     }
 
     fn forget(&mut self) {

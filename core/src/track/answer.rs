@@ -1,0 +1,111 @@
+//! What becomes of listed pairs in a frame: contacts in open space, or in a box.
+
+use super::around::Around;
+use super::places::Place;
+use crate::pair_list::PairList;
+use crate::periodic::{ImagePair, List};
+use crate::scene::Scene;
+use crate::sink::Sink;
+
+/// Takes the listed pairs that touch in a frame.
+pub(super) trait Answer<const D: usize> {
+    /// What it calls the particle in a place.
+    fn name(number: u32, place: &Place<D>) -> u32;
+
+    /// These touch.
+    fn take(&mut self, pairs: &[[u32; 2]]);
+
+    /// Takes this pair if it touches.
+    fn decide(&mut self, pair: [u32; 2]);
+}
+
+/// In open space. Particles are called by their numbers in the scene.
+pub(super) struct Open<'a, 'p, F> {
+    /// The contact test.
+    pub touch: F,
+    pub pairs: &'a mut PairList<'p>,
+}
+
+impl<F: FnMut(u32, u32) -> bool, const D: usize> Answer<D> for Open<'_, '_, F> {
+    #[inline(always)]
+    fn name(_: u32, place: &Place<D>) -> u32 {
+        place.particle
+    }
+
+    #[inline(always)]
+    fn take(&mut self, pairs: &[[u32; 2]]) {
+        self.pairs.contacts(pairs);
+    }
+
+    fn decide(&mut self, [i, j]: [u32; 2]) {
+        if (self.touch)(i, j) {
+            self.pairs.contact(i, j);
+        }
+    }
+}
+
+/// In a periodic box. Particles are called by their places.
+pub(super) struct Boxed<'a, 'p, const D: usize> {
+    scene: &'a Scene<'a, f64, D>,
+    places: &'a [Place<D>],
+    around: &'a Around<D>,
+    plain: &'a mut PairList<'p>,
+    shifted: &'a mut List,
+    exact: u64,
+}
+
+impl<'a, 'p, const D: usize> Boxed<'a, 'p, D> {
+    pub fn new(
+        scene: &'a Scene<'a, f64, D>,
+        places: &'a [Place<D>],
+        around: &'a Around<D>,
+        plain: &'a mut PairList<'p>,
+        shifted: &'a mut List,
+    ) -> Boxed<'a, 'p, D> {
+        Boxed { scene, places, around, plain, shifted, exact: 0 }
+    }
+
+    /// How many took exact arithmetic.
+    pub fn exact(&self) -> u64 {
+        self.exact
+    }
+
+    /// Takes two that are listed with this image if they touch.
+    pub fn decide_image(&mut self, ImagePair { i: a, j: b, image }: ImagePair) {
+        let image = self.around.image(a, b, image);
+        let (i, j) = (self.particle(a), self.particle(b));
+        let (touch, exact) = self.around.touch(self.scene, [i, j], image);
+        self.exact += u64::from(exact);
+        if touch {
+            self.put(i, j, image);
+        }
+    }
+
+    fn particle(&self, place: u32) -> u32 {
+        self.places[place as usize].particle
+    }
+
+    fn put(&mut self, i: u32, j: u32, image: [i32; 3]) {
+        match image {
+            [0, 0, 0] => self.plain.contact(i, j),
+            image => self.shifted.push(ImagePair::new(i, j, image)),
+        }
+    }
+}
+
+impl<const D: usize> Answer<D> for Boxed<'_, '_, D> {
+    #[inline(always)]
+    fn name(number: u32, _: &Place<D>) -> u32 {
+        number
+    }
+
+    fn take(&mut self, pairs: &[[u32; 2]]) {
+        for &[a, b] in pairs {
+            self.put(self.particle(a), self.particle(b), self.around.image(a, b, [0; 3]));
+        }
+    }
+
+    fn decide(&mut self, [i, j]: [u32; 2]) {
+        self.decide_image(ImagePair { i, j, image: [0; 3] });
+    }
+}

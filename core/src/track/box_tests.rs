@@ -1,0 +1,315 @@
+use nalgebra::Point;
+
+use super::tests::{Draw, tracker};
+use super::*;
+use crate::detect::table::{Role, TABLE};
+use crate::periodic::{self, ImagePair};
+use crate::scene::{Lattice, Radii, Scene};
+
+const LIMIT: u64 = 1 << 28;
+
+/// What a box does while its particles fly.
+#[derive(Clone, Copy, Debug)]
+enum Change {
+    Stays,
+    /// By so much of its first edge in each frame, and back by a whole edge beyond a half.
+    Sheared(f64),
+    /// To so much of its lengths in each frame.
+    Pressed(f64),
+}
+
+/// Particles as a file may name them.
+#[derive(Clone, Copy, Debug)]
+enum Named {
+    /// Where they fly, out of the box.
+    Onwards,
+    /// Brought into the box in every frame.
+    Wrapped,
+    /// By any image, another one in each frame.
+    Anyhow,
+}
+
+struct Course {
+    n: usize,
+    edges: [f64; 3],
+    tilt: f64,
+    open: bool,
+    sizes: bool,
+    change: Change,
+    named: Named,
+    seed: u64,
+}
+
+impl Course {
+    fn frames<const D: usize>(&self) -> Vec<Periodic<'static>>
+    where
+        AnyScene<'static>: From<Scene<'static, f64, D>>,
+    {
+        let Course { n, edges, tilt, open, sizes, change, named, seed } = *self;
+        let mut draw = Draw(seed << 32);
+        let mut points = |size: f64| -> Vec<[f64; 3]> {
+            (0..n).map(|_| std::array::from_fn(|_| size * draw.symmetric())).collect()
+        };
+        // Fractions of the box, and ways.
+        let (first, ways, names) = (points(0.5), points(0.04), points(3.0));
+        let radii = match sizes {
+            true => Radii::Each((0..n).map(|k| 0.1 + 0.4 * (k % 5) as f64 / 4.0).collect()),
+            false => Radii::Uniform(0.5),
+        };
+        let frame = |k: u32| {
+            let age = f64::from(k);
+            let (sheared, pressed) = match change {
+                Change::Stays => (tilt, 1.0),
+                Change::Sheared(by) => (tilt + by * age, 1.0),
+                Change::Pressed(by) => (tilt, by.powi(k as i32)),
+            };
+            let flipped = sheared - sheared.round();
+            let [x, y, z] = edges.map(|edge| pressed * edge);
+            let vectors = |tilt: f64| [[x, 0.0, 0.0], [tilt * x, y, 0.0], [0.0, 0.0, z]];
+            let given = [true, true, !open];
+            let lattice = Lattice::new(vectors(flipped), given, [0.0; 3]).unwrap();
+            // Affinely with the box as it was never flipped, and each on its own way.
+            let place = |i: usize| -> [f64; 3] {
+                let of = vectors(sheared);
+                let sum = |axis: usize| (0..3).map(|v| first[i][v] * of[v][axis]).sum::<f64>();
+                std::array::from_fn(|axis| sum(axis) + age * ways[i][axis])
+            };
+            let brought = |i: usize| -> [f64; 3] {
+                let at = place(i);
+                let by: [f64; 3] = std::array::from_fn(|v| match named {
+                    _ if !given[v] || v >= D => 0.0,
+                    Named::Onwards => 0.0,
+                    Named::Wrapped => {
+                        let dual = lattice.dual(v);
+                        -(0..3).map(|axis| dual[axis] * at[axis]).sum::<f64>().floor()
+                    }
+                    Named::Anyhow => names[(i + k as usize) % n][v].round(),
+                });
+                let of = lattice.vectors();
+                let sum = |axis: usize| (0..3).map(|v| by[v] * of[v][axis]).sum::<f64>();
+                std::array::from_fn(|axis| at[axis] + sum(axis))
+            };
+            let centres: Vec<Point<f64, D>> =
+                (0..n).map(|i| Point::from(std::array::from_fn(|axis| brought(i)[axis]))).collect();
+            let scene = Scene::new(centres, radii.clone()).unwrap();
+            Periodic::new(scene.into(), lattice).unwrap()
+        };
+        (0..14).map(frame).collect()
+    }
+}
+
+/// Contacts missed, contacts in all, frames in which a list was built.
+fn missed(tracker: &mut dyn Tracker, frames: &[Periodic<'_>]) -> [usize; 3] {
+    let (mut missed, mut all, mut built) = (0, 0, 0);
+    let mut contacts = Contacts::default();
+    for frame in frames {
+        let truth = periodic::truth(frame, Arithmetic::Exact, LIMIT).unwrap().pairs;
+        contacts.clear();
+        let step = tracker.step_in_box(frame, Arithmetic::Exact, None, &mut contacts).unwrap();
+        let found = contacts.sorted(frame.scene().len(), LIMIT).unwrap();
+        assert!(found.windows(2).all(|two| two[0] < two[1]), "one twice");
+        assert!(found.iter().all(|pair| truth.binary_search(pair).is_ok()), "one that is not");
+        missed += truth.len() - found.len();
+        all += truth.len();
+        built += usize::from(step.built);
+    }
+    [missed, all, built]
+}
+
+fn courses() -> Vec<Course> {
+    let mut all = Vec::new();
+    let changes =
+        [Change::Stays, Change::Sheared(0.02), Change::Sheared(0.21), Change::Pressed(0.985)];
+    for (k, change) in changes.into_iter().enumerate() {
+        for (m, named) in [Named::Onwards, Named::Wrapped, Named::Anyhow].into_iter().enumerate() {
+            for (edges, n) in [([4.5, 5.0, 4.2], 60), ([1.3, 2.5, 1.8], 5), ([0.8, 0.7, 0.9], 2)] {
+                let (sizes, open) = ((k + m) % 2 == 0, m == k);
+                let tilt = [0.0, 0.3, -0.45][m];
+                let seed = (31 * k + 7 * m + n) as u64;
+                all.push(Course { n, edges, tilt, open, sizes, change, named, seed });
+            }
+        }
+    }
+    all
+}
+
+#[test]
+fn safe_rules_miss_nothing_in_boxes_that_stay_or_move() {
+    let [mut all, mut frames, mut built] = [0; 3];
+    for course in courses() {
+        let scenes = [course.frames::<2>(), course.frames::<3>()];
+        for rule in ["half-skin", "top-two", "summed"] {
+            for skin in ["0", "0.1", "0.6", "auto"] {
+                let text = format!("verlet(nbs,skin={skin},rule={rule})");
+                for scene in &scenes {
+                    let found = missed(&mut *tracker(&text), scene);
+                    let Course { edges, tilt, change, named, .. } = &course;
+                    let about = || format!("{text} {edges:?} {tilt} {change:?} {named:?}");
+                    assert_eq!(found[0], 0, "{}", about());
+                    all += found[1];
+                    if skin == "0.6" {
+                        frames += scene.len();
+                        built += found[2];
+                    }
+                }
+            }
+        }
+    }
+    assert!(all > 500_000, "{all}");
+    // Lists do serve, whatever particles are called.
+    assert!(2 * built < frames, "{built} of {frames}");
+}
+
+#[test]
+fn any_detector_builds_lists_in_boxes() {
+    let of = |change, named| Course {
+        n: 50,
+        edges: [4.0, 4.5, 3.9],
+        tilt: 0.2,
+        open: false,
+        sizes: true,
+        change,
+        named,
+        seed: 5,
+    };
+    for entry in TABLE.iter().filter(|entry| entry.role == Role::Detector) {
+        for course in [of(Change::Stays, Named::Wrapped), of(Change::Sheared(0.03), Named::Anyhow)]
+        {
+            let text = format!("verlet({},skin=0.4)", entry.name);
+            for frames in [course.frames::<2>(), course.frames::<3>()] {
+                let [missed, all, built] = missed(&mut *tracker(&text), &frames);
+                assert!(missed == 0 && all > 200 && built < frames.len(), "{text} {all} {built}");
+            }
+        }
+    }
+}
+
+/// The names of particles do not decide how long a list serves.
+#[test]
+fn lists_serve_as_long_whatever_particles_are_called() {
+    let of = |named| Course {
+        n: 60,
+        edges: [4.5, 5.0, 4.2],
+        tilt: 0.3,
+        open: false,
+        sizes: false,
+        change: Change::Stays,
+        named,
+        seed: 9,
+    };
+    let built = [Named::Onwards, Named::Wrapped, Named::Anyhow].map(|named| {
+        let [_, _, built] = missed(&mut *tracker("verlet(nbs,skin=0.3)"), &of(named).frames::<3>());
+        built
+    });
+    assert_eq!(built, [built[0]; 3]);
+    assert!((2..8).contains(&built[0]), "{built:?}");
+}
+
+/// A sphere alone in a box that is pressed, or sheared, until it touches its own images.
+#[test]
+fn a_box_that_moves_makes_contacts_of_particles_at_rest() {
+    let frame = |x: f64, tilt: f64| {
+        let scene = Scene::new(vec![Point::from([0.25, 0.5, 0.75])], Radii::Uniform(0.5)).unwrap();
+        let vectors = [[x, 0.0, 0.0], [tilt, 1.25, 0.0], [0.0, 0.0, 3.0]];
+        let lattice = Lattice::new(vectors, [true; 3], [0.0; 3]).unwrap();
+        Periodic::new(scene.into(), lattice).unwrap()
+    };
+    let pressed = |k: u32| frame(1.5 - 0.0625 * f64::from(k), 0.0);
+    let [lost, all, built] = missed(
+        &mut *tracker("verlet(direct,skin=0.25)"),
+        &(0..10).map(pressed).collect::<Vec<_>>(),
+    );
+    assert!(lost == 0 && all == 2 && built < 6, "{all} {built}");
+    // Careless lists do not look at the box either.
+    let careless = "verlet(direct,skin=0.25,rule=every-20)";
+    let [lost, _, built] =
+        missed(&mut *tracker(careless), &(0..10).map(pressed).collect::<Vec<_>>());
+    assert_eq!([lost, built], [2, 1]);
+    let sheared = |k: u32| frame(1.5, 0.0625 * f64::from(k));
+    let frames: Vec<_> = (0..40).map(sheared).collect();
+    let [lost, _, built] = missed(&mut *tracker("verlet(direct,skin=0.5)"), &frames);
+    assert!(lost == 0 && built < 20, "{built}");
+}
+
+/// Couples that are, when the list is built, a few units in the last place nearer or farther than
+/// the skin through a face, and touch, or not by as little, when they have gone just so far, by
+/// themselves or with the box.
+#[test]
+fn couples_at_the_limit_of_the_skin_are_not_lost_through_a_face() {
+    let (mut draw, mut touching, mut unlisted) = (Draw(5), 0, 0);
+    for round in 0..4_000u32 {
+        let radius = 0.5 + 0.25 * draw.symmetric();
+        let skin = [0.01, 0.3, 1.7][round as usize % 3];
+        let (reach, gap) = (2.0 * radius, 2.0 * (skin * radius));
+        let edge = 16.0 + draw.symmetric();
+        let offset = [0.0, 0.1, 1e3][round as usize % 3] * draw.symmetric();
+        let share = [0.0, 0.5, 1.0, 0.5 + 0.5 * draw.symmetric()][round as usize % 4];
+        let mut near = |x: f64| match (3.0 * draw.symmetric()).round() as i32 {
+            0 => x,
+            1.. => x.next_up(),
+            _ => x.next_down(),
+        };
+        // The second is beyond the face on the other side: its image is at minus reach and gap.
+        let places = [
+            [offset, near(offset + edge - reach - gap)],
+            [near(offset - share * gap), near(offset + edge - reach - share * gap)],
+        ];
+        // Or the box becomes shorter by what the couple leaves over.
+        let by_box = round % 5 == 0;
+        let edges = if by_box { [edge, near(edge - gap)] } else { [edge; 2] };
+        let frames = [0, 1].map(|k| {
+            let of = if by_box { places[0] } else { places[k] };
+            let centres = of.map(|x| Point::from([x, 0.25])).to_vec();
+            let scene = Scene::new(centres, Radii::Uniform(radius)).unwrap();
+            let lattice = Lattice::along_axes([edges[k], 9.0, 1.0], [true, true, false]).unwrap();
+            Periodic::new(scene.into(), lattice).unwrap()
+        });
+        for rule in ["half-skin", "top-two", "summed"] {
+            let mut tracker = tracker(&format!("verlet(direct,skin={skin},rule={rule})"));
+            let mut contacts = Contacts::default();
+            let mut step = |frame| {
+                contacts.clear();
+                let step =
+                    tracker.step_in_box(frame, Arithmetic::Exact, None, &mut contacts).unwrap();
+                (step.listed, contacts.sorted(2, LIMIT).unwrap())
+            };
+            let (listed, _) = step(&frames[0]);
+            let (_, found) = step(&frames[1]);
+            let truth = periodic::truth(&frames[1], Arithmetic::Exact, LIMIT).unwrap().pairs;
+            assert_eq!(found, truth, "{rule}, skin {skin}, {places:?} {edges:?} {radius}");
+            touching += truth.len();
+            unlisted += truth.len() * usize::from(listed == 0);
+        }
+    }
+    assert!(touching > 3_000 && unlisted > 300, "{touching} {unlisted}");
+}
+
+#[test]
+fn what_is_not_for_boxes_says_so() {
+    let scene = Scene::new(vec![Point::from([0.25, 0.5])], Radii::Uniform(0.5)).unwrap();
+    let lattice = Lattice::along_axes([1.0; 3], [true, true, false]).unwrap();
+    let boxed = Periodic::new(scene.clone().into(), lattice).unwrap();
+    let mut contacts = Contacts::default();
+    let mut step = |text: &str, arithmetic| {
+        contacts.clear();
+        let step = tracker(text).step_in_box(&boxed, arithmetic, None, &mut contacts);
+        step.map(|_| contacts.len()).map_err(|refusal| refusal.to_string())
+    };
+    assert_eq!(step("every-step(nbs)", Arithmetic::F32), Ok(2));
+    assert_eq!(step("verlet(nbs)", Arithmetic::Exact), Ok(2));
+    let said = step("verlet(nbs)", Arithmetic::F32).unwrap_err();
+    assert!(said.contains("exact arithmetic, not in f32"), "{said}");
+    let said = step("incremental(nbs)", Arithmetic::Exact).unwrap_err();
+    assert!(said.contains("take every-step, or verlet"), "{said}");
+    // The same tracker in open space and in boxes, in turn.
+    let mut tracker = tracker("verlet(nbs,skin=0.5)");
+    for _ in 0..3 {
+        let mut pairs = Vec::new();
+        let step = tracker.step(&scene.clone().into(), Test::Exact, None, &mut pairs).unwrap();
+        assert!(step.built && pairs.is_empty());
+        let mut contacts = Contacts::default();
+        let step = tracker.step_in_box(&boxed, Arithmetic::Exact, None, &mut contacts).unwrap();
+        assert!(step.built && contacts.shifted.len() == 2, "{contacts:?}");
+        assert_eq!(contacts.shifted[0], ImagePair { i: 0, j: 0, image: [0, 1, 0] });
+    }
+}
