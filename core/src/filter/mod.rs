@@ -66,25 +66,26 @@
 //! depends on the arithmetic. The inequality is one of the numbers as stored, whatever they mean:
 //! positions by cells may change their origin between frames.
 //!
-//! **8. Lists kept in a periodic box,** whose vectors H may change from frame to frame ([`crate::track`]; exact tests). A list has all triples (i, j, S) whose bodies, i and the image of j by
-//! S·H, were at most s + E apart when it was built, where H was H0. Let z = x + W·H be where a
-//! particle is in a frame, for any whole numbers W: triples of z are those of x with other S. With
-//! d for the way to z from where the particle was, a triple that is not listed is farther apart
-//! than
+//! **8. Lists kept in a periodic box,** whose vectors H may change from frame to frame
+//! ([`crate::track`]; exact tests). A list has all triples (i, j, S) whose bodies, i and the image
+//! of j by S·H, were at most ri + rj + s + E apart when it was built, where H was H0 and particles
+//! were at y. In a frame, let z = x + W·H be where a particle is, for any whole numbers W: triples
+//! of z are those of x with other S. Let F be linear with F H0v = Hv for each vector, and d the way
+//! to z from F y, that is from where the particle would be had it moved with the box (which may be
+//! carried along: only differences count). For every S
 //!
 //! ```text
-//! ri + rj + s + E - di - dj - |S·(H - H0)|
+//! zi - zj - S·H  =  F (yi - yj - S·H0)  +  (zi - F yi)  -  (zj - F yj)
 //! ```
 //!
-//! z is computed with an error that is bounded; while no two such errors are more than E, the rules
-//! of 7 hold for s - t, where t is the sum over the vectors of mv |Hv - H0v| and no |Sv| is more
-//! than mv. Other S need no list: with gv the dual of Hv and hv = 1 / |gv| the distance of the
-//! faces, which Sv alone moves, a triple is at least hv (|Sv| - |gv·(zi - zj)|) apart. The second
-//! term is at most σv, from how far the centres reached along the axes at first and the longest way
-//! since; so with mv = floor((reach / hv) + σv) and |Sv| >= mv + 1 this is more than the reach. t
-//! is 0 where the box has not changed, and rounded up. (LAMMPS takes from the skin the ways of the
-//! two corners of the box that went farthest, `neighbor.cpp`; where only near images matter that is
-//! the same thought.)
+//! and with c such that |F v| >= c |v|, a triple that is not listed is farther apart than c (ri +
+//! rj + s + E) - di - dj, hence than ri + rj while di + dj <= s + E - t, t = (1 - c) (2 rmax + s +
+//! E). So the rules of 7 hold for s - t, while no two ways together are computed too short by more
+//! than E. F is 1 + the sum over the vectors of (Hv - H0v) gv, with gv the duals of H0, and c the
+//! root of 1 + 2a with a <= 0 no more than the least eigenvalue of the symmetric part of F - 1. In a
+//! box that keeps its vectors F = 1 and t = 0. A shear by γ takes about γ / 2 of a diameter from the
+//! skin, however large the box is. (LAMMPS takes the ways of its corners, `neighbor.cpp`, and counts
+//! those of particles with what the box does.)
 
 pub mod bounds;
 pub mod cells;

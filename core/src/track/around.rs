@@ -10,7 +10,6 @@
 
 use nalgebra::Point;
 
-use super::travel::way;
 use crate::contact::image::{self, Shift};
 use crate::contact::{Corners, Slack};
 use crate::filter::Near;
@@ -22,17 +21,19 @@ use crate::scene::{Lattice, Scene, array};
 pub(super) struct Around<const D: usize> {
     /// When the list was built; none in open space.
     then: Option<Lattice>,
-    /// How far the centres reached along each axis then.
-    extent: [f64; D],
+    /// No centre was farther from the origin of coordinates then, along the axes together.
+    far: f64,
     /// Of the frame.
     now: Vectors<D>,
+    /// How the box has changed since, if it has.
+    strain: Option<Strain<D>>,
     /// Listed triples with S not 0; of places.
     pub through: Vec<ImagePair>,
     /// Places of particles that are brought about in this frame, in ascending order, and W.
     brought: Vec<(u32, [i32; 3])>,
     /// A bit for each place: is it among those?
     marks: Vec<u64>,
-    /// How far a particle that is brought about may be from where it is, by rounding.
+    /// How far a way may be off by rounding, since particles are brought about and carried.
     off: f64,
 }
 
@@ -40,8 +41,9 @@ impl<const D: usize> Default for Around<D> {
     fn default() -> Around<D> {
         Around {
             then: None,
-            extent: [0.0; D],
+            far: 0.0,
             now: Vectors::NONE,
+            strain: None,
             through: Vec::new(),
             brought: Vec::new(),
             marks: Vec::new(),
@@ -97,9 +99,69 @@ impl<const D: usize> Vectors<D> {
     }
 }
 
-/// Of sums of a dozen terms, and of vectors in the space that they span.
+/// Of sums of a dozen terms; of duals, times the length of a vector over its height.
 const ROUNDING: f64 = 1.0 / (1u64 << 48) as f64;
-const SKEWED: f64 = 1.0 / (1u64 << 40) as f64;
+const SKEWED: f64 = 1.0 / (1u64 << 44) as f64;
+
+/// A box that has changed: F = 1 + A, by which the vectors then become those of now.
+struct Strain<const D: usize> {
+    /// A.
+    by: [[f64; D]; D],
+    /// The corner of the box.
+    from: [f64; D],
+    to: [f64; D],
+    /// |F v| is at least so many times |v|.
+    least: f64,
+    /// How far F of a centre may be from what is computed.
+    off: f64,
+}
+
+impl<const D: usize> Strain<D> {
+    /// None if only a fresh list will do. No centre was farther than `far` from the origin.
+    fn new(then: &Lattice, now: &Lattice, far: f64) -> Option<Strain<D>> {
+        let mut by = [[0.0; D]; D];
+        // Of the elements of A.
+        let mut off = 0.0;
+        for v in (0..3).filter(|&v| now.periodic()[v]) {
+            let (old, new) = (then.vectors()[v], now.vectors()[v]);
+            let (dual, height) = (then.dual(v), then.height(v));
+            for (k, row) in by.iter_mut().enumerate() {
+                let changed = new[k] - old[k];
+                (0..D).for_each(|l| row[l] += changed * dual[l]);
+            }
+            let sum = |of: &dyn Fn(usize) -> f64| (0..D).map(|k| of(k).abs()).sum::<f64>();
+            let (length, change) = (sum(&|k| old[k]), sum(&|k| new[k] - old[k]));
+            off += SKEWED * (length / height) * (change / height);
+        }
+        let sizes = by.map(|row| row.iter().map(|x| x.abs()).sum::<f64>());
+        let size: f64 = sizes.iter().sum();
+        off += ROUNDING * size;
+        // |F v|² = |v|² + 2 v·A v + |A v|², and no eigenvalue of the symmetric part of A is below
+        // the least of its circles (Gershgorin).
+        let lowest = (0..D).map(|k| {
+            let beside = |l: usize| 0.5 * (by[k][l] + by[l][k]).abs();
+            by[k][k] - (0..D).filter(|&l| l != k).map(beside).sum::<f64>()
+        });
+        let lowest = lowest.fold(0.0, f64::min) - 2.0 * off - ROUNDING;
+        let least = (1.0 + 2.0 * lowest).sqrt() * (1.0 - ROUNDING);
+        let corner = |lattice: &Lattice| std::array::from_fn(|k| lattice.origin()[k]);
+        let (from, to): ([f64; D], [f64; D]) = (corner(then), corner(now));
+        let sum = |of: &[f64; D]| of.iter().map(|x| x.abs()).sum::<f64>();
+        let far = far + sum(&from);
+        let off = off * far + ROUNDING * (far + sum(&to));
+        // Neither where it is pressed to nothing, nor where numbers overflow.
+        (least > 0.0 && off < f64::INFINITY).then_some(Strain { by, from, to, least, off })
+    }
+
+    /// Where a particle would be had it moved with the box.
+    fn carried(&self, at: &Point<f64, D>) -> Point<f64, D> {
+        let off: [f64; D] = std::array::from_fn(|k| at[k] - self.from[k]);
+        Point::from(std::array::from_fn(|k| {
+            let more: f64 = (0..D).map(|l| self.by[k][l] * off[l]).sum();
+            self.to[k] + (off[k] + more)
+        }))
+    }
+}
 
 impl<const D: usize> Around<D> {
     /// A list will be built in this box, or in open space. Its distances are to be longer by what
@@ -116,14 +178,13 @@ impl<const D: usize> Around<D> {
         self.off = 0.0;
         let Some(lattice) = lattice else { return Ok(0.0) };
         self.now = Vectors::new(lattice);
-        self.extent = std::array::from_fn(|k| high[k] - low[k]);
+        self.far = (0..D).map(|k| low[k].abs().max(high[k].abs())).sum();
         let marks = places.div_ceil(64);
         self.marks.clear();
         reserve(&mut self.marks, marks)?;
         self.marks.resize(marks, 0);
-        let far: f64 = (0..D).map(|k| low[k].abs().max(high[k].abs())).sum();
         // For names some dozens of boxes away.
-        Ok(64.0 * ROUNDING * (far + self.now.size([1; 3])))
+        Ok(64.0 * ROUNDING * (self.far + self.now.size([1; 3])))
     }
 
     /// Whether the list is one for frames in such a box; if so, its particles are about to be
@@ -133,37 +194,61 @@ impl<const D: usize> Around<D> {
         if repeats(lattice) != repeats(self.then.as_ref()) {
             return false;
         }
-        if let Some(lattice) = lattice {
-            self.now = Vectors::new(lattice);
-            self.brought.clear();
-            self.marks.fill(0);
-            self.off = 0.0;
+        let (Some(now), Some(then)) = (lattice, &self.then) else { return true };
+        self.strain = None;
+        if now.vectors() != then.vectors() {
+            self.strain = Strain::new(then, now, self.far);
+            if self.strain.is_none() {
+                return false;
+            }
         }
+        self.now = Vectors::new(now);
+        self.brought.clear();
+        self.marks.fill(0);
+        self.off = self.strain.as_ref().map_or(0.0, |strain| strain.off);
         true
     }
 
-    /// Brings particles in places from `first` on to where they would be had they gone on.
-    pub fn bring(&mut self, at: &mut [Point<f64, D>], then: &[Point<f64, D>], first: usize) {
+    /// Brings particles in places from `first` on to where they would be had they gone on. Gives
+    /// from where their ways are: where they were, carried with the box.
+    pub fn bring<'a>(
+        &mut self,
+        at: &mut [Point<f64, D>],
+        then: &'a [Point<f64, D>],
+        first: usize,
+        room: &'a mut [Point<f64, D>],
+    ) -> &'a [Point<f64, D>] {
         if self.then.is_none() {
-            return;
+            return then;
         }
+        let from = match &self.strain {
+            Some(strain) => {
+                for (to, then) in room.iter_mut().zip(then) {
+                    *to = strain.carried(then);
+                }
+                &room[..then.len()]
+            }
+            None => then,
+        };
         let far = self.now.far;
-        for (k, (at, then)) in at.iter_mut().zip(then).enumerate() {
-            let gone = (0..D).fold(0.0f64, |most, k| most.max((at[k] - then[k]).abs()));
+        for (k, (at, from)) in at.iter_mut().zip(from).enumerate() {
+            let gone = (0..D).fold(0.0f64, |most, k| most.max((at[k] - from[k]).abs()));
             if gone > far {
-                self.bring_one(at, then, first + k);
+                self.bring_one(at, from, first + k);
             }
         }
+        from
     }
 
     #[cold]
-    fn bring_one(&mut self, at: &mut Point<f64, D>, then: &Point<f64, D>, place: usize) {
-        let by = self.now.nearest(array(at), array(then));
+    fn bring_one(&mut self, at: &mut Point<f64, D>, from: &Point<f64, D>, place: usize) {
+        let by = self.now.nearest(array(at), array(from));
         if by == [0; 3] {
             return;
         }
         let far: f64 = array(at).iter().map(|x| x.abs()).sum();
-        let off = ROUNDING * (far + self.now.size(by));
+        let carried = self.strain.as_ref().map_or(0.0, |strain| strain.off);
+        let off = carried + ROUNDING * (far + self.now.size(by));
         // Without room for its name the list is of no use.
         let room = self.brought.try_reserve(1).is_ok();
         self.off = self.off.max(if room { off } else { f64::INFINITY });
@@ -176,35 +261,18 @@ impl<const D: usize> Around<D> {
         self.marks[place / 64] |= 1 << (place % 64);
     }
 
-    /// How far particles may be, by rounding, from where they were brought.
+    /// How far particles, or from where their ways are, may be off by rounding.
     pub fn off(&self) -> f64 {
         self.off
     }
 
-    /// How much nearer than by their own ways, of which `first` is the longest, a particle and an
-    /// image may have come since the list was built, since the box has changed. Bodies touch at
-    /// distances of at most `reach`.
-    pub fn nearer(&self, lattice: Option<&Lattice>, first: f64, reach: f64) -> f64 {
-        let (Some(now), Some(then)) = (lattice, &self.then) else { return 0.0 };
-        if now.vectors() == then.vectors() {
-            return 0.0;
+    /// How much nearer than by their own ways bodies may have come that were at most `distance`
+    /// apart, since the box has changed.
+    pub fn nearer(&self, distance: f64) -> f64 {
+        match &self.strain {
+            Some(strain) => ((1.0 - strain.least) * distance * (1.0 + ROUNDING)).next_up(),
+            None => 0.0,
         }
-        let wide: f64 = self.extent.iter().map(|extent| extent + 2.0 * (first + self.off)).sum();
-        let each = (0..3).filter(|&v| now.periodic()[v]).map(|v| {
-            let vector = now.vectors()[v];
-            let length = vector.iter().map(|x| x.abs()).sum::<f64>();
-            let height = now.height(v) - SKEWED * length;
-            if height.is_nan() || height <= 0.0 {
-                return f64::INFINITY;
-            }
-            let dual = now.dual(v);
-            let along = |k: usize| dual[k].abs() * (self.extent[k] + 2.0 * (first + self.off));
-            let spread: f64 = (0..D).map(along).sum();
-            let rounded = SKEWED * (length / height) * (wide / height) + SKEWED * spread;
-            let most = (reach / height + spread + rounded + SKEWED).floor();
-            (most * way(&vector, &then.vectors()[v])).next_up()
-        });
-        each.fold(0.0, |sum, more| (sum + more).next_up())
     }
 
     /// What brought particles leave open.

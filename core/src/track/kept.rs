@@ -100,7 +100,7 @@ impl<const D: usize> Kept<D> {
         let (mut top, mut step) = (TopTwo::default(), TopTwo::default());
         let looks = rule.looks(age);
         let mut unit = self.unit.begun();
-        let mut block = [Point::origin(); BLOCK];
+        let (mut block, mut carried) = ([Point::origin(); BLOCK], [Point::origin(); BLOCK]);
         let blocks = self.places.chunks_mut(BLOCK).zip(self.then.chunks(BLOCK));
         for (k, (places, then)) in blocks.enumerate() {
             // Nothing else, so that many wait for memory at the same time.
@@ -108,7 +108,7 @@ impl<const D: usize> Kept<D> {
                 *at = wide(&centres[place.particle as usize]);
             }
             let at = &mut block[..places.len()];
-            self.around.bring(at, then, k * BLOCK);
+            let then = self.around.bring(at, then, k * BLOCK, &mut carried);
             for (place, at) in places.iter_mut().zip(&*at) {
                 unit.put(place, at);
             }
@@ -248,10 +248,10 @@ impl<const D: usize> Kept<D> {
         self.listed.len() as u64 + self.around.through.len() as u64
     }
 
-    /// How much nearer than by their own ways a particle and an image may have come:
-    /// [`Around::nearer`].
-    pub fn nearer(&self, lattice: Option<&Lattice>, ways: &Ways, reach: f64) -> f64 {
-        self.around.nearer(lattice, ways.first, reach)
+    /// How much nearer than by their own ways bodies that are not listed may have come, where they
+    /// touch at distances of at most `reach`: [`Around::nearer`].
+    pub fn nearer(&self, reach: f64) -> f64 {
+        self.around.nearer(reach + self.skin() + self.rounding)
     }
 
     /// Hands the listed pairs that touch in this frame to `pairs`. Tells how many took exact

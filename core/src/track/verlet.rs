@@ -269,7 +269,7 @@ impl Settings {
         let lattice = work.around.as_ref().map(|(lattice, _)| *lattice);
         let mut step = Step { built: true, ..Step::default() };
         if let Some((age, ways)) = kept.follow(scene, lattice, self.rule, rounding) {
-            let nearer = kept.nearer(lattice, &ways, 2.0 * largest);
+            let nearer = kept.nearer(2.0 * largest);
             let left = if nearer > 0.0 { (kept.skin() - nearer).next_down() } else { kept.skin() };
             let due = self.rule.is_due(age, &ways, left);
             (step.built, step.dangerous) = (due.build, due.dangerous);
