@@ -237,33 +237,37 @@ fn a_box_that_moves_makes_contacts_of_particles_at_rest() {
 #[test]
 fn couples_at_the_limit_of_the_skin_are_not_lost_through_a_face() {
     let (mut draw, mut touching, mut unlisted) = (Draw(5), 0, 0);
-    for round in 0..4_000u32 {
+    for round in 0..10_000u32 {
         let radius = 0.5 + 0.25 * draw.symmetric();
         let skin = [0.01, 0.3, 1.7][round as usize % 3];
         let (reach, gap) = (2.0 * radius, 2.0 * (skin * radius));
         let edge = 16.0 + draw.symmetric();
-        let offset = [0.0, 0.1, 1e3][round as usize % 3] * draw.symmetric();
-        let share = [0.0, 0.5, 1.0, 0.5 + 0.5 * draw.symmetric()][round as usize % 4];
+        let offset = [0.0, 0.1, 1e3, 1e9, 1e12, 1e11, 1e12][round as usize % 7] * draw.symmetric();
+        let share = [0.0, 0.5, 1.0, 0.5 + 0.5 * draw.symmetric()][round as usize / 7 % 4];
         let allowed = 64.0 / (1u64 << 48) as f64 * (2.0 * edge + 9.0 + 4.0 * offset.abs());
-        let mut near = |x: f64| match (4.0 * draw.symmetric()).round() as i32 {
+        let widest = if round % 2 == 0 { 1.4 } else { 4.0 };
+        let mut near = |x: f64| match (widest * draw.symmetric()).round() as i32 {
             0 => x,
             1 => x.next_up(),
             -1 => x.next_down(),
             more => x + 0.5 * f64::from(more) * allowed,
         };
+        // Or the first is named by its image near the other.
+        let named = if round % 3 == 0 { edge } else { 0.0 };
         // The second is beyond the face on the other side: its image is at minus reach and gap.
         let places = [
             [offset, near(offset + edge - reach - gap)],
-            [near(offset - share * gap), near(offset + edge - reach - share * gap)],
+            [near(offset + named - share * gap), near(offset + edge - reach - share * gap)],
         ];
         // Or the box becomes shorter by what the couple leaves over.
-        let by_box = round % 5 == 0;
+        let by_box = round % 11 == 0;
         let edges = if by_box { [edge, near(edge - gap)] } else { [edge; 2] };
         let frames = [0, 1].map(|k| {
             let of = if by_box { places[0] } else { places[k] };
             let centres = of.map(|x| Point::from([x, 0.25])).to_vec();
             let scene = Scene::new(centres, Radii::Uniform(radius)).unwrap();
-            let lattice = Lattice::along_axes([edges[k], 9.0, 1.0], [true, true, false]).unwrap();
+            let vectors = [[edges[k], 0.0, 0.0], [0.0, 9.0, 0.0], [0.0, 0.0, 1.0]];
+            let lattice = Lattice::new(vectors, [true, true, false], [offset, 0.0, 0.0]).unwrap();
             Periodic::new(scene.into(), lattice).unwrap()
         });
         for rule in ["half-skin", "top-two", "summed"] {
