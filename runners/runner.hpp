@@ -2,7 +2,8 @@
 // reused buffer. `examples/my_detector.cpp` shows all that is needed: include this file, write the function, hand it to `serve`.
 //
 // A detector that keeps more than buffers for its next detection has a member function `reset()`, which drops it: a sample is passes over the
-// trajectory, and each pass begins with a reset. These runners take scenes at rest, trajectories of one frame.
+// trajectory, and each pass begins with a reset. These runners take scenes at rest, trajectories of one frame, and say so (at_rest):
+// of a motion they are given one frame after the other.
 //
 // A member function `prepare(scene)` is called once for each scene, outside the clock: for what does not depend on coordinates.
 // What the library prints on standard output goes to standard error: the protocol has a descriptor of its own.
@@ -221,7 +222,7 @@ void serve(const std::string& name, const std::string& version, Plane plane, Spa
     std::ios::sync_with_stdio(false);
     own_channel();
     say("{\"reply\":\"hello\",\"protocol\":2,\"detector\":\"" + name + "\",\"arithmetic\":\"" + arithmetic + "\",\"version\":\"" + version +
-        "\",\"build\":{\"compiler\":\"" + compiler + "\",\"level\":\"" + level + "\"}}");
+        "\",\"build\":{\"compiler\":\"" + compiler + "\",\"level\":\"" + level + "\"},\"at_rest\":true}");
     std::optional<Scene<2>> flat;
     std::optional<Scene<3>> solid;
     std::uint64_t calls = 0;

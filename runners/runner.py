@@ -5,7 +5,7 @@ detection, from raw coordinates to the array of pairs. That array is one of shap
 of indices; i and j of a pair stand in any order, each pair once. A detection that keeps more than
 buffers for the next one has an attribute `reset`, a function that drops it: a sample is passes over
 the trajectory, and each pass begins with a reset. These runners take scenes at rest, trajectories
-of one frame.
+of one frame, and say so (`at_rest`): of a motion they are given one frame after the other.
 
 In a box that repeats (`serve(..., boxes=True)`) a detection returns three arrays, i, j and the images
 S, (contacts, dim): i touches the image of j at x_j + S @ vectors. A library that names no images
@@ -189,7 +189,7 @@ def serve(name, version, prepare, arithmetic="exact", boxes=False):
     """Answers requests until `quit`. `prepare(scene)` is outside the clock: for what does not depend
     on coordinates, and for conversions."""
     build = {"python": platform.python_version(), "numpy": np.__version__}
-    say("hello", protocol=3, detector=name, arithmetic=arithmetic, version=version, build=build)
+    say("hello", protocol=3, detector=name, arithmetic=arithmetic, version=version, build=build, at_rest=True)
     scene, detect, calls = None, None, None
     for line in sys.stdin:
         request = json.loads(line)

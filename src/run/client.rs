@@ -17,6 +17,7 @@ use crate::record::row::Outcome;
 use crate::run::client::output::Line;
 use crate::run::possible::{self, Asked};
 use crate::run::protocol::{OLDEST, Reply, Request, VERSION};
+use crate::run::trajectory::Trajectory;
 use crate::run::{family, interrupt, processors};
 
 /// How to start a runner, and what it may take.
@@ -62,6 +63,8 @@ pub struct Client {
     samples: u32,
     /// Frames of the trajectory loaded last.
     frames: usize,
+    /// That trajectory, where the runner gets its frames one by one.
+    by_frame: Option<Trajectory>,
     /// How long the last answer took.
     waited: Duration,
     /// What the runner said in its first line.
@@ -81,6 +84,8 @@ pub struct Hello {
     pub version: String,
     /// What else it says of its program; may be empty.
     pub build: BTreeMap<String, String>,
+    /// It takes scenes at rest alone.
+    pub at_rest: bool,
 }
 
 /// How the reason begins where a line is no reply.
@@ -136,6 +141,7 @@ impl Client {
             memory_limit: start.memory_limit,
             samples: 0,
             frames: 1,
+            by_frame: None,
             waited: Duration::ZERO,
             hello: Hello::default(),
         })
@@ -146,13 +152,14 @@ impl Client {
     pub fn greet(&mut self, limit: Duration) -> Result<(), Failure> {
         let broken = |reason: String| Failure { outcome: Outcome::Wrong, reason };
         match self.receive(limit)? {
-            Reply::Hello { protocol, detector, arithmetic, version, build } => {
+            Reply::Hello { protocol, detector, arithmetic, version, build, at_rest } => {
                 if !(OLDEST..=VERSION).contains(&protocol) {
                     return Err(broken(format!(
                         "the runner speaks protocol {protocol}, this program {OLDEST} to {VERSION}"
                     )));
                 }
-                self.hello = Hello { protocol, detector, arithmetic, version, build };
+                let at_rest = at_rest || protocol == 1;
+                self.hello = Hello { protocol, detector, arithmetic, version, build, at_rest };
                 Ok(())
             }
             other => Err(broken(format!("the runner's first line is not hello but {other:?}"))),
@@ -175,8 +182,26 @@ impl Client {
     }
 
     /// Sends a request and waits for the answer. After a failure other than a refusal the runner is
-    /// of no more use.
+    /// of no more use. One that takes scenes at rest alone is given a trajectory frame by frame.
     pub fn ask(&mut self, request: &Request) -> Result<Reply, Failure> {
+        if let Request::Load(trajectory) = request {
+            let several = self.hello.at_rest && trajectory.frames.len() > 1;
+            self.by_frame = several.then(|| trajectory.clone());
+            if several {
+                return Ok(Reply::Loaded);
+            }
+        }
+        match self.by_frame.take() {
+            Some(trajectory) => {
+                let answer = by_frame::ask(self, &trajectory, request);
+                self.by_frame = Some(trajectory);
+                answer
+            }
+            None => self.ask_one(request),
+        }
+    }
+
+    fn ask_one(&mut self, request: &Request) -> Result<Reply, Failure> {
         let message = self.message(request)?;
         let reply = self.exchange(&message)?;
         if let Some(what) = self.impossible(request, &reply) {
@@ -388,6 +413,7 @@ fn limit_memory(child: &Child, bytes: u64) {
     let _ = (child, bytes);
 }
 
+mod by_frame;
 mod output;
 #[cfg(all(test, unix))]
 mod tests;

@@ -95,6 +95,9 @@ pub enum Reply {
         /// What else tells its program from others: compiler, libraries, instructions.
         #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
         build: BTreeMap<String, String>,
+        /// It takes trajectories of one frame alone.
+        #[serde(default, skip_serializing_if = "is_false")]
+        at_rest: bool,
     },
     /// The trajectory is there; a scene at rest is in memory.
     Loaded,
@@ -242,6 +245,10 @@ impl Steps {
     pub fn is_empty(&self) -> bool {
         *self == Steps::default()
     }
+}
+
+fn is_false(flag: &bool) -> bool {
+    !flag
 }
 
 fn exact() -> String {

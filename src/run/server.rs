@@ -77,6 +77,7 @@ impl Server {
             arithmetic: self.arithmetic.name().into(),
             version: env!("CARGO_PKG_VERSION").into(),
             build: self.build(),
+            at_rest: false,
         })?;
         for line in input.lines() {
             match serde_json::from_str(&line?) {

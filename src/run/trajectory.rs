@@ -97,6 +97,11 @@ impl Trajectory {
         Ok(Trajectory { frames: paths, ..first })
     }
 
+    /// One of its frames, as a scene at rest.
+    pub fn at_rest(&self, k: usize) -> Trajectory {
+        Trajectory { frames: self.frames[k..=k].to_vec(), ..self.clone() }
+    }
+
     /// Removes its files, of which there may be many.
     pub fn remove(&self) {
         // They are temporary: what cannot be removed now goes with its folder.

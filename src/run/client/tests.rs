@@ -35,13 +35,48 @@ fn a_runner_that_does_not_leave_is_asked_by_a_signal_before_it_is_killed() {
     assert!(rustix::process::test_kill_process(process).is_err());
 }
 
+/// A runner of version 1 that finds as many contacts as the name of the file says.
+const AT_REST: &str = r#"echo 'HELLO'; while read -r line; do
+    case "$line" in
+    *load*) n=${line##*/tmp-}; n=${n%%.npy*}; said='"reply":"loaded"' ;;
+    *sample*) said='"reply":"sample","time_ns":N00,"calls":1,"elapsed_ns":N00,FOUND' ;;
+    *count*) said='"reply":"count","counts":{"probe":N},FOUND' ;;
+    *pairs*) said='"reply":"pairs","contacts":N' ;;
+    *) said='"reply":"unsupported"' ;;
+    esac
+    echo "{$said}" | sed 's/FOUND/"contacts":N,"digest":"0x000000000000000N"/' | sed "s/N/$n/g"
+done"#;
+
 #[test]
-fn several_frames_are_not_available_in_version_1() {
-    let frames = vec!["a.npy".into(), "b.npy".into()];
-    let load = Request::Load(Trajectory { frames, dim: 2, n: 4, radius: Some(0.5), in_box: None });
-    let answering = "echo 'HELLO'; while read -r line; do echo '{\"reply\":\"loaded\"}'; done";
-    let failure = shell(1, answering).ask(&load).unwrap_err();
-    assert_eq!(failure.outcome, Outcome::Unavailable);
-    assert!(failure.reason.contains("this trajectory has 2 frames"), "{}", failure.reason);
-    assert_eq!(shell(2, answering).ask(&load), Ok(Reply::Loaded));
+fn runners_of_scenes_at_rest_get_a_trajectory_frame_by_frame() {
+    let frames = ["/tmp-3.npy", "/tmp-1.npy", "/tmp-2.npy"].map(Into::into).to_vec();
+    let moving = Trajectory { frames, dim: 2, n: 4, radius: Some(0.5), in_box: None };
+    let (rest, load) = (moving.at_rest(1), Request::Load(moving));
+    let mut runner = shell(1, AT_REST);
+    assert_eq!(runner.ask(&load), Ok(Reply::Loaded));
+    let Ok(Reply::Sample { time_ns, calls, step_ns, contacts, steps, .. }) =
+        runner.ask(&Request::Sample { min_ns: 1 })
+    else {
+        panic!("no sample")
+    };
+    assert_eq!((time_ns, calls, contacts, step_ns), (200, 3, 2, vec![300, 100, 200]));
+    assert_eq!(steps.contacts, [3, 1, 2]);
+    assert!(steps.built.is_empty() && steps.unlike(3).is_none());
+    let Ok(Reply::Count { counts, contacts, .. }) = runner.ask(&Request::Count) else {
+        panic!("no counts")
+    };
+    assert_eq!((counts["probe"], contacts), (6, 2));
+    let pairs = |frame| Request::Pairs { path: "p.npy".into(), frame };
+    for (frame, contacts) in [(None, 2), (Some(0), 3), (Some(1), 1)] {
+        assert_eq!(runner.ask(&pairs(frame)), Ok(Reply::Pairs { contacts }));
+    }
+    assert!(runner.ask(&pairs(Some(3))).unwrap_err().reason.contains("trajectory has 3"));
+    assert_eq!(runner.ask(&Request::Memory), Ok(Reply::Unsupported));
+    // A scene at rest is loaded as it is.
+    assert_eq!(runner.ask(&Request::Load(rest)), Ok(Reply::Loaded));
+    let Ok(Reply::Sample { steps, contacts: 1, .. }) = runner.ask(&Request::Sample { min_ns: 1 })
+    else {
+        panic!("no sample")
+    };
+    assert!(steps.is_empty());
 }
