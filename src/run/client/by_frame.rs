@@ -62,8 +62,6 @@ fn at(
 struct Whole {
     steps: Steps,
     step_ns: Vec<u64>,
-    calls: u64,
-    elapsed_ns: u64,
     counts: BTreeMap<String, u64>,
     peak_bytes: u64,
     live_bytes: u64,
@@ -75,10 +73,8 @@ impl Whole {
     /// Takes the answer to one more frame; one that belongs to another request is given back.
     fn take(&mut self, reply: Reply) -> Result<(), Reply> {
         let (contacts, digest) = match reply {
-            Reply::Sample { time_ns, calls, elapsed_ns, contacts, digest, .. } => {
+            Reply::Sample { time_ns, contacts, digest, .. } => {
                 self.step_ns.push(time_ns);
-                self.calls = self.calls.saturating_add(calls);
-                self.elapsed_ns = self.elapsed_ns.saturating_add(elapsed_ns);
                 (contacts, digest)
             }
             Reply::Count { counts, contacts, digest, .. } => {
@@ -111,7 +107,7 @@ impl Whole {
     }
 
     fn reply(self, request: &Request) -> Reply {
-        let Whole { steps, step_ns, calls, elapsed_ns, counts, .. } = self;
+        let Whole { steps, step_ns, counts, .. } = self;
         let ((contacts, digest), steps) = (steps.last(), Box::new(steps));
         match request {
             Request::Count => Reply::Count { counts, contacts, digest, steps },
@@ -126,9 +122,11 @@ impl Whole {
                 steps,
             },
             _ => {
-                let (all, count) = (step_ns.iter().sum::<u64>(), step_ns.len().max(1) as u64);
+                // One pass: of each frame the mean of its detections, of which each has its number.
+                let elapsed_ns = step_ns.iter().fold(0u64, |all, ns| all.saturating_add(*ns));
+                let calls = step_ns.len().max(1) as u64;
                 Reply::Sample {
-                    time_ns: (all + count / 2) / count,
+                    time_ns: (elapsed_ns + calls / 2) / calls,
                     calls,
                     elapsed_ns,
                     step_ns,
