@@ -43,10 +43,9 @@ pub fn scene(options: &Scene) -> anyhow::Result<ExitCode> {
     let format = options.output.as_deref().map(write::scene_format).transpose()?;
     let mut given = options.input.given(&options.scene)?;
     if let Some(motion) = options.motion {
-        let scene = given.open(&options.scene)?;
-        let mut frames = Frames::new(&scene, motion)?;
+        let mut frames = Frames::new(&given, motion)?;
         match (options.at, options.frames) {
-            (Some(k), _) => given = frames.at(k)?.into(),
+            (Some(k), _) => given = frames.at(k)?,
             (None, Some(count)) => {
                 ensure!(
                     count >= 1 && format.is_none_or(|format| format == SceneFormat::Xyz),
@@ -82,7 +81,7 @@ pub fn scene(options: &Scene) -> anyhow::Result<ExitCode> {
 fn trajectory(options: &Scene, frames: &mut Frames, count: u64) -> anyhow::Result<ExitCode> {
     let mut each = |out: &mut dyn std::io::Write| {
         (0..count).try_for_each(|k| {
-            write::scene_to(out, SceneFormat::Xyz, &frames.at(k)?.into())?;
+            write::scene_to(out, SceneFormat::Xyz, &frames.at(k)?)?;
             anyhow::Ok(())
         })
     };

@@ -16,8 +16,8 @@ use crate::experiment::detectors;
 use crate::io::{self, Frame, Place};
 use crate::moving::{Question, Recorded, follow};
 use crate::present::tracking;
+use crate::scene::Given;
 use crate::scene::motion::{self, Frames, Kind, Motion};
-use crate::scene::{AnyScene, Given};
 use crate::track::TrackerSpec;
 
 /// Options of `track`.
@@ -108,7 +108,7 @@ fn of_file(
     let all = [Ok(first), Ok(second)].into_iter().chain(frames);
     let mut recorded = Recorded::new(all, &text, radius);
     let count = options.frames.unwrap_or(u64::MAX);
-    let mut next = |_| recorded.next_frame()?.map(|given| given.open(&name)).transpose();
+    let mut next = |_| recorded.next_frame();
     followed(options, trackers, (&name, "as recorded"), particles, &mut next, count)
 }
 
@@ -119,12 +119,12 @@ fn moved(
     name: &str,
     given: Given,
 ) -> anyhow::Result<ExitCode> {
-    let scene = given.open(name)?;
+    let particles = given.scene.len();
     let motion = options.motion.unwrap_or(MOTION);
-    let mut frames = Frames::new(&scene, motion)?;
+    let mut frames = Frames::new(&given, motion)?;
     let count = options.frames.unwrap_or(FRAMES);
     let called = (name, &*motion.to_string());
-    followed(options, trackers, called, scene.len(), &mut |k| frames.at(k).map(Some), count)
+    followed(options, trackers, called, particles, &mut |k| frames.at(k).map(Some), count)
 }
 
 /// Asks all trackers in every frame, and prints what they did.
@@ -133,7 +133,7 @@ fn followed(
     trackers: &[TrackerSpec],
     (name, motion): (&str, &str),
     particles: usize,
-    next: &mut dyn FnMut(u64) -> anyhow::Result<Option<AnyScene<'static>>>,
+    next: &mut dyn FnMut(u64) -> anyhow::Result<Option<Given>>,
     frames: u64,
 ) -> anyhow::Result<ExitCode> {
     let memory_limit = options.limit.bytes(particles);

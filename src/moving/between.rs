@@ -2,10 +2,12 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::through::Through;
 use crate::contact::Test;
 use crate::contact::exact::label;
 use crate::contact::swept::touches_within;
 use crate::detect::{Options, table};
+use crate::periodic::{ImagePair, Periodic};
 use crate::scene::{AnyScene, Radii, Scene, Stored, array};
 use crate::track::way;
 
@@ -23,7 +25,8 @@ pub struct Moved {
     /// Contacts of a frame that are not there in the next.
     pub ended: u64,
     /// Pairs that touch at some time between two frames and in neither of them, if bodies go
-    /// straight from one to the other: exactly, for the numbers as given.
+    /// straight from one to the other: exactly, for the numbers as given, in a box with images
+    /// rounded to f64.
     pub tunnelled: u64,
     /// Why they were not counted between some frames.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -32,7 +35,8 @@ pub struct Moved {
     pub way: Way,
 }
 
-/// Ways of particles from one frame to the next, in diameters of the largest body.
+/// Ways of particles from one frame to the next, in diameters of the largest body; in a box to the
+/// nearest image.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Way {
     /// The longest.
@@ -73,23 +77,47 @@ impl Moved {
         contacts: &[[u32; 2]],
         memory_limit: u64,
     ) {
+        let before = last.map(|(_, before)| before);
+        self.count(frame, before, contacts);
+        match (last.map(|(last, _)| last), frame) {
+            (Some(AnyScene::Plane(Stored::F64(last))), AnyScene::Plane(Stored::F64(frame))) => {
+                self.between(last, frame, memory_limit);
+            }
+            (Some(AnyScene::Space(Stored::F64(last))), AnyScene::Space(Stored::F64(frame))) => {
+                self.between(last, frame, memory_limit);
+            }
+            // The first. Others are made in f64, all of one dimension.
+            _ => {}
+        }
+    }
+
+    /// The same in a box. Contacts are those that last from frame to frame, by the names that they
+    /// have in all.
+    pub(crate) fn take_in_box(
+        &mut self,
+        last: Option<(Through<'_>, &[ImagePair])>,
+        frame: &Periodic<'_>,
+        contacts: &[ImagePair],
+        memory_limit: u64,
+    ) {
+        self.count(frame.scene(), last.as_ref().map(|(_, before)| *before), contacts);
+        let Some((through, _)) = last else { return };
+        let (ways, at_rest) = through.ways();
+        self.go(&ways, at_rest, frame.scene().largest_radius());
+        if at_rest < ways.len() || through.changes() {
+            self.note(through.tunnelled(&ways, memory_limit));
+        }
+    }
+
+    /// Counts contacts, in ascending order.
+    fn count<P: Ord>(&mut self, frame: &AnyScene<'_>, before: Option<&[P]>, contacts: &[P]) {
         self.frames += 1;
         self.particles = frame.len() as u64;
         self.contacts += contacts.len() as u64;
-        let Some((last, before)) = last else { return };
+        let Some(before) = before else { return };
         let stay = common(before, contacts);
         self.born += contacts.len() as u64 - stay;
         self.ended += before.len() as u64 - stay;
-        match (last, frame) {
-            (AnyScene::Plane(Stored::F64(last)), AnyScene::Plane(Stored::F64(frame))) => {
-                self.between(last, frame, memory_limit);
-            }
-            (AnyScene::Space(Stored::F64(last)), AnyScene::Space(Stored::F64(frame))) => {
-                self.between(last, frame, memory_limit);
-            }
-            // Frames are made in f64, all of one dimension.
-            _ => {}
-        }
     }
 
     fn between<const D: usize>(
@@ -100,24 +128,34 @@ impl Moved {
     ) where
         for<'a> AnyScene<'a>: From<Scene<'a, f64, D>>,
     {
-        let diameter = 2.0 * frame.largest_radius();
         let ends = || last.centres().iter().zip(frame.centres());
         // A way is rounded up, and nowhere is no way.
         let gone = |a, b| if a == b { 0.0 } else { way(array(a), array(b)) };
         let ways: Vec<f64> = ends().map(|(a, b)| gone(a, b)).collect();
-        let longest = ways.iter().fold(0.0f64, |most, &way| most.max(way));
         let at_rest = ends().filter(|(a, b)| a == b).count();
+        self.go(&ways, at_rest, frame.largest_radius());
+        if at_rest < ways.len() {
+            self.note(tunnelled(last, frame, &ways, memory_limit));
+        }
+    }
+
+    /// Ways from one frame to the next.
+    fn go(&mut self, ways: &[f64], at_rest: usize, largest_radius: f64) {
+        let diameter = 2.0 * largest_radius;
+        let longest = ways.iter().fold(0.0f64, |most, &way| most.max(way));
         self.way.at_rest += at_rest as u64;
         if diameter > 0.0 {
             self.way.sum += ways.iter().sum::<f64>() / diameter;
             self.way.longest = self.way.longest.max(longest / diameter);
         }
-        if at_rest < ways.len() {
-            match tunnelled(last, frame, &ways, memory_limit) {
-                Ok(tunnelled) => self.tunnelled += tunnelled,
-                Err(why) => {
-                    self.uncounted.get_or_insert(why);
-                }
+    }
+
+    /// Contacts between two frames, or why they were not counted.
+    fn note(&mut self, tunnelled: Result<u64, String>) {
+        match tunnelled {
+            Ok(tunnelled) => self.tunnelled += tunnelled,
+            Err(why) => {
+                self.uncounted.get_or_insert(why);
             }
         }
     }
@@ -155,9 +193,9 @@ where
 }
 
 /// How many pairs are in both lists, which are in ascending order.
-fn common(a: &[[u32; 2]], b: &[[u32; 2]]) -> u64 {
+fn common<P: Ord>(a: &[P], b: &[P]) -> u64 {
     let mut b = b.iter().peekable();
-    let is_there = |pair: &&[u32; 2]| {
+    let is_there = |pair: &&P| {
         while b.next_if(|other| other < pair).is_some() {}
         b.next_if_eq(pair).is_some()
     };

@@ -3,17 +3,72 @@
 use std::collections::HashMap;
 use std::hash::Hash;
 
+use super::names::Names;
 use crate::contact::depth::depth;
+use crate::periodic::{self, ImagePair, Periodic};
 use crate::scene::{AnyScene, Real, array};
 use crate::with_scene;
+
+/// A frame, and what contacts are called in it and in all frames.
+pub(crate) trait Named {
+    /// A contact as this frame calls it.
+    type Contact: Copy + Ord;
+
+    /// The name in all frames.
+    fn name(&self, contact: Self::Contact) -> ImagePair;
+
+    /// What has this name.
+    fn called(&self, name: ImagePair) -> Self::Contact;
+
+    /// How deep it is.
+    fn depth(&self, contact: Self::Contact) -> f64;
+}
+
+/// In open space.
+impl Named for AnyScene<'_> {
+    type Contact = [u32; 2];
+
+    fn name(&self, [i, j]: [u32; 2]) -> ImagePair {
+        ImagePair::new(i, j, [0; 3])
+    }
+
+    fn called(&self, ImagePair { i, j, .. }: ImagePair) -> [u32; 2] {
+        [i, j]
+    }
+
+    fn depth(&self, [i, j]: [u32; 2]) -> f64 {
+        with_scene!(self, scene => {
+            let at = |k: u32| array(&scene.centres()[k as usize]).map(Real::wide);
+            let radius = |k: u32| scene.radius(k as usize).wide();
+            depth(&at(i), &at(j), radius(i), radius(j))
+        })
+    }
+}
+
+/// In a box.
+impl Named for (&Periodic<'_>, &Names) {
+    type Contact = ImagePair;
+
+    fn name(&self, contact: ImagePair) -> ImagePair {
+        self.1.name(contact)
+    }
+
+    fn called(&self, name: ImagePair) -> ImagePair {
+        self.1.called(name)
+    }
+
+    fn depth(&self, contact: ImagePair) -> f64 {
+        periodic::depth(self.0, contact)
+    }
+}
 
 /// Contacts that were not reported in the frame in which they were there.
 ///
 /// A *missed pair-step* is a pair that touches in a frame and is not reported in it. A contact is
 /// missed from one frame on, until it is reported, or until it has ended and nobody knew of it.
-/// Pairs go by their places, or by other names that are the same in all frames.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Late<P: Eq + Hash = [u32; 2]> {
+/// Pairs go by names that are the same in all frames.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Late<P: Eq + Hash = ImagePair> {
     /// Missed pair-steps.
     pub missed: u64,
     /// The most in one frame.
@@ -32,33 +87,49 @@ pub struct Late<P: Eq + Hash = [u32; 2]> {
     open: HashMap<P, u64>,
 }
 
+impl<P: Eq + Hash> Default for Late<P> {
+    fn default() -> Late<P> {
+        Late {
+            missed: 0,
+            worst: 0,
+            first: None,
+            frames: 0,
+            never: 0,
+            latest: 0,
+            deepest: 0.0,
+            open: HashMap::new(),
+        }
+    }
+}
+
 impl Late {
-    /// Compares what was reported in frame `k` with the truth, both in the order of
-    /// [`normalise`](crate::sink::normalise). Tells how many pairs were reported that do not touch,
-    /// or twice.
-    pub(crate) fn take(
+    /// Compares what was reported in frame `k` with the truth, both in ascending order. Tells how
+    /// many contacts were reported that are none, or twice.
+    pub(crate) fn take<F: Named>(
         &mut self,
         k: u64,
-        frame: &AnyScene<'_>,
-        reported: &[[u32; 2]],
-        truth: &[[u32; 2]],
+        frame: &F,
+        reported: &[F::Contact],
+        truth: &[F::Contact],
     ) -> u64 {
         if self.open.is_empty() && reported == truth {
             return 0;
         }
         let (mut spurious, mut missed) = (0, Vec::new());
         let mut reports = reported.iter().copied().peekable();
-        for &pair in truth {
-            while reports.next_if(|&report| report < pair).is_some() {
+        for &contact in truth {
+            while reports.next_if(|&report| report < contact).is_some() {
                 spurious += 1;
             }
-            if reports.next_if_eq(&pair).is_none() {
-                missed.push(pair);
+            if reports.next_if_eq(&contact).is_none() {
+                missed.push(frame.name(contact));
             }
         }
         spurious += reports.count() as u64;
-        let depth =
-            |pair: &[u32; 2]| truth.binary_search(pair).is_ok().then(|| depth_of(frame, *pair));
+        let depth = |&name: &ImagePair| {
+            let contact = frame.called(name);
+            truth.binary_search(&contact).is_ok().then(|| frame.depth(contact))
+        };
         self.note(k, &missed, depth);
         spurious
     }
@@ -101,14 +172,6 @@ impl<P: Copy + Eq + Hash> Late<P> {
         self.never += self.open.len() as u64;
         self.open.clear();
     }
-}
-
-fn depth_of(frame: &AnyScene<'_>, [i, j]: [u32; 2]) -> f64 {
-    with_scene!(frame, scene => {
-        let at = |k: u32| array(&scene.centres()[k as usize]).map(Real::wide);
-        let radius = |k: u32| scene.radius(k as usize).wide();
-        depth(&at(i), &at(j), radius(i), radius(j))
-    })
 }
 
 #[cfg(test)]

@@ -2,21 +2,28 @@
 
 mod between;
 mod builds;
+mod course;
 mod late;
+mod names;
 mod recorded;
+mod through;
 
 use std::time::{Duration, Instant};
 
 use crate::contact::Arithmetic;
 use crate::detect::Options;
+use crate::detect::Refusal;
 use crate::oracle;
-use crate::scene::AnyScene;
+use crate::periodic::{self, Contacts, ImagePair, Periodic};
+use crate::scene::{AnyScene, Given};
 use crate::sink::normalise;
-use crate::track::{Tracker, TrackerSpec};
+use crate::track::{Step, Tracker, TrackerSpec};
 
 pub use between::{Moved, Way};
 pub use builds::Builds;
+pub(crate) use course::Course;
 pub use late::Late;
+pub(crate) use names::Names;
 pub use recorded::Recorded;
 
 /// What is asked.
@@ -94,7 +101,7 @@ impl Tracked {
 struct Follower {
     tracker: Box<dyn Tracker>,
     tracked: Tracked,
-    pairs: Vec<[u32; 2]>,
+    contacts: Contacts,
 }
 
 /// Follows the frames with all trackers side by side, and with the truth. `frame` gives the one of
@@ -105,7 +112,7 @@ struct Follower {
 /// Frames that cannot be made or stored, and scenes without a truth. What a tracker refuses is in
 /// its answer.
 pub fn follow(
-    mut frame: impl FnMut(u64) -> anyhow::Result<Option<AnyScene<'static>>>,
+    mut frame: impl FnMut(u64) -> anyhow::Result<Option<Given>>,
     question: &Question<'_>,
 ) -> anyhow::Result<Followed> {
     let Question { trackers, arithmetic, memory_limit, .. } = *question;
@@ -115,48 +122,85 @@ pub fn follow(
         .map(|spec| Follower {
             tracker: spec.make(options),
             tracked: Tracked::new(spec, arithmetic),
-            pairs: Vec::new(),
+            contacts: Contacts::default(),
         })
         .collect();
-    let mut moved = Moved::default();
-    let mut last: Option<(AnyScene<'static>, Vec<[u32; 2]>)> = None;
+    let mut course = Course::default();
     for k in 0..question.frames {
         let Some(given) = frame(k)? else { break };
-        let frame = given.stored(arithmetic)?;
-        let truth = oracle::truth_as_stored(&frame, arithmetic.test(), memory_limit)?.pairs;
-        for follower in followers.iter_mut().filter(|follower| follower.tracked.refused.is_none()) {
-            follower.step(k, &frame, arithmetic, &truth);
+        let going = followers.iter_mut().filter(|follower| follower.tracked.refused.is_none());
+        if let Some(periodic) = given.periodic()? {
+            let truth = periodic::truth(&periodic, arithmetic, memory_limit)?.pairs;
+            course.in_box(&periodic, &truth, memory_limit);
+            let frame = (&periodic, &course.names);
+            going.for_each(|follower| follower.step_in_box(k, frame, question, &truth));
+        } else {
+            let frame = given.scene.stored(arithmetic)?;
+            let truth = oracle::truth_as_stored(&frame, arithmetic.test(), memory_limit)?.pairs;
+            going.for_each(|follower| follower.step(k, &frame, arithmetic, &truth));
+            course.open(given.scene, &truth, memory_limit);
         }
-        let before = last.as_ref().map(|(scene, pairs)| (scene, &pairs[..]));
-        moved.take(before, &given, &truth, memory_limit);
-        last = Some((given, truth));
     }
     let trackers = followers.into_iter().map(|mut follower| {
         follower.tracked.late.end();
         follower.tracked
     });
-    Ok(Followed { moved, trackers: trackers.collect() })
+    Ok(Followed { moved: course.moved, trackers: trackers.collect() })
 }
 
 impl Follower {
     fn step(&mut self, k: u64, frame: &AnyScene<'_>, arithmetic: Arithmetic, truth: &[[u32; 2]]) {
-        let Follower { tracker, tracked, pairs } = self;
-        pairs.clear();
+        let step = self.timed(k, |tracker, contacts| {
+            tracker.step(frame, arithmetic.test(), None, &mut contacts.plain)
+        });
+        if step {
+            let Follower { tracked, contacts: Contacts { plain, .. }, .. } = self;
+            normalise(plain);
+            tracked.spurious += tracked.late.take(k, frame, plain, truth);
+        }
+    }
+
+    fn step_in_box(
+        &mut self,
+        k: u64,
+        frame: (&Periodic<'_>, &Names),
+        question: &Question<'_>,
+        truth: &[ImagePair],
+    ) {
+        let step = self.timed(k, |tracker, contacts| {
+            tracker.step_in_box(frame.0, question.arithmetic, None, contacts)
+        });
+        if step {
+            let Follower { tracked, contacts, .. } = self;
+            match contacts.sorted(frame.0.scene().len(), question.memory_limit) {
+                Ok(found) => tracked.spurious += tracked.late.take(k, &frame, &found, truth),
+                Err(refusal) => tracked.refused = Some(format!("frame {k}: {refusal}")),
+            }
+        }
+    }
+
+    /// Asks the tracker, and notes what it did; tells whether it answered.
+    fn timed(
+        &mut self,
+        k: u64,
+        ask: impl FnOnce(&mut dyn Tracker, &mut Contacts) -> Result<Step, Refusal>,
+    ) -> bool {
+        let Follower { tracker, tracked, contacts } = self;
+        contacts.clear();
         let started = Instant::now();
-        let step = match tracker.step(frame, arithmetic.test(), None, pairs) {
+        let step = match ask(&mut **tracker, contacts) {
             Ok(step) => step,
             Err(refusal) => {
                 tracked.refused = Some(format!("frame {k}: {refusal}"));
-                return;
+                return false;
             }
         };
         tracked.times.push(started.elapsed());
         tracked.builds.take(step.built, step.dangerous, tracked.late.missed);
         tracked.building += step.building;
         tracked.listed += step.listed;
-        tracked.reported += pairs.len() as u64;
+        tracked.reported += contacts.len();
         tracked.bytes = tracked.bytes.max(tracker.formula_bytes());
-        normalise(pairs);
-        tracked.spurious += tracked.late.take(k, frame, pairs, truth);
+        true
     }
 }

@@ -1,16 +1,16 @@
 //! The judge: whether an answer is right, lossy or wrong, and why, is decided here and nowhere
 //! else.
 
+mod at_rest;
 mod in_box;
 mod moving;
 mod open;
 
 use std::collections::HashMap;
 
-use in_box::InBox;
+use at_rest::AtRest;
 use moving::Moving;
 pub(crate) use moving::{Course, Said};
-use open::Open;
 
 use crate::contact::Arithmetic;
 use crate::moving::Moved;
@@ -31,8 +31,7 @@ pub(crate) struct Judge<'a> {
 
 /// What is known of a scene.
 enum Of<'a> {
-    Open(Open<'a>),
-    InBox(InBox),
+    AtRest(AtRest<'a>),
     Moving(Moving),
 }
 
@@ -115,15 +114,12 @@ impl<'a> Judge<'a> {
     /// # Errors
     /// A box that does not suit the scene.
     pub fn new(given: &'a Given, memory_limit: u64) -> anyhow::Result<Judge<'a>> {
-        let of = match given.periodic()? {
-            None => Of::Open(Open::new(&given.scene, memory_limit)),
-            Some(periodic) => Of::InBox(InBox::new(periodic, memory_limit)),
-        };
+        let of = Of::AtRest(AtRest::new(given, memory_limit)?);
         Ok(Judge { of, seen: HashMap::new() })
     }
 
-    /// A judge of all frames of a trajectory in open space, and what the motion is like, if the
-    /// truth is known in all of them.
+    /// A judge of all frames of a trajectory, and what the motion is like, if the truth is known in
+    /// all of them.
     pub fn moving(
         trajectory: Trajectory,
         memory_limit: u64,
@@ -156,8 +152,7 @@ impl<'a> Judge<'a> {
             if same { Ok(contacts) } else { Err("asked for them, it gave others".into()) }
         };
         let judged = match &mut self.of {
-            Of::Open(open) => open.judge(arithmetic, said, fetch),
-            Of::InBox(boxed) => boxed.judge(arithmetic, said, fetch),
+            Of::AtRest(scene) => scene.judge(arithmetic, said, fetch),
             Of::Moving(_) => Ok(Ok(Judged::unseen("it answers one frame of several"))),
         }?;
         let judged = judged.unwrap_or_else(Judged::unknown);
@@ -230,8 +225,7 @@ impl<'a> Judge<'a> {
     /// The fingerprint of the right answer.
     fn truth(&mut self, arithmetic: Arithmetic) -> anyhow::Result<Result<Digest, Nothing>> {
         match &mut self.of {
-            Of::Open(open) => open.truth(arithmetic),
-            Of::InBox(boxed) => boxed.truth(arithmetic),
+            Of::AtRest(scene) => Ok(scene.known(arithmetic)?.map(|known| known.digest())),
             Of::Moving(moving) => moving.truth(arithmetic),
         }
     }

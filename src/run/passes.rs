@@ -279,17 +279,17 @@ impl Stage<'_> {
         };
         let Running { contender, arithmetic, .. } = running;
         let path = self.folder.join("pairs.npy");
+        let box_dim = running.loads.last().and_then(Trajectory::box_dim);
         let judged = if judge.is_moving() {
             let sum = protocol::digest(contacts, digest).map_or(0, |digest| digest.sum);
             let (arithmetic, may_miss) = (*arithmetic, contender.may_miss);
             let said = Said { arithmetic, may_miss, steps };
-            let fetch = |frame: u64| client.pairs(&path, None, Some(frame));
+            let fetch = |frame: u64| client.pairs(&path, box_dim, Some(frame));
             let whole = Digest { contacts, sum };
             let (judged, course) = judge.judge_course(&contender.name, said, whole, fetch)?;
             row.course = judged.errors.is_some().then(|| recorded(&course, steps));
             judged
         } else {
-            let box_dim = running.loads.last().and_then(Trajectory::box_dim);
             let fetch = || client.pairs(&path, box_dim, None);
             judge.judge(&contender.name, *arithmetic, (contacts, digest), fetch)?
         };

@@ -14,7 +14,7 @@ use crate::track::Step;
 
 /// The version of the protocol that this program speaks as a runner; a runner names its own in its
 /// first line.
-pub const VERSION: u32 = 3;
+pub const VERSION: u32 = 4;
 /// The oldest version that the harness speaks to a runner.
 pub const OLDEST: u32 = 1;
 
@@ -51,13 +51,20 @@ impl Request {
     /// The message for a runner that speaks `version`; or why it cannot be said in that version.
     pub fn message(&self, version: u32) -> Result<Value, String> {
         let mut message = serde_json::to_value(self).map_err(|e| format!("no message: {e}"))?;
-        if let Request::Load(Trajectory { in_box: Some(_), .. }) = self
-            && version < 3
-        {
-            return Err(format!(
-                "the runner speaks protocol {version}, which knows no boxes that repeat; let it \
-                 speak protocol 3, or take the scene with open boundaries"
-            ));
+        if let Request::Load(trajectory) = self {
+            if trajectory.box_dim().is_some() && version < 3 {
+                return Err(format!(
+                    "the runner speaks protocol {version}, which knows no boxes that repeat; let \
+                     it speak protocol 3, or take the scene with open boundaries"
+                ));
+            }
+            if !trajectory.boxes.is_empty() && version < 4 {
+                return Err(format!(
+                    "the runner speaks protocol {version}, which knows one box for all frames, and \
+                     here each frame has its own; let it speak protocol 4, or take a motion in \
+                     which the box stays"
+                ));
+            }
         }
         if let (Request::Load(Trajectory { frames, .. }), 1, Some(fields)) =
             (self, version, message.as_object_mut())
@@ -281,6 +288,7 @@ mod tests {
             n: 4,
             radius: Some(0.5),
             in_box: None,
+            boxes: Vec::new(),
         })
     }
 

@@ -10,6 +10,7 @@
 use std::collections::BTreeMap;
 use std::hint::black_box;
 use std::io::{BufRead, Write};
+use std::path::Path;
 use std::time::Instant;
 
 use crate::contact::Arithmetic;
@@ -143,16 +144,8 @@ impl Server {
             }
             Request::Pairs { path, .. } => {
                 self.detect()?;
-                match loaded(&self.scene)? {
-                    Loaded::Open(_) => io::write::pairs(&path, &self.contacts.plain),
-                    Loaded::InBox(periodic) => {
-                        let (scene, limit) = (periodic.scene(), self.options.memory_limit);
-                        let pairs = self.contacts.sorted(scene.len(), limit).map_err(refused)?;
-                        io::write::images(&path, &pairs, scene.dim())
-                    }
-                }
-                .map_err(error)?;
-                Ok(Reply::Pairs { contacts: self.contacts.len() })
+                let limit = self.options.memory_limit;
+                write(&path, loaded(&self.scene)?, &self.contacts, limit)
             }
             Request::Quit => Ok(Reply::Loaded),
         }
@@ -160,15 +153,12 @@ impl Server {
 
     fn load(&mut self, trajectory: &Trajectory) -> Answer {
         (self.scene, self.walk, self.calls) = (None, None, None);
-        let path = match &trajectory.frames[..] {
-            [path] if !detectors::is_tracker(&self.name) => path,
-            _ => {
-                let Server { tracker, arithmetic, options, .. } = self;
-                self.walk = Some(Walk::new(tracker, *arithmetic, *options, trajectory)?);
-                return Ok(Reply::Loaded);
-            }
-        };
-        let given = trajectory.read_frame(path).map_err(error)?;
+        if trajectory.frames.len() != 1 || detectors::is_tracker(&self.name) {
+            let Server { tracker, arithmetic, options, .. } = self;
+            self.walk = Some(Walk::new(tracker, *arithmetic, *options, trajectory)?);
+            return Ok(Reply::Loaded);
+        }
+        let given = trajectory.read_frame(0).map_err(error)?;
         let refused = |e: anyhow::Error| Reply::Refused {
             reason: format!("in {}: {e}", self.arithmetic.name()),
         };
@@ -284,6 +274,20 @@ fn more(min_ns: u64, calls: u64, elapsed: u64) -> u64 {
     let wanted =
         (u128::from(min_ns) * u128::from(calls) * 9 / 8).div_ceil(u128::from(elapsed.max(1)));
     (wanted as u64).clamp(calls + 1, (calls * 10).min(MOST_CALLS))
+}
+
+/// Writes the contacts of a scene; those in a box in order, in a list of at most `limit` bytes.
+pub(super) fn write(path: &Path, scene: &Loaded, contacts: &Contacts, limit: u64) -> Answer {
+    match scene {
+        Loaded::Open(_) => io::write::pairs(path, &contacts.plain),
+        Loaded::InBox(periodic) => {
+            let scene = periodic.scene();
+            let pairs = contacts.sorted(scene.len(), limit).map_err(refused)?;
+            io::write::images(path, &pairs, scene.dim())
+        }
+    }
+    .map_err(error)?;
+    Ok(Reply::Pairs { contacts: contacts.len() })
 }
 
 fn loaded(scene: &Option<Loaded>) -> Result<&Loaded, Reply> {

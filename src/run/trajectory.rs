@@ -1,5 +1,6 @@
 //! What a runner loads: a trajectory, that is the same particles in frame after frame, each frame
-//! in a file, and the box in which they repeat. A scene at rest is a trajectory of one frame.
+//! in a file, and the box in which they repeat, or one for each frame. A scene at rest is a
+//! trajectory of one frame.
 
 use std::path::{Path, PathBuf};
 
@@ -24,9 +25,14 @@ pub struct Trajectory {
     pub n: u64,
     /// The radius of all particles, or null.
     pub radius: Option<f64>,
-    /// The box in which they repeat; absent where boundaries are open.
+    /// The box in which they repeat in all frames; absent where boundaries are open, and where it
+    /// is not the same in all.
     #[serde(default, rename = "box", skip_serializing_if = "Option::is_none")]
     pub in_box: Option<BoxMessage>,
+    /// The box of each frame, where it is not the same in all. Runners before version 4 of the
+    /// protocol are not sent any.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub boxes: Vec<BoxMessage>,
 }
 
 /// A box in a message: `dim` vectors of `dim` numbers.
@@ -76,10 +82,11 @@ impl Trajectory {
             n: scene.len() as u64,
             radius,
             in_box: lattice.as_ref().map(|lattice| BoxMessage::new(lattice, scene.dim())),
+            boxes: Vec::new(),
         })
     }
 
-    /// Writes the frames of a motion in open space to files in a folder, one after the other.
+    /// Writes the frames of a motion to files in a folder, one after the other.
     pub fn write_moving(
         folder: &Path,
         frames: &mut Frames,
@@ -88,13 +95,18 @@ impl Trajectory {
         let mut all = Vec::new();
         for k in 0..count {
             interrupt::check()?;
-            let given = Given::from(frames.at(k)?);
+            let given = frames.at(k)?;
             let path = folder.join(format!("frame-{k}.npy"));
             all.push(Trajectory::write_at_rest(&path, &given)?);
         }
-        let paths = all.iter().flat_map(|frame| frame.frames.clone()).collect();
-        let first = all.into_iter().next().context("a trajectory has at least one frame")?;
-        Ok(Trajectory { frames: paths, ..first })
+        let first = all.first().context("a trajectory has at least one frame")?.clone();
+        let frames = all.iter().flat_map(|frame| frame.frames.clone()).collect();
+        if all.iter().all(|frame| frame.in_box == first.in_box) {
+            return Ok(Trajectory { frames, ..first });
+        }
+        // A motion is in boxes in all frames, or in none.
+        let boxes = all.into_iter().filter_map(|frame| frame.in_box).collect();
+        Ok(Trajectory { frames, in_box: None, boxes, ..first })
     }
 
     /// One of its frames, as a scene at rest.
@@ -110,13 +122,32 @@ impl Trajectory {
 
     /// The dimensions of its box, if it has one: then contacts have images.
     pub fn box_dim(&self) -> Option<usize> {
-        self.in_box.as_ref().map(|_| self.dim as usize)
+        (self.in_box.is_some() || !self.boxes.is_empty()).then_some(self.dim as usize)
     }
 
-    /// Reads one of the files.
-    pub fn read_frame(&self, path: &Path) -> anyhow::Result<Given> {
+    /// Reads the file of a frame.
+    ///
+    /// # Errors
+    /// What is wrong with it; boxes that are not as many as frames.
+    pub fn read_frame(&self, k: usize) -> anyhow::Result<Given> {
+        let path = self.frames.get(k).with_context(|| {
+            format!("there is no frame {k}; the trajectory has {}", self.frames.len())
+        })?;
         let scene = exchange::read_scene(path, self.dim, self.n, self.radius)?;
-        match &self.in_box {
+        let in_box = match self.boxes.len() {
+            0 => self.in_box.as_ref(),
+            boxes => {
+                ensure!(
+                    boxes == self.frames.len() && self.in_box.is_none(),
+                    "the trajectory has {boxes} boxes for {} frames{}; boxes are one for each, \
+                     without one for all",
+                    self.frames.len(),
+                    if self.in_box.is_some() { " and one for all" } else { "" }
+                );
+                self.boxes.get(k)
+            }
+        };
+        match in_box {
             None => Ok(scene.into()),
             Some(in_box) => Given::in_box(scene, in_box.lattice(self.dim as usize)?),
         }

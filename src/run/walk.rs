@@ -8,15 +8,14 @@ use anyhow::Context;
 
 use crate::contact::Arithmetic;
 use crate::detect::Options;
-use crate::io;
+use crate::periodic::Contacts;
 use crate::probe::Tally;
 use crate::run::alloc::Meter;
 use crate::run::possible::MOST_CALLS;
 use crate::run::protocol::{Reply, Steps};
-use crate::run::server::{Answer, error};
+use crate::run::searcher::Loaded;
+use crate::run::server::{self, Answer, error};
 use crate::run::trajectory::Trajectory;
-use crate::scene::AnyScene;
-use crate::sink::Digest;
 use crate::track::{Step, Tracker, TrackerSpec};
 
 /// Each reads all frames from their files.
@@ -29,7 +28,7 @@ pub struct Walk {
     options: Options,
     trajectory: Trajectory,
     tracker: Box<dyn Tracker>,
-    pairs: Vec<[u32; 2]>,
+    contacts: Contacts,
     /// Of a pass that went no farther than to the pairs of a frame: the frame after it.
     next: Option<usize>,
 }
@@ -41,22 +40,15 @@ struct Seen {
 }
 
 impl Walk {
-    /// Takes a trajectory in open space.
+    /// Takes a trajectory.
     pub fn new(
         spec: &TrackerSpec,
         arithmetic: Arithmetic,
         options: Options,
         trajectory: &Trajectory,
     ) -> Result<Walk, Reply> {
-        let refused = |reason: &str| Err(Reply::Refused { reason: reason.into() });
-        if trajectory.in_box.is_some() {
-            return refused(
-                "scenes in motion, and trackers, have open boundaries; take the scene without its \
-                 box",
-            );
-        }
         if trajectory.frames.is_empty() {
-            return refused("the trajectory has no frames");
+            return Err(Reply::Refused { reason: "the trajectory has no frames".into() });
         }
         let walk = Walk {
             spec: spec.clone(),
@@ -64,7 +56,7 @@ impl Walk {
             options,
             trajectory: trajectory.clone(),
             tracker: spec.make(options),
-            pairs: Vec::new(),
+            contacts: Contacts::default(),
             next: None,
         };
         // What is wrong with all frames, or not there, is said at once.
@@ -77,25 +69,24 @@ impl Walk {
         Ok(walk)
     }
 
-    fn frame(&self, k: usize) -> Result<AnyScene<'static>, Reply> {
-        let path = &self.trajectory.frames[k];
-        let given = self.trajectory.read_frame(path).map_err(error)?;
-        given.scene.stored(self.arithmetic).map_err(|e| Reply::Refused {
+    fn frame(&self, k: usize) -> Result<Loaded, Reply> {
+        let given = self.trajectory.read_frame(k).map_err(error)?;
+        Loaded::new(&given, self.arithmetic).map_err(|e| Reply::Refused {
             reason: format!("frame {k} in {}: {e}", self.arithmetic.name()),
         })
     }
 
     /// One frame, in the place of what is in the list.
-    fn step(
-        &mut self,
-        scene: &AnyScene<'_>,
-        k: usize,
-        tally: Option<&mut Tally>,
-    ) -> Result<Seen, Reply> {
-        self.pairs.clear();
-        let test = self.arithmetic.test();
+    fn step(&mut self, scene: &Loaded, k: usize, tally: Option<&mut Tally>) -> Result<Seen, Reply> {
+        let Walk { tracker, arithmetic, contacts, .. } = self;
+        contacts.clear();
         let start = Instant::now();
-        let step = self.tracker.step(scene, test, tally, &mut self.pairs);
+        let step = match scene {
+            Loaded::Open(scene) => {
+                tracker.step(scene, arithmetic.test(), tally, &mut contacts.plain)
+            }
+            Loaded::InBox(scene) => tracker.step_in_box(scene, *arithmetic, tally, contacts),
+        };
         let ns = start.elapsed().as_nanos() as u64;
         let step = step.map_err(|refusal| Reply::Refused {
             reason: match self.trajectory.frames.len() {
@@ -110,7 +101,7 @@ impl Walk {
     fn pass(
         &mut self,
         mut tally: Option<&mut Tally>,
-        mut each: impl FnMut(usize, &Seen, &[[u32; 2]]),
+        mut each: impl FnMut(usize, &Seen, &Contacts),
     ) -> Answer<()> {
         for k in 0..self.trajectory.frames.len() {
             let scene = self.frame(k)?;
@@ -121,7 +112,7 @@ impl Walk {
             let reset = start.elapsed().as_nanos() as u64;
             let mut seen = self.step(&scene, k, tally.as_deref_mut())?;
             seen.ns += reset;
-            each(k, &seen, &self.pairs);
+            each(k, &seen, &self.contacts);
         }
         Ok(())
     }
@@ -142,11 +133,11 @@ impl Walk {
         let (mut ns, mut steps) = (vec![0; count], Steps::default());
         let (mut passes, mut building) = (0, 0);
         while passes == 0 || passes < most && ns.iter().sum::<u64>() < min_ns {
-            self.pass(None, |k, seen, pairs| {
+            self.pass(None, |k, seen, contacts| {
                 ns[k] += seen.ns;
                 building += seen.step.building.as_nanos() as u64;
                 if passes == 0 {
-                    steps.push(Digest::from_pairs(pairs), &seen.step);
+                    steps.push(contacts.digest(), &seen.step);
                 }
             })?;
             passes += 1;
@@ -170,8 +161,8 @@ impl Walk {
     /// One pass, counted.
     pub fn count(&mut self) -> Answer {
         let (mut tally, mut steps) = (Tally::default(), Steps::default());
-        self.pass(Some(&mut tally), |_, seen, pairs| {
-            steps.push(Digest::from_pairs(pairs), &seen.step);
+        self.pass(Some(&mut tally), |_, seen, contacts| {
+            steps.push(contacts.digest(), &seen.step);
         })?;
         let counts = tally.iter().map(|(op, count)| (op.name().into(), count)).collect();
         let (contacts, digest) = steps.last();
@@ -192,7 +183,7 @@ impl Walk {
             for k in 0..self.trajectory.frames.len() {
                 let scene = self.frame(k)?;
                 let seen = meter.during(|| self.step(&scene, k, None))?;
-                steps.push(Digest::from_pairs(&self.pairs), &seen.step);
+                steps.push(self.contacts.digest(), &seen.step);
                 formula = self.tracker.formula_bytes().max(formula);
             }
             usage.push(meter.end());
@@ -225,12 +216,13 @@ impl Walk {
         if self.next.is_none_or(|next| next > wanted) {
             self.reset();
         }
-        for k in self.next.take().unwrap_or(0)..=wanted {
+        for k in self.next.take().unwrap_or(0)..wanted {
             let scene = self.frame(k)?;
             self.step(&scene, k, None)?;
         }
+        let scene = self.frame(wanted)?;
+        self.step(&scene, wanted, None)?;
         self.next = Some(wanted + 1);
-        io::write::pairs(path, &self.pairs).map_err(error)?;
-        Ok(Reply::Pairs { contacts: self.pairs.len() as u64 })
+        server::write(path, &scene, &self.contacts, self.options.memory_limit)
     }
 }

@@ -194,13 +194,7 @@ impl Spec {
     /// The frames of its course, if it has one, of the scene that [`Spec::given`] made.
     pub fn frames(&self, given: &Given) -> anyhow::Result<Option<(Frames, u64)>> {
         let Some(Course { motion, frames }) = self.course else { return Ok(None) };
-        ensure!(
-            given.lattice.is_none(),
-            "the scene '{}' repeats, and scenes in motion have open boundaries; leave out motion, \
-             or the box",
-            self.name
-        );
-        let made = Frames::new(&given.scene, motion)
+        let made = Frames::new(given, motion)
             .with_context(|| format!("cannot move the scene '{}'", self.name))?;
         Ok(Some((made, frames)))
     }

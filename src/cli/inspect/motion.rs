@@ -39,7 +39,7 @@ fn moved(options: &Inspect, particles: usize, frames: u64) -> anyhow::Result<Mov
         let progress = Counted::new(Some(frames));
         let frame = |k| {
             progress.frame(k);
-            recorded.next_frame()?.map(|given| given.open(&name)).transpose()
+            recorded.next_frame()
         };
         let memory_limit = memory::limit_for(particles);
         let arithmetic = Arithmetic::Exact;

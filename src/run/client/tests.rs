@@ -50,7 +50,8 @@ done"#;
 #[test]
 fn runners_of_scenes_at_rest_get_a_trajectory_frame_by_frame() {
     let frames = ["/tmp-3.npy", "/tmp-1.npy", "/tmp-2.npy"].map(Into::into).to_vec();
-    let moving = Trajectory { frames, dim: 2, n: 4, radius: Some(0.5), in_box: None };
+    let (radius, in_box, boxes) = (Some(0.5), None, Vec::new());
+    let moving = Trajectory { frames, dim: 2, n: 4, radius, in_box, boxes };
     let (rest, load) = (moving.at_rest(1), Request::Load(moving));
     let mut runner = shell(1, AT_REST);
     assert_eq!(runner.ask(&load), Ok(Reply::Loaded));

@@ -13,7 +13,7 @@ use crate::sink::Digest;
 
 /// What is true of a scene in its box.
 pub(super) struct InBox {
-    periodic: Periodic<'static>,
+    pub periodic: Rc<Periodic<'static>>,
     /// For a list of contacts, in bytes.
     memory_limit: u64,
     known: HashMap<(Arithmetic, Decided), Result<Rc<Truth>, Nothing>>,
@@ -30,12 +30,7 @@ enum Decided {
 
 impl InBox {
     pub fn new(periodic: Periodic<'static>, memory_limit: u64) -> InBox {
-        InBox { periodic, memory_limit, known: HashMap::new() }
-    }
-
-    /// The fingerprint of what the arithmetic's own contact test gives.
-    pub fn truth(&mut self, arithmetic: Arithmetic) -> anyhow::Result<Result<Digest, Nothing>> {
-        Ok(self.known(arithmetic)?.map(|truth| truth.digest))
+        InBox { periodic: Rc::new(periodic), memory_limit, known: HashMap::new() }
     }
 
     pub fn judge(
@@ -79,7 +74,8 @@ impl InBox {
         Ok(Ok(judged))
     }
 
-    fn known(&mut self, arithmetic: Arithmetic) -> anyhow::Result<Result<Rc<Truth>, Nothing>> {
+    /// What the arithmetic's own contact test gives.
+    pub fn known(&mut self, arithmetic: Arithmetic) -> anyhow::Result<Result<Rc<Truth>, Nothing>> {
         self.decided(arithmetic, Decided::ByItself)
     }
 

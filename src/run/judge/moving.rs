@@ -3,12 +3,12 @@
 use std::collections::HashMap;
 
 use crate::contact::Arithmetic;
-use crate::moving::{Builds, Late, Moved};
+use crate::moving::{self, Builds, Late, Moved, Names};
 use crate::oracle::{Causes, Errors};
-use crate::periodic::Contacts;
+use crate::periodic::{Contacts, Periodic};
 use crate::record::row::Outcome;
 use crate::run::interrupt;
-use crate::run::judge::open::Open;
+use crate::run::judge::at_rest::{AtRest, Known};
 use crate::run::judge::{Judged, Nothing};
 use crate::run::protocol::Steps;
 use crate::run::trajectory::Trajectory;
@@ -56,16 +56,15 @@ impl Moving {
         trajectory: Trajectory,
         memory_limit: u64,
     ) -> anyhow::Result<(Moving, Option<Moved>)> {
-        let (mut moved, mut last) = (Moved::default(), None::<(Given, Vec<[u32; 2]>)>);
-        let mut moving = Moving { trajectory, memory_limit, known: HashMap::new() };
-        let exact = moving.find(Arithmetic::Exact, |given, truth| {
-            let before = last.as_ref().map(|(given, pairs)| (&given.scene, &pairs[..]));
-            moved.take(before, &given.scene, truth, memory_limit);
-            last = Some((given, truth.to_vec()));
+        let mut course = moving::Course::default();
+        let mut judge = Moving { trajectory, memory_limit, known: HashMap::new() };
+        let exact = judge.find(Arithmetic::Exact, |given, known| match known {
+            Known::Open(truths) => course.open(given.scene, &truths.rounded.pairs, memory_limit),
+            Known::InBox(frame, truth) => course.in_box(&frame, &truth.pairs, memory_limit),
         })?;
-        let moved = exact.is_ok().then_some(moved);
-        moving.known.insert(Arithmetic::Exact, exact);
-        Ok((moving, moved))
+        let moved = exact.is_ok().then_some(course.moved);
+        judge.known.insert(Arithmetic::Exact, exact);
+        Ok((judge, moved))
     }
 
     /// The fingerprint of the right answer of frame 0.
@@ -90,34 +89,34 @@ impl Moving {
     }
 
     fn read(&self, k: usize) -> anyhow::Result<Given> {
-        self.trajectory.read_frame(&self.trajectory.frames[k])
+        self.trajectory.read_frame(k)
     }
 
-    /// The right answers of all frames; `each` sees the frames with their pairs.
+    /// The right answers of all frames; `each` sees the frames with what is true in them.
     fn find(
         &self,
         arithmetic: Arithmetic,
-        mut each: impl FnMut(Given, &[[u32; 2]]),
+        mut each: impl FnMut(Given, Known),
     ) -> anyhow::Result<Result<Vec<Right>, Nothing>> {
         let mut all = Vec::new();
         for k in 0..self.trajectory.frames.len() {
             interrupt::check()?;
             let given = self.read(k)?;
-            let mut open = Open::new(&given.scene, self.memory_limit);
-            let truths = match open.known(arithmetic)? {
-                Ok(truths) => truths,
+            let mut frame = AtRest::new(&given, self.memory_limit)?;
+            let known = match frame.known(arithmetic)? {
+                Ok(known) => known,
                 Err(nothing) => return Ok(Err(nothing)),
             };
-            let digest = truths.rounded.digest;
+            let digest = known.digest();
             let never = || Err("the right answer is known".into());
-            let judged = match open.judge(arithmetic, digest, never)? {
+            let judged = match frame.judge(arithmetic, digest, never)? {
                 Ok(judged) => judged,
                 Err(nothing) => return Ok(Err(nothing)),
             };
             let (errors, causes) = (judged.errors.unwrap_or_default(), judged.causes);
             all.push(Right { digest, errors, causes: causes.unwrap_or_default() });
-            drop(open);
-            each(given, &truths.rounded.pairs);
+            drop(frame);
+            each(given, known);
         }
         Ok(Ok(all))
     }
@@ -144,7 +143,7 @@ impl Moving {
         }
         let (mut own, mut errors, mut causes) =
             (Errors::default(), Errors::default(), Causes::default());
-        let mut course = Course::default();
+        let (mut course, mut walk) = (Course::default(), Walk::default());
         for (k, (&found, right)) in found.iter().zip(&right).enumerate() {
             let flag = |flags: &[bool]| flags.get(k) == Some(&true);
             let missed = course.late.missed;
@@ -158,24 +157,28 @@ impl Moving {
                 }
             }
             let given = self.read(k)?;
-            let mut open = Open::new(&given.scene, self.memory_limit);
-            let truths = match open.known(arithmetic)? {
-                Ok(truths) => truths,
+            let mut frame = AtRest::new(&given, self.memory_limit)?;
+            let known = match frame.known(arithmetic)? {
+                Ok(known) => known,
                 Err(nothing) => return Ok(Err(nothing)),
             };
-            let (frame, truth) = (k as u64, &truths.rounded.pairs);
-            if is_right {
-                course.late.take(frame, &truths.stored, truth, truth);
-                continue;
+            if let Known::InBox(periodic, _) = &known {
+                self.walk(&mut walk, k, periodic)?;
             }
-            let contacts = match fetch(frame) {
-                Ok(contacts) if contacts.digest() == found => contacts,
-                Ok(_) => return unseen(&format!("asked for frame {k}, it gave others")),
-                Err(why) => return unseen(&format!("frame {k}: {why}")),
+            let contacts = if is_right {
+                None
+            } else {
+                match fetch(k as u64) {
+                    Ok(contacts) if contacts.digest() == found => Some(contacts),
+                    Ok(_) => return unseen(&format!("asked for frame {k}, it gave others")),
+                    Err(why) => return unseen(&format!("frame {k}: {why}")),
+                }
             };
-            let mut pairs = contacts.plain.clone();
-            normalise(&mut pairs);
-            match open.judge(arithmetic, found, || Ok(contacts))? {
+            if let Err(why) = self.late(&mut course.late, k, &known, &walk.names, &contacts) {
+                return unseen(&format!("frame {k}: {why}"));
+            }
+            let Some(contacts) = contacts else { continue };
+            match frame.judge(arithmetic, found, || Ok(contacts))? {
                 Ok(Judged { errors: Some(of_frame), causes: Some(by_cause), .. }) => {
                     own.add(&by_cause.search);
                     errors.add(&of_frame);
@@ -184,7 +187,6 @@ impl Moving {
                 Ok(_) => return unseen(&format!("nothing is known of frame {k}")),
                 Err(nothing) => return Ok(Err(nothing)),
             }
-            course.late.take(frame, &truths.stored, &pairs, truth);
         }
         course.late.end();
         let mut judged = Judged::by(&own, arithmetic);
@@ -194,4 +196,54 @@ impl Moving {
         (judged.errors, judged.causes) = (Some(errors), Some(causes));
         Ok(Ok((judged, course)))
     }
+
+    /// Notes what is late in a frame; none were asked for where the answer is right.
+    fn late(
+        &self,
+        late: &mut Late,
+        k: usize,
+        known: &Known,
+        names: &Names,
+        said: &Option<Contacts>,
+    ) -> Result<(), String> {
+        match known {
+            Known::Open(truths) => {
+                let truth = &truths.rounded.pairs;
+                let mut said = said.as_ref().map_or_else(|| truth.clone(), |it| it.plain.clone());
+                normalise(&mut said);
+                late.take(k as u64, &*truths.stored, &said, truth);
+            }
+            Known::InBox(periodic, truth) => {
+                let sorted = |said: &Contacts| {
+                    let sorted = said.sorted(periodic.scene().len(), self.memory_limit);
+                    sorted.map_err(|refusal| refusal.to_string())
+                };
+                let said = said.as_ref().map(sorted).transpose()?;
+                let said = said.as_ref().unwrap_or(&truth.pairs);
+                late.take(k as u64, &(&**periodic, names), said, &truth.pairs);
+            }
+        }
+        Ok(())
+    }
+
+    /// Goes on to frame `k`, by all between, with the names of contacts.
+    fn walk(&self, walk: &mut Walk, k: usize, frame: &Periodic<'static>) -> anyhow::Result<()> {
+        for between in walk.next..k {
+            interrupt::check()?;
+            if let Some(periodic) = self.read(between)?.periodic()? {
+                walk.names.next(&periodic);
+            }
+        }
+        walk.names.next(frame);
+        walk.next = k + 1;
+        Ok(())
+    }
+}
+
+/// A walk through frames in boxes.
+#[derive(Default)]
+struct Walk {
+    names: Names,
+    /// The frame after the one that was seen last.
+    next: usize,
 }

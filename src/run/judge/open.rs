@@ -33,11 +33,6 @@ impl<'a> Open<'a> {
         Open { scene, memory_limit, known: HashMap::new() }
     }
 
-    /// The fingerprint of what the arithmetic's own contact test gives for all pairs.
-    pub fn truth(&mut self, arithmetic: Arithmetic) -> anyhow::Result<Result<Digest, Nothing>> {
-        Ok(self.known(arithmetic)?.map(|truths| truths.rounded.digest))
-    }
-
     pub fn judge(
         &mut self,
         arithmetic: Arithmetic,

@@ -3,8 +3,10 @@
 //! Frame 0 is the scene. Frame k is a function of the scene, the motion and k alone, with the same
 //! bits on every machine: a frame may be asked for by itself and again. Speeds are in diameters of
 //! the largest body per frame. In most motions bodies fly through each other, so that a motion
-//! stays what its name says for as long as it lasts; in those of [`Play`] they push each other.
+//! stays what its name says for as long as it lasts; in those of [`Play`] they push each other. In
+//! a box that repeats some of them go on through its faces, and a shear is one of the box.
 
+mod boxed;
 mod paths;
 mod soft;
 
@@ -16,7 +18,7 @@ use anyhow::{Context, bail, ensure};
 use self::paths::Paths;
 pub use self::soft::Play;
 use crate::nearest::hint;
-use crate::scene::{AnyScene, Scene, Storage, Stored};
+use crate::scene::{AnyScene, Given, Scene, Storage, Stored};
 
 /// A kind of motion, with its line in the list of motions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -74,11 +76,13 @@ impl Kind {
             Kind::Rest => "nothing moves",
             Kind::Drift => {
                 "straight flight through a box whose walls reflect the centres: the box around \
-                 those of frame 0; velocities are uniform in a ball, and speed is the largest"
+                 those of frame 0; through the faces of a box that repeats; velocities are uniform \
+                 in a ball, and speed is the largest"
             }
             Kind::Shear => {
                 "layers slide along x, as fast as they are far from the middle along y; speed is \
-                 that of the outermost"
+                 that of the outermost, in a box that repeats along y (which is sheared, after \
+                 Lees and Edwards) that of its faces"
             }
             Kind::Rotation => {
                 "all turn as one body about the middle, around z; speed is that of the outermost"
@@ -178,12 +182,14 @@ enum Of {
 }
 
 impl Frames {
-    /// Of this scene in open space.
+    /// Of this scene, in its box if it has one.
     ///
     /// # Errors
-    /// The scene cannot be stored in f64, or has no diameter for speeds to be measured in; soft
-    /// spheres are too far apart, or too fast for their steps of time.
-    pub fn new(scene: &AnyScene<'_>, motion: Motion) -> anyhow::Result<Frames> {
+    /// The scene cannot be stored in f64, or has no diameter for speeds to be measured in; the
+    /// motion is none for its box; soft spheres are too far apart, or too fast for their steps of
+    /// time.
+    pub fn new(given: &Given, motion: Motion) -> anyhow::Result<Frames> {
+        let (scene, lattice) = (&given.scene, given.lattice.as_ref());
         let moves = motion.kind != Kind::Rest && motion.speed > 0.0 && !scene.is_empty();
         ensure!(
             !moves || scene.largest_radius() > 0.0,
@@ -192,27 +198,28 @@ impl Frames {
         );
         Ok(Frames(match scene.stored(Storage::F64)? {
             AnyScene::Plane(Stored::F64(scene)) => {
-                let paths = Paths::new(&scene, motion)?;
+                let paths = Paths::new(&scene, lattice, motion)?;
                 Of::Plane(scene, paths)
             }
             AnyScene::Space(Stored::F64(scene)) => {
-                let paths = Paths::new(&scene, motion)?;
+                let paths = Paths::new(&scene, lattice, motion)?;
                 Of::Space(scene, paths)
             }
             _ => bail!("a scene stored in f64 is in f64"),
         }))
     }
 
-    /// Frame k. Those of [`Kind::Brownian`] and [`Kind::Soft`] cost as many frames as lie between
-    /// it and the one asked for before, or the first; all others cost one.
+    /// Frame k, with the box in which it repeats. Those of [`Kind::Brownian`] and [`Kind::Soft`]
+    /// cost as many frames as lie between it and the one asked for before, or the first; all others
+    /// cost one.
     ///
     /// # Errors
     /// A particle has flown beyond the numbers of f64; more soft spheres crowd than a list of pairs
     /// may hold.
-    pub fn at(&mut self, k: u64) -> anyhow::Result<AnyScene<'static>> {
+    pub fn at(&mut self, k: u64) -> anyhow::Result<Given> {
         match &mut self.0 {
-            Of::Plane(scene, paths) => Ok(moved(scene, paths, k)?.into()),
-            Of::Space(scene, paths) => Ok(moved(scene, paths, k)?.into()),
+            Of::Plane(scene, paths) => moved(scene, paths, k),
+            Of::Space(scene, paths) => moved(scene, paths, k),
         }
     }
 }
@@ -221,12 +228,18 @@ fn moved<const D: usize>(
     scene: &Scene<'static, f64, D>,
     paths: &mut Paths<D>,
     k: u64,
-) -> anyhow::Result<Scene<'static, f64, D>>
+) -> anyhow::Result<Given>
 where
     for<'a> AnyScene<'a>: From<Scene<'a, f64, D>>,
 {
-    Scene::new(paths.at(k, scene.centres())?, scene.radii().clone())
-        .with_context(|| format!("frame {k}; take fewer frames, or a smaller speed"))
+    let beyond = || format!("frame {k}; take fewer frames, or a smaller speed");
+    let lattice = paths.lattice(k).with_context(beyond)?;
+    let centres = paths.at(k, scene.centres())?;
+    let scene = Scene::new(centres, scene.radii().clone()).with_context(beyond)?;
+    match lattice {
+        None => Ok(scene.into()),
+        Some(lattice) => Given::in_box(scene.into(), lattice),
+    }
 }
 
 /// The largest diameter of a scene.

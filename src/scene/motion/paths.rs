@@ -2,10 +2,11 @@
 
 use nalgebra::Point;
 
+use super::boxed::{Boxed, brought};
 use super::soft::Soft;
 use super::{Kind, Motion, diameter};
 use crate::scene::generate::draw::Draw;
-use crate::scene::{AnyScene, Scene};
+use crate::scene::{AnyScene, Lattice, Scene};
 
 /// Frames between two new velocities of a particle ([`Kind::Brownian`]).
 const PERIOD: u64 = 100;
@@ -21,8 +22,14 @@ pub(super) struct Paths<const D: usize> {
     /// Per frame.
     velocities: Vec<[f64; D]>,
     walk: Walk<D>,
+    /// Of [`Kind::Shear`]: how much faster a layer is for each unit of length along y, and where
+    /// along y nothing moves.
+    slope: f64,
+    still: f64,
     /// Of [`Kind::Soft`], if they move.
     soft: Option<Soft<D>>,
+    /// None in open space.
+    boxed: Option<Boxed<D>>,
 }
 
 /// How far a walk has come; walls are not yet looked at.
@@ -36,8 +43,13 @@ impl<const D: usize> Paths<D>
 where
     for<'a> AnyScene<'a>: From<Scene<'a, f64, D>>,
 {
-    pub fn new(scene: &Scene<'_, f64, D>, motion: Motion) -> anyhow::Result<Paths<D>> {
+    pub fn new(
+        scene: &Scene<'_, f64, D>,
+        lattice: Option<&Lattice>,
+        motion: Motion,
+    ) -> anyhow::Result<Paths<D>> {
         let Motion { kind, speed, seed } = motion;
+        let boxed = lattice.map(|lattice| Boxed::new(scene, lattice, kind)).transpose()?;
         let (mut low, mut high) = ([f64::INFINITY; D], [f64::NEG_INFINITY; D]);
         for centre in scene.centres() {
             for k in 0..D {
@@ -63,7 +75,23 @@ where
             _ => Vec::new(),
         };
         let walk = Walk { frame: 0, at: Vec::new(), velocities: Vec::new() };
-        Ok(Paths { kind, seed, speed, low, extent, velocities, walk, soft })
+        let height = boxed.as_ref().and_then(Boxed::height);
+        let (most, still) = height.map_or_else(
+            || {
+                let still = low[1] + 0.5 * extent[1];
+                let far = scene.centres().iter().map(|at| (at[1] - still).abs());
+                (far.fold(0.0, f64::max), still)
+            },
+            |(height, middle)| (0.5 * height, middle),
+        );
+        let slope = if kind == Kind::Shear && most > 0.0 { speed / most } else { 0.0 };
+        Ok(Paths { kind, seed, speed, low, extent, velocities, walk, slope, still, soft, boxed })
+    }
+
+    /// The box in which frame `k` repeats.
+    pub fn lattice(&self, k: u64) -> anyhow::Result<Option<Lattice>> {
+        let lattice = |boxed: &Boxed<D>| boxed.sheared(self.slope * k as f64);
+        self.boxed.as_ref().map(lattice).transpose()
     }
 
     /// The centres in frame `k`, from those in frame 0.
@@ -84,25 +112,31 @@ where
             Kind::Drift => first
                 .iter()
                 .zip(&self.velocities)
-                .map(|(at, velocity)| self.reflected(at, &velocity.map(|v| v * time)))
+                .map(|(at, velocity)| self.gone(at, &velocity.map(|v| v * time)))
                 .collect(),
             Kind::Brownian => {
                 self.walk_to(k, first.len());
-                first.iter().zip(&self.walk.at).map(|(at, way)| self.reflected(at, way)).collect()
+                first.iter().zip(&self.walk.at).map(|(at, way)| self.gone(at, way)).collect()
             }
             Kind::Jitter => {
                 let mut draw = Draw::of_motion(self.seed, k);
                 let moved = |at: &Point<f64, D>| at.map(|x| x + self.speed * draw.normal());
-                first.iter().map(moved).collect()
+                let moved = first.iter().map(moved);
+                match &self.boxed {
+                    None => moved.collect(),
+                    Some(boxed) => moved.map(|at| boxed.in_first(&at)).collect(),
+                }
             }
             Kind::Shear => {
-                let most = outermost(&|at| (at[1] - middle[1]).abs());
-                let slope = if most > 0.0 { self.speed / most } else { 0.0 };
-                all(&|at| {
+                let slid = |at: &Point<f64, D>| {
                     let mut at = *at;
-                    at[0] += slope * (at[1] - middle[1]) * time;
+                    at[0] += self.slope * (at[1] - self.still) * time;
                     at
-                })
+                };
+                match self.lattice(k)? {
+                    None => all(&slid),
+                    Some(lattice) => all(&|at| brought(&lattice, &slid(at))),
+                }
             }
             Kind::Rotation => {
                 let most = outermost(&|at| distance(at, &middle));
@@ -124,21 +158,22 @@ where
         })
     }
 
-    /// Where a particle is that has gone this way, if walls reflect it.
+    /// Where a particle is that has gone this way.
+    fn gone(&self, first: &Point<f64, D>, way: &[f64; D]) -> Point<f64, D> {
+        match &self.boxed {
+            None => self.reflected(first, way),
+            Some(boxed) => boxed.gone(first, way),
+        }
+    }
+
+    /// The same in open space: walls reflect it.
     fn reflected(&self, first: &Point<f64, D>, way: &[f64; D]) -> Point<f64, D> {
         let along = |k: usize| {
             let (low, extent) = (self.low[k], self.extent[k]);
-            let period = 2.0 * extent;
-            if way[k] == 0.0 || period == 0.0 {
+            if way[k] == 0.0 || extent == 0.0 {
                 return first[k];
             }
-            if period == f64::INFINITY {
-                // No number is where it is: such a frame is refused.
-                return period;
-            }
-            let on = (first[k] - low + way[k]) % period;
-            let on = if on < 0.0 { on + period } else { on };
-            let on = if on > extent { period - on } else { on };
+            let on = between_walls(first[k] - low + way[k], extent);
             (low + on).min(low + extent)
         };
         Point::from(std::array::from_fn(along))
@@ -166,6 +201,22 @@ where
             self.walk.frame += 1;
         }
     }
+}
+
+/// Where between two walls, from 0 to `extent`, somebody is who would be so far from the first
+/// without them.
+pub(super) fn between_walls(on: f64, extent: f64) -> f64 {
+    let period = 2.0 * extent;
+    if period == f64::INFINITY {
+        // No number is where it is: such a frame is refused.
+        return period;
+    }
+    if period == 0.0 {
+        return 0.0;
+    }
+    let on = on % period;
+    let on = if on < 0.0 { on + period } else { on };
+    if on > extent { period - on } else { on }
 }
 
 /// Uniform in a ball about 0.

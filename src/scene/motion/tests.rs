@@ -4,13 +4,13 @@ use crate::scene::{Real, array};
 use crate::sink::splitmix64;
 use crate::with_scene;
 
-fn scene(text: &str) -> AnyScene<'static> {
-    Spec::parse(text).unwrap().make().unwrap()
+fn scene(text: &str) -> Given {
+    Spec::parse(text).unwrap().given().unwrap()
 }
 
 /// All coordinates, in order.
-fn coordinates(scene: &AnyScene<'_>) -> Vec<f64> {
-    with_scene!(scene, scene => {
+fn coordinates(given: &Given) -> Vec<f64> {
+    with_scene!(&given.scene, scene => {
         scene.centres().iter().flat_map(|at| array(at).map(|x| x.wide())).collect()
     })
 }
@@ -25,7 +25,7 @@ fn free() -> impl Iterator<Item = Kind> {
 }
 
 /// The longest way of a particle between two frames, in diameters of 1.
-fn longest(a: &AnyScene<'_>, b: &AnyScene<'_>, dim: usize) -> f64 {
+fn longest(a: &Given, b: &Given, dim: usize) -> f64 {
     let (a, b) = (coordinates(a), coordinates(b));
     let ways = a
         .chunks(dim)
@@ -126,11 +126,11 @@ fn scenes_of_one_of_none_and_at_one_place_move_or_stay() {
             assert!(coordinates(&frame).iter().all(|x| x.is_finite()), "{kind:?}");
         }
     }
-    let none: AnyScene<'_> =
+    let none: Given =
         Scene::<f64, 2>::new(Vec::new(), crate::scene::Radii::Uniform(1.0)).unwrap().into();
     for kind in Kind::ALL {
         assert_eq!(
-            Frames::new(&none, motion(kind, 0.5)).unwrap().at(9).unwrap().len(),
+            Frames::new(&none, motion(kind, 0.5)).unwrap().at(9).unwrap().scene.len(),
             0,
             "{kind:?}"
         );
@@ -139,7 +139,7 @@ fn scenes_of_one_of_none_and_at_one_place_move_or_stay() {
 
 #[test]
 fn scenes_without_a_diameter_or_an_extent_are_refused() {
-    let of = |x: f64, r: f64| -> AnyScene<'static> {
+    let of = |x: f64, r: f64| -> Given {
         let centres = [-x, x].map(|x| nalgebra::Point::from([x, 0.0])).to_vec();
         Scene::new(centres, crate::scene::Radii::Uniform(r)).unwrap().into()
     };
