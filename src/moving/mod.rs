@@ -1,6 +1,8 @@
 //! Trackers held to the truth, frame by frame: what a kept list costs, and what it misses.
 
 mod between;
+#[cfg(test)]
+mod box_tests;
 mod builds;
 mod course;
 mod late;

@@ -2,10 +2,11 @@
 
 use anyhow::{Context, bail, ensure};
 
+use crate::io::boxes::along;
 use crate::io::{About, Particles};
-use crate::scene::Given;
+use crate::scene::{Given, Lattice};
 
-/// Frames of the same particles: told apart by the ids of the file, where it has such, and then in
+/// Frames of the same particles, in boxes that repeat along the same axes: told apart by the ids of the file, where it has such, and then in
 /// their order; else by their places.
 pub struct Recorded<'a, I> {
     frames: I,
@@ -20,6 +21,12 @@ struct First {
     dim: usize,
     /// In order.
     ids: Option<Vec<i64>>,
+    /// Along which axes its box repeats.
+    repeats: [bool; 3],
+}
+
+fn repeats(particles: &Particles) -> [bool; 3] {
+    particles.lattice().map_or([false; 3], Lattice::periodic)
 }
 
 impl<'a, I: Iterator<Item = anyhow::Result<(Particles, About)>>> Recorded<'a, I> {
@@ -31,7 +38,7 @@ impl<'a, I: Iterator<Item = anyhow::Result<(Particles, About)>>> Recorded<'a, I>
     /// The next frame, none after the last.
     ///
     /// # Errors
-    /// The file is broken, or the frame holds other particles than the first.
+    /// The file is broken, or the frame holds other particles than the first, or repeats otherwise.
     pub fn next_frame(&mut self) -> anyhow::Result<Option<Given>> {
         let Some((mut particles, about)) = self.frames.next().transpose()? else {
             return Ok(None);
@@ -52,7 +59,7 @@ impl<'a, I: Iterator<Item = anyhow::Result<(Particles, About)>>> Recorded<'a, I>
 impl First {
     fn new(particles: &Particles) -> anyhow::Result<First> {
         let ids = particles.ids_copied()?;
-        Ok(First { len: particles.len(), dim: particles.dim(), ids })
+        Ok(First { len: particles.len(), dim: particles.dim(), ids, repeats: repeats(particles) })
     }
 
     fn same(&self, particles: &Particles) -> anyhow::Result<()> {
@@ -65,6 +72,14 @@ impl First {
             particles.dim(),
             self.len,
             self.dim
+        );
+        let repeats = repeats(particles);
+        ensure!(
+            repeats == self.repeats,
+            "the box repeats along {}, and along {} in the first frame; say along which axes it \
+             does in all (--periodic), or give --open",
+            along(repeats),
+            along(self.repeats)
         );
         let (ids, before) = (particles.ids(), self.ids.as_deref());
         ensure!(

@@ -248,4 +248,6 @@ fn diameter<const D: usize>(scene: &Scene<'_, f64, D>) -> f64 {
 }
 
 #[cfg(test)]
+mod box_tests;
+#[cfg(test)]
 mod tests;

@@ -4,18 +4,18 @@ use crate::scene::{Real, array};
 use crate::sink::splitmix64;
 use crate::with_scene;
 
-fn scene(text: &str) -> Given {
+pub(super) fn scene(text: &str) -> Given {
     Spec::parse(text).unwrap().given().unwrap()
 }
 
 /// All coordinates, in order.
-fn coordinates(given: &Given) -> Vec<f64> {
+pub(super) fn coordinates(given: &Given) -> Vec<f64> {
     with_scene!(&given.scene, scene => {
         scene.centres().iter().flat_map(|at| array(at).map(|x| x.wide())).collect()
     })
 }
 
-fn motion(kind: Kind, speed: f64) -> Motion {
+pub(super) fn motion(kind: Kind, speed: f64) -> Motion {
     Motion { kind, speed, seed: 1 }
 }
 
