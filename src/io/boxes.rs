@@ -242,8 +242,8 @@ pub fn outside(points: impl Iterator<Item = [f64; 3]>, lattice: &Lattice) -> Vec
 }
 
 /// Who takes boxes, for those who do not.
-pub const KNOWN_TO: &str = "detect, verify, inspect, draw, check, recommend, run and scene, which \
-                            know boxes";
+pub const KNOWN_TO: &str = "detect, verify, inspect, draw, track, check, recommend, run and scene, \
+                            which know boxes";
 
 /// What the options say of the box.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -176,25 +176,29 @@ pub(super) fn centres(scene: &AnyScene<'_>) -> Vec<[f64; 3]> {
     })
 }
 
-/// Finds the nearest image.
-struct Nearest {
+/// Finds the nearest image. Vectors are as short as can be: then the nearest one is among those
+/// around the fractions, each rounded (as in the `minimum_image` of ASE).
+pub(super) struct Nearest {
     vectors: [[f64; 3]; 3],
     duals: [[f64; 3]; 3],
-    /// Whoever is no farther has no nearer image.
+    /// By those of the box.
+    numbers: Numbers,
+    /// The square of a length: whoever has gone no farther has no nearer image.
     near: f64,
 }
 
 impl Nearest {
-    fn new(lattice: &Lattice) -> Nearest {
+    pub fn new(lattice: &Lattice) -> Nearest {
+        let (lattice, numbers) = lattice.reduced();
         let repeats = lattice.periodic();
         let duals = std::array::from_fn(|v| if repeats[v] { lattice.dual(v) } else { [0.0; 3] });
         // With a little less than half for rounding.
         let near = 0.49 * lattice.shortest();
-        Nearest { vectors: repeating(lattice), duals, near: near * near }
+        Nearest { vectors: repeating(&lattice), duals, numbers, near: near * near }
     }
 
-    /// How many vectors bring `at` nearest to `then`.
-    fn by(&self, at: [f64; 3], then: [f64; 3]) -> [i32; 3] {
+    /// How many vectors of the box bring `at` nearest to `then`.
+    pub fn by(&self, at: [f64; 3], then: [f64; 3]) -> [i32; 3] {
         let way: [f64; 3] = std::array::from_fn(|k| then[k] - at[k]);
         if square(way) <= self.near {
             return [0; 3];
@@ -208,21 +212,20 @@ impl Nearest {
             square(std::array::from_fn(|k| way[k] - sum[k]))
         };
         let mut best = (left(about), about);
-        if best.0 > self.near {
-            let steps = |v: usize| if self.duals[v] == [0.0; 3] { 0..=0 } else { -1..=1 };
-            for x in steps(0) {
-                for y in steps(1) {
-                    for z in steps(2) {
-                        let by = add(about, [x, y, z]);
-                        let left = left(by);
-                        if left < best.0 {
-                            best = (left, by);
-                        }
-                    }
-                }
+        let steps = |v: usize| if self.duals[v] == [0.0; 3] { 0..=0 } else { -1..=1 };
+        let others = steps(0).flat_map(|x| steps(1).map(move |y| (x, y)));
+        let others = others.flat_map(|(x, y)| steps(2).map(move |z| [x, y, z]));
+        for by in others.map(|step| add(about, step)) {
+            // Most are next to where they were.
+            if best.0 <= self.near {
+                break;
+            }
+            let left = left(by);
+            if left < best.0 {
+                best = (left, by);
             }
         }
-        best.1
+        times(best.1, &self.numbers)
     }
 }
 

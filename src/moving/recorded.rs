@@ -6,8 +6,8 @@ use crate::io::boxes::along;
 use crate::io::{About, Particles};
 use crate::scene::{Given, Lattice};
 
-/// Frames of the same particles, in boxes that repeat along the same axes: told apart by the ids of the file, where it has such, and then in
-/// their order; else by their places.
+/// Frames of the same particles, in boxes that repeat along the same axes. Particles are told apart
+/// by the ids of the file, where it has such, and then in their order; else by their places.
 pub struct Recorded<'a, I> {
     frames: I,
     name: &'a str,

@@ -372,8 +372,8 @@ mod tests {
             (
                 "loose:periodic=true",
                 "loose: the scene repeats along x and y, and here boundaries are open; take it \
-                 without its box, or one of detect, verify, inspect, draw, check, recommend, run \
-                 and scene, which know boxes",
+                 without its box, or one of detect, verify, inspect, draw, track, check, \
+                 recommend, run and scene, which know boxes",
             ),
             ("pack-c:s=-1", "pack-c: s is -1; it must be a finite number of at least 0"),
             ("file", "file: the parameter 'path' is missing (the file's name)"),

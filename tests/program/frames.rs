@@ -120,12 +120,9 @@ fn what_is_no_motion_is_refused_with_its_frame() {
                  same particles: write all of them in every frame, or take those before (--frames)";
     refused(folder, &["track", "other.dump"], &[words]);
     good(folder, &["track", "other.dump", "--frames", "1"]);
-    file(folder, "box.dump", dump(3, "pp ff ff"));
-    refused(
-        folder,
-        &["track", "box.dump"],
-        &["the scene repeats along x, and here boundaries are"],
-    );
+    file(folder, "box.dump", dump(2, "pp ff ff") + &dump(3, "pp pp ff"));
+    let words = "frame 2 (step 0): the box repeats along x and y, and along x in the first frame";
+    refused(folder, &["track", "box.dump"], &[words]);
     file(folder, "cut.dump", without_last(&three));
     refused(folder, &["track", "cut.dump"], &["cut.dump ends after 39 of the 40 atoms"]);
     for verb in ["recommend", "draw", "scene"] {
@@ -300,7 +297,7 @@ fn the_motion_of_a_file_is_described() {
     );
     file(folder, "box.dump", dump(2, "pp ff ff"));
     let said = good(folder, &["inspect", "box.dump", "--frame", "all"]).stdout;
-    assert!(said.contains("the motion is not described: box.dump: the scene repeats"), "{said}");
+    assert!(said.contains("2 frames of 40 particles: a particle goes"), "{said}");
     file(folder, "one.csv", "x,y,r\n0,0,1\n");
     let said = good(folder, &["inspect", "one.csv", "--frame", "all"]).stdout;
     assert!(said.contains("none: the file has one frame"), "{said}");

@@ -105,7 +105,6 @@ fn what_cannot_be_tracked_is_refused_in_a_sentence() {
         (&["track", scene, "--frames", "0"], &["--frames 0"]),
         (&["track", scene, "--tracker", "verlet(nbz)"], &["there is no detector 'nbz'"]),
         (&["track", scene, "--tracker", "verlet(nbs,rule=x)"], &["rule cannot be 'x'", "top-two"]),
-        (&["track", "loose:n=50,periodic=true"], &["boundaries are open"]),
     ] {
         refused(folder.path(), arguments, words);
     }
@@ -279,8 +278,8 @@ fn courses_that_make_no_sense_are_refused() {
         ("nbs", "name = \"packed\"\nn = 9\nspeed = 1", "speed"),
         (
             "nbs",
-            "name = \"packed\"\nn = 9\nmotion = \"rest\"\nperiodic = true",
-            "scenes in motion have open boundaries",
+            "name = \"packed\"\nn = 9\nmotion = \"vortex\"\nperiodic = true",
+            "vortex needs open boundaries, and the scene repeats",
         ),
         ("nbs", "name = \"hard\"\nmotion = \"drift\"", "hard cases stay where they are"),
         ("verlet(nbs,skin=x)", "name = \"packed\"\nn = 9", "skin cannot be 'x'"),

@@ -105,7 +105,7 @@ fn every_way_to_be_wrong_is_told() {
         &["asked for a sample: the runner's answer is not a reply", "found"],
     );
     // Another version, arithmetic, digest, unit of time; a sample without repetition.
-    told("\"protocol\": 2", "\"protocol\": 4", none, &["speaks protocol 4, this program 1 to 3"]);
+    told("\"protocol\": 2", "\"protocol\": 5", none, &["speaks protocol 5, this program 1 to 4"]);
     told("\"f64\"", "\"double\"", none, &["arithmetic 'double'; it must be one of f32, "]);
     told("<< 32", "<< 31", none, &["of the pairs 0,1 and 1,2 the digest is 0x447a68c51d52cce3"]);
     told("016x", "016X", none, &["lower-case"]);
