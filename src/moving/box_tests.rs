@@ -195,18 +195,21 @@ fn a_box_far_away_is_none() {
 #[test]
 fn no_contact_between_two_frames_is_lost_in_boxes() {
     let mut all = 0;
-    for (seed, from, to) in [
-        (1, [[4.0, 0.0], [0.5, 3.0]], [[4.0, 0.0], [0.5, 3.0]]),
-        (2, [[4.0, 0.0], [1.9, 3.0]], [[4.0, 0.0], [-1.6, 3.0]]),
-        (3, [[4.0, 0.0], [0.5, 3.0]], [[3.6, 0.0], [0.75, 2.75]]),
-        (4, [[1.5, 0.0], [0.5, 2.0]], [[1.5, 0.0], [-0.75, 2.0]]),
+    for (seed, way, from, to) in [
+        (1, 14, [[4.0, 0.0], [0.5, 3.0]], [[4.0, 0.0], [0.5, 3.0]]),
+        (2, 14, [[4.0, 0.0], [1.9, 3.0]], [[4.0, 0.0], [-1.6, 3.0]]),
+        (3, 14, [[4.0, 0.0], [0.5, 3.0]], [[3.6, 0.0], [0.75, 2.75]]),
+        (4, 14, [[1.5, 0.0], [0.5, 2.0]], [[1.5, 0.0], [-0.75, 2.0]]),
+        // The box alone moves.
+        (5, 0, [[4.0, 0.0], [1.5, 3.0]], [[4.0, 0.0], [-1.25, 3.0]]),
+        (6, 0, [[4.0, 0.0], [0.5, 3.0]], [[4.0, 1.25], [0.5, 3.0]]),
     ] {
         let lattice = |rows: [[f64; 2]; 2]| {
             let row = |v: usize| [rows[v][0], rows[v][1], 0.0];
             Lattice::new([row(0), row(1), [0.0; 3]], [true, true, false], [0.0; 3]).unwrap()
         };
         let radius = 0.125;
-        let (first, ways) = (sixteenths(seed, 18, 32), sixteenths(seed + 20, 18, 14));
+        let (first, ways) = (sixteenths(seed, 18, 32), sixteenths(seed + 20, 18, way));
         let then = first.iter().zip(&ways).map(|(at, way)| [at[0] + way[0], at[1] + way[1]]);
         let frames = [given(first.clone(), radius, lattice(from)), {
             given(then.collect(), radius, lattice(to))
@@ -248,6 +251,7 @@ fn no_contact_between_two_frames_is_lost_in_boxes() {
             }
         }
         assert_eq!(found, count, "{seed}");
+        assert!(way > 0 || count > 0, "{seed}");
         all += count;
     }
     assert!(all > 20, "{all}");
@@ -292,4 +296,42 @@ fn ways_are_those_to_the_nearest_image() {
             assert!(far(nearest.by(at, then)) <= least + 1e-9, "{lattice:?} {at:?} {then:?}");
         }
     }
+}
+
+/// Whatever image is named, and however often a sheared box was flipped.
+#[test]
+fn contacts_have_one_name_in_all_frames() {
+    let (first, ways) = (sixteenths(1, 12, 64), sixteenths(2, 12, 9));
+    let mut names = Names::default();
+    let mut flips = 0;
+    for k in 0..60i32 {
+        // Wrapped at random, in boxes of 8 by 8 with a tilt that grows by 0.75.
+        let tilt = 0.75 * f64::from(k);
+        let whole = (tilt / 8.0).round();
+        let vectors = [[8.0, 0.0, 0.0], [tilt - 8.0 * whole, 8.0, 0.0], [0.0; 3]];
+        let lattice = Lattice::new(vectors, [true, true, false], [0.0; 3]).unwrap();
+        flips = whole as i32;
+        let by = |i: usize| -> [i32; 2] {
+            let draw = |v: u64| (splitmix64((v << 40) + ((k as u64) << 20) + i as u64) % 5) as i32;
+            if k == 0 { [0; 2] } else { [draw(1) - 2, draw(2) - 2] }
+        };
+        let place = |i: usize| -> [f64; 2] {
+            let [x, y] = by(i).map(f64::from);
+            let on = |axis: usize| first[i][axis] + f64::from(k) * ways[i][axis];
+            [on(0) + x * 8.0 + y * vectors[1][0], on(1) + y * 8.0]
+        };
+        let frame = given((0..12).map(place).collect(), 0.5, lattice).periodic().unwrap().unwrap();
+        names.next(&frame);
+        for (i, j) in (0..12).flat_map(|i| (i..12).map(move |j| (i, j))) {
+            for image in [[0, 0, 0], [1, 0, 0], [0, 1, 0], [-2, 3, 0]] {
+                let ([ix, iy], [jx, jy]) = (by(i), by(j));
+                let here = [image[0] + flips * image[1] + ix - jx, image[1] + iy - jy, 0];
+                let here = ImagePair::new(i as u32, j as u32, here);
+                let always = ImagePair::new(i as u32, j as u32, image);
+                assert_eq!(names.name(here), always, "{k} {i} {j}");
+                assert_eq!(names.called(always), here, "{k} {i} {j}");
+            }
+        }
+    }
+    assert!(flips > 4, "{flips}");
 }
