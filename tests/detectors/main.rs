@@ -8,6 +8,7 @@ mod exactness;
 mod fuzz;
 mod limits;
 mod metamorphic;
+mod moving;
 mod mutants;
 mod near_tangent;
 mod regressions;

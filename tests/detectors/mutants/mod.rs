@@ -11,10 +11,13 @@
 //! the number of cases that find a mutant out is that among the light ones. The right ones among
 //! the mutants are tried on light cases, the unchanged detectors on all.
 //!
+//! Lists that are kept while bodies move have mutants and trials of their own ([`rules`]).
+//!
 //! `cargo test --test detectors mutants -- --nocapture` prints the table of mutants.
 
 mod boxes;
 mod reference;
+mod rules;
 mod ways;
 
 use std::panic::{AssertUnwindSafe, catch_unwind};

@@ -1,0 +1,244 @@
+//! A few bodies in motion, two of which come into touch just when their ways have used up the
+//! skin: in whole numbers, so that who touches in a frame is known without the library.
+//!
+//! ```text
+//!   a >--------alpha-------->          (    t    )          <--------beta--------< b
+//!                                      in touch
+//!   when the list is built: t + s apart, or a unit more or less; alpha + beta = s, or so
+//! ```
+//!
+//! On a *line* (along an axis, a Pythagorean direction or any other) coordinates are near 2^52
+//! units, so that a unit is an ulp, and skins are from 1/64 to 3 diameters. *Thin* are skins of a
+//! few units where the diameter is near 2^58, and ways of a few units beside ways of diameters:
+//! sums and squares lose them.
+
+use contactbench::scene::{AnyScene, Radii, Scene};
+use nalgebra::Point;
+
+use super::draw::{Draw, Sphere, direction, power, square};
+
+/// A few bodies, of which two are the couple, in frames that follow each other.
+#[derive(Debug)]
+pub struct Couple<const D: usize> {
+    /// Of the family.
+    pub name: &'static str,
+    /// The centres by frame, in units.
+    frames: Vec<Vec<[i64; D]>>,
+    /// In half units.
+    radii: Vec<i64>,
+    /// A unit is 2 to this.
+    exponent: i32,
+    /// In diameters of the largest body.
+    pub skin: f64,
+    /// In half units.
+    skin_units: i64,
+    /// The frame in which the couple is about as far apart as a list reaches.
+    start: usize,
+}
+
+/// How many diameters coordinates are from zero; 0: about it.
+const OFFSETS: [f64; 4] = [0.0, 1e3, 1e6, 1e9];
+/// Coordinates at an offset have this magnitude or more, in units.
+const FAR: i64 = 1 << 52;
+
+impl<const D: usize> Couple<D> {
+    /// The next couple.
+    pub fn new(sphere: &Sphere<D>, draw: &mut Draw) -> Couple<D> {
+        let mut couple = if draw.once_in(3) { thin(draw) } else { line(sphere, draw) };
+        couple.exponent = match draw.below(4) {
+            0 => -52,
+            1 => 0,
+            2 => draw.within(200) as i32,
+            _ => draw.within(900) as i32,
+        };
+        let order = draw.order(couple.radii.len());
+        couple.radii = order.iter().map(|&k| couple.radii[k]).collect();
+        for frame in &mut couple.frames {
+            *frame = order.iter().map(|&k| frame[k]).collect();
+        }
+        couple
+    }
+
+    /// How many frames there are.
+    pub fn len(&self) -> usize {
+        self.frames.len()
+    }
+
+    /// The centres and radii in frame `k`.
+    pub fn bodies(&self, k: usize) -> (Vec<[f64; D]>, Vec<f64>) {
+        let (unit, half) = (power(self.exponent), power(self.exponent - 1));
+        let centres = self.frames[k].iter().map(|x| x.map(|x| x as f64 * unit)).collect();
+        (centres, self.radii.iter().map(|&r| r as f64 * half).collect())
+    }
+
+    /// The scene of frame `k`.
+    pub fn scene(&self, k: usize) -> AnyScene<'static>
+    where
+        AnyScene<'static>: From<Scene<'static, f64, D>>,
+    {
+        let (centres, radii) = self.bodies(k);
+        let centres: Vec<_> = centres.into_iter().map(Point::from).collect();
+        let radii = if radii.iter().all(|r| *r == radii[0]) {
+            Radii::Uniform(radii[0])
+        } else {
+            Radii::Each(radii.into())
+        };
+        Scene::new(centres, radii).expect("coordinates and radii are below 2^960").into()
+    }
+
+    /// The pairs that touch in frame `k`, in ascending order.
+    pub fn touching(&self, k: usize) -> Vec<[u32; 2]> {
+        self.within(k, 0)
+    }
+
+    /// Pairs that touch in the last frame and were farther apart than the skin at the start.
+    pub fn came(&self) -> usize {
+        let near = self.within(self.start, self.skin_units);
+        self.touching(self.len() - 1).iter().filter(|pair| !near.contains(pair)).count()
+    }
+
+    /// The pairs whose surfaces are at most so many half units apart.
+    fn within(&self, k: usize, gap: i64) -> Vec<[u32; 2]> {
+        let (at, n) = (&self.frames[k], self.radii.len());
+        let pairs = (0..n).flat_map(|i| (i + 1..n).map(move |j| [i, j]));
+        let near = |&[i, j]: &[usize; 2]| {
+            let twice: [i64; D] = std::array::from_fn(|k| 2 * (at[i][k] - at[j][k]));
+            square(&twice) <= square(&[self.radii[i] + self.radii[j] + gap])
+        };
+        pairs.filter(near).map(|pair| pair.map(|k| k as u32)).collect()
+    }
+}
+
+fn moved<const D: usize>(at: [i64; D], by: [i64; D], sign: i64) -> [i64; D] {
+    std::array::from_fn(|k| at[k] + sign * by[k])
+}
+
+fn line<const D: usize>(sphere: &Sphere<D>, draw: &mut Draw) -> Couple<D> {
+    let (p, length) = (1 + draw.below(6), sphere.length);
+    let q = 1 + draw.below(3 << p);
+    let offset = OFFSETS[draw.below(OFFSETS.len() as i64) as usize];
+    // The diameter is 2^p m lengths, the skin q m; nothing goes farther than twelve skins.
+    let room = if offset == 0.0 {
+        FAR / (length * ((1 << p) + 12 * q))
+    } else {
+        (FAR as f64 / offset) as i64 / (length << p)
+    };
+    let m = 2 * (room / 2).max(1);
+    let (diameter, skin) = (m << p, m * q);
+    let alone = draw.once_in(2);
+    let smaller = if alone { diameter } else { 2 * draw.below(diameter / 2 + 1) };
+    let radii = [diameter * length, smaller * length + if alone { 0 } else { draw.bit() }];
+    let touch = (diameter + smaller) / 2;
+
+    let whole = match draw.below(3) {
+        0 => {
+            let mut axis = [0; D];
+            axis[draw.below(D as i64) as usize] = if draw.once_in(2) { length } else { -length };
+            Some(axis)
+        }
+        1 => Some(sphere.any(draw)),
+        _ => None,
+    };
+    let any: [i64; D] = direction(draw, FAR);
+    let along = |lengths: i64| match whole {
+        Some(vector) => vector.map(|x| x * lengths),
+        None => any.map(|x| ((i128::from(x) * i128::from(lengths * length)) >> 52) as i64),
+    };
+    let units = [0, 0, 1, 1, 2, 40][draw.below(6) as usize];
+    let nearly = |at: [i64; D], draw: &mut Draw| {
+        let mut at = at;
+        at[draw.below(D as i64) as usize] += draw.within(units);
+        at
+    };
+    let a: [i64; D] = std::array::from_fn(|_| {
+        let x =
+            if offset == 0.0 { draw.within(1 << 50) } else { FAR * 3 / 2 + draw.within(1 << 50) };
+        if draw.once_in(2) { -x } else { x }
+    });
+    let b = nearly(moved(a, along(touch + skin), 1), draw);
+    let alpha = match draw.below(4) {
+        0 => skin,
+        1 => 0,
+        2 => skin / 2,
+        _ => draw.below(skin + 1),
+    };
+    let end =
+        [nearly(moved(a, along(alpha), 1), draw), nearly(moved(b, along(skin - alpha), -1), draw)];
+    let mut frames = Vec::new();
+    // A list of where they will be in the end is of no use in the end.
+    if draw.once_in(3) {
+        frames.extend([end, [moved(a, along(9 * skin), -1), b]]);
+    }
+    let start = frames.len();
+    let steps = 1 + draw.below(3);
+    frames.extend((0..steps).map(|k| {
+        [moved(a, along(alpha * k / steps), 1), moved(b, along((skin - alpha) * k / steps), -1)]
+    }));
+    frames.push(end);
+    if draw.once_in(4) {
+        frames.extend([[a, b], end]);
+    }
+    let mut couple = Couple {
+        name: "line",
+        frames: frames.into_iter().map(Vec::from).collect(),
+        radii: radii.to_vec(),
+        exponent: 0,
+        skin: q as f64 / (1 << p) as f64,
+        skin_units: 2 * skin * length,
+        start,
+    };
+    // One that rests.
+    if draw.once_in(2) {
+        let most = (touch + skin) * length;
+        let at = std::array::from_fn(|k| a[k] + draw.within(most));
+        couple.frames.iter_mut().for_each(|frame| frame.push(at));
+        couple.radii.push(radii[1]);
+    }
+    couple
+}
+
+fn thin<const D: usize>(draw: &mut Draw) -> Couple<D> {
+    // As many of the highest bits as a double has.
+    let double = |x: i64| x as f64 as i64;
+    let diameter = match draw.once_in(2) {
+        true => 1 << 57,
+        false => ((1 << 51) + draw.below(1 << 51)) << 6,
+    };
+    // The one goes units, the other diameters or nothing.
+    let few = 1 + draw.below(64);
+    let (skin, far) = match draw.once_in(2) {
+        true => (few as f64 / diameter as f64, 0),
+        false => {
+            let skin = (1 + draw.below(192)) as f64 / 64.0;
+            (skin, double((diameter as f64 * skin) as i64))
+        }
+    };
+    let axis = draw.below(D as i64) as usize;
+    let (sign, off) = (if draw.once_in(2) { 1 } else { -1 }, draw.within(1 << 20));
+    let place = |along: i64, off: i64| -> [i64; D] {
+        let mut at = [0; D];
+        (at[axis], at[(axis + 1) % D]) = (sign * along, off);
+        at
+    };
+    let fine = if far == 0 { few + draw.within(1) } else { draw.within(4) };
+    let off = if draw.once_in(2) { off } else { 0 };
+    let start = [place(double(-diameter - far), 0), place(fine, off)];
+    let end = [place(-diameter, 0), place(if draw.once_in(2) { 0 } else { draw.within(2) }, off)];
+    let mut frames = vec![start];
+    if draw.once_in(2) {
+        frames.push([place(double(-diameter - far / 2), 0), place(fine / 2, off)]);
+    }
+    frames.push(end);
+    if draw.once_in(4) {
+        frames.extend([start, end]);
+    }
+    Couple {
+        name: "thin",
+        frames: frames.into_iter().map(Vec::from).collect(),
+        radii: vec![diameter; 2],
+        exponent: 0,
+        skin,
+        skin_units: 2 * if far == 0 { few } else { far },
+        start: 0,
+    }
+}
