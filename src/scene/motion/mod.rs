@@ -37,13 +37,15 @@ pub enum Kind {
     Jitter,
     /// A new velocity now and then.
     Brownian,
+    /// One flies, the others rest.
+    Bullet,
     /// Soft spheres.
     Soft(Play),
 }
 
 impl Kind {
     /// All of them.
-    pub const ALL: [Kind; 10] = [
+    pub const ALL: [Kind; 11] = [
         Kind::Rest,
         Kind::Drift,
         Kind::Shear,
@@ -51,6 +53,7 @@ impl Kind {
         Kind::Vortex,
         Kind::Jitter,
         Kind::Brownian,
+        Kind::Bullet,
         Kind::Soft(Play::Collapse),
         Kind::Soft(Play::Drum),
         Kind::Soft(Play::Penetration),
@@ -66,6 +69,7 @@ impl Kind {
             Kind::Vortex => "vortex",
             Kind::Jitter => "jitter",
             Kind::Brownian => "brownian",
+            Kind::Bullet => "bullet",
             Kind::Soft(play) => play.name(),
         }
     }
@@ -100,6 +104,10 @@ impl Kind {
                 "as drift, and each particle gets a new velocity in every 100th frame, in turn \
                  (after Broadmark, Computer Graphics Forum 39:436, 2020, where bodies outside the \
                  box are frozen instead)"
+            }
+            Kind::Bullet => {
+                "the first particle flies straight through the box of drift, whose walls reflect \
+                 it, and all others rest; speed is its own"
             }
             Kind::Soft(play) => play.summary(),
         }

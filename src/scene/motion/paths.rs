@@ -72,6 +72,12 @@ where
                 let mut draw = Draw::of_motion(seed, 0);
                 scene.centres().iter().map(|_| in_ball(&mut draw, speed)).collect()
             }
+            Kind::Bullet => {
+                let mut velocities = vec![[0.0; D]; scene.len()];
+                let bullet = velocities.iter_mut().take(1);
+                bullet.for_each(|it| *it = on_ball(&mut Draw::of_motion(seed, 0), speed));
+                velocities
+            }
             _ => Vec::new(),
         };
         let walk = Walk { frame: 0, at: Vec::new(), velocities: Vec::new() };
@@ -109,7 +115,7 @@ where
                 None => first.to_vec(),
             },
             Kind::Rest => first.to_vec(),
-            Kind::Drift => first
+            Kind::Drift | Kind::Bullet => first
                 .iter()
                 .zip(&self.velocities)
                 .map(|(at, velocity)| self.gone(at, &velocity.map(|v| v * time)))
@@ -225,6 +231,17 @@ fn in_ball<const D: usize>(draw: &mut Draw, radius: f64) -> [f64; D] {
         let at: [f64; D] = std::array::from_fn(|_| draw.symmetric());
         if at.iter().map(|x| x * x).sum::<f64>() <= 1.0 {
             return at.map(|x| x * radius);
+        }
+    }
+}
+
+/// In any direction.
+fn on_ball<const D: usize>(draw: &mut Draw, radius: f64) -> [f64; D] {
+    loop {
+        let at: [f64; D] = in_ball(draw, 1.0);
+        let square = at.iter().map(|x| x * x).sum::<f64>();
+        if square > 0.1 {
+            return at.map(|x| x / square.sqrt() * radius);
         }
     }
 }
