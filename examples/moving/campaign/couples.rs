@@ -127,7 +127,8 @@ fn line<const D: usize>(sphere: &Sphere<D>, draw: &mut Draw) -> Couple<D> {
     let (diameter, skin) = (m << p, m * q);
     let alone = draw.once_in(2);
     let smaller = if alone { diameter } else { 2 * draw.below(diameter / 2 + 1) };
-    let radii = [diameter * length, smaller * length + if alone { 0 } else { draw.bit() }];
+    let other = smaller * length + if alone { 0 } else { draw.bit() };
+    let radii = [diameter * length, other.max(0)];
     let touch = (diameter + smaller) / 2;
 
     let whole = match draw.below(3) {
