@@ -111,7 +111,9 @@ impl Trajectory {
 
     /// One of its frames, as a scene at rest.
     pub fn at_rest(&self, k: usize) -> Trajectory {
-        Trajectory { frames: self.frames[k..=k].to_vec(), ..self.clone() }
+        let frames = self.frames.get(k).cloned().into_iter().collect();
+        let in_box = self.boxes.get(k).or(self.in_box.as_ref()).cloned();
+        Trajectory { frames, in_box, boxes: Vec::new(), ..self.clone() }
     }
 
     /// Removes its files, of which there may be many.
