@@ -1,7 +1,7 @@
 //! `contactbench recommend`.
 
 use std::io::{IsTerminal, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Duration;
 
@@ -9,19 +9,24 @@ use anyhow::{Context, bail, ensure};
 use serde_json::json;
 
 use crate::cli::shared::arithmetic::arithmetic;
+use crate::cli::shared::course::{Course, course};
 use crate::cli::shared::limit::Limit;
 use crate::cli::shared::scene::Source;
 use crate::cli::shared::{terminal, values};
 use crate::contact::Arithmetic;
 use crate::io::boxes::along;
 use crate::number::plural;
-use crate::present::document::indented;
+use crate::present::document::{indented, plain};
 use crate::present::recommendation;
+use crate::present::recommendation::motion::{self as of_motion, Head};
+use crate::recommend::motion;
 use crate::recommend::race::{self, Question};
+use crate::recommend::standing::{Race, Standing};
 use crate::recommend::verdict::Verdict;
 use crate::record::row::Outcome;
 use crate::run::interrupt;
 use crate::scene::Given;
+use crate::scene::motion::Motion;
 use crate::scene::spec::Spec;
 
 /// Options of `recommend`.
@@ -29,6 +34,13 @@ use crate::scene::spec::Spec;
 pub struct Recommend {
     #[command(flatten)]
     source: Source,
+    /// Moves the scene, and names a tracker, with speed in diameters per frame (see: contactbench
+    /// list motions); a file of several frames moves by itself
+    #[arg(long)]
+    motion: Option<Motion>,
+    /// Frames at most, the scene itself among them (default: 100)
+    #[arg(long, value_parser = values::whole::<u64>)]
+    frames: Option<u64>,
     /// The measurements take about so long, besides reading and finding the truth
     #[arg(long, default_value_t = 10.0, allow_negative_numbers = true)]
     seconds: f64,
@@ -45,20 +57,26 @@ pub struct Recommend {
     json: bool,
 }
 
+/// Frames, where nobody says how many.
+const FRAMES: u64 = 100;
+
 /// Measures, and says which detector to use; exit code 1 if one was wrong, or none can be used.
 pub fn recommend(options: &Recommend) -> anyhow::Result<ExitCode> {
     let (seconds, threads) = (options.seconds, options.threads);
     ensure!((0.1..1e6).contains(&seconds), "--seconds {seconds}: give a number from 0.1 to 10^6");
     ensure!((1..=1024).contains(&threads), "--threads {threads}: give a number from 1 to 1024");
+    let of_frames = |course: Course<'_>| moving(options, course);
+    let frames = course(&options.source, options.motion, options.frames, FRAMES, of_frames)?;
+    if let Some(code) = frames {
+        return Ok(code);
+    }
     let Some((name, given)) = options.source.given()? else {
         bail!("name a particle file, or a scene such as packed:n=20000 (contactbench list scenes)");
     };
     let none = given.scene.is_empty();
     ensure!(!none, "{name}: the scene has no particles; there is nothing to recommend");
     let history = history(&name)?;
-    interrupt::end_runners_too().context("cannot listen to Ctrl-C")?;
-    let program =
-        std::env::current_exe().context("cannot find this program to start it as runner")?;
+    let program = program()?;
     let time = Duration::from_secs_f64(seconds);
     let Recommend { arithmetic, limit, .. } = *options;
     let memory_limit = limit.bytes(given.scene.len());
@@ -71,12 +89,7 @@ pub fn recommend(options: &Recommend) -> anyhow::Result<ExitCode> {
         time,
         program,
     };
-    let terminal = std::io::stderr().is_terminal();
-    let mut note = |text: &str| {
-        if terminal {
-            eprint!("\r\x1b[K{text}");
-        }
-    };
+    let mut note = note();
     let race = race::run(&question, &mut note)?;
     note("");
     let verdict = Verdict::new(&race);
@@ -121,11 +134,7 @@ pub fn recommend(options: &Recommend) -> anyhow::Result<ExitCode> {
         match &verdict {
             Some(verdict) => {
                 writeln!(out)?;
-                let said = recommendation::sentence(verdict, &race, n);
-                for (k, line) in said.lines().enumerate() {
-                    let head = if k == 0 { "use " } else { "  " };
-                    write!(out, "{}", indented(head, line.trim_start(), terminal::width()))?;
-                }
+                tell(&mut out, &recommendation::sentence(verdict, &race, n))?;
             }
             None => writeln!(
                 out,
@@ -133,11 +142,82 @@ pub fn recommend(options: &Recommend) -> anyhow::Result<ExitCode> {
             )?,
         }
     }
-    let wrong = race
-        .standings
-        .iter()
-        .any(|standing| standing.outcome == Outcome::Wrong && standing.entry.is_ours());
-    Ok(if wrong || verdict.is_none() { ExitCode::from(1) } else { ExitCode::SUCCESS })
+    Ok(code(&race, verdict.as_ref()))
+}
+
+/// Writes what to use, each line of it indented.
+fn tell(out: &mut dyn Write, said: &str) -> std::io::Result<()> {
+    for (k, line) in said.lines().enumerate() {
+        let head = if k == 0 { "use " } else { "  " };
+        write!(out, "{}", indented(head, line.trim_start(), terminal::width()))?;
+    }
+    Ok(())
+}
+
+/// 1 if one was wrong, or none can be used.
+fn code(race: &Race, verdict: Option<&Verdict>) -> ExitCode {
+    let wrong = |standing: &Standing| standing.outcome == Outcome::Wrong && standing.who.is_ours;
+    match race.standings.iter().any(wrong) || verdict.is_none() {
+        true => ExitCode::from(1),
+        false => ExitCode::SUCCESS,
+    }
+}
+
+/// This program, to be started as runner.
+fn program() -> anyhow::Result<PathBuf> {
+    interrupt::end_runners_too().context("cannot listen to Ctrl-C")?;
+    std::env::current_exe().context("cannot find this program to start it as runner")
+}
+
+/// Says on a terminal what is being done.
+fn note() -> impl FnMut(&str) {
+    let terminal = std::io::stderr().is_terminal();
+    move |text| {
+        if terminal {
+            eprint!("\r\x1b[K{text}");
+        }
+    }
+}
+
+/// Names a tracker for frames.
+fn moving(options: &Recommend, course: Course<'_>) -> anyhow::Result<ExitCode> {
+    let Course { name, motion, recorded, particles, count, next } = course;
+    let frames = motion::Frames {
+        next: &mut *next,
+        count,
+        arithmetic: options.arithmetic,
+        threads: options.threads,
+        memory_limit: options.limit.bytes(particles),
+        time: Duration::from_secs_f64(options.seconds),
+        program: program()?,
+    };
+    let mut note = note();
+    let found = motion::run(frames, &mut note)?;
+    note("");
+    let more = recorded && found.moved.frames == count && next(count)?.is_some();
+    let (arithmetic, threads) = (options.arithmetic.name(), options.threads);
+    let head = Head { name, motion, recorded, more, arithmetic, threads };
+    let verdict = Verdict::new(&found.race);
+    let mut out = std::io::stdout().lock();
+    if options.json {
+        let mut value = of_motion::as_json(&head, verdict.as_ref(), &found);
+        value["seconds"] = json!(options.seconds);
+        value["memory_limit"] = json!(options.limit.bytes(particles));
+        writeln!(out, "{value:#}")?;
+    } else {
+        let width = terminal::width();
+        let [before, after] = of_motion::blocks(&head, verdict.as_ref(), &found);
+        writeln!(out, "{}", plain(&before, width))?;
+        match &verdict {
+            Some(verdict) => tell(&mut out, &of_motion::sentence(verdict, &found))?,
+            None => writeln!(
+                out,
+                "use none: no tracker has given right answers in time; the reasons stand above"
+            )?,
+        }
+        write!(out, "\n{}", plain(&after, width))?;
+    }
+    Ok(code(&found.race, verdict.as_ref()))
 }
 
 /// Scenes that come before, where a hard case has some: a file has none.

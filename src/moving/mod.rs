@@ -18,7 +18,7 @@ use crate::detect::Refusal;
 use crate::oracle;
 use crate::periodic::{self, Contacts, ImagePair, Periodic};
 use crate::scene::{AnyScene, Given};
-use crate::sink::normalise;
+use crate::sink::{Digest, normalise};
 use crate::track::{Step, Tracker, TrackerSpec};
 
 pub use between::{Moved, Way};
@@ -47,6 +47,8 @@ pub struct Followed {
     pub moved: Moved,
     /// In the order of the question.
     pub trackers: Vec<Tracked>,
+    /// The fingerprints of the right answers, in the arithmetic.
+    pub truths: Vec<Digest>,
 }
 
 /// What one of them did.
@@ -127,18 +129,22 @@ pub fn follow(
             contacts: Contacts::default(),
         })
         .collect();
-    let mut course = Course::default();
+    let (mut course, mut truths) = (Course::default(), Vec::new());
     for k in 0..question.frames {
         let Some(given) = frame(k)? else { break };
         let going = followers.iter_mut().filter(|follower| follower.tracked.refused.is_none());
         if let Some(periodic) = given.periodic()? {
-            let truth = periodic::truth(&periodic, arithmetic, memory_limit)?.pairs;
+            let truth = periodic::truth(&periodic, arithmetic, memory_limit)?;
+            truths.push(truth.digest);
+            let truth = truth.pairs;
             course.in_box(&periodic, &truth, memory_limit);
             let frame = (&periodic, &course.names);
             going.for_each(|follower| follower.step_in_box(k, frame, question, &truth));
         } else {
             let frame = given.scene.stored(arithmetic)?;
-            let truth = oracle::truth_as_stored(&frame, arithmetic.test(), memory_limit)?.pairs;
+            let truth = oracle::truth_as_stored(&frame, arithmetic.test(), memory_limit)?;
+            truths.push(truth.digest);
+            let truth = truth.pairs;
             going.for_each(|follower| follower.step(k, &frame, arithmetic, &truth));
             course.open(given.scene, &truth, memory_limit);
         }
@@ -147,7 +153,7 @@ pub fn follow(
         follower.tracked.late.end();
         follower.tracked
     });
-    Ok(Followed { moved: course.moved, trackers: trackers.collect() })
+    Ok(Followed { moved: course.moved, trackers: trackers.collect(), truths })
 }
 
 impl Follower {

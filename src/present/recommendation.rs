@@ -1,10 +1,12 @@
-//! What `recommend` says: a sentence, a table, and all of it for programs.
+//! What `recommend` says: a sentence, a table, and all of it for programs. [`motion`]: of frames.
+
+pub mod motion;
 
 use serde_json::{Value, json};
 
 use crate::number::{number, with_interval};
 use crate::present::table::{Cell, Column, Table};
-use crate::recommend::race::{Race, Standing, fastest};
+use crate::recommend::standing::{Race, Standing, fastest};
 use crate::recommend::verdict::{Verdict, bytes_per_particle, per_particle};
 use crate::stats::interval::{Interval, ratio};
 
@@ -23,12 +25,17 @@ fn range(interval: &Interval) -> String {
 
 /// The recommendation in a sentence.
 pub fn sentence(verdict: &Verdict, race: &Race, n: usize) -> String {
+    words(verdict, race, n, "per particle", vec![error(&race.standings[verdict.choice])])
+}
+
+/// The same with what else is to be said of the choice, and what its time is `per`.
+fn words(verdict: &Verdict, race: &Race, n: usize, per: &str, own: Vec<String>) -> String {
     let standings = &race.standings;
-    let name = |k: usize| standings[k].entry.name;
+    let name = |k: usize| &*standings[k].who.name;
     let choice = &standings[verdict.choice];
     let mut parts = Vec::new();
     if let Some(time) = per_particle(choice, n) {
-        parts.push(format!("{} ns per particle ({})", number(time.median), range(&time)));
+        parts.push(format!("{} ns {per} ({})", number(time.median), range(&time)));
     }
     if let Some((k, ratio)) = &verdict.next {
         let next =
@@ -39,7 +46,7 @@ pub fn sentence(verdict: &Verdict, race: &Race, n: usize) -> String {
     if let Some(bytes) = bytes_per_particle(choice, n) {
         parts.push(format!("{} bytes per particle", number(bytes)));
     }
-    parts.push(error(choice));
+    parts.extend(own);
     let mut text = format!("{}: {}", name(verdict.choice), parts.join("; "));
     for (k, ratio) in &verdict.tied {
         let takes = ratio.map_or(String::new(), |ratio| {
@@ -72,33 +79,43 @@ pub fn sentence(verdict: &Verdict, race: &Race, n: usize) -> String {
     text
 }
 
-/// The detectors, fastest first; those without a time at the end.
-pub fn table(race: &Race, verdict: Option<&Verdict>, n: usize) -> Table {
-    let choice = verdict.map(|verdict| &race.standings[verdict.choice]);
+/// All who were asked, fastest first; those without a time at the end.
+fn ranked(race: &Race, n: usize) -> Vec<&Standing> {
     let mut standings: Vec<&Standing> = race.standings.iter().collect();
     let rank =
         |standing: &Standing| per_particle(standing, n).map_or(f64::INFINITY, |time| time.median);
     let probe = |standing: &Standing| standing.probe_ns.unwrap_or(u64::MAX);
     standings.sort_by(|a, b| rank(a).total_cmp(&rank(b)).then(probe(a).cmp(&probe(b))));
+    standings
+}
+
+/// Its name, marked if it is the choice; time, and bytes.
+fn measured(standing: &Standing, race: &Race, verdict: Option<&Verdict>, n: usize) -> [Cell; 3] {
+    let name = &standing.who.name;
+    let chosen = verdict.is_some_and(|verdict| race.standings[verdict.choice].who.name == *name);
+    let time = per_particle(standing, n).map_or_else(Cell::absent, |time| {
+        let [median, low, high] = [time.median, time.low, time.high].map(number);
+        format!("{median} ({low} to {high})").into()
+    });
+    let name = if chosen { format!("{name} <") } else { name.clone() };
+    [name.into(), time, bytes_per_particle(standing, n).into()]
+}
+
+/// Why it has no time; none if it has one.
+fn why_out(standing: &Standing) -> Option<String> {
+    match standing.outcome {
+        _ if !standing.times.is_empty() => None,
+        outcome if outcome.is_good() => Some(format!("out: {}", standing.reason)),
+        outcome => Some(format!("{}: {}", outcome.name(), standing.reason)),
+    }
+}
+
+/// The detectors, fastest first; those without a time at the end.
+pub fn table(race: &Race, verdict: Option<&Verdict>, n: usize) -> Table {
     let row = |standing: &Standing| {
-        let name = standing.entry.name;
-        let chosen = choice.is_some_and(|choice| choice.entry.name == name);
-        let time = per_particle(standing, n);
-        let bytes = bytes_per_particle(standing, n);
-        let said = match (&time, standing.outcome) {
-            (Some(_), _) => error(standing),
-            (None, outcome) if outcome.is_good() => format!("out: {}", standing.reason),
-            (None, outcome) => format!("{}: {}", outcome.name(), standing.reason),
-        };
-        vec![
-            Cell::from(if chosen { format!("{name} <") } else { name.to_string() }),
-            time.map_or_else(Cell::absent, |time| {
-                let [median, low, high] = [time.median, time.low, time.high].map(number);
-                format!("{median} ({low} to {high})").into()
-            }),
-            bytes.into(),
-            said.into(),
-        ]
+        let said = why_out(standing).unwrap_or_else(|| error(standing));
+        let measured = measured(standing, race, verdict, n);
+        measured.into_iter().chain([said.into()]).collect()
     };
     let columns = vec![
         Column::left("detector"),
@@ -106,7 +123,7 @@ pub fn table(race: &Race, verdict: Option<&Verdict>, n: usize) -> Table {
         Column::right("bytes / particle", ""),
         Column::left("error"),
     ];
-    Table::new("", columns).with(standings.into_iter().map(row))
+    Table::new("", columns).with(ranked(race, n).into_iter().map(row))
 }
 
 fn numbers(interval: Interval) -> Value {
@@ -116,13 +133,24 @@ fn numbers(interval: Interval) -> Value {
 
 /// All of it for programs.
 pub fn as_json(verdict: Option<&Verdict>, race: &Race, n: usize) -> Value {
+    all(verdict, race, n, ["detector", "detectors"], |verdict| sentence(verdict, race, n))
+}
+
+/// The same of whom one of `kind` is called, and several, with the sentence.
+fn all(
+    verdict: Option<&Verdict>,
+    race: &Race,
+    n: usize,
+    [kind, kinds]: [&str; 2],
+    sentence: impl FnOnce(&Verdict) -> String,
+) -> Value {
     let standings = &race.standings;
-    let name = |k: usize| standings[k].entry.name;
+    let name = |k: usize| &*standings[k].who.name;
     let base = fastest(standings).map(|k| standings[k].times.clone()).unwrap_or_default();
     let detectors = standings.iter().map(|standing| {
         json!({
-            "detector": standing.entry.name,
-            "threads": standing.threads,
+            (kind): &*standing.who.name,
+            "threads": standing.who.threads,
             "outcome": standing.outcome.name(),
             "reason": standing.reason,
             "probe_ns": standing.probe_ns,
@@ -130,19 +158,21 @@ pub fn as_json(verdict: Option<&Verdict>, race: &Race, n: usize) -> Value {
             "ratio_to_fastest": ratio(&standing.times, &base).map(numbers),
             "peak_bytes": standing.peak_bytes,
             "bytes_per_particle": bytes_per_particle(standing, n),
+            "formula_bytes": standing.formula_bytes,
+            "built": standing.builds.map(|builds| builds.built),
             "errors": standing.errors,
         })
     });
     let next =
-        |(k, ratio): &(usize, Interval)| json!({ "detector": name(*k), "ratio": numbers(*ratio) });
+        |(k, ratio): &(usize, Interval)| json!({ (kind): name(*k), "ratio": numbers(*ratio) });
     let tied = |verdict: &Verdict| verdict.tied.iter().map(|(k, _)| name(*k)).collect::<Vec<_>>();
     json!({
         "use": verdict.map(|verdict| name(verdict.choice)),
-        "because": verdict.map(|verdict| sentence(verdict, race, n)),
+        "because": verdict.map(sentence),
         "next": verdict.and_then(|verdict| verdict.next.as_ref()).map(next),
         "cannot_tell_apart": verdict.map(tied),
         "blocks": race.blocks,
         "twin_ratio": race.twin.map(numbers),
-        "detectors": detectors.collect::<Vec<_>>(),
+        (kinds): detectors.collect::<Vec<_>>(),
     })
 }

@@ -9,7 +9,6 @@
 //!    whose interval is above `BEHIND` times the fastest are out; two remain, so that the margin
 //!    between them is measured.
 
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -19,25 +18,22 @@ use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
 
 use crate::contact::Arithmetic;
-use crate::detect::table::{Entry, Role, TABLE};
-use crate::oracle::Errors;
+use crate::detect::table::{Role, TABLE};
+use crate::recommend::standing::{Contender, FAR, Race, Standing, drop_behind, drop_far};
 use crate::record::row::Outcome;
 use crate::run::client::{Client, Failure, Start};
 use crate::run::contender;
-use crate::run::judge::Judge;
-use crate::run::passes::{self, SHORTEST_SAMPLE_NS, load_all};
+use crate::run::judge::{Judge, Judged, Said};
+use crate::run::passes::{self, SHORTEST_SAMPLE_NS, Sample, load_all};
 use crate::run::processors;
-use crate::run::protocol::{Reply, Request};
+use crate::run::protocol::{self, Reply, Request};
 use crate::run::trajectory::Trajectory;
 use crate::scene::Given;
-use crate::stats::interval::{Blocks, Interval, median, ratio};
+use crate::sink::Digest;
+use crate::stats::interval::{Interval, ratio};
 
 /// A probe may take so many times as long as the fastest one.
 const PATIENCE: u32 = 20;
-/// Who takes so many times the time of the fastest in a probe is out.
-pub const FAR: f64 = 3.0;
-/// Who is so many times slower after some blocks, with the whole interval, is out.
-pub const BEHIND: f64 = 1.5;
 /// Fewer blocks tell nothing with 95%.
 const FEWEST: u32 = 6;
 /// More blocks make intervals hardly narrower.
@@ -78,44 +74,6 @@ pub struct Question<'a> {
     pub program: PathBuf,
 }
 
-/// Where a contender stands in the race.
-pub struct Standing {
-    /// Its line in the table.
-    pub entry: &'static Entry,
-    /// Threads given to it.
-    pub threads: usize,
-    /// `ok`, or `lossy` with textbook filters: it has finished, or was only slow. All else: why
-    /// not.
-    pub outcome: Outcome,
-    /// Why it is out; empty for those that were measured to the end.
-    pub reason: String,
-    /// Nanoseconds of the probe.
-    pub probe_ns: Option<u64>,
-    /// Nanoseconds by block.
-    pub times: Blocks,
-    /// Most bytes held at one time, without scene and pairs.
-    pub peak_bytes: Option<u64>,
-    /// Against exact decisions on the scene as given.
-    pub errors: Option<Errors>,
-    /// Is it in the race?
-    racing: bool,
-    /// How its processes are started.
-    start: Start,
-}
-
-/// The outcome of the race.
-pub struct Race {
-    /// All who were asked, in the order of the table.
-    pub standings: Vec<Standing>,
-    /// True pairs in the arithmetic.
-    pub contacts: u64,
-    /// Blocks run.
-    pub blocks: u32,
-    /// The time of one of them over its own, measured again in every block: what equal code differs
-    /// by. None with less than two blocks.
-    pub twin: Option<Interval>,
-}
-
 /// Runs the race. `note` hears what is being done.
 pub fn run(question: &Question<'_>, note: &mut dyn FnMut(&str)) -> anyhow::Result<Race> {
     let folder = tempfile::tempdir()
@@ -139,54 +97,84 @@ pub fn run(question: &Question<'_>, note: &mut dyn FnMut(&str)) -> anyhow::Resul
             Trajectory::write_at_rest(&folder.path().join(format!("scene-{k}.npy")), given)
         })
         .collect::<anyhow::Result<Vec<_>>>()?;
-    let mut course =
-        Course { question, judge, contacts, loads, folder: folder.path(), started: Instant::now() };
-    let mut standings = course.probe_all(note)?;
-    let (blocks, twin) = course.blocks(&mut standings, note)?;
-    standings
-        .sort_by_key(|standing| TABLE.iter().position(|entry| entry.name == standing.entry.name));
-    Ok(Race { standings, contacts, blocks, twin })
+    let mut entries: Vec<_> =
+        TABLE.iter().filter(|entry| matches!(entry.role, Role::Detector | Role::Peer)).collect();
+    entries.sort_by_key(|entry| {
+        FIRST
+            .iter()
+            .position(|name| *name == entry.name)
+            .unwrap_or(FIRST.len() + usize::from(entry.name == "direct"))
+    });
+    let contenders = entries.into_iter().map(|entry| Contender::of(entry, question.threads));
+    let limit = question.memory_limit;
+    let course = Course {
+        judge,
+        loads,
+        folder: folder.path(),
+        arithmetic,
+        memory_limit: limit,
+        room: contender::room(question.given.scene.len() as u64, contacts),
+        time: question.time,
+        program: &question.program,
+        started: Instant::now(),
+    };
+    let mut race = course.race(contenders.collect(), contacts, note)?;
+    let place = |name: &str| TABLE.iter().position(|entry| entry.name == name);
+    race.standings.sort_by_key(|standing| place(&standing.who.name));
+    Ok(race)
 }
 
-struct Course<'a> {
-    question: &'a Question<'a>,
-    judge: Judge<'a>,
-    /// True pairs.
-    contacts: u64,
-    loads: Vec<Trajectory>,
-    folder: &'a Path,
-    started: Instant,
+/// What the race is run on.
+pub(super) struct Course<'a> {
+    pub judge: Judge<'a>,
+    /// What is loaded, one after the other.
+    pub loads: Vec<Trajectory>,
+    /// For pairs.
+    pub folder: &'a Path,
+    pub arithmetic: Arithmetic,
+    /// For arrays, in bytes.
+    pub memory_limit: u64,
+    /// Bytes for the scene and its pairs.
+    pub room: u64,
+    pub time: Duration,
+    pub program: &'a Path,
+    pub started: Instant,
 }
 
 impl Course<'_> {
-    /// What is left of this share of the time.
-    fn left(&self, share: f64) -> Duration {
-        self.question.time.mul_f64(share).saturating_sub(self.started.elapsed())
+    /// Runs the race. Who is mostly fast stands first; `contacts` is the number of true pairs.
+    pub fn race(
+        mut self,
+        contenders: Vec<Contender>,
+        contacts: u64,
+        note: &mut dyn FnMut(&str),
+    ) -> anyhow::Result<Race> {
+        let mut standings = self.probe_all(contenders, note)?;
+        let (blocks, twin) = self.blocks(&mut standings, note)?;
+        Ok(Race { standings, contacts, blocks, twin })
     }
 
-    fn probe_all(&mut self, note: &mut dyn FnMut(&str)) -> anyhow::Result<Vec<Standing>> {
-        let mut order: Vec<&'static Entry> = TABLE
-            .iter()
-            .filter(|entry| matches!(entry.role, Role::Detector | Role::Peer))
-            .collect();
-        order.sort_by_key(|entry| {
-            FIRST
-                .iter()
-                .position(|name| *name == entry.name)
-                .unwrap_or(FIRST.len() + usize::from(entry.name == "direct"))
-        });
+    /// What is left of this share of the time.
+    fn left(&self, share: f64) -> Duration {
+        self.time.mul_f64(share).saturating_sub(self.started.elapsed())
+    }
+
+    fn probe_all(
+        &mut self,
+        contenders: Vec<Contender>,
+        note: &mut dyn FnMut(&str),
+    ) -> anyhow::Result<Vec<Standing>> {
         let mut standings: Vec<Standing> = Vec::new();
         // The wall time of the fastest probe.
         let mut shortest: Option<Duration> = None;
-        for entry in order {
-            note(&format!("probing {}", entry.name));
-            let mut standing = self.entered(entry);
+        for who in contenders {
+            note(&format!("probing {}", who.name));
+            let mut standing = self.entered(who);
             // The first may take all of the time, the others what the probes have left.
             let left = self.left(if shortest.is_none() { 1.0 } else { 0.5 });
-            let asked = self.question.time.as_secs_f64();
             if left.is_zero() {
-                let reason = format!("not tried: the {asked} s were over (--seconds)");
-                out(&mut standing, Failure { outcome: Outcome::Timeout, reason });
+                let reason = "not tried: the time was over (--seconds)".into();
+                standing.fail(Failure { outcome: Outcome::Timeout, reason });
                 standings.push(standing);
                 continue;
             }
@@ -197,11 +185,7 @@ impl Course<'_> {
             }
             standings.push(standing);
         }
-        drop_if(&mut standings, |standing, best| {
-            standing
-                .probe_ns
-                .is_some_and(|probe| probe as f64 > FAR * best.probe_ns.unwrap_or_default() as f64)
-        });
+        drop_far(&mut standings);
         let best = standings.iter().filter_map(|standing| standing.probe_ns).min();
         let slow = |standing: &&mut Standing| !standing.racing && standing.outcome.is_good();
         for standing in standings.iter_mut().filter(slow) {
@@ -215,29 +199,20 @@ impl Course<'_> {
         Ok(standings)
     }
 
-    fn entered(&self, entry: &'static Entry) -> Standing {
-        let Question { given, arithmetic, memory_limit, program, .. } = self.question;
-        let threads = if entry.threads { self.question.threads } else { 1 };
+    fn entered(&self, who: Contender) -> Standing {
+        let (limit, threads) = (self.memory_limit, who.threads);
+        // A tracker may take the limit for its lists beside its detector's arrays.
+        let lists = if self.judge.is_moving() { limit } else { 0 };
         let start = Start {
-            command: contender::own(program, entry.name, *arithmetic, threads, *memory_limit),
+            command: contender::own(self.program, &who.name, self.arithmetic, threads, limit),
             install: String::new(),
-            time_limit: self.question.time.max(SHORTEST_PROBE),
-            memory_limit: contender::address_space(*memory_limit, threads)
-                .saturating_add(contender::room(given.scene.len() as u64, self.contacts)),
+            time_limit: self.time.max(SHORTEST_PROBE),
+            memory_limit: contender::address_space(limit, threads)
+                .saturating_add(lists)
+                .saturating_add(self.room),
             processor: None,
         };
-        Standing {
-            entry,
-            threads,
-            outcome: Outcome::Ok,
-            reason: String::new(),
-            probe_ns: None,
-            times: Blocks::new(),
-            peak_bytes: None,
-            errors: None,
-            racing: true,
-            start,
-        }
+        Standing::new(who, start)
     }
 
     /// Starts, loads, takes a first sample, and measures the memory unless others are far faster;
@@ -269,12 +244,16 @@ impl Course<'_> {
         // From now on it has shown how long it takes.
         standing.start.time_limit = took * PATIENCE + Duration::from_secs(5);
         client.allow(standing.start.time_limit);
-        if best.is_none_or(|best| time as f64 <= FAR * best as f64) {
+        let near = best.is_none_or(|best| time as f64 <= FAR * best as f64);
+        if near || standing.who.stays {
             match client.ask(&Request::Memory) {
-                Ok(Reply::Memory { peak_bytes, .. }) => standing.peak_bytes = Some(peak_bytes),
+                Ok(Reply::Memory { peak_bytes, formula_bytes, .. }) => {
+                    (standing.peak_bytes, standing.formula_bytes) =
+                        (Some(peak_bytes), formula_bytes);
+                }
                 // It is measured without.
                 Ok(_) => {}
-                Err(failure) => out(standing, failure),
+                Err(failure) => standing.fail(failure),
             }
         }
         Ok(Some(took).filter(|_| standing.racing))
@@ -296,23 +275,42 @@ impl Course<'_> {
         let (sample, mut client) = match answer {
             Ok(answer) => answer,
             Err(failure) => {
-                out(standing, failure);
+                standing.fail(failure);
                 return Ok(None);
             }
         };
-        let path = self.folder.join("pairs.npy");
-        let box_dim = self.loads.last().and_then(Trajectory::box_dim);
-        let fetch = || client.pairs(&path, box_dim, None);
-        let (name, arithmetic) = (standing.entry.name, self.question.arithmetic);
-        let said = (sample.contacts, &*sample.digest);
-        let judged = self.judge.judge(name, arithmetic, said, fetch)?;
+        let judged = self.judge(standing, &sample, &mut client)?;
         standing.errors = judged.errors;
         if judged.outcome.is_good() {
             standing.outcome = judged.outcome;
             return Ok(Some((sample.time_ns, client)));
         }
-        out(standing, Failure { outcome: judged.outcome, reason: judged.reason });
+        standing.fail(Failure { outcome: judged.outcome, reason: judged.reason });
         Ok(None)
+    }
+
+    /// Holds the answer to the truth, of several frames all of them.
+    fn judge(
+        &mut self,
+        standing: &mut Standing,
+        sample: &Sample,
+        client: &mut Client,
+    ) -> anyhow::Result<Judged> {
+        let path = self.folder.join("pairs.npy");
+        let (name, arithmetic) = (&standing.who.name, self.arithmetic);
+        let Sample { contacts, ref digest, ref steps, .. } = *sample;
+        if !self.judge.is_moving() {
+            let box_dim = self.loads.last().and_then(Trajectory::box_dim);
+            let fetch = || client.pairs(&path, box_dim, None);
+            return self.judge.judge(name, arithmetic, (contacts, digest), fetch);
+        }
+        let sum = protocol::digest(contacts, digest).map_or(0, |digest| digest.sum);
+        let said = Said { arithmetic, may_miss: false, steps };
+        let fetch = |frame: u64| client.pairs(&path, None, Some(frame));
+        let (judged, course) =
+            self.judge.judge_course(name, said, Digest { contacts, sum }, fetch)?;
+        standing.builds = Some(course.builds);
+        Ok(judged)
     }
 
     /// Samples of all that are left and of a twin, until the time is over; the number of blocks,
@@ -327,7 +325,7 @@ impl Course<'_> {
         // With the limits that its original has since the probe.
         let mut twin = original.map(|original| Standing {
             start: original.start.clone(),
-            ..self.entered(original.entry)
+            ..self.entered(original.who.clone())
         });
         let mut done = 0;
         for block in 1..=MOST {
@@ -337,64 +335,23 @@ impl Course<'_> {
             }
             let mut order: Vec<&mut Standing> =
                 standings.iter_mut().chain(&mut twin).filter(|standing| standing.racing).collect();
-            note(&format!("block {block}: {} detectors", order.len().saturating_sub(1)));
+            note(&format!("block {block}: {} racing", order.len().saturating_sub(1)));
             order.shuffle(&mut ChaCha8Rng::seed_from_u64(u64::from(block)));
             for standing in order {
-                let processor = processors::in_block(block).filter(|_| standing.threads == 1);
+                let processor = processors::in_block(block).filter(|_| standing.who.threads == 1);
                 if let Some((time, _)) = self.sample(standing, processor)? {
                     standing.times.insert(block.into(), time);
                 }
             }
             done = block;
             if block >= FEWEST {
-                drop_those_behind(standings);
+                drop_behind(standings);
             }
         }
         let of = |twin: Standing| {
-            let original = standings.iter().find(|it| it.entry.name == twin.entry.name)?;
+            let original = standings.iter().find(|it| it.who.name == twin.who.name)?;
             ratio(&twin.times, &original.times).filter(|ratio| ratio.count > 1)
         };
         Ok((done, twin.and_then(of)))
     }
-}
-
-/// The one with the smallest median.
-pub fn fastest(standings: &[Standing]) -> Option<usize> {
-    let timed = standings
-        .iter()
-        .enumerate()
-        .filter(|(_, standing)| standing.outcome.is_good() && !standing.times.is_empty());
-    timed.min_by(|a, b| typical(a.1).total_cmp(&typical(b.1))).map(|(k, _)| k)
-}
-
-fn drop_those_behind(standings: &mut [Standing]) {
-    drop_if(standings, |standing, best| {
-        ratio(&standing.times, &best.times).is_some_and(|ratio| ratio.low > BEHIND)
-    });
-}
-
-/// Ends those of whom `is_behind` holds, compared with the fastest; but two stay, so that there is
-/// a margin to be told.
-fn drop_if(standings: &mut [Standing], is_behind: impl Fn(&Standing, &Standing) -> bool) {
-    let mut racing: Vec<usize> = (0..standings.len()).filter(|&k| standings[k].racing).collect();
-    racing.sort_by(|&a, &b| typical(&standings[a]).total_cmp(&typical(&standings[b])));
-    let Some(&best) = racing.first() else { return };
-    for &k in racing.iter().skip(2) {
-        if is_behind(&standings[k], &standings[best]) {
-            standings[k].racing = false;
-        }
-    }
-}
-
-/// The median of the times, or the probe; in nanoseconds.
-fn typical(standing: &Standing) -> f64 {
-    let times: Vec<f64> = standing.times.values().map(|&time| time as f64).collect();
-    median(&times).or(standing.probe_ns.map(|probe| probe as f64)).unwrap_or(f64::INFINITY)
-}
-
-fn out(standing: &mut Standing, failure: Failure) {
-    standing.outcome = failure.outcome;
-    standing.reason = failure.reason;
-    standing.racing = false;
-    standing.times = BTreeMap::new();
 }

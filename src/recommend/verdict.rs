@@ -2,7 +2,7 @@
 //! are not much slower by their medians either, the leanest.
 
 use crate::findings::noise::Noise;
-use crate::recommend::race::{Race, Standing, fastest};
+use crate::recommend::standing::{Race, Standing, fastest};
 use crate::stats::interval::{Interval, interval, ratio};
 
 /// Who cannot be told apart from the fastest only because the machine is noisy may be much slower:

@@ -2,6 +2,7 @@
 
 pub mod arithmetic;
 pub mod ci;
+pub mod course;
 pub mod input;
 pub mod limit;
 pub mod progress;

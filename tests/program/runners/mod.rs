@@ -3,6 +3,7 @@
 
 mod examples;
 mod recommend;
+mod recommend_motion;
 mod wrong;
 
 use std::path::{Path, PathBuf};

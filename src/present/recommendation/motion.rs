@@ -1,0 +1,208 @@
+//! What `recommend` says of frames: which tracker, and what popular settings would miss.
+
+use serde_json::{Value, json};
+
+use crate::moving::Tracked;
+use crate::number::{number, percent, plural, with_interval};
+use crate::present::document::Block;
+use crate::present::recommendation::{all, measured, ranked, why_out, words};
+use crate::present::table::{Cell, Column, Table};
+use crate::present::tracking;
+use crate::recommend::motion::{Found, POPULAR};
+use crate::recommend::standing::Standing;
+use crate::recommend::verdict::Verdict;
+use crate::stats::interval::ratio;
+
+/// What stands above.
+pub struct Head<'a> {
+    /// The name of the scene or the file.
+    pub name: &'a str,
+    /// How it moves.
+    pub motion: &'a str,
+    /// The frames are those of a file, which may be steps apart.
+    pub recorded: bool,
+    /// The file has further frames.
+    pub more: bool,
+    /// The name of the arithmetic.
+    pub arithmetic: &'a str,
+    /// For detectors that can use several.
+    pub threads: usize,
+}
+
+fn particles(found: &Found) -> usize {
+    found.moved.particles as usize
+}
+
+/// The recommendation in a sentence.
+pub fn sentence(verdict: &Verdict, found: &Found) -> String {
+    let (race, n) = (&found.race, particles(found));
+    let choice = &race.standings[verdict.choice];
+    let mut own = Vec::new();
+    if let Some(bytes) = choice.formula_bytes {
+        own.push(format!("{} by its formula", number(bytes as f64 / n.max(1) as f64)));
+    }
+    own.extend(built(choice, found));
+    let plain = race.standings.iter().find(|standing| standing.who.name == found.plain);
+    if let Some(plain) = plain.filter(|plain| plain.who.name != choice.who.name)
+        && let Some(ratio) = ratio(&plain.times, &choice.times)
+    {
+        own.push(format!("{} takes {} times as long", found.plain, with_interval(&ratio)));
+    }
+    words(verdict, race, n, "per particle and step", own)
+}
+
+/// How often it asked its detector, or made all anew.
+fn built(standing: &Standing, found: &Found) -> Option<String> {
+    let frames = plural(found.moved.frames as usize, "frame");
+    standing.builds.map(|builds| format!("builds in {} of {frames}", builds.built))
+}
+
+/// What is said before the recommendation, and after it.
+pub fn blocks(head: &Head<'_>, verdict: Option<&Verdict>, found: &Found) -> [Vec<Block>; 2] {
+    let Head { name, motion, arithmetic, threads, .. } = head;
+    let n = particles(found);
+    let bodies = if found.dim == 2 { "discs" } else { "spheres" };
+    let (frames, threads) =
+        (plural(found.moved.frames as usize, "frame"), plural(*threads, "thread"));
+    let first = if head.more { "the first " } else { "" };
+    let blocks = plural(found.race.blocks as usize, "block");
+    let said = format!(
+        "{name}: {n} {bodies}, {motion}, {first}{frames}, {arithmetic} arithmetic, {threads}, \
+         {blocks}: {}",
+        tracking::motion(&found.moved)
+    );
+    let popular = format!(
+        "What popular settings would miss on these frames, of {} contacts (a contact that is not \
+         reported in ten frames counts ten times):",
+        found.moved.contacts
+    );
+    let mut before = vec![Block::paragraph(said), Block::Table(table(verdict, found))];
+    before.extend(out(found));
+    let mut after = vec![
+        Block::paragraph(popular),
+        Block::Table(missed(found)),
+        Block::paragraph(
+            "Skins are in diameters of the largest body. since: the first frame with a missed \
+             contact; depth: of those that were reported late, the largest overlap, in radii. \
+             What missed nothing here may miss contacts elsewhere; the trackers above miss none, \
+             whatever moves. \
+             contactbench track follows any of these settings frame by frame.",
+        ),
+    ];
+    if head.recorded {
+        after.push(Block::paragraph(
+            "Rules count frames: where the file has not every step of time, a code that looks in \
+             each misses less, and takes more steps to a build.",
+        ));
+    }
+    for it in &found.popular {
+        if let Some(refused) = &it.refused {
+            after.push(Block::Warning(format!("{} ended at {refused}", it.spec).into()));
+        }
+    }
+    [before, after]
+}
+
+/// The trackers that have times, fastest first.
+fn table(verdict: Option<&Verdict>, found: &Found) -> Table {
+    let (race, n) = (&found.race, particles(found));
+    let row = |standing: &Standing| {
+        let built = standing.builds.map_or_else(Cell::absent, |it| Cell::count(it.built));
+        measured(standing, race, verdict, n).into_iter().chain([built]).collect()
+    };
+    let columns = vec![
+        Column::left("tracker"),
+        Column::right("ns per particle", ""),
+        Column::right("bytes / particle", ""),
+        Column::right("built", ""),
+    ];
+    let timed = ranked(race, n).into_iter().filter(|standing| why_out(standing).is_none());
+    Table::new("", columns).with(timed.map(row))
+}
+
+/// Those without a time: who was too slow in one paragraph, all others by their reasons.
+fn out(found: &Found) -> Vec<Block> {
+    let ranked = ranked(&found.race, particles(found));
+    let best = ranked.iter().filter_map(|standing| standing.probe_ns).min().unwrap_or(1).max(1);
+    let mut groups: Vec<(String, Vec<String>)> = Vec::new();
+    for standing in ranked {
+        let Some(why) = why_out(standing) else { continue };
+        let name = standing.who.name.clone();
+        let (why, name) = match standing.probe_ns {
+            Some(probe) if standing.outcome.is_good() => {
+                let why = "out after a first probe, so many times slower than the fastest".into();
+                (why, format!("{name} ({:.0})", probe as f64 / best as f64))
+            }
+            _ => (why, name),
+        };
+        match groups.iter_mut().find(|(known, _)| *known == why) {
+            Some((_, names)) => names.push(name),
+            None => groups.push((why, vec![name])),
+        }
+    }
+    let said = |(why, names): (String, Vec<String>)| format!("{why}: {}", names.join(", "));
+    groups.into_iter().map(|group| Block::paragraph(said(group))).collect()
+}
+
+/// Of the contacts, how many were missed.
+fn share(it: &Tracked, found: &Found) -> f64 {
+    it.late.missed as f64 / (found.moved.contacts.max(1)) as f64
+}
+
+/// One row for each popular setting.
+fn missed(found: &Found) -> Table {
+    let rows = POPULAR.iter().zip(&found.popular).map(|(popular, it)| {
+        let late = &it.late;
+        let cell = |is: bool, value: String| if is { value.into() } else { Cell::absent() };
+        let first = late.first.map_or_else(String::new, |first| first.to_string());
+        vec![
+            popular.setting.replace("rule=", "").replace(",skin=", ", ").into(),
+            popular.origin.into(),
+            Cell::count(late.missed),
+            percent(share(it, found)).into(),
+            cell(late.missed > 0, first),
+            cell(late.latest > 0, percent(late.deepest)),
+        ]
+    });
+    let columns = vec![
+        Column::left("rule, skin"),
+        Column::left("from"),
+        Column::right("missed", ""),
+        Column::right("share", ""),
+        Column::right("since", ""),
+        Column::right("depth", ""),
+    ];
+    Table::new("", columns).with(rows)
+}
+
+/// All of it for programs.
+pub fn as_json(head: &Head<'_>, verdict: Option<&Verdict>, found: &Found) -> Value {
+    let kinds = ["tracker", "trackers"];
+    let n = particles(found);
+    let mut value = all(verdict, &found.race, n, kinds, |verdict| sentence(verdict, found));
+    let popular = POPULAR.iter().zip(&found.popular).map(|(popular, it)| {
+        json!({
+            "tracker": it.spec.to_string(),
+            "origin": popular.origin,
+            "built": it.builds.built,
+            "missed": it.late.missed,
+            "share": share(it, found),
+            "first_missed_frame": it.late.first,
+            "frames_missed": it.late.frames,
+            "never_reported": it.late.never,
+            "latest": it.late.latest,
+            "deepest": it.late.deepest,
+            "refused": it.refused,
+        })
+    });
+    value["popular"] = popular.collect();
+    value["moved"] = tracking::moved_as_json(&found.moved);
+    value["compared_with"] = json!(found.plain);
+    value["scene"] = json!(head.name);
+    value["motion"] = json!(head.motion);
+    value["dim"] = json!(found.dim);
+    value["n"] = json!(n);
+    value["arithmetic"] = json!(head.arithmetic);
+    value["threads"] = json!(head.threads);
+    value
+}
