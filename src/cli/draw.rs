@@ -3,23 +3,32 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use anyhow::{Context, bail};
+use anyhow::{Context, bail, ensure};
 
+use crate::cli::shared::course::{Course, course};
 use crate::cli::shared::limit::Limit;
+use crate::cli::shared::progress::Counted;
 use crate::cli::shared::scene::Source;
+use crate::cli::shared::values;
+use crate::contact::Test;
+use crate::detect::Options;
+use crate::experiment::detectors;
 use crate::io::{self, Frame};
 use crate::number::plural;
 use crate::periodic::Periodic;
 use crate::present::draw;
+use crate::present::draw::film::Film;
 use crate::present::draw::{Boxed, Highlighted, Look, Slice};
 use crate::scene::Given;
+use crate::scene::motion::Motion;
+use crate::track::TrackerSpec;
 
 /// Options of `draw`.
 #[derive(clap::Args)]
 pub struct Draw {
     #[command(flatten)]
     source: Source,
-    /// Where the picture goes: a .svg or .png file
+    /// Where the picture goes: a .svg or .png file; or a .html file, a page that plays frames
     #[arg(short, long, default_value = "scene.svg")]
     output: PathBuf,
     /// For spheres: the plane that is drawn, as in z=0.5 (default: through the worst mistake of
@@ -39,9 +48,25 @@ pub struct Draw {
     /// Draws the cells of a detector
     #[arg(long)]
     grid: bool,
+    /// For a page: moves the scene, with speed in diameters per frame (see: contactbench list
+    /// motions); a file of several frames moves by itself
+    #[arg(long)]
+    motion: Option<Motion>,
+    /// For a page: frames at most, the scene itself among them (default: 100)
+    #[arg(long, value_parser = values::whole::<u64>)]
+    frames: Option<u64>,
+    /// For a page: whose lists are built, and whose contacts are missed (see: contactbench list
+    /// trackers; default: verlet(streamed-nbs,skin=auto))
+    #[arg(long)]
+    tracker: Option<String>,
     #[command(flatten)]
     limit: Limit,
 }
+
+/// Frames, where nobody says how many.
+const FRAMES: u64 = 100;
+/// Where none is named: it misses nothing.
+const TRACKER: &str = "verlet(streamed-nbs,skin=auto)";
 
 /// Draws the scene, and says on standard error what there is to see.
 pub fn draw(options: &Draw) -> anyhow::Result<ExitCode> {
@@ -54,8 +79,17 @@ pub fn draw(options: &Draw) -> anyhow::Result<ExitCode> {
     {
         Some("svg") => false,
         Some("png") => true,
-        _ => bail!("{place}: the ending of a picture must be .svg or .png"),
+        Some("html") => return page(options),
+        _ => bail!(
+            "{place}: the ending of a picture must be .svg or .png, and that of a page that plays \
+             .html"
+        ),
     };
+    ensure!(
+        options.motion.is_none() && options.frames.is_none() && options.tracker.is_none(),
+        "--motion, --frames and --tracker belong to a page that plays; give it a place with -o \
+         NAME.html"
+    );
     let Some((name, Given { scene, lattice, has_box, .. })) = options.source.given()? else {
         bail!("there is nothing to draw; name a particle file, or a scene such as packed:n=200");
     };
@@ -105,5 +139,53 @@ pub fn draw(options: &Draw) -> anyhow::Result<ExitCode> {
         Some(_) => format!(", {missed} missed, {spurious} spurious, {repeated} repeated"),
     };
     eprintln!("{name}: {what}, {contacts}{across}{wrong}; {place} ({size})");
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Writes a page that plays the frames of a motion or a file.
+fn page(options: &Draw) -> anyhow::Result<ExitCode> {
+    let Draw { pairs, whole, labels, grid, .. } = options;
+    ensure!(
+        pairs.is_none() && !whole && labels.is_none() && !grid,
+        "--pairs, --whole, --labels and --grid belong to pictures; leave them out for a page"
+    );
+    let tracker = detectors::parse_tracker(options.tracker.as_deref().unwrap_or(TRACKER))?;
+    let play = |course: Course<'_>| play(options, &tracker, course);
+    let done = course(&options.source, options.motion, options.frames, FRAMES, play)?;
+    done.context(
+        "a page plays frames, and there is one; add --motion drift, or take a file of several",
+    )
+}
+
+fn play(options: &Draw, tracker: &TrackerSpec, course: Course<'_>) -> anyhow::Result<ExitCode> {
+    let Course { name, motion, particles, count, next, recorded } = course;
+    let memory_limit = options.limit.bytes(particles);
+    let mut at_work = tracker.make(Options { memory_limit, threads: 1 });
+    let mut film = Film::new(name, motion, &tracker.to_string(), options.slice);
+    let progress = Counted::new(None);
+    let mut k = 0;
+    while k < count
+        && let Some(frame) = next(k)?
+    {
+        progress.frame(k);
+        let mut pairs = Vec::new();
+        let step = at_work.step(&frame, Test::Exact, None, &mut pairs);
+        let step = step.with_context(|| format!("frame {k}: {tracker}"))?;
+        let pairs = Highlighted::compare(&frame, pairs, memory_limit)?;
+        ensure!(
+            pairs.spurious.is_empty() && pairs.duplicates.is_empty(),
+            "frame {k}: {tracker} reported pairs that do not touch, or some twice: a defect"
+        );
+        film.take(&frame, &pairs, step.built)?;
+        k += 1;
+    }
+    let more = recorded && k == count && next(k)?.is_some();
+    drop(progress);
+    let (html, place) = (film.html(), options.output.display());
+    io::write::whole(&options.output, |out| out.write_all(html.as_bytes()))
+        .with_context(|| format!("cannot write {place}; choose another place with -o"))?;
+    let size = crate::cli::bytes(html.len() as u64);
+    let more = if more { " The file has more (--frames)." } else { "" };
+    eprintln!("{name}: {}{more} {place} ({size})", film.summary());
     Ok(ExitCode::SUCCESS)
 }

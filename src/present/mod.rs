@@ -7,6 +7,7 @@ pub mod escape;
 pub mod figure;
 pub mod latex;
 pub mod page;
+pub mod player;
 pub mod recommendation;
 pub mod report;
 pub mod sections;

@@ -140,9 +140,15 @@ impl Flat {
         Flat { circles, slice, axes, factor, places }
     }
 
+    /// The place of a particle's circle, if it has one.
+    pub fn place(&self, particle: u32) -> Option<usize> {
+        let place = *self.places.get(particle as usize)? as usize;
+        (place < self.circles.len()).then_some(place)
+    }
+
     /// The circle of a particle, if it has one.
     pub fn circle(&self, particle: u32) -> Option<&Circle> {
-        self.circles.get(*self.places.get(particle as usize)? as usize)
+        self.circles.get(self.place(particle)?)
     }
 
     /// Leaves the neighbourhood of a pair; all circles where one of the two has none.

@@ -19,9 +19,11 @@
 //! * `flat`: spheres become circles in the plane of the slice; `pairs`: what is drawn between them,
 //!   and where it comes from.
 //! * `boxed`: a scene that repeats, with the images that something touches; `outline`: its box.
+//! * [`film`]: frames, as a page that plays them.
 //! * `page_coordinates`: from lengths of the scene to pixels; `sheet`: the picture.
 
 mod boxed;
+pub mod film;
 mod flat;
 mod outline;
 mod page_coordinates;

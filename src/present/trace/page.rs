@@ -8,11 +8,12 @@ use std::collections::HashMap;
 
 use serde_json::{Value, json};
 
-use crate::present::escape;
+use crate::present::player::palette::{DARK, LIGHT, Palette};
 use crate::present::svg::px;
 use crate::present::trace::Trace;
 use crate::present::trace::arrays::{Arrays, WIDTH};
-use crate::present::trace::picture::{DARK, LIGHT, Palette, Scene, style};
+use crate::present::trace::picture::{Scene, style};
+use crate::present::{escape, player};
 
 /// The page of a trace of a scene with this name.
 pub fn html(trace: &Trace, name: &str) -> String {
@@ -49,11 +50,13 @@ pub fn html(trace: &Trace, name: &str) -> String {
         .replace(
             "@@STYLE@@",
             &format!(
-                "{}{}",
+                "{}{}{}",
                 colours(&LIGHT, ":root", ""),
-                colours(&DARK, ":root.dark", ":root.dark ")
+                colours(&DARK, ":root.dark", ":root.dark "),
+                player::STYLE
             ),
         )
+        .replace("@@PLAYER@@", player::SCRIPT)
         .replace("@@SCENE@@", &format!("0 0 {sw} {sh}"))
         .replace("@@ARRAYS@@", &format!("0 0 {} {}", px(WIDTH), px(arrays.height)))
         .replace("@@GROUND@@", &scene.ground(trace))

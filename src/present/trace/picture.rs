@@ -1,5 +1,6 @@
-//! The scene of a step as SVG, and how everything is coloured.
+//! The scene of a step as SVG, and the rules by which it is coloured.
 
+use crate::present::player::palette::Palette;
 use crate::present::svg::px;
 use crate::present::trace::recorder::Step;
 use crate::present::trace::{Algorithm, Trace};
@@ -176,54 +177,6 @@ impl Scene {
         )
     }
 }
-
-/// The colours of a picture.
-pub struct Palette {
-    /// The ground.
-    pub ground: &'static str,
-    /// Text.
-    pub ink: &'static str,
-    faint: &'static str,
-    line: &'static str,
-    border: &'static str,
-    disc: [&'static str; 2],
-    row: [&'static str; 2],
-    central: &'static str,
-    look: &'static str,
-    /// What the step is about.
-    pub accent: &'static str,
-    contact: &'static str,
-}
-
-/// On paper, and in bright rooms.
-pub const LIGHT: Palette = Palette {
-    ground: "#ffffff",
-    ink: "#1b1f26",
-    faint: "#6b7480",
-    line: "#c3cad2",
-    border: "#f0f1f3",
-    disc: ["#c9dcf0", "#46688c"],
-    row: ["#fff2c9", "#fbf7ea"],
-    central: "#ffd152",
-    look: "#d8c9f2",
-    accent: "#d05a00",
-    contact: "#0b4f9e",
-};
-
-/// On dark screens.
-pub const DARK: Palette = Palette {
-    ground: "#12151a",
-    ink: "#eef1f5",
-    faint: "#98a2af",
-    line: "#434c58",
-    border: "#1c2128",
-    disc: ["#2f4a69", "#9cc2ea"],
-    row: ["#3d350f", "#262313"],
-    central: "#8a6a00",
-    look: "#513f80",
-    accent: "#ff9a3d",
-    contact: "#7fbcff",
-};
 
 /// The rules of a style sheet, each selector after `scope`.
 pub fn style(palette: &Palette, scope: &str) -> String {

@@ -1,10 +1,11 @@
 //! A step as one picture for slides and papers.
 
 use crate::present::escape;
+use crate::present::player::palette::LIGHT;
 use crate::present::svg::px;
 use crate::present::trace::Trace;
 use crate::present::trace::arrays::{Arrays, WIDTH};
-use crate::present::trace::picture::{LIGHT, Scene, style};
+use crate::present::trace::picture::{Scene, style};
 use crate::present::trace::recorder::Step;
 
 const SIZE: [f64; 2] = [1600.0, 1000.0];

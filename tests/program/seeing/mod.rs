@@ -1,5 +1,6 @@
 //! What people look at: drawings, traces, and what shells are told.
 
+mod films;
 mod pages;
 mod pictures;
 mod terminal;

@@ -1,0 +1,187 @@
+//! Frames as one HTML page that plays them and needs nothing else: discs or a slice through spheres
+//! with their contacts, when a tracker built its list, and what it missed.
+
+mod page;
+
+use anyhow::{bail, ensure};
+
+use crate::contact::Arithmetic;
+use crate::number::{number, plural};
+use crate::present::draw::Slice;
+use crate::present::draw::flat::{Circle, Flat};
+use crate::present::draw::pairs::Highlighted;
+use crate::scene::AnyScene;
+
+/// The largest page, in bytes: larger ones are slow to open.
+pub const MOST_BYTES: usize = 5_000_000;
+/// The most circles of a frame: their numbers have 16 bits, and more are not seen while they move.
+pub const MOST_CIRCLES: usize = 20_000;
+/// Bytes of the page for a circle whose radius stays, for one whose does not, and for a pair: 16
+/// bits for each number, four letters for three bytes.
+const CIRCLE: [usize; 2] = [6, 8];
+const PAIR: usize = 6;
+/// The same of the picture of the first frame, as text.
+const DRAWN: [usize; 2] = [64, 40];
+/// The same of a frame, and of the page without frames.
+const FRAME: usize = 64;
+const EMPTY: usize = 20_000;
+
+/// Frames that are to be played.
+pub struct Film {
+    title: String,
+    /// How the scene moves.
+    motion: String,
+    /// The tracker whose builds and misses are shown.
+    tracker: String,
+    slice: Option<Slice>,
+    frames: Vec<Frame>,
+    /// Discs or spheres.
+    space: bool,
+    /// Circles have other radii than in the first frame.
+    own_radii: bool,
+    particles: usize,
+    factor: f64,
+    /// Of the page, about.
+    bytes: usize,
+}
+
+/// One of them.
+struct Frame {
+    circles: Vec<Circle>,
+    /// Pairs of places in that list: those that were reported, and behind them those that were
+    /// missed.
+    pairs: Vec<[u16; 2]>,
+    /// How many of those were missed.
+    missed_here: usize,
+    /// Contacts of all particles, and those that were missed.
+    contacts: usize,
+    missed: usize,
+    built: bool,
+}
+
+impl Film {
+    /// Without frames. Spheres are cut where it is said, else through the middle of the first
+    /// frame.
+    pub fn new(title: &str, motion: &str, tracker: &str, slice: Option<Slice>) -> Film {
+        let [title, motion, tracker] = [title, motion, tracker].map(String::from);
+        let (frames, bytes) = (Vec::new(), EMPTY);
+        let (space, own_radii, particles, factor) = (false, false, 0, 1.0);
+        Film { title, motion, tracker, slice, frames, space, own_radii, particles, factor, bytes }
+    }
+
+    /// One more frame, with its contacts and what was missed of them, and whether the list was
+    /// built in it.
+    ///
+    /// # Errors
+    /// A page of more than [`MOST_BYTES`], more than [`MOST_CIRCLES`] in a frame, a slice through
+    /// discs, and a frame of another scale than the first.
+    pub fn take(
+        &mut self,
+        scene: &AnyScene<'_>,
+        pairs: &Highlighted,
+        built: bool,
+    ) -> anyhow::Result<()> {
+        let k = self.frames.len();
+        self.space = scene.dim() == 3;
+        ensure!(
+            self.space || self.slice.is_none(),
+            "a slice was asked for, but the scene is of discs; leave out --slice"
+        );
+        let flat = Flat::new(&scene.stored(Arithmetic::F64)?, self.slice, scene.len());
+        self.slice = flat.slice;
+        (self.particles, self.factor) = match k {
+            0 => (scene.len(), flat.factor),
+            _ => (self.particles, self.factor),
+        };
+        ensure!(
+            flat.factor == self.factor,
+            "frame {k} is of another scale than the first; take the frames before (--frames)"
+        );
+        let circles = flat.circles.len();
+        ensure!(
+            circles <= MOST_CIRCLES,
+            "{circles} particles are too many to be seen moving; at most {MOST_CIRCLES} are played: \
+             take fewer{}",
+            if self.space { ", or another slice" } else { "" }
+        );
+        let radii = |circles: &[Circle]| circles.iter().map(|circle| circle.r).collect::<Vec<_>>();
+        self.own_radii |= self.space
+            || self
+                .frames
+                .first()
+                .is_some_and(|first| radii(&first.circles) != radii(&flat.circles));
+        let shown = |pairs: &[[u32; 2]]| -> Vec<[u16; 2]> {
+            let places = pairs.iter().filter_map(|pair| {
+                let [a, b] = pair.map(|particle| flat.place(particle));
+                Some([u16::try_from(a?).ok()?, u16::try_from(b?).ok()?])
+            });
+            places.collect()
+        };
+        let (mut both, missed) = (shown(&pairs.contacts), shown(&pairs.missed));
+        let missed_here = missed.len();
+        both.extend(missed);
+        self.bytes += FRAME + CIRCLE[usize::from(self.own_radii)] * circles + PAIR * both.len();
+        if k == 0 {
+            self.bytes += DRAWN[0] * circles + DRAWN[1] * both.len();
+        }
+        if self.bytes > MOST_BYTES {
+            let megabytes = MOST_BYTES / 1_000_000;
+            match k {
+                0 | 1 => {
+                    bail!("two frames are a page of more than {megabytes} MB; take fewer bodies")
+                }
+                _ => bail!(
+                    "a page of at most {megabytes} MB holds {k} such frames; take --frames {k}, or \
+                     fewer bodies"
+                ),
+            }
+        }
+        self.frames.push(Frame {
+            circles: flat.circles,
+            pairs: both,
+            missed_here,
+            contacts: pairs.contacts.len() + pairs.missed.len(),
+            missed: pairs.missed.len(),
+            built,
+        });
+        Ok(())
+    }
+
+    /// Frames so far.
+    pub fn len(&self) -> usize {
+        self.frames.len()
+    }
+
+    /// Are there none?
+    pub fn is_empty(&self) -> bool {
+        self.frames.is_empty()
+    }
+
+    /// What there is to see, in a sentence.
+    pub fn summary(&self) -> String {
+        let Film { tracker, particles, .. } = self;
+        let bodies = if self.space { "spheres" } else { "discs" };
+        let built = self.frames.iter().filter(|frame| frame.built).count();
+        let missed: usize = self.frames.iter().map(|frame| frame.missed).sum();
+        let slice = self.slice.filter(|_| self.space).map_or(String::new(), |slice| {
+            format!(", slice {} = {}", ["x", "y", "z"][slice.axis], number(slice.at))
+        });
+        let frames = plural(self.frames.len(), "frame");
+        let missed = match self.frames.iter().position(|frame| frame.missed > 0) {
+            None => "missed no contact".into(),
+            Some(first) => {
+                format!("missed {} since frame {first}", plural(missed, "contact"))
+            }
+        };
+        format!(
+            "{particles} {bodies}{slice}, {}, {frames}. {tracker} built its list in {built} of \
+             them and {missed}.",
+            self.motion
+        )
+    }
+
+    /// The page.
+    pub fn html(&self) -> String {
+        page::html(self)
+    }
+}

@@ -1,0 +1,209 @@
+//! Pages that play frames.
+
+use std::path::Path;
+
+use serde_json::Value;
+
+use crate::browser::Browser;
+use crate::common::{file, good, refused};
+
+const FLIGHT: [&str; 6] = [
+    "loose:dim=2,n=200,fraction=0.5",
+    "--motion",
+    "drift:speed=0.02",
+    "--frames",
+    "41",
+    "--tracker",
+];
+const CARELESS: &str = "verlet(nbs,skin=0.1,rule=every-10)";
+
+/// The page of this command, and its data.
+fn film(folder: &Path, arguments: &[&str]) -> (String, Value, String) {
+    let said = good(folder, &[&["draw"], arguments, &["-o", "film.html"]].concat()).stderr;
+    let html = std::fs::read_to_string(folder.join("film.html")).unwrap();
+    let data = html.split("<script type=\"application/json\" id=\"data\">").nth(1).unwrap();
+    let data = serde_json::from_str(data.split("</script>").next().unwrap()).unwrap();
+    (html, data, said)
+}
+
+/// Numbers of 16 bits in base64.
+fn numbers(text: &Value) -> Vec<u16> {
+    let letter = |c: u8| match c {
+        b'A'..=b'Z' => c - b'A',
+        b'a'..=b'z' => c - b'a' + 26,
+        b'0'..=b'9' => c - b'0' + 52,
+        b'+' => 62,
+        _ => 63,
+    };
+    let text = text.as_str().unwrap().trim_end_matches('=');
+    let bits = text.bytes().flat_map(|c| (0..6).rev().map(move |k| letter(c) >> k & 1));
+    let bits: Vec<u8> = bits.collect();
+    let byte = |bits: &[u8]| bits.iter().fold(0u8, |byte, bit| byte << 1 | bit);
+    let bytes: Vec<u8> = bits.chunks_exact(8).map(byte).collect();
+    bytes.chunks_exact(2).map(|pair| u16::from_le_bytes([pair[0], pair[1]])).collect()
+}
+
+fn count(value: &Value) -> usize {
+    value.as_u64().unwrap() as usize
+}
+
+/// Frames, contacts, builds and misses are those of `track`.
+#[test]
+fn a_film_has_its_frames_builds_and_missed_contacts() {
+    let folder = tempfile::tempdir().unwrap();
+    let (html, data, said) = film(folder.path(), &[&FLIGHT[..], &[CARELESS]].concat());
+    let track = [&["track"], &FLIGHT[..], &[CARELESS, "--json"]].concat();
+    let track: Value = serde_json::from_str(&good(folder.path(), &track).stdout).unwrap();
+    let frames = data["frames"].as_array().unwrap();
+    assert_eq!((frames.len(), numbers(&data["radii"]).len()), (41, 200));
+    let (mut contacts, mut missed, mut built) = (0, 0, Vec::new());
+    for (k, frame) in frames.iter().enumerate() {
+        let (circles, pairs) = (numbers(&frame[0]), numbers(&frame[1]));
+        assert_eq!((circles.len(), pairs.len()), (2 * 200, 2 * count(&frame[3])), "frame {k}");
+        assert_eq!(frame[2], frame[4], "all discs are there");
+        // Two that touch are nowhere farther apart than their radii say.
+        for pair in pairs.chunks_exact(2) {
+            let at = |place: u16, axis: usize| f64::from(circles[2 * usize::from(place) + axis]);
+            let apart = (at(pair[0], 0) - at(pair[1], 0)).hypot(at(pair[0], 1) - at(pair[1], 1));
+            let radii = numbers(&data["radii"]);
+            let reach = pair.iter().map(|&place| f64::from(radii[usize::from(place)]));
+            assert!(apart <= reach.sum::<f64>() + 4.0, "frame {k}: {pair:?} {apart}");
+        }
+        contacts += count(&frame[3]);
+        missed += count(&frame[4]);
+        built.extend((frame[5] == 1).then_some(k));
+    }
+    let tracker = &track["trackers"][0];
+    assert_eq!(contacts, count(&track["contacts"]));
+    assert_eq!((missed, built), (count(&tracker["missed"]), vec![0, 10, 20, 30, 40]));
+    let first = count(&tracker["first_missed_frame"]);
+    let words = format!("built its list in 5 of them and missed {missed} contacts since frame");
+    assert!(missed > 10 && said.contains(&format!("{words} {first}.")), "{said}");
+    // Its line of time has a stroke for each build.
+    assert!(html.contains("d=\"M0 0V10M10 0V10M20 0V10M30 0V10M40 0V10\""));
+    // The first frame is there without JavaScript.
+    let discs = html.split("id=\"discs\" class=\"disc\" d=\"").nth(1).unwrap();
+    assert_eq!(discs.split('"').next().unwrap().matches('M').count(), 200);
+    assert!(html.contains("<noscript>") && html.len() < 5_000_000);
+    for outside in ["http:", "https:", "src=", "href=", "url(", "@import", "fetch("] {
+        assert!(!html.contains(outside), "{outside}");
+    }
+    assert!(!html.contains("@@"), "places were not filled");
+}
+
+/// Spheres are cut by one plane; the frames of a file are played; what is safe misses nothing.
+#[test]
+fn films_are_of_slices_and_files_too() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let spheres = ["packed:dim=3,n=300", "--motion", "vortex", "--frames", "12"];
+    let (html, data, said) = film(folder, &[&spheres[..], &["--slice", "z=2"]].concat());
+    assert!(said.contains("300 spheres, slice z = 2, vortex:speed=0.01,seed=1, 12 frames."));
+    assert!(said.contains("missed no contact") && said.contains("skin=auto"), "{said}");
+    assert!(data["slice"] == true && data["radii"].is_null() && html.contains("slice z = 2"));
+    for frame in data["frames"].as_array().unwrap() {
+        let circles = numbers(&frame[0]).len() / 3;
+        assert!((10..300).contains(&circles) && count(&frame[3]) > 300, "{circles}");
+        let most = numbers(&frame[1]).into_iter().max().map_or(0, usize::from);
+        assert!(most < circles, "{most} of {circles}");
+    }
+    let head = "Properties=species:S:1:pos:R:2:radius:R:1";
+    let frame = |x: f64| format!("2\n{head}\nA 0 0 0.5\nA {x} 0 0.5\n");
+    file(folder, "<b>&.xyz", [1.5, 1.25, 1.0].map(frame).concat());
+    let (html, data, _) = film(folder, &["<b>&.xyz"]);
+    let contacts: Vec<usize> =
+        data["frames"].as_array().unwrap().iter().map(|frame| count(&frame[3])).collect();
+    assert_eq!(contacts, [0, 0, 1]);
+    assert!(html.contains("<title>&lt;b&gt;&amp;.xyz</title>") && !html.contains("<b>&"));
+    let said = film(folder, &["<b>&.xyz", "--frames", "2"]).2;
+    assert!(said.contains("2 frames.") && said.contains("The file has more (--frames)"), "{said}");
+    // Radii of their own in each frame.
+    let frame = |r: f64| format!("2\n{head}\nA 0 0 {r}\nA 2 0 0.5\n");
+    file(folder, "grow.xyz", [0.5, 1.5].map(frame).concat());
+    let (_, data, _) = film(folder, &["grow.xyz"]);
+    let radii = |frame: usize| numbers(&data["frames"][frame][0])[2];
+    assert!(radii(1) > 2 * radii(0) && count(&data["frames"][1][3]) == 1, "{data}");
+}
+
+#[test]
+fn films_that_cannot_be_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let drift = ["packed:n=60", "--motion", "drift"];
+    let play = |more: &[&'static str]| [&["draw"], &drift[..], &["-o", "film.html"], more].concat();
+    for (arguments, words) in [
+        (play(&["--grid"]), "--grid belong to pictures"),
+        (play(&["--slice", "z=1"]), "leave out --slice"),
+        (play(&["--tracker", "verlet(nbz)"]), "there is no detector 'nbz'"),
+        (play(&["--frames", "0"]), "--frames 0"),
+        (vec!["draw", "packed:n=60", "-o", "film.html"], "there is one; add --motion drift"),
+        (vec!["draw", "packed:n=60", "--motion", "drift", "-o", "film.svg"], "-o NAME.html"),
+        (vec!["draw", "packed:n=60", "--tracker", "nbs"], "belong to a page that plays"),
+        (vec!["draw", "packed:n=60", "-o", "film.gif"], "and that of a page that plays .html"),
+        (
+            vec!["draw", "packed:n=60,periodic=true", "--motion", "drift", "-o", "film.html"],
+            "in motion boundaries are open",
+        ),
+    ] {
+        refused(folder.path(), &arguments, &[words]);
+    }
+    let many = ["draw", "packed:n=3000", "--motion", "rest", "--frames", "1000", "-o", "f.html"];
+    let said = refused(folder.path(), &many, &["a page of at most 5 MB holds"]).stderr;
+    // So many are as many as there is room for.
+    let frames = said.split("take --frames ").nth(1).unwrap().split(',').next().unwrap();
+    let few = ["packed:n=3000", "--motion", "rest", "--frames", frames];
+    let size = film(folder.path(), &few).0.len();
+    assert!((4_000_000..5_000_000).contains(&size), "{size}");
+    let crowd = ["draw", "loose:dim=2,n=20001,fraction=0.1", "--motion", "rest", "-o", "f.html"];
+    refused(folder.path(), &crowd, &["20001 particles are too many to be seen moving"]);
+    assert!(!folder.path().join("f.html").exists());
+}
+
+/// In a browser the page plays, steps and marks; nothing in its console.
+#[test]
+fn a_film_plays_in_a_browser() {
+    let Some(browser) = Browser::open(1200, 900) else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let (_, data, _) = film(folder.path(), &[&FLIGHT[..], &[CARELESS]].concat());
+    browser.show(&folder.path().join("film.html"));
+    let text = |id: &str| {
+        browser
+            .run(&format!("return document.getElementById('{id}').textContent"))
+            .as_str()
+            .unwrap()
+            .to_string()
+    };
+    assert_eq!(text("step"), "frame 0 of 40");
+    let paths = |id: &str| {
+        let code = format!(
+            "return (document.getElementById('{id}').getAttribute('d').match(/M/g) || []).length"
+        );
+        count(&browser.run(&code))
+    };
+    let worst = (0..41).max_by_key(|&k: &usize| count(&data["frames"][k][4])).unwrap();
+    browser.run(&format!("show({worst})"));
+    let frame = &data["frames"][worst];
+    assert_eq!((paths("discs"), paths("missed")), (200, count(&frame[4])));
+    assert_eq!(paths("contacts"), count(&frame[3]) - count(&frame[4]));
+    assert!(text("words").contains(&format!("{} missed", frame[4])), "{}", text("words"));
+    // Keys: the last frame, the build before it, one frame back, the next with a miss.
+    let first = (0..41).find(|&k| count(&data["frames"][k][4]) > 0).unwrap();
+    for (key, step) in [
+        ("End", 40),
+        ("ArrowUp", 30),
+        ("ArrowLeft", 29),
+        ("ArrowDown", 30),
+        ("Home", 0),
+        ("m", first),
+    ] {
+        browser.run(&format!("dispatchEvent(new KeyboardEvent('keydown', {{ key: '{key}' }}))"));
+        assert_eq!(text("step"), format!("frame {step} of 40"), "{key}");
+    }
+    browser.run("show(30)");
+    browser.click("#play");
+    let begun = std::time::Instant::now();
+    while text("step") != "frame 40 of 40" && begun.elapsed().as_secs() < 20 {
+        std::thread::sleep(std::time::Duration::from_millis(50));
+    }
+    assert_eq!((text("step"), text("play")), ("frame 40 of 40".into(), "Play".into()));
+    assert!(browser.log().is_empty(), "{:?}", browser.log());
+}
