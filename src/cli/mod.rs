@@ -93,12 +93,12 @@ pub enum Verb {
     /// checkout
     #[command(after_help = "Example: contactbench new-detector quad-tree --in ~/contactbench")]
     NewDetector(new_detector::NewDetector),
-    /// Draws a scene with its contacts, or a slice through spheres, as SVG or PNG, or plays its frames
-    /// on a page
+    /// Draws a scene with its contacts, or a slice through spheres, as SVG or PNG; plays frames as a
+    /// page
     #[command(after_help = "Example: contactbench draw packing.csv\nExample: contactbench draw \
                             packed:dim=3,n=2000 --slice z=4 -o slice.png\nExample: contactbench \
-                            draw packing.csv --pairs theirs.csv\nExample: contactbench draw packed:n=200 \
-                            --motion collapse -o play.html")]
+                            draw packing.csv --pairs theirs.csv\nExample: contactbench draw \
+                            packed:n=200 --motion collapse -o play.html")]
     Draw(draw::Draw),
     /// Shows a detector of the book step by step: one HTML page that steps with the arrow keys, and
     /// an SVG of each step

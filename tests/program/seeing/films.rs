@@ -56,18 +56,24 @@ fn a_film_has_its_frames_builds_and_missed_contacts() {
     let track: Value = serde_json::from_str(&good(folder.path(), &track).stdout).unwrap();
     let frames = data["frames"].as_array().unwrap();
     assert_eq!((frames.len(), numbers(&data["radii"]).len()), (41, 200));
+    let radii = numbers(&data["radii"]);
     let (mut contacts, mut missed, mut built) = (0, 0, Vec::new());
     for (k, frame) in frames.iter().enumerate() {
         let (circles, pairs) = (numbers(&frame[0]), numbers(&frame[1]));
         assert_eq!((circles.len(), pairs.len()), (2 * 200, 2 * count(&frame[3])), "frame {k}");
         assert_eq!(frame[2], frame[4], "all discs are there");
-        // Two that touch are nowhere farther apart than their radii say.
-        for pair in pairs.chunks_exact(2) {
+        // How far apart they are beyond their radii, in this frame and when the list was built.
+        let before = numbers(&frames[k / 10 * 10][0]);
+        let gap = |circles: &[u16], pair: &[u16]| {
             let at = |place: u16, axis: usize| f64::from(circles[2 * usize::from(place) + axis]);
-            let apart = (at(pair[0], 0) - at(pair[1], 0)).hypot(at(pair[0], 1) - at(pair[1], 1));
-            let radii = numbers(&data["radii"]);
+            let apart = |axis| at(pair[0], axis) - at(pair[1], axis);
             let reach = pair.iter().map(|&place| f64::from(radii[usize::from(place)]));
-            assert!(apart <= reach.sum::<f64>() + 4.0, "frame {k}: {pair:?} {apart}");
+            apart(0).hypot(apart(1)) - reach.sum::<f64>()
+        };
+        let reported = count(&frame[3]) - count(&frame[4]);
+        for (place, pair) in pairs.chunks_exact(2).enumerate() {
+            assert!(gap(&circles, pair) < 4.0, "frame {k}: {pair:?}");
+            assert!(place < reported || gap(&before, pair) > 0.0, "frame {k}: {pair:?} was listed");
         }
         contacts += count(&frame[3]);
         missed += count(&frame[4]);

@@ -100,8 +100,8 @@ impl Film {
         let circles = flat.circles.len();
         ensure!(
             circles <= MOST_CIRCLES,
-            "{circles} particles are too many to be seen moving; at most {MOST_CIRCLES} are played: \
-             take fewer{}",
+            "{circles} particles are too many to be seen moving; at most {MOST_CIRCLES} are \
+             played: take fewer{}",
             if self.space { ", or another slice" } else { "" }
         );
         let radii = |circles: &[Circle]| circles.iter().map(|circle| circle.r).collect::<Vec<_>>();
