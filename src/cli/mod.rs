@@ -93,8 +93,7 @@ pub enum Verb {
     /// checkout
     #[command(after_help = "Example: contactbench new-detector quad-tree --in ~/contactbench")]
     NewDetector(new_detector::NewDetector),
-    /// Draws a scene with its contacts, or a slice through spheres, as SVG or PNG; plays frames as a
-    /// page
+    /// Draws a scene with its contacts, or a slice through spheres, or plays it as it moves
     #[command(after_help = "Example: contactbench draw packing.csv\nExample: contactbench draw \
                             packed:dim=3,n=2000 --slice z=4 -o slice.png\nExample: contactbench \
                             draw packing.csv --pairs theirs.csv\nExample: contactbench draw \

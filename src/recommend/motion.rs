@@ -67,10 +67,11 @@ pub struct Found {
     pub dim: usize,
     /// What popular settings did, in the order of [`POPULAR`].
     pub popular: Vec<Tracked>,
-    /// The race of trackers; each is the text of one.
+    /// The race of trackers; that of detectors on the first frame, if none of those gave a right
+    /// answer.
     pub race: Race,
     /// The one that the others are compared with: its detector in every frame.
-    pub plain: String,
+    pub plain: Option<String>,
 }
 
 /// Follows the frames with the popular settings, and runs the race. `note` hears what is being
@@ -110,13 +111,13 @@ pub fn run(frames: Frames<'_>, note: &mut dyn FnMut(&str)) -> anyhow::Result<Fou
         time: time.mul_f64(AT_REST),
         program: program.clone(),
     };
-    let detectors = race::run(&at_rest, note)?.standings;
-    let trackers = trackers(&best(&detectors), threads)?;
-    let plain = trackers.first().map(|plain| plain.name.clone());
-    let plain = plain.context(
-        "no detector has given a right answer on the first frame in time; give more time with \
-         --seconds",
-    )?;
+    let dim = first.scene.dim();
+    let race = race::run(&at_rest, note)?;
+    let trackers = trackers(&best(&race.standings), threads)?;
+    let (moved, popular) = (followed.moved, followed.trackers);
+    let Some(plain) = trackers.first().map(|plain| plain.name.clone()) else {
+        return Ok(Found { moved, dim, popular, race, plain: None });
+    };
     let most = followed.truths.iter().map(|truth| truth.contacts).max().unwrap_or(0);
     let judge = Judge::knowing(trajectory.clone(), memory_limit, arithmetic, followed.truths);
     let course = Course {
@@ -130,9 +131,8 @@ pub fn run(frames: Frames<'_>, note: &mut dyn FnMut(&str)) -> anyhow::Result<Fou
         program: &program,
         started: Instant::now(),
     };
-    let race = course.race(trackers, followed.moved.contacts, note)?;
-    let (moved, popular) = (followed.moved, followed.trackers);
-    Ok(Found { moved, dim: first.scene.dim(), popular, race, plain })
+    let race = course.race(trackers, moved.contacts, note)?;
+    Ok(Found { moved, dim, popular, race, plain: Some(plain) })
 }
 
 /// The frames on their way to files, for runners.

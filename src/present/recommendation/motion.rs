@@ -42,11 +42,13 @@ pub fn sentence(verdict: &Verdict, found: &Found) -> String {
         own.push(format!("{} by its formula", number(bytes as f64 / n.max(1) as f64)));
     }
     own.extend(built(choice, found));
-    let plain = race.standings.iter().find(|standing| standing.who.name == found.plain);
+    let is_plain = |standing: &&Standing| Some(&standing.who.name) == found.plain.as_ref();
+    let plain = race.standings.iter().find(is_plain);
     if let Some(plain) = plain.filter(|plain| plain.who.name != choice.who.name)
         && let Some(ratio) = ratio(&plain.times, &choice.times)
     {
-        own.push(format!("{} takes {} times as long", found.plain, with_interval(&ratio)));
+        let (name, takes) = (&plain.who.name, with_interval(&ratio));
+        own.push(format!("{name} takes {takes} times as long"));
     }
     words(verdict, race, n, "per particle and step", own)
 }
@@ -155,11 +157,13 @@ fn missed(found: &Found) -> Table {
         let late = &it.late;
         let cell = |is: bool, value: String| if is { value.into() } else { Cell::absent() };
         let first = late.first.map_or_else(String::new, |first| first.to_string());
+        // Who has not seen all frames has not missed so few.
+        let whole = it.refused.is_none();
         vec![
             popular.setting.replace("rule=", "").replace(",skin=", ", ").into(),
             popular.origin.into(),
-            Cell::count(late.missed),
-            percent(share(it, found)).into(),
+            cell(whole, late.missed.to_string()),
+            cell(whole, percent(share(it, found))),
             cell(late.missed > 0, first),
             cell(late.latest > 0, percent(late.deepest)),
         ]
