@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use anyhow::{Context, bail, ensure};
 
-use crate::cli::shared::course::{Course, course};
+use crate::cli::shared::course::{Course, FRAMES, Wanted, course};
 use crate::cli::shared::limit::Limit;
 use crate::cli::shared::progress::Counted;
 use crate::cli::shared::scene::Source;
@@ -63,8 +63,6 @@ pub struct Draw {
     limit: Limit,
 }
 
-/// Frames, where nobody says how many.
-const FRAMES: u64 = 100;
 /// Where none is named: it misses nothing.
 const TRACKER: &str = "verlet(streamed-nbs,skin=auto)";
 
@@ -151,7 +149,9 @@ fn page(options: &Draw) -> anyhow::Result<ExitCode> {
     );
     let tracker = detectors::parse_tracker(options.tracker.as_deref().unwrap_or(TRACKER))?;
     let play = |course: Course<'_>| play(options, &tracker, course);
-    let done = course(&options.source, options.motion, options.frames, FRAMES, play)?;
+    let Draw { motion, frames, .. } = *options;
+    let wanted = Wanted { motion, otherwise: None, frames, of_file: FRAMES };
+    let done = course(&options.source, &wanted, play)?;
     done.context(
         "a page plays frames, and there is one; add --motion drift, or take a file of several",
     )
@@ -165,9 +165,10 @@ fn play(options: &Draw, tracker: &TrackerSpec, course: Course<'_>) -> anyhow::Re
     let progress = Counted::new(None);
     let mut k = 0;
     while k < count
-        && let Some(frame) = next(k)?
+        && let Some(given) = next(k)?
     {
         progress.frame(k);
+        let frame = given.open(name)?;
         let mut pairs = Vec::new();
         let step = at_work.step(&frame, Test::Exact, None, &mut pairs);
         let step = step.with_context(|| format!("frame {k}: {tracker}"))?;

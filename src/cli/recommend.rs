@@ -9,7 +9,7 @@ use anyhow::{Context, bail, ensure};
 use serde_json::json;
 
 use crate::cli::shared::arithmetic::arithmetic;
-use crate::cli::shared::course::{Course, course};
+use crate::cli::shared::course::{Course, FRAMES, Wanted, course};
 use crate::cli::shared::limit::Limit;
 use crate::cli::shared::scene::Source;
 use crate::cli::shared::{terminal, values};
@@ -57,16 +57,15 @@ pub struct Recommend {
     json: bool,
 }
 
-/// Frames, where nobody says how many.
-const FRAMES: u64 = 100;
-
 /// Measures, and says which detector to use; exit code 1 if one was wrong, or none can be used.
 pub fn recommend(options: &Recommend) -> anyhow::Result<ExitCode> {
     let (seconds, threads) = (options.seconds, options.threads);
     ensure!((0.1..1e6).contains(&seconds), "--seconds {seconds}: give a number from 0.1 to 10^6");
     ensure!((1..=1024).contains(&threads), "--threads {threads}: give a number from 1 to 1024");
     let of_frames = |course: Course<'_>| moving(options, course);
-    let frames = course(&options.source, options.motion, options.frames, FRAMES, of_frames)?;
+    let Recommend { motion, frames, .. } = *options;
+    let wanted = Wanted { motion, otherwise: None, frames, of_file: FRAMES };
+    let frames = course(&options.source, &wanted, of_frames)?;
     if let Some(code) = frames {
         return Ok(code);
     }

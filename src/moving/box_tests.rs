@@ -59,7 +59,7 @@ fn trackers_are_held_to_the_truth_in_boxes_that_move_or_stay() {
             let scene = Spec::parse(text).unwrap().given().unwrap();
             let mut frames = Frames::new(&scene, Motion { kind, speed: 0.11, seed: 3 }).unwrap();
             let frames: Vec<Given> = (0..19).map(|k| frames.at(k).unwrap()).collect();
-            let Followed { moved, trackers } = followed(&frames, &trackers);
+            let Followed { moved, trackers, .. } = followed(&frames, &trackers);
             assert_eq!((moved.frames, &moved.uncounted), (19, &None), "{text} {kind:?}");
             let changes = moved.born + moved.ended;
             assert!(
@@ -86,7 +86,7 @@ fn a_contact_that_goes_through_a_face_goes_on() {
         given(at.map(|at| at.map(|x| x.rem_euclid(8.0))).to_vec(), 0.5, square(8.0))
     };
     let frames: Vec<Given> = (0..60).map(flight).collect();
-    let Followed { moved, trackers } = followed(&frames, &["verlet(nbs,rule=every-59)"]);
+    let Followed { moved, trackers, .. } = followed(&frames, &["verlet(nbs,rule=every-59)"]);
     assert_eq!([moved.contacts, moved.born, moved.ended, moved.tunnelled], [60, 0, 0, 0]);
     assert!((moved.way.longest - 0.75 * 5f64.sqrt()).abs() < 1e-9, "{moved:?}");
     assert_eq!(trackers[0].late.missed, 0, "it was never out of the list");

@@ -13,7 +13,7 @@ use crate::recommend::standing::{Contender, Race, Standing};
 use crate::run::judge::Judge;
 use crate::run::trajectory::Trajectory;
 use crate::run::{contender, disk};
-use crate::scene::{AnyScene, Given};
+use crate::scene::Given;
 use crate::track::{Native, TrackerSpec};
 
 /// A setting that people use, in diameters of the largest body.
@@ -44,7 +44,7 @@ const SKINS: [&str; 4] = ["auto", "0.05", "0.1", "0.2"];
 /// What is asked.
 pub struct Frames<'a> {
     /// Gives the frame of each number in turn, and none after the last.
-    pub next: &'a mut dyn FnMut(u64) -> anyhow::Result<Option<AnyScene<'static>>>,
+    pub next: &'a mut dyn FnMut(u64) -> anyhow::Result<Option<Given>>,
     /// Frames at most.
     pub count: u64,
     /// How contacts are decided.
@@ -145,26 +145,26 @@ struct Files<'a> {
 }
 
 impl Files<'_> {
-    fn write(&mut self, k: u64, frame: &AnyScene<'static>) -> anyhow::Result<()> {
+    fn write(&mut self, k: u64, given: &Given) -> anyhow::Result<()> {
         if k == 0 {
-            let bytes = 8 * (frame.dim() as u64 + 1) * frame.len() as u64;
+            let bytes = 8 * (given.scene.dim() as u64 + 1) * given.scene.len() as u64;
             let remedy = "take fewer --frames, or set TMPDIR to another folder";
             disk::ensure(self.folder, bytes.saturating_mul(self.count), "the frames", remedy)?;
-            self.first = Some(frame.clone().into());
+            self.first = Some(given.clone());
         }
         let path = self.folder.join(format!("frame-{k}.npy"));
-        let next = Trajectory::write_at_rest(&path, &frame.clone().into())?;
-        match &mut self.trajectory {
-            None => self.trajectory = Some(next),
-            Some(all) => {
-                ensure!(
-                    all.radius == next.radius,
-                    "frame {k}: the bodies have other radii than in the first frame; a motion is \
-                     of the same bodies: take the frames before (--frames)"
-                );
-                all.frames.extend(next.frames);
-            }
-        }
+        let next = Trajectory::write_at_rest(&path, given)?;
+        let before = self.trajectory.as_ref();
+        ensure!(
+            before.is_none_or(|all| all.radius == next.radius),
+            "frame {k}: the bodies have other radii than in the first frame; a motion is of the \
+             same bodies: take the frames before (--frames)"
+        );
+        ensure!(
+            before.is_none_or(|all| all.box_dim() == next.box_dim()),
+            "frame {k}: some frames have a box, others none; take the frames before (--frames)"
+        );
+        Trajectory::append(&mut self.trajectory, next);
         Ok(())
     }
 }

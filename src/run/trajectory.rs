@@ -92,21 +92,30 @@ impl Trajectory {
         frames: &mut Frames,
         count: u64,
     ) -> anyhow::Result<Trajectory> {
-        let mut all = Vec::new();
+        let mut all = None;
         for k in 0..count {
             interrupt::check()?;
-            let given = frames.at(k)?;
             let path = folder.join(format!("frame-{k}.npy"));
-            all.push(Trajectory::write_at_rest(&path, &given)?);
+            let next = Trajectory::write_at_rest(&path, &frames.at(k)?)?;
+            Trajectory::append(&mut all, next);
         }
-        let first = all.first().context("a trajectory has at least one frame")?.clone();
-        let frames = all.iter().flat_map(|frame| frame.frames.clone()).collect();
-        if all.iter().all(|frame| frame.in_box == first.in_box) {
-            return Ok(Trajectory { frames, ..first });
+        all.context("a trajectory has at least one frame")
+    }
+
+    /// Appends a frame of the same particles. All frames are in boxes, or none is.
+    pub fn append(all: &mut Option<Trajectory>, mut next: Trajectory) {
+        let Some(all) = all else {
+            *all = Some(next);
+            return;
+        };
+        if all.boxes.is_empty() && all.in_box != next.in_box {
+            let before = all.in_box.take().into_iter();
+            all.boxes = before.cycle().take(all.frames.len()).collect();
         }
-        // A motion is in boxes in all frames, or in none.
-        let boxes = all.into_iter().filter_map(|frame| frame.in_box).collect();
-        Ok(Trajectory { frames, in_box: None, boxes, ..first })
+        if !all.boxes.is_empty() {
+            all.boxes.extend(next.in_box.take());
+        }
+        all.frames.append(&mut next.frames);
     }
 
     /// One of its frames, as a scene at rest.

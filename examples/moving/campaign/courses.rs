@@ -74,14 +74,14 @@ fn frames(kind: Kind, dim: usize, arithmetic: Arithmetic, draw: &mut Draw) -> Ve
     let count = 5 + draw.below(26) as usize;
     let scene = Spec::parse(&text).and_then(|spec| spec.make());
     let scene = scene.expect("scenes of these generators can be made");
-    let mut moving = Frames::new(&scene, motion).expect("these scenes can move");
+    let mut moving = Frames::new(&scene.into(), motion).expect("these scenes can move");
     let mut order: Vec<usize> = (0..count).collect();
     if draw.once_in(4) {
         order = draw.order(count);
     }
     let frame = |k: usize| {
-        let scene = moving.at(k as u64).expect("nothing flies far in so few frames");
-        Frame::new(&scene, arithmetic).expect("coordinates fit every arithmetic")
+        let given = moving.at(k as u64).expect("nothing flies far in so few frames");
+        Frame::new(&given.scene, arithmetic).expect("coordinates fit every arithmetic")
     };
     order.into_iter().map(frame).collect()
 }

@@ -3,15 +3,14 @@
 
 use std::path::Path;
 
-use anyhow::{bail, ensure};
+use anyhow::{Context, ensure};
 
 use crate::cli::shared::input;
 use crate::cli::shared::scene::Source;
-use crate::io::boxes::along;
 use crate::io::{self, Frame, Place};
 use crate::moving::Recorded;
+use crate::scene::Given;
 use crate::scene::motion::{Frames, Motion};
-use crate::scene::{AnyScene, Given};
 
 /// Frames of the same particles.
 pub struct Course<'a> {
@@ -26,84 +25,97 @@ pub struct Course<'a> {
     /// Frames at most.
     pub count: u64,
     /// Gives the frame of each number in turn, and none after the last.
-    pub next: &'a mut dyn FnMut(u64) -> anyhow::Result<Option<AnyScene<'static>>>,
+    pub next: &'a mut dyn FnMut(u64) -> anyhow::Result<Option<Given>>,
 }
 
-/// Hands the frames to `body`; none if there is one frame and no motion. Of a file there are at
-/// most `count`, if nobody says how many.
+/// Frames of a motion, where nobody says how many.
+pub const FRAMES: u64 = 100;
+
+/// Which frames are wanted.
+pub struct Wanted {
+    /// The motion that was asked for.
+    pub motion: Option<Motion>,
+    /// That of a scene that would stand still, if it is to move.
+    pub otherwise: Option<Motion>,
+    /// So many at most, as was asked for.
+    pub frames: Option<u64>,
+    /// Of a file, where nobody says how many.
+    pub of_file: u64,
+}
+
+/// Hands the frames to `body`; none if there is one frame and no motion.
 pub fn course<T>(
     source: &Source,
-    motion: Option<Motion>,
-    frames: Option<u64>,
-    count: u64,
+    wanted: &Wanted,
     body: impl FnOnce(Course<'_>) -> anyhow::Result<T>,
 ) -> anyhow::Result<Option<T>> {
+    let Wanted { motion, otherwise, frames, .. } = *wanted;
     ensure!(frames != Some(0), "--frames 0: at least one is needed");
-    let count = frames.unwrap_or(count);
     let Source { scene, input } = source;
-    if let Some(motion) = motion {
-        let Some((name, given)) = source.given()? else { return Ok(None) };
-        let scene = open(given, &name)?;
-        let mut frames = Frames::new(&scene, motion)?;
-        let course = Course {
-            name: &name,
-            motion: &motion.to_string(),
-            recorded: false,
-            particles: scene.len(),
-            count,
-            next: &mut |k| frames.at(k).map(Some),
-        };
-        return body(course).map(Some);
+    // Whoever names a motion or a frame wants that frame to move.
+    let all = motion.is_none() && matches!(input.frame, None | Some(Frame::All));
+    if let Some(path) = scene.as_deref().map(Path::new).filter(|path| all && path.exists()) {
+        let options = io::Options { ids: true, ..input.options() };
+        let several = |frames: io::Frames<'_>| of_file(source, path, wanted, frames, body);
+        let done = input::frames(path, options, several)?;
+        let moves = done.is_some() || frames.is_none();
+        ensure!(moves, "--frames says how many, and the file has one frame; add --motion drift");
+        return Ok(done);
     }
-    // Whoever names a frame wants that one.
-    let all = matches!(input.frame, None | Some(Frame::All));
-    let path = scene.as_deref().map(Path::new).filter(|path| all && path.exists());
-    let Some(path) = path else {
+    let Some(motion) = motion.or(otherwise) else {
         ensure!(frames.is_none(), "--frames says how many, and nothing moves; add --motion drift");
         return Ok(None);
     };
-    let options = io::Options { ids: true, ..input.options() };
-    let several = |frames: io::Frames<'_>| of_file(source, path, count, frames, body);
-    let done = input::frames(path, options, several)?;
-    let moves = done.is_some() || frames.is_none();
-    ensure!(moves, "--frames says how many, and the file has one frame; add --motion drift");
-    Ok(done)
+    let Some((name, given)) = source.given()? else { return Ok(None) };
+    moved(&name, &given, motion, frames, body).map(Some)
+}
+
+fn moved<T>(
+    name: &str,
+    given: &Given,
+    motion: Motion,
+    frames: Option<u64>,
+    body: impl FnOnce(Course<'_>) -> anyhow::Result<T>,
+) -> anyhow::Result<T> {
+    let mut all = Frames::new(given, motion)?;
+    body(Course {
+        name,
+        motion: &motion.to_string(),
+        recorded: false,
+        particles: given.scene.len(),
+        count: frames.unwrap_or(FRAMES),
+        next: &mut |k| all.at(k).map(Some),
+    })
 }
 
 fn of_file<T>(
     source: &Source,
     path: &Path,
-    count: u64,
+    wanted: &Wanted,
     mut frames: io::Frames<'_>,
     body: impl FnOnce(Course<'_>) -> anyhow::Result<T>,
 ) -> anyhow::Result<Option<T>> {
-    let text = path.display().to_string();
+    let (text, radius) = (path.display().to_string(), source.input.radius);
     let name = path.file_name().map_or(text.clone(), |name| name.to_string_lossy().into_owned());
-    let Some(first) = frames.next().transpose()? else { return Ok(None) };
-    let Some(second) = frames.next().transpose()? else { return Ok(None) };
+    let none = || format!("{text} holds no frame of particles; is it of another format?");
+    let first = frames.next().transpose()?.with_context(none)?;
+    let Some(second) = frames.next().transpose()? else {
+        let Some(motion) = wanted.otherwise else { return Ok(None) };
+        input::tell(&text, first.0.notices(), Place::Argument);
+        let given = first.0.given(&text, radius)?;
+        return moved(&name, &given, motion, wanted.frames, body).map(Some);
+    };
     input::tell(&text, first.0.notices(), Place::Argument);
     let particles = first.0.len();
     let all = [Ok(first), Ok(second)].into_iter().chain(frames);
-    let mut recorded = Recorded::new(all, &text, source.input.radius);
-    let course = Course {
+    let mut recorded = Recorded::new(all, &text, radius);
+    body(Course {
         name: &name,
         motion: "as recorded",
         recorded: true,
         particles,
-        count,
-        next: &mut |_| recorded.next_frame()?.map(|given| open(given, &name)).transpose(),
-    };
-    body(course).map(Some)
-}
-
-/// Frames have open boundaries.
-fn open(given: Given, name: &str) -> anyhow::Result<AnyScene<'static>> {
-    match given.lattice {
-        None => Ok(given.scene),
-        Some(lattice) => bail!(
-            "{name}: the scene repeats along {}, and in motion boundaries are open; take it \
-             without its box, or one frame of it at rest (of a file: --frame last)",
-            along(lattice.periodic())
-        ),
-    }
+        count: wanted.frames.unwrap_or(wanted.of_file),
+        next: &mut |_| recorded.next_frame(),
+    })
+    .map(Some)
 }
