@@ -146,9 +146,9 @@ fn inverse(of: &Numbers) -> Option<Numbers> {
         return None;
     }
     let mut inverse = SAME;
-    for a in 0..3 {
-        for b in 0..3 {
-            inverse[b][a] = i32::try_from(determinant * minor(a, b)).ok()?;
+    for (b, row) in inverse.iter_mut().enumerate() {
+        for (a, number) in row.iter_mut().enumerate() {
+            *number = i32::try_from(determinant * minor(a, b)).ok()?;
         }
     }
     Some(inverse)

@@ -72,8 +72,8 @@ impl Contacts {
         Ok(pairs)
     }
 
-    /// Appends what `find` puts into the lists, of at most `limit` bytes each, of a scene of so many
-    /// particles.
+    /// Appends what `find` puts into the lists, of at most `limit` bytes each, of a scene of so
+    /// many particles.
     ///
     /// # Errors
     /// [`Refusal::Pairs`] if they would be longer; all is then as it was.
