@@ -5,10 +5,10 @@ use std::process::ExitCode;
 
 use anyhow::{Context, bail, ensure};
 
-use crate::cli::shared::course::{Course, FRAMES, Wanted, course};
 use crate::cli::shared::limit::Limit;
 use crate::cli::shared::progress::Counted;
 use crate::cli::shared::scene::Source;
+use crate::cli::shared::sequence::{FRAMES, Sequence, Wanted, sequence};
 use crate::cli::shared::values;
 use crate::contact::Test;
 use crate::detect::Options;
@@ -148,17 +148,17 @@ fn page(options: &Draw) -> anyhow::Result<ExitCode> {
         "--pairs, --whole, --labels and --grid belong to pictures; leave them out for a page"
     );
     let tracker = detectors::parse_tracker(options.tracker.as_deref().unwrap_or(TRACKER))?;
-    let play = |course: Course<'_>| play(options, &tracker, course);
+    let play = |sequence: Sequence<'_>| play(options, &tracker, sequence);
     let Draw { motion, frames, .. } = *options;
     let wanted = Wanted { motion, otherwise: None, frames, of_file: FRAMES };
-    let done = course(&options.source, &wanted, play)?;
+    let done = sequence(&options.source, &wanted, play)?;
     done.context(
         "a page plays frames, and there is one; add --motion drift, or take a file of several",
     )
 }
 
-fn play(options: &Draw, tracker: &TrackerSpec, course: Course<'_>) -> anyhow::Result<ExitCode> {
-    let Course { name, motion, particles, count, next, recorded } = course;
+fn play(options: &Draw, tracker: &TrackerSpec, sequence: Sequence<'_>) -> anyhow::Result<ExitCode> {
+    let Sequence { name, motion, particles, count, next, recorded } = sequence;
     let memory_limit = options.limit.bytes(particles);
     let mut at_work = tracker.make(Options { memory_limit, threads: 1 });
     let mut film = Film::new(name, motion, &tracker.to_string(), options.slice);

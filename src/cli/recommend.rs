@@ -9,9 +9,9 @@ use anyhow::{Context, bail, ensure};
 use serde_json::json;
 
 use crate::cli::shared::arithmetic::arithmetic;
-use crate::cli::shared::course::{Course, FRAMES, Wanted, course};
 use crate::cli::shared::limit::Limit;
 use crate::cli::shared::scene::Source;
+use crate::cli::shared::sequence::{FRAMES, Sequence, Wanted, sequence};
 use crate::cli::shared::{terminal, values};
 use crate::contact::Arithmetic;
 use crate::io::boxes::along;
@@ -62,10 +62,10 @@ pub fn recommend(options: &Recommend) -> anyhow::Result<ExitCode> {
     let (seconds, threads) = (options.seconds, options.threads);
     ensure!((0.1..1e6).contains(&seconds), "--seconds {seconds}: give a number from 0.1 to 10^6");
     ensure!((1..=1024).contains(&threads), "--threads {threads}: give a number from 1 to 1024");
-    let of_frames = |course: Course<'_>| moving(options, course);
+    let of_frames = |sequence: Sequence<'_>| moving(options, sequence);
     let Recommend { motion, frames, .. } = *options;
     let wanted = Wanted { motion, otherwise: None, frames, of_file: FRAMES };
-    let frames = course(&options.source, &wanted, of_frames)?;
+    let frames = sequence(&options.source, &wanted, of_frames)?;
     if let Some(code) = frames {
         return Ok(code);
     }
@@ -179,8 +179,8 @@ fn note() -> impl FnMut(&str) {
 }
 
 /// Names a tracker for frames.
-fn moving(options: &Recommend, course: Course<'_>) -> anyhow::Result<ExitCode> {
-    let Course { name, motion, recorded, particles, count, next } = course;
+fn moving(options: &Recommend, sequence: Sequence<'_>) -> anyhow::Result<ExitCode> {
+    let Sequence { name, motion, recorded, particles, count, next } = sequence;
     let frames = motion::Frames {
         next: &mut *next,
         count,
@@ -195,7 +195,7 @@ fn moving(options: &Recommend, course: Course<'_>) -> anyhow::Result<ExitCode> {
     note("");
     // Nobody asked for the next: whatever is wrong with it, the file has more.
     let more = recorded && found.moved.frames == count && !matches!(next(count), Ok(None));
-    let (arithmetic, threads) = (options.arithmetic.name(), options.threads);
+    let (arithmetic, threads) = (options.arithmetic, options.threads);
     let head = Head { name, motion, recorded, more, arithmetic, threads };
     let verdict = Verdict::new(&found.race);
     let mut out = std::io::stdout().lock();

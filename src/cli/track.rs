@@ -6,10 +6,10 @@ use std::process::ExitCode;
 use anyhow::Context;
 
 use crate::cli::shared::arithmetic::arithmetic;
-use crate::cli::shared::course::{Course, Wanted, course};
 use crate::cli::shared::limit::Limit;
 use crate::cli::shared::progress::Counted;
 use crate::cli::shared::scene::Source;
+use crate::cli::shared::sequence::{Sequence, Wanted, sequence};
 use crate::cli::shared::{terminal, values};
 use crate::contact::Arithmetic;
 use crate::experiment::detectors;
@@ -70,7 +70,8 @@ pub fn track(options: &Track) -> anyhow::Result<ExitCode> {
         texts.into_iter().map(detectors::parse_tracker).collect::<Result<_, _>>()?;
     let Track { motion, frames, .. } = *options;
     let wanted = Wanted { motion, otherwise: Some(MOTION), frames, of_file: u64::MAX };
-    let done = course(&options.source, &wanted, |course| followed(options, &trackers, course))?;
+    let done =
+        sequence(&options.source, &wanted, |sequence| followed(options, &trackers, sequence))?;
     done.context(
         "name a particle file with frames of particles, or a scene such as packed:n=1000 \
          (contactbench list scenes)",
@@ -81,9 +82,9 @@ pub fn track(options: &Track) -> anyhow::Result<ExitCode> {
 fn followed(
     options: &Track,
     trackers: &[TrackerSpec],
-    course: Course<'_>,
+    sequence: Sequence<'_>,
 ) -> anyhow::Result<ExitCode> {
-    let Course { name, motion, particles, count: frames, next, .. } = course;
+    let Sequence { name, motion, particles, count: frames, next, .. } = sequence;
     let memory_limit = options.limit.bytes(particles);
     let question = Question { trackers, arithmetic: options.arithmetic, frames, memory_limit };
     let progress = Counted::new(Some(frames).filter(|&frames| frames < u64::MAX));

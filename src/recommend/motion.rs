@@ -191,9 +191,9 @@ fn trackers(best: &[&Standing], threads: usize) -> anyhow::Result<Vec<Contender>
         names.extend(Native::ALL.map(|native| format!("incremental({})", native.name())));
     }
     let contender = |(k, name): (usize, String)| {
-        let entry = detectors::parse_tracker(&name)?.detector().entry;
-        let threads = if name.starts_with("incremental") { 1 } else { threads };
-        Ok(Contender { name, stays: k == 0, ..Contender::of(entry, threads) })
+        let spec = detectors::parse_tracker(&name)?;
+        let threads = if matches!(spec, TrackerSpec::Incremental { .. }) { 1 } else { threads };
+        Ok(Contender { name, stays: k == 0, ..Contender::of(spec.detector().entry, threads) })
     };
     names.into_iter().enumerate().map(contender).collect()
 }

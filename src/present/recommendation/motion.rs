@@ -2,6 +2,7 @@
 
 use serde_json::{Value, json};
 
+use crate::contact::Arithmetic;
 use crate::moving::Tracked;
 use crate::number::{number, percent, plural, with_interval};
 use crate::present::document::Block;
@@ -23,8 +24,8 @@ pub struct Head<'a> {
     pub recorded: bool,
     /// The file has further frames.
     pub more: bool,
-    /// The name of the arithmetic.
-    pub arithmetic: &'a str,
+    /// How contacts are decided.
+    pub arithmetic: Arithmetic,
     /// For detectors that can use several.
     pub threads: usize,
 }
@@ -69,10 +70,14 @@ pub fn blocks(head: &Head<'_>, verdict: Option<&Verdict>, found: &Found) -> [Vec
     let first = if head.more { "the first " } else { "" };
     let blocks = plural(found.race.blocks as usize, "block");
     let said = format!(
-        "{name}: {n} {bodies}, {motion}, {first}{frames}, {arithmetic} arithmetic, {threads}, \
-         {blocks}: {}",
+        "{name}: {n} {bodies}, {motion}, {first}{frames}, {} arithmetic, {threads}, {blocks}: {}",
+        arithmetic.name(),
         tracking::motion(&found.moved)
     );
+    let above = match arithmetic.is_safe() {
+        true => "the trackers above miss none, whatever moves",
+        false => "the rules of the trackers above cost none, whatever moves; filters may",
+    };
     let popular = format!(
         "What popular settings would miss on these frames, of {} contacts (a contact that is not \
          reported in ten frames counts ten times):",
@@ -83,13 +88,12 @@ pub fn blocks(head: &Head<'_>, verdict: Option<&Verdict>, found: &Found) -> [Vec
     let mut after = vec![
         Block::paragraph(popular),
         Block::Table(missed(found)),
-        Block::paragraph(
+        Block::paragraph(format!(
             "Skins are in diameters of the largest body. since: the first frame with a missed \
              contact; depth: of those that were reported late, the largest overlap, in radii. \
-             What missed nothing here may miss contacts elsewhere; the trackers above miss none, \
-             whatever moves. \
-             contactbench track follows any of these settings frame by frame.",
-        ),
+             What missed nothing here may miss contacts elsewhere; {above}. contactbench track \
+             follows any of these settings frame by frame.",
+        )),
     ];
     if head.recorded {
         after.push(Block::paragraph(
@@ -206,7 +210,7 @@ pub fn as_json(head: &Head<'_>, verdict: Option<&Verdict>, found: &Found) -> Val
     value["motion"] = json!(head.motion);
     value["dim"] = json!(found.dim);
     value["n"] = json!(n);
-    value["arithmetic"] = json!(head.arithmetic);
+    value["arithmetic"] = json!(head.arithmetic.name());
     value["threads"] = json!(head.threads);
     value
 }

@@ -13,7 +13,7 @@ use crate::scene::Given;
 use crate::scene::motion::{Frames, Motion};
 
 /// Frames of the same particles.
-pub struct Course<'a> {
+pub struct Sequence<'a> {
     /// Of the scene or the file.
     pub name: &'a str,
     /// How it moves.
@@ -44,17 +44,19 @@ pub struct Wanted {
 }
 
 /// Hands the frames to `body`; none if there is one frame and no motion.
-pub fn course<T>(
+pub fn sequence<T>(
     source: &Source,
     wanted: &Wanted,
-    body: impl FnOnce(Course<'_>) -> anyhow::Result<T>,
+    body: impl FnOnce(Sequence<'_>) -> anyhow::Result<T>,
 ) -> anyhow::Result<Option<T>> {
     let Wanted { motion, otherwise, frames, .. } = *wanted;
     ensure!(frames != Some(0), "--frames 0: at least one is needed");
     let Source { scene, input } = source;
     // Whoever names a motion or a frame wants that frame to move.
     let all = motion.is_none() && matches!(input.frame, None | Some(Frame::All));
-    if let Some(path) = scene.as_deref().map(Path::new).filter(|path| all && path.exists()) {
+    // A pipe that has one frame cannot be read once more.
+    let is_there = |path: &&Path| path.is_file() || path.exists() && otherwise.is_some();
+    if let Some(path) = scene.as_deref().map(Path::new).filter(is_there).filter(|_| all) {
         let options = io::Options { ids: true, ..input.options() };
         let several = |frames: io::Frames<'_>| of_file(source, path, wanted, frames, body);
         let done = input::frames(path, options, several)?;
@@ -75,10 +77,10 @@ fn moved<T>(
     given: &Given,
     motion: Motion,
     frames: Option<u64>,
-    body: impl FnOnce(Course<'_>) -> anyhow::Result<T>,
+    body: impl FnOnce(Sequence<'_>) -> anyhow::Result<T>,
 ) -> anyhow::Result<T> {
     let mut all = Frames::new(given, motion)?;
-    body(Course {
+    body(Sequence {
         name,
         motion: &motion.to_string(),
         recorded: false,
@@ -93,7 +95,7 @@ fn of_file<T>(
     path: &Path,
     wanted: &Wanted,
     mut frames: io::Frames<'_>,
-    body: impl FnOnce(Course<'_>) -> anyhow::Result<T>,
+    body: impl FnOnce(Sequence<'_>) -> anyhow::Result<T>,
 ) -> anyhow::Result<Option<T>> {
     let (text, radius) = (path.display().to_string(), source.input.radius);
     let name = path.file_name().map_or(text.clone(), |name| name.to_string_lossy().into_owned());
@@ -109,7 +111,7 @@ fn of_file<T>(
     let particles = first.0.len();
     let all = [Ok(first), Ok(second)].into_iter().chain(frames);
     let mut recorded = Recorded::new(all, &text, radius);
-    body(Course {
+    body(Sequence {
         name: &name,
         motion: "as recorded",
         recorded: true,
