@@ -43,11 +43,15 @@ pub fn sentence(verdict: &Verdict, found: &Found) -> String {
         own.push(format!("{} by its formula", number(bytes as f64 / n.max(1) as f64)));
     }
     own.extend(built(choice, found));
-    let is_plain = |standing: &&Standing| Some(&standing.who.name) == found.plain.as_ref();
-    let plain = race.standings.iter().find(is_plain);
-    if let Some(plain) = plain.filter(|plain| plain.who.name != choice.who.name)
-        && let Some(ratio) = ratio(&plain.times, &choice.times)
+    // Who is compared with the choice anyway is not told twice.
+    let tied = verdict.tied.iter().map(|(k, _)| *k);
+    let mut told = verdict.next.iter().map(|(k, _)| *k).chain(tied).chain([verdict.choice]);
+    let is_plain = |standing: &Standing| Some(&standing.who.name) == found.plain.as_ref();
+    let plain = race.standings.iter().position(is_plain);
+    if let Some(plain) = plain.filter(|plain| told.all(|k| k != *plain))
+        && let Some(ratio) = ratio(&race.standings[plain].times, &choice.times)
     {
+        let plain = &race.standings[plain];
         let (name, takes) = (&plain.who.name, with_interval(&ratio));
         own.push(format!("{name} takes {takes} times as long"));
     }
