@@ -29,7 +29,7 @@ pub struct Popular {
 /// GROMACS takes its buffer from a tolerance, if none is given; a tenth is ours.
 pub const POPULAR: [Popular; 5] = [
     Popular { setting: "rule=lammps-0-1-yes,skin=0.3", origin: "LAMMPS's default" },
-    Popular { setting: "rule=lammps-10-1-yes,skin=0.3", origin: "its default until 2022" },
+    Popular { setting: "rule=lammps-10-1-yes,skin=0.3", origin: "its default in 2021" },
     Popular { setting: "rule=lammps-10-1-yes,skin=0.1", origin: "that, skin of in.chute" },
     Popular { setting: "rule=lammps-0-20-no,skin=0.3", origin: "LAMMPS's bench in.lj" },
     Popular { setting: "rule=every-10,skin=0.1", origin: "GROMACS's nstlist=10" },
