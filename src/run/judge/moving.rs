@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use crate::contact::Arithmetic;
 use crate::moving::{self, Builds, Late, Moved, Names};
 use crate::oracle::{Causes, Errors};
-use crate::periodic::{Contacts, Periodic};
+use crate::periodic::Contacts;
 use crate::record::row::Outcome;
 use crate::run::interrupt;
 use crate::run::judge::at_rest::{AtRest, Known};
@@ -155,7 +155,7 @@ impl Moving {
         }
         let (mut own, mut errors, mut causes) =
             (Errors::default(), Errors::default(), Causes::default());
-        let (mut course, mut walk) = (Course::default(), Walk::default());
+        let (mut course, mut names) = (Course::default(), Names::default());
         for (k, (&found, right)) in found.iter().zip(&right).enumerate() {
             let flag = |flags: &[bool]| flags.get(k) == Some(&true);
             let missed = course.late.missed;
@@ -175,7 +175,8 @@ impl Moving {
                 Err(nothing) => return Ok(Err(nothing)),
             };
             if let Known::InBox(periodic, _) = &known {
-                self.walk(&mut walk, k, periodic)?;
+                // In frames that were passed over nothing was missed: no name goes through them.
+                names.next(periodic);
             }
             let contacts = if is_right {
                 None
@@ -186,7 +187,7 @@ impl Moving {
                     Err(why) => return unseen(&format!("frame {k}: {why}")),
                 }
             };
-            if let Err(why) = self.late(&mut course.late, k, &known, &walk.names, &contacts) {
+            if let Err(why) = self.late(&mut course.late, k, &known, &names, &contacts) {
                 return unseen(&format!("frame {k}: {why}"));
             }
             let Some(contacts) = contacts else { continue };
@@ -237,25 +238,4 @@ impl Moving {
         }
         Ok(())
     }
-
-    /// Goes on to frame `k`, by all between, with the names of contacts.
-    fn walk(&self, walk: &mut Walk, k: usize, frame: &Periodic<'static>) -> anyhow::Result<()> {
-        for between in walk.next..k {
-            interrupt::check()?;
-            if let Some(periodic) = self.read(between)?.periodic()? {
-                walk.names.next(&periodic);
-            }
-        }
-        walk.names.next(frame);
-        walk.next = k + 1;
-        Ok(())
-    }
-}
-
-/// A walk through frames in boxes.
-#[derive(Default)]
-struct Walk {
-    names: Names,
-    /// The frame after the one that was seen last.
-    next: usize,
 }
