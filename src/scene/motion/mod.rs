@@ -79,9 +79,9 @@ impl Kind {
         match self {
             Kind::Rest => "nothing moves",
             Kind::Drift => {
-                "straight flight through a box whose walls reflect the centres: the box around \
-                 those of frame 0; through the faces of a box that repeats; velocities are uniform \
-                 in a ball, and speed is the largest"
+                "straight flight between walls that reflect the centres, as far out as those of \
+                 frame 0, or on through the faces of a box that repeats; velocities are uniform in \
+                 a ball, and speed is the largest"
             }
             Kind::Shear => {
                 "layers slide along x, as fast as they are far from the middle along y; speed is \
