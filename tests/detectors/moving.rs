@@ -18,8 +18,10 @@ fn safe_rules_miss_nothing_in_any_motion_and_the_control_does() {
 #[test]
 fn couples_at_the_limit_of_the_skin_are_found() {
     let table = couples(Plan { pair_steps: 1, seed: 7 });
-    let safe = table.total(true);
+    let (safe, control) = (table.total(true), table.total(false));
     assert_eq!(table.errors(), 0, "\n{}", table.text());
+    // Safe but for rounding.
+    assert!(control.missed > 100, "\n{}", table.text());
     assert!(safe.built < safe.frames, "\n{}", table.text());
     assert!(["line", "thin"].iter().all(|name| table.came[name] > 1_000), "{:?}", table.came);
 }
