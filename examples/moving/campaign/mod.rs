@@ -2,6 +2,8 @@
 
 pub mod couples;
 pub mod courses;
+// Tests have both campaigns.
+#[allow(clippy::duplicate_mod)]
 #[path = "../../near_tangent/campaign/draw.rs"]
 pub mod draw;
 

@@ -21,7 +21,7 @@ enum Way {
 
     // How far bodies have gone.
     /// A half of the half: the way of one may be the skin, and that of two twice the skin.
-    HalfTheWay,
+    HalfCounted,
     /// Along the first axis only.
     AlongX,
     /// Along the axis along which it is farthest.
@@ -88,7 +88,7 @@ enum Rule {
 const RULES: [Rule; 3] = [Rule::TopTwo, Rule::HalfSkin, Rule::Summed];
 
 const MUTANTS: [Way; 21] = [
-    Way::HalfTheWay,
+    Way::HalfCounted,
     Way::AlongX,
     Way::LargestAxis,
     Way::Nearest,

@@ -136,7 +136,7 @@ impl<const D: usize> Tracker<D> {
         };
         let skin = 2.0 * list.half;
         match way {
-            Way::HalfTheWay => 0.5 * gone > skin,
+            Way::HalfCounted => 0.5 * gone > skin,
             Way::AtLimit => gone >= skin,
             Way::RestsWhereBuilt => gone > skin && first > 0.0,
             _ => gone > skin,
