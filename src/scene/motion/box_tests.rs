@@ -168,6 +168,17 @@ fn what_does_not_go_in_boxes_is_refused_in_a_sentence() {
     assert!(said.contains("is not along x but has y = 9 and z = 0; turn the box"), "{said}");
     let mut drift = Frames::new(&turned, motion(Kind::Drift, 0.1)).unwrap();
     assert!(fractions(&drift.at(99).unwrap(), 0).iter().all(|x| (-1e-9..1.0 + 1e-9).contains(x)));
+    // Files give discs in boxes that repeat along z, too.
+    let vectors = [[9.0, 0.0, 0.0], [0.0, 9.0, 0.0], [2.5, 3.5, 9.0]];
+    let along = |axes| Lattice::new(vectors, axes, [0.0; 3]).unwrap();
+    let discs = scene("loose:n=9,periodic=true");
+    for kind in goes() {
+        let frame = |axes| {
+            let discs = Given { lattice: Some(along(axes)), ..discs.clone() };
+            Frames::new(&discs, motion(kind, 0.1)).unwrap().at(7).unwrap()
+        };
+        assert_eq!(frame([true; 3]), frame([true, true, false]), "{kind:?}");
+    }
     // Nobody, and beyond all numbers.
     for kind in goes() {
         let none = scene("loose:n=0,periodic=true");

@@ -33,7 +33,7 @@ impl<const D: usize> Boxed<D> {
     /// The box of frame 0.
     ///
     /// # Errors
-    /// The motion is none for boxes, or not for this one.
+    /// The motion is none for boxes, or not for this one; a box of discs that leaves their plane.
     pub fn new(scene: &Scene<'_, f64, D>, first: &Lattice, kind: Kind) -> anyhow::Result<Boxed<D>> {
         let goes =
             matches!(kind, Kind::Rest | Kind::Drift | Kind::Shear | Kind::Jitter | Kind::Brownian);
@@ -43,13 +43,14 @@ impl<const D: usize> Boxed<D> {
              drift, shear, jitter or brownian",
             kind.name()
         );
+        let first = if D == 2 { first.flat()? } else { *first };
         let [_, y, z] = first.vectors()[0];
         ensure!(
             kind != Kind::Shear || !first.periodic()[0] || [y, z] == [0.0; 2],
             "layers slide along x, and the first vector of the box that repeats is not along x but \
              has y = {y} and z = {z}; turn the box and its particles, or take another motion"
         );
-        Ok(Boxed { first: *first, walls: walls(scene, first) })
+        Ok(Boxed { first, walls: walls(scene, &first) })
     }
 
     /// How high the box is along y, and its middle; none if it does not repeat along y.
