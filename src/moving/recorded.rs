@@ -26,7 +26,8 @@ struct First {
 }
 
 fn repeats(particles: &Particles) -> [bool; 3] {
-    particles.lattice().map_or([false; 3], Lattice::periodic)
+    let [x, y, z] = particles.lattice().map_or([false; 3], Lattice::periodic);
+    [x, y, z && particles.dim() == 3]
 }
 
 impl<'a, I: Iterator<Item = anyhow::Result<(Particles, About)>>> Recorded<'a, I> {
