@@ -168,7 +168,12 @@ fn play(options: &Draw, tracker: &TrackerSpec, sequence: Sequence<'_>) -> anyhow
         && let Some(given) = next(k)?
     {
         progress.frame(k);
-        let frame = given.open(name)?;
+        ensure!(
+            given.lattice.is_none(),
+            "{name}: a page plays scenes in open space, and this one repeats; take it without its \
+             box (of a file: --open), or draw a picture of one frame"
+        );
+        let frame = given.scene;
         let mut pairs = Vec::new();
         let step = at_work.step(&frame, Test::Exact, None, &mut pairs);
         let step = step.with_context(|| format!("frame {k}: {tracker}"))?;

@@ -113,7 +113,7 @@ pub fn run(frames: Frames<'_>, note: &mut dyn FnMut(&str)) -> anyhow::Result<Fou
     };
     let dim = first.scene.dim();
     let race = race::run(&at_rest, note)?;
-    let trackers = trackers(&best(&race.standings), threads)?;
+    let trackers = trackers(&best(&race.standings), threads, first.lattice.is_some())?;
     let (moved, popular) = (followed.moved, followed.trackers);
     let Some(plain) = trackers.first().map(|plain| plain.name.clone()) else {
         return Ok(Found { moved, dim, popular, race, plain: None });
@@ -179,7 +179,7 @@ fn best(standings: &[Standing]) -> Vec<&Standing> {
 }
 
 /// Trackers that miss nothing, the first of them the plain one.
-fn trackers(best: &[&Standing], threads: usize) -> anyhow::Result<Vec<Contender>> {
+fn trackers(best: &[&Standing], threads: usize, in_box: bool) -> anyhow::Result<Vec<Contender>> {
     let mut names = Vec::new();
     for (k, standing) in best.iter().enumerate() {
         let over = &standing.who.name;
@@ -187,7 +187,8 @@ fn trackers(best: &[&Standing], threads: usize) -> anyhow::Result<Vec<Contender>
         let skins = if k == 0 { &SKINS[..] } else { &SKINS[..1] };
         names.extend(skins.iter().map(|skin| format!("verlet({over},skin={skin})")));
     }
-    if !names.is_empty() {
+    // Those are for open space.
+    if !names.is_empty() && !in_box {
         names.extend(Native::ALL.map(|native| format!("incremental({})", native.name())));
     }
     let contender = |(k, name): (usize, String)| {

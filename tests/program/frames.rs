@@ -134,8 +134,7 @@ fn what_is_no_motion_is_refused_with_its_frame() {
     let words = ["t: one frame is wanted here; give --frame a number from 0, or last"];
     let words = words.map(|text| text.replacen('t', "other.dump", 1));
     refused(folder, &["scene", "other.dump", "--frame", "all"], &[&words[0]]);
-    let boxed = "in motion boundaries are open; take it without its box, or one frame of it";
-    refused(folder, &["recommend", "box.dump"], &[boxed]);
+    refused(folder, &["recommend", "box.dump"], &["the box repeats along x and y, and along x in"]);
     refused(folder, &["detect", "packed:n=9", "--frame", "all"], &["belong to files"]);
 }
 

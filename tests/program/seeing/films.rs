@@ -147,7 +147,7 @@ fn films_that_cannot_be_are_refused() {
         (vec!["draw", "packed:n=60", "-o", "film.gif"], "and that of a page that plays .html"),
         (
             vec!["draw", "packed:n=60,periodic=true", "--motion", "drift", "-o", "film.html"],
-            "in motion boundaries are open",
+            "a page plays scenes in open space",
         ),
     ] {
         refused(folder.path(), &arguments, &[words]);
