@@ -152,8 +152,9 @@ fn page(options: &Draw) -> anyhow::Result<ExitCode> {
     let Draw { motion, frames, .. } = *options;
     let wanted = Wanted { motion, otherwise: None, frames, of_file: FRAMES };
     let done = sequence(&options.source, &wanted, play)?;
-    done.context(
-        "a page plays frames, and there is one; add --motion drift, or take a file of several",
+    done.moving().context(
+        "a page plays frames, and there is one; add --motion drift, or take a file of several \
+         without --frame",
     )
 }
 

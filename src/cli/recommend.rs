@@ -11,7 +11,7 @@ use serde_json::json;
 use crate::cli::shared::arithmetic::arithmetic;
 use crate::cli::shared::limit::Limit;
 use crate::cli::shared::scene::Source;
-use crate::cli::shared::sequence::{FRAMES, Sequence, Wanted, sequence};
+use crate::cli::shared::sequence::{FRAMES, Seen, Sequence, Wanted, sequence};
 use crate::cli::shared::{terminal, values};
 use crate::contact::Arithmetic;
 use crate::io::boxes::along;
@@ -65,12 +65,12 @@ pub fn recommend(options: &Recommend) -> anyhow::Result<ExitCode> {
     let of_frames = |sequence: Sequence<'_>| moving(options, sequence);
     let Recommend { motion, frames, .. } = *options;
     let wanted = Wanted { motion, otherwise: None, frames, of_file: FRAMES };
-    let frames = sequence(&options.source, &wanted, of_frames)?;
-    if let Some(code) = frames {
-        return Ok(code);
-    }
-    let Some((name, given)) = options.source.given()? else {
-        bail!("name a particle file, or a scene such as packed:n=20000 (contactbench list scenes)");
+    let (name, given) = match sequence(&options.source, &wanted, of_frames)? {
+        Seen::Moving(code) => return Ok(code),
+        Seen::Still(still) => *still,
+        Seen::Nothing => bail!(
+            "name a particle file, or a scene such as packed:n=20000 (contactbench list scenes)"
+        ),
     };
     let none = given.scene.is_empty();
     ensure!(!none, "{name}: the scene has no particles; there is nothing to recommend");
@@ -184,6 +184,7 @@ fn moving(options: &Recommend, sequence: Sequence<'_>) -> anyhow::Result<ExitCod
     let frames = motion::Frames {
         next: &mut *next,
         count,
+        recorded,
         arithmetic: options.arithmetic,
         threads: options.threads,
         memory_limit: options.limit.bytes(particles),

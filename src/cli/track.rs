@@ -72,7 +72,7 @@ pub fn track(options: &Track) -> anyhow::Result<ExitCode> {
     let wanted = Wanted { motion, otherwise: Some(MOTION), frames, of_file: u64::MAX };
     let done =
         sequence(&options.source, &wanted, |sequence| followed(options, &trackers, sequence))?;
-    done.context(
+    done.moving().context(
         "name a particle file, or a scene such as packed:n=1000 (contactbench list scenes)",
     )
 }

@@ -67,14 +67,14 @@ fn words(verdict: &Verdict, race: &Race, n: usize, per: &str, own: Vec<String>) 
     }
     text += &match (&race.twin, verdict.floor) {
         (Some(twin), Some(floor)) => format!(
-            "\n  the same detector again, beside itself, takes {} times as long:\n  a factor below \
+            "\n  the same once more, beside itself, takes {} times as long:\n  a factor below \
              {floor:.2} decides nothing",
             with_interval(twin)
         ),
         _ if race.blocks < 2 => {
             "\n  one block decides nothing; give more time with --seconds".into()
         }
-        _ => "\n  the same detector again has no times: nothing is decided".into(),
+        _ => "\n  the same once more has no times: nothing is decided".into(),
     };
     text
 }

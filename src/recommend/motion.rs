@@ -8,7 +8,7 @@ use anyhow::{Context, bail, ensure};
 use crate::contact::Arithmetic;
 use crate::experiment::detectors;
 use crate::moving::{self, Moved, Tracked, follow};
-use crate::recommend::race::{self, Course, Question};
+use crate::recommend::race::{self, Ground, Question};
 use crate::recommend::standing::{Contender, Race, Standing};
 use crate::run::judge::Judge;
 use crate::run::trajectory::Trajectory;
@@ -30,7 +30,7 @@ pub struct Popular {
 pub const POPULAR: [Popular; 5] = [
     Popular { setting: "rule=lammps-0-1-yes,skin=0.3", origin: "LAMMPS's default" },
     Popular { setting: "rule=lammps-10-1-yes,skin=0.3", origin: "its default in 2021" },
-    Popular { setting: "rule=lammps-10-1-yes,skin=0.1", origin: "that, skin of in.chute" },
+    Popular { setting: "rule=lammps-0-1-yes,skin=0.1", origin: "LAMMPS's bench in.chute" },
     Popular { setting: "rule=lammps-0-20-no,skin=0.3", origin: "LAMMPS's bench in.lj" },
     Popular { setting: "rule=every-10,skin=0.1", origin: "GROMACS's nstlist=10" },
 ];
@@ -47,6 +47,8 @@ pub struct Frames<'a> {
     pub next: &'a mut dyn FnMut(u64) -> anyhow::Result<Option<Given>>,
     /// Frames at most.
     pub count: u64,
+    /// They are those of a file, of which there may be fewer.
+    pub recorded: bool,
     /// How contacts are decided.
     pub arithmetic: Arithmetic,
     /// For detectors that can use several.
@@ -77,17 +79,24 @@ pub struct Found {
 /// Follows the frames with the popular settings, and runs the race. `note` hears what is being
 /// done.
 pub fn run(frames: Frames<'_>, note: &mut dyn FnMut(&str)) -> anyhow::Result<Found> {
-    let Frames { next, count, arithmetic, threads, memory_limit, time, program } = frames;
+    let Frames { next, count, recorded, arithmetic, threads, memory_limit, time, program } = frames;
     let folder = tempfile::tempdir()
         .context("cannot make a temporary folder for frames; set TMPDIR to a writable place")?;
     let popular: Vec<TrackerSpec> = POPULAR
         .iter()
         .map(|popular| detectors::parse_tracker(&format!("verlet({OVER},{})", popular.setting)))
         .collect::<Result<_, _>>()?;
-    let mut files = Files { folder: folder.path(), count, trajectory: None, first: None };
+    // Of a file nobody knows how many will come.
+    let ahead = if recorded { 1 } else { count };
+    let mut files = Files { folder: folder.path(), ahead, trajectory: None, first: None };
     let frame = |k| {
         note(&format!("frame {k}"));
         let frame = next(k)?;
+        ensure!(
+            arithmetic == Arithmetic::Exact || frame.as_ref().is_none_or(|it| it.lattice.is_none()),
+            "in a periodic box lists are kept in exact arithmetic alone, not in {arithmetic}; take \
+             --arithmetic exact"
+        );
         frame.as_ref().map_or(Ok(()), |frame| files.write(k, frame))?;
         Ok(frame)
     };
@@ -120,7 +129,7 @@ pub fn run(frames: Frames<'_>, note: &mut dyn FnMut(&str)) -> anyhow::Result<Fou
     };
     let most = followed.truths.iter().map(|truth| truth.contacts).max().unwrap_or(0);
     let judge = Judge::knowing(trajectory.clone(), memory_limit, arithmetic, followed.truths);
-    let course = Course {
+    let ground = Ground {
         judge,
         loads: vec![trajectory],
         folder: folder.path(),
@@ -131,15 +140,15 @@ pub fn run(frames: Frames<'_>, note: &mut dyn FnMut(&str)) -> anyhow::Result<Fou
         program: &program,
         started: Instant::now(),
     };
-    let race = course.race(trackers, moved.contacts, note)?;
+    let race = ground.race(trackers, moved.contacts, note)?;
     Ok(Found { moved, dim, popular, race, plain: Some(plain) })
 }
 
 /// The frames on their way to files, for runners.
 struct Files<'a> {
     folder: &'a Path,
-    /// At most.
-    count: u64,
+    /// Frames to come for which there is to be room.
+    ahead: u64,
     trajectory: Option<Trajectory>,
     first: Option<Given>,
 }
@@ -147,10 +156,12 @@ struct Files<'a> {
 impl Files<'_> {
     fn write(&mut self, k: u64, given: &Given) -> anyhow::Result<()> {
         if k == 0 {
+            self.first = Some(given.clone());
+        }
+        if k == 0 || self.ahead == 1 {
             let bytes = 8 * (given.scene.dim() as u64 + 1) * given.scene.len() as u64;
             let remedy = "take fewer --frames, or set TMPDIR to another folder";
-            disk::ensure(self.folder, bytes.saturating_mul(self.count), "the frames", remedy)?;
-            self.first = Some(given.clone());
+            disk::ensure(self.folder, bytes.saturating_mul(self.ahead), "the frames", remedy)?;
         }
         let path = self.folder.join(format!("frame-{k}.npy"));
         let next = Trajectory::write_at_rest(&path, given)?;

@@ -109,7 +109,7 @@ pub fn run(question: &Question<'_>, note: &mut dyn FnMut(&str)) -> anyhow::Resul
     });
     let contenders = entries.into_iter().map(|entry| Contender::of(entry, question.threads));
     let limit = question.memory_limit;
-    let course = Course {
+    let ground = Ground {
         judge,
         loads,
         folder: folder.path(),
@@ -120,14 +120,14 @@ pub fn run(question: &Question<'_>, note: &mut dyn FnMut(&str)) -> anyhow::Resul
         program: &question.program,
         started: Instant::now(),
     };
-    let mut race = course.race(contenders.collect(), contacts, note)?;
+    let mut race = ground.race(contenders.collect(), contacts, note)?;
     let place = |name: &str| TABLE.iter().position(|entry| entry.name == name);
     race.standings.sort_by_key(|standing| place(&standing.who.name));
     Ok(race)
 }
 
 /// What the race is run on.
-pub(super) struct Course<'a> {
+pub(super) struct Ground<'a> {
     pub judge: Judge<'a>,
     /// What is loaded, one after the other.
     pub loads: Vec<Trajectory>,
@@ -143,7 +143,7 @@ pub(super) struct Course<'a> {
     pub started: Instant,
 }
 
-impl Course<'_> {
+impl Ground<'_> {
     /// Runs the race. Who is mostly fast stands first; `contacts` is the number of true pairs.
     pub fn race(
         mut self,

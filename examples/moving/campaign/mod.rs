@@ -228,7 +228,7 @@ fn couple<const D: usize>(
     let all = 0..couple.len();
     let exact: Vec<Frame> =
         all.clone().map(|k| Frame { scene: couple.scene(k), truth: couple.touching(k) }).collect();
-    let rounded = Arithmetic::SAFE[draw.below(3) as usize];
+    let rounded = [Arithmetic::F32, Arithmetic::F32Cell, Arithmetic::F64][draw.below(3) as usize];
     let rounded_frames: Option<Vec<Frame>> =
         all.map(|k| Frame::new(&couple.scene(k), rounded)).collect();
     let mut give = |frames: &[Frame], arithmetic: Arithmetic| {

@@ -43,33 +43,55 @@ pub struct Wanted {
     pub of_file: u64,
 }
 
-/// Hands the frames to `body`; none if there is one frame and no motion.
+/// What became of them.
+pub enum Seen<T> {
+    /// What was made of the frames.
+    Moving(T),
+    /// There is one frame and no motion: its name, and the scene.
+    Still(Box<(String, Given)>),
+    /// Nothing was named.
+    Nothing,
+}
+
+impl<T> Seen<T> {
+    /// What was made of the frames, if there were several.
+    pub fn moving(self) -> Option<T> {
+        match self {
+            Seen::Moving(made) => Some(made),
+            Seen::Still(_) | Seen::Nothing => None,
+        }
+    }
+}
+
+/// Hands the frames to `body`, if there are several. A file is read once.
 pub fn sequence<T>(
     source: &Source,
     wanted: &Wanted,
     body: impl FnOnce(Sequence<'_>) -> anyhow::Result<T>,
-) -> anyhow::Result<Option<T>> {
+) -> anyhow::Result<Seen<T>> {
     let Wanted { motion, otherwise, frames, .. } = *wanted;
     ensure!(frames != Some(0), "--frames 0: at least one is needed");
     let Source { scene, input } = source;
     // Whoever names a motion or a frame wants that frame to move.
     let all = motion.is_none() && matches!(input.frame, None | Some(Frame::All));
-    // A pipe that has one frame cannot be read once more.
-    let is_there = |path: &&Path| path.is_file() || path.exists() && otherwise.is_some();
-    if let Some(path) = scene.as_deref().map(Path::new).filter(is_there).filter(|_| all) {
+    if let Some(path) = scene.as_deref().map(Path::new).filter(|path| all && path.exists()) {
         let options = io::Options { ids: true, ..input.options() };
         let several = |frames: io::Frames<'_>| of_file(source, path, wanted, frames, body);
-        let done = input::frames(path, options, several)?;
-        let moves = done.is_some() || frames.is_none();
+        let seen = input::frames(path, options, several)?;
+        let moves = !matches!(seen, Seen::Still(_)) || frames.is_none();
         ensure!(moves, "--frames says how many, and the file has one frame; add --motion drift");
-        return Ok(done);
+        return Ok(seen);
     }
-    let Some(motion) = motion.or(otherwise) else {
-        ensure!(frames.is_none(), "--frames says how many, and nothing moves; add --motion drift");
-        return Ok(None);
-    };
-    let Some((name, given)) = source.given()? else { return Ok(None) };
-    moved(&name, &given, motion, frames, body).map(Some)
+    let motion = motion.or(otherwise);
+    let moves = motion.is_some() || frames.is_none();
+    ensure!(moves, "--frames says how many, and nothing moves; add --motion drift");
+    Ok(match (source.given()?, motion) {
+        (None, _) => Seen::Nothing,
+        (Some((name, given)), None) => Seen::Still(Box::new((name, given))),
+        (Some((name, given)), Some(motion)) => {
+            Seen::Moving(moved(&name, &given, motion, frames, body)?)
+        }
+    })
 }
 
 fn moved<T>(
@@ -96,28 +118,32 @@ fn of_file<T>(
     wanted: &Wanted,
     mut frames: io::Frames<'_>,
     body: impl FnOnce(Sequence<'_>) -> anyhow::Result<T>,
-) -> anyhow::Result<Option<T>> {
+) -> anyhow::Result<Seen<T>> {
     let (text, radius) = (path.display().to_string(), source.input.radius);
     let name = path.file_name().map_or(text.clone(), |name| name.to_string_lossy().into_owned());
     let none = || format!("{text} holds no frame of particles; is it of another format?");
     let first = frames.next().transpose()?.with_context(none)?;
     let Some(second) = frames.next().transpose()? else {
-        let Some(motion) = wanted.otherwise else { return Ok(None) };
         input::tell(&text, first.0.notices(), Place::Argument);
         let given = first.0.given(&text, radius)?;
-        return moved(&name, &given, motion, wanted.frames, body).map(Some);
+        return Ok(match wanted.otherwise {
+            Some(motion) => Seen::Moving(moved(&name, &given, motion, wanted.frames, body)?),
+            None => Seen::Still(Box::new((name, given))),
+        });
     };
     input::tell(&text, first.0.notices(), Place::Argument);
     let particles = first.0.len();
     let all = [Ok(first), Ok(second)].into_iter().chain(frames);
     let mut recorded = Recorded::new(all, &text, radius);
-    body(Sequence {
+    // Whoever asks for all frames wants no fewer.
+    let of_file = if source.input.frame.is_some() { u64::MAX } else { wanted.of_file };
+    let made = body(Sequence {
         name: &name,
         motion: "as recorded",
         recorded: true,
         particles,
-        count: wanted.frames.unwrap_or(wanted.of_file),
+        count: wanted.frames.unwrap_or(of_file),
         next: &mut |_| recorded.next_frame(),
-    })
-    .map(Some)
+    })?;
+    Ok(Seen::Moving(made))
 }

@@ -145,3 +145,13 @@ fn programs_that_were_exchanged_are_doubted() {
     rows[0].role = Role::Runner;
     assert_eq!(Conditions::new([&fields], &ledger, &rows).doubts, []);
 }
+
+#[test]
+fn counts_alone_are_not_doubted_whatever_the_load_was() {
+    let (rows, _) = timed(&[(0.3, 0.0, 0.0)]);
+    let fields = json!({"dirty": false, "profile": "release", "load_average": "7.5 3.1 1.0"});
+    let doubts = |rows: &[Row]| Conditions::new([&fields], &Ledger::default(), rows).doubts;
+    assert!(doubts(&rows).contains(&Doubt::Before(7.5)));
+    let counted = rows.into_iter().map(|row| Row { pass: Pass::Count, time_ns: None, ..row });
+    assert_eq!(doubts(&counted.collect::<Vec<_>>()), []);
+}

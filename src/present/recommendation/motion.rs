@@ -55,7 +55,7 @@ pub fn sentence(verdict: &Verdict, found: &Found) -> String {
         let (name, takes) = (&plain.who.name, with_interval(&ratio));
         own.push(format!("{name} takes {takes} times as long"));
     }
-    words(verdict, race, n, "per particle and step", own)
+    words(verdict, race, n, "per particle and frame", own)
 }
 
 /// How often it asked its detector, or made all anew.
@@ -122,7 +122,7 @@ fn table(verdict: Option<&Verdict>, found: &Found) -> Table {
     };
     let columns = vec![
         Column::left("tracker"),
-        Column::right("ns per particle", ""),
+        Column::right("ns / particle, frame", ""),
         Column::right("bytes / particle", ""),
         Column::right("built", ""),
     ];
@@ -198,7 +198,7 @@ pub fn as_json(head: &Head<'_>, verdict: Option<&Verdict>, found: &Found) -> Val
             "origin": popular.origin,
             "built": it.builds.built,
             "missed": it.late.missed,
-            "share": share(it, found),
+            "share": it.refused.is_none().then(|| share(it, found)),
             "first_missed_frame": it.late.first,
             "frames_missed": it.late.frames,
             "never_reported": it.late.never,
@@ -210,6 +210,8 @@ pub fn as_json(head: &Head<'_>, verdict: Option<&Verdict>, found: &Found) -> Val
     value["popular"] = popular.collect();
     value["moved"] = tracking::moved_as_json(&found.moved);
     value["compared_with"] = json!(found.plain);
+    value["recorded"] = json!(head.recorded);
+    value["more_frames"] = json!(head.more);
     value["scene"] = json!(head.name);
     value["motion"] = json!(head.motion);
     value["dim"] = json!(found.dim);

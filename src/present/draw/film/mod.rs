@@ -105,11 +105,14 @@ impl Film {
             if self.space { ", or another slice" } else { "" }
         );
         let radii = |circles: &[Circle]| circles.iter().map(|circle| circle.r).collect::<Vec<_>>();
-        self.own_radii |= self.space
-            || self
-                .frames
-                .first()
-                .is_some_and(|first| radii(&first.circles) != radii(&flat.circles));
+        let first = self.frames.first();
+        let others = first.is_some_and(|first| radii(&first.circles) != radii(&flat.circles));
+        if (self.space || others) && !self.own_radii {
+            // Those of earlier frames are written, too.
+            let before: usize = self.frames.iter().map(|frame| frame.circles.len()).sum();
+            self.bytes += (CIRCLE[1] - CIRCLE[0]) * before;
+            self.own_radii = true;
+        }
         let shown = |pairs: &[[u32; 2]]| -> Vec<[u16; 2]> {
             let places = pairs.iter().filter_map(|pair| {
                 let [a, b] = pair.map(|particle| flat.place(particle));
@@ -174,8 +177,8 @@ impl Film {
             }
         };
         format!(
-            "{particles} {bodies}{slice}, {}, {frames}. {tracker} built its list in {built} of \
-             them and {missed}.",
+            "{particles} {bodies}{slice}, {}, {frames}. {tracker} built in {built} of them and \
+             {missed}.",
             self.motion
         )
     }
