@@ -2,7 +2,8 @@
 //!
 //! Particle i goes from xi to yi, its image in the next frame that is nearest. The image of j by S
 //! goes from xj + S·H to yj + S·H', where H' are the vectors of the box that have become of H (a
-//! box that is flipped back goes on). Both are rounded to f64, and go straight.
+//! box that is flipped back goes on). Both are rounded to f64, and go straight; so what is counted
+//! may differ by couples that come nearer than rounding to touching.
 //!
 //! **Who can meet.** A couple that touches on its way is, before, at a distance d of at most ri +
 //! rj, its ways, and what the box moves the image, which is at most the sum over vectors of |Sv|
@@ -12,6 +13,7 @@
 
 use super::names::{Onward, centres, repeating, sum};
 use crate::contact::Arithmetic;
+use crate::contact::exact::label;
 use crate::contact::image::{Shift, compare};
 use crate::contact::swept::touches_within;
 use crate::detect::{Options, table};
@@ -70,7 +72,11 @@ impl<'a> Through<'a> {
             let apart = |at: &[[f64; 3]], image, vectors| {
                 compare(&at[i], &at[j], ri, rj, Shift { image, vectors }).is_gt()
             };
+            // Also as rounded, or couples at rest would meet that are nearly in touch.
+            let [from_apart, to_apart] = [&from, &to].map(|[a, b]| !label(a, b, ri, rj).touches());
             touches_within([&from[0], &to[0]], [&from[1], &to[1]], ri, rj)
+                && from_apart
+                && to_apart
                 && apart(&self.from, pair.image, &before)
                 && apart(&self.given, self.onward.called(*pair), &after)
         };

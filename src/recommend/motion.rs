@@ -171,12 +171,7 @@ impl Files<'_> {
             "frame {k}: the bodies have other radii than in the first frame; a motion is of the \
              same bodies: take the frames before (--frames)"
         );
-        ensure!(
-            before.is_none_or(|all| all.box_dim() == next.box_dim()),
-            "frame {k}: some frames have a box, others none; take the frames before (--frames)"
-        );
-        Trajectory::append(&mut self.trajectory, next);
-        Ok(())
+        Trajectory::append(&mut self.trajectory, next)
     }
 }
 

@@ -97,17 +97,25 @@ impl Trajectory {
             interrupt::check()?;
             let path = folder.join(format!("frame-{k}.npy"));
             let next = Trajectory::write_at_rest(&path, &frames.at(k)?)?;
-            Trajectory::append(&mut all, next);
+            Trajectory::append(&mut all, next)?;
         }
         all.context("a trajectory has at least one frame")
     }
 
-    /// Appends a frame of the same particles. All frames are in boxes, or none is.
-    pub fn append(all: &mut Option<Trajectory>, mut next: Trajectory) {
+    /// Appends a frame of the same particles.
+    ///
+    /// # Errors
+    /// Some frames are in boxes, others not.
+    pub fn append(all: &mut Option<Trajectory>, mut next: Trajectory) -> anyhow::Result<()> {
         let Some(all) = all else {
             *all = Some(next);
-            return;
+            return Ok(());
         };
+        ensure!(
+            all.box_dim() == next.box_dim(),
+            "frame {}: some frames have a box, others none; take the frames before (--frames)",
+            all.frames.len()
+        );
         if all.boxes.is_empty() && all.in_box != next.in_box {
             let before = all.in_box.take().into_iter();
             all.boxes = before.cycle().take(all.frames.len()).collect();
@@ -116,13 +124,15 @@ impl Trajectory {
             all.boxes.extend(next.in_box.take());
         }
         all.frames.append(&mut next.frames);
+        Ok(())
     }
 
     /// One of its frames, as a scene at rest.
     pub fn at_rest(&self, k: usize) -> Trajectory {
+        let Trajectory { dim, n, radius, .. } = *self;
         let frames = self.frames.get(k).cloned().into_iter().collect();
         let in_box = self.boxes.get(k).or(self.in_box.as_ref()).cloned();
-        Trajectory { frames, in_box, boxes: Vec::new(), ..self.clone() }
+        Trajectory { frames, dim, n, radius, in_box, boxes: Vec::new() }
     }
 
     /// Removes its files, of which there may be many.

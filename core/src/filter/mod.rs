@@ -82,10 +82,13 @@
 //! rj + s + E) - di - dj, hence than ri + rj while di + dj <= s + E - t, t = (1 - c) (2 rmax + s +
 //! E). So the rules of 7 hold for s - t, while no two ways together are computed too short by more
 //! than E. F is 1 + the sum over the vectors of (Hv - H0v) gv, with gv the duals of H0, and c the
-//! root of 1 + 2a with a <= 0 no more than the least eigenvalue of the symmetric part of F - 1. In
-//! a box that keeps its vectors F = 1 and t = 0. A shear by γ takes about γ / 2 of a diameter from
-//! the skin, however large the box is. (LAMMPS takes the ways of its corners, `neighbor.cpp`, and
-//! counts those of particles with what the box does.)
+//! root of 1 + 2a with a <= 0 no more than the least eigenvalue of the symmetric part of F - 1; how
+//! far the computed duals are from such is measured by their products with H0. In a box that keeps
+//! its vectors F = 1 and t = 0. A shear by γ takes about γ / 2 of a diameter from the skin, however
+//! large the box is. (LAMMPS takes the ways of its corners, `neighbor.cpp`, and counts those of
+//! particles with what the box does.) The sum of the ways in each frame is one of z, not from F y:
+//! *summed* holds since it is cut at the largest way from F y, and it also counts what the box
+//! carries.
 
 pub mod bounds;
 pub mod cells;

@@ -15,6 +15,7 @@ use crate::contact::{Corners, Slack};
 use crate::filter::Near;
 use crate::periodic::ImagePair;
 use crate::refusal::{Refusal, reserve};
+use crate::scene::lattice::Numbers;
 use crate::scene::{Lattice, Scene, array};
 
 /// What a list in a box needs beside its pairs of particles.
@@ -57,34 +58,48 @@ impl<const D: usize> Default for Around<D> {
 struct Vectors<const D: usize> {
     /// 0 along open axes.
     vectors: [[f64; D]; 3],
+    /// Of the shortest vectors of the lattice, and those by the vectors of the box.
     duals: [[f64; D]; 3],
+    numbers: Numbers,
     /// Who goes farther in a frame is likely to have another name.
     far: f64,
 }
 
 impl<const D: usize> Vectors<D> {
-    const NONE: Vectors<D> =
-        Vectors { vectors: [[0.0; D]; 3], duals: [[0.0; D]; 3], far: f64::INFINITY };
+    const NONE: Vectors<D> = Vectors {
+        vectors: [[0.0; D]; 3],
+        duals: [[0.0; D]; 3],
+        numbers: [[0; 3]; 3],
+        far: f64::INFINITY,
+    };
 
     fn new(lattice: &Lattice) -> Vectors<D> {
         let mut all = Vectors::NONE;
+        // However far the box is tilted.
+        let (short, numbers) = lattice.reduced();
+        all.numbers = numbers;
         for v in (0..3).filter(|&v| lattice.periodic()[v]) {
-            let (vector, dual) = (lattice.vectors()[v], lattice.dual(v));
+            let (vector, dual) = (lattice.vectors()[v], short.dual(v));
             all.vectors[v] = std::array::from_fn(|k| vector[k]);
             all.duals[v] = std::array::from_fn(|k| dual[k]);
-            all.far = all.far.min(0.25 * lattice.height(v));
+            all.far = all.far.min(0.25 * short.height(v));
         }
         all
     }
 
-    /// By how many vectors a particle is brought nearest to where it was.
+    /// By how many vectors a particle is brought near to where it was. Below 2^28, so that S +
+    /// Wj - Wi is a number of 32 bits, as S is below 2^30.
     fn nearest(&self, at: &[f64; D], then: &[f64; D]) -> [i32; 3] {
-        const MOST: f64 = (1u32 << 29) as f64;
-        self.duals.map(|dual| {
-            let fraction: f64 = (0..D).map(|k| dual[k] * (then[k] - at[k])).sum();
-            let whole = fraction.round();
-            if whole.abs() < MOST { whole as i32 } else { 0 }
-        })
+        const MOST: f64 = (1u32 << 28) as f64;
+        let short =
+            self.duals.map(|dual| (0..D).map(|k| dual[k] * (then[k] - at[k])).sum::<f64>().round());
+        let by: [f64; 3] =
+            std::array::from_fn(|v| (0..3).map(|s| short[s] * f64::from(self.numbers[s][v])).sum());
+        if by.iter().all(|whole| whole.abs() < MOST) {
+            by.map(|whole| whole as i32)
+        } else {
+            [0; 3]
+        }
     }
 
     /// S·H.
@@ -99,9 +114,8 @@ impl<const D: usize> Vectors<D> {
     }
 }
 
-/// Of sums of a dozen terms; of duals, times the length of a vector over its height.
+/// Of sums of a dozen terms.
 const ROUNDING: f64 = 1.0 / (1u64 << 48) as f64;
-const SKEWED: f64 = 1.0 / (1u64 << 44) as f64;
 
 /// A box that has changed: F = 1 + A, by which the vectors then become those of now.
 struct Strain<const D: usize> {
@@ -120,35 +134,45 @@ impl<const D: usize> Strain<D> {
     /// None if only a fresh list will do. No centre was farther than `far` from the origin.
     fn new(then: &Lattice, now: &Lattice, far: f64) -> Option<Strain<D>> {
         let mut by = [[0.0; D]; D];
-        // Of the elements of A.
-        let mut off = 0.0;
-        for v in (0..3).filter(|&v| now.periodic()[v]) {
-            let (old, new) = (then.vectors()[v], now.vectors()[v]);
-            let (dual, height) = (then.dual(v), then.height(v));
+        // By how much A may be off, as a map.
+        let mut error = 0.0;
+        let repeats = || (0..3).filter(|&v| now.periodic()[v]);
+        let size = |of: &[f64; 3]| of[..D].iter().map(|x| x.abs()).sum::<f64>();
+        let moved: [f64; 3] = std::array::from_fn(|k| now.origin()[k] - then.origin()[k]);
+        let (from, mut to): ([f64; D], [f64; D]) = {
+            let corner = std::array::from_fn(|k| then.origin()[k]);
+            (corner, corner)
+        };
+        for v in repeats() {
+            let (old, new, dual) = (then.vectors()[v], now.vectors()[v], then.dual(v));
+            let change: [f64; 3] = std::array::from_fn(|k| new[k] - old[k]);
             for (k, row) in by.iter_mut().enumerate() {
-                let changed = new[k] - old[k];
-                (0..D).for_each(|l| row[l] += changed * dual[l]);
+                (0..D).for_each(|l| row[l] += change[k] * dual[l]);
             }
-            let sum = |of: &dyn Fn(usize) -> f64| (0..D).map(|k| of(k).abs()).sum::<f64>();
-            let (length, change) = (sum(&|k| old[k]), sum(&|k| new[k] - old[k]));
-            off += SKEWED * (length / height) * (change / height);
+            // What a dual times the vectors is, beside 1 and 0, by the duals.
+            let product = |of: &[f64; 3]| (0..D).map(|k| dual[k] * of[k]).sum::<f64>();
+            let beside = repeats().map(|b| {
+                let vector = &then.vectors()[b];
+                let rest = (product(vector) - if b == v { 1.0 } else { 0.0 }).abs();
+                2.0 * (rest + ROUNDING * size(&dual) * size(vector)) / then.height(b)
+            });
+            error += size(&change) * (beside.sum::<f64>() + ROUNDING * size(&dual));
+            // Along open axes the corner carries nobody.
+            let along = product(&moved);
+            (0..D).for_each(|k| to[k] += along * old[k]);
         }
-        let sizes = by.map(|row| row.iter().map(|x| x.abs()).sum::<f64>());
-        let size: f64 = sizes.iter().sum();
-        off += ROUNDING * size;
         // |F v|² = |v|² + 2 v·A v + |A v|², and no eigenvalue of the symmetric part of A is below
         // the least of its circles (Gershgorin).
         let lowest = (0..D).map(|k| {
             let beside = |l: usize| 0.5 * (by[k][l] + by[l][k]).abs();
             by[k][k] - (0..D).filter(|&l| l != k).map(beside).sum::<f64>()
         });
-        let lowest = lowest.fold(0.0, f64::min) - 2.0 * off - ROUNDING;
+        let lowest = lowest.fold(0.0, f64::min) - 2.0 * error - ROUNDING;
         let least = (1.0 + 2.0 * lowest).sqrt() * (1.0 - ROUNDING);
-        let corner = |lattice: &Lattice| std::array::from_fn(|k| lattice.origin()[k]);
-        let (from, to): ([f64; D], [f64; D]) = (corner(then), corner(now));
         let sum = |of: &[f64; D]| of.iter().map(|x| x.abs()).sum::<f64>();
         let far = far + sum(&from);
-        let off = off * far + ROUNDING * (far + sum(&to));
+        let entries: f64 = by.iter().map(sum).sum();
+        let off = error * far + ROUNDING * ((1.0 + entries) * far + sum(&to));
         // Neither where it is pressed to nothing, nor where numbers overflow.
         (least > 0.0 && off < f64::INFINITY).then_some(Strain { by, from, to, least, off })
     }
@@ -174,6 +198,7 @@ impl<const D: usize> Around<D> {
     ) -> Result<f64, Refusal> {
         self.through.clear();
         self.brought.clear();
+        self.strain = None;
         self.then = lattice.copied();
         self.off = 0.0;
         let Some(lattice) = lattice else { return Ok(0.0) };
@@ -194,9 +219,9 @@ impl<const D: usize> Around<D> {
         if repeats(lattice) != repeats(self.then.as_ref()) {
             return false;
         }
-        let (Some(now), Some(then)) = (lattice, &self.then) else { return true };
         self.strain = None;
-        if now.vectors() != then.vectors() {
+        let (Some(now), Some(then)) = (lattice, &self.then) else { return true };
+        if (0..3).any(|v| now.periodic()[v] && now.vectors()[v] != then.vectors()[v]) {
             self.strain = Strain::new(then, now, self.far);
             if self.strain.is_none() {
                 return false;
@@ -243,7 +268,10 @@ impl<const D: usize> Around<D> {
     #[cold]
     fn bring_one(&mut self, at: &mut Point<f64, D>, from: &Point<f64, D>, place: usize) {
         let by = self.now.nearest(array(at), array(from));
-        if by == [0; 3] {
+        let shift = self.now.shift(by);
+        let way = |by: &[f64; D]| (0..D).map(|k| (at[k] + by[k] - from[k]).powi(2)).sum::<f64>();
+        // Nor where it would be farther.
+        if by == [0; 3] || way(&shift) >= way(&[0.0; D]) {
             return;
         }
         let far: f64 = array(at).iter().map(|x| x.abs()).sum();
@@ -255,7 +283,6 @@ impl<const D: usize> Around<D> {
         if !room {
             return;
         }
-        let shift = self.now.shift(by);
         (0..D).for_each(|k| at[k] += shift[k]);
         self.brought.push((place as u32, by));
         self.marks[place / 64] |= 1 << (place % 64);

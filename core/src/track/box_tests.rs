@@ -231,6 +231,72 @@ fn a_box_that_moves_makes_contacts_of_particles_at_rest() {
     assert!(lost == 0 && built < 20, "{built}");
 }
 
+/// A box whose corner moves along its open axis, as dumps have it that fit it to the particles, and
+/// one that is sheared about a corner that moves along: nobody is carried by that.
+#[test]
+fn corners_that_move_do_not_end_a_list() {
+    let mut draw = Draw(17);
+    let first: Vec<[f64; 3]> =
+        (0..60).map(|_| std::array::from_fn(|_| 2.0 + 2.0 * draw.symmetric())).collect();
+    for (sheared, along) in [(0.0, 0.0), (0.001, 0.0), (0.001, 0.3)] {
+        let frame = |k: u32| {
+            let age = f64::from(k);
+            let (tilt, low) = (sheared * 4.0 * age, 0.4 * age);
+            let vectors = [[4.0, 0.0, 0.0], [tilt, 4.0, 0.0], [0.1 * age, 0.0, 4.0 - low]];
+            let corner = [along * age, 0.0, low];
+            let lattice = Lattice::new(vectors, [true, true, false], corner).unwrap();
+            let centres: Vec<Point<f64, 3>> = first
+                .iter()
+                .map(|at| Point::from([at[0] + along * age + sheared * age * at[1], at[1], at[2]]))
+                .collect();
+            let scene = Scene::new(centres, Radii::Uniform(0.5)).unwrap();
+            Periodic::new(scene.into(), lattice).unwrap()
+        };
+        let frames: Vec<_> = (0..12).map(frame).collect();
+        let [lost, all, built] = missed(&mut *tracker("verlet(nbs,skin=0.3)"), &frames);
+        assert!(lost == 0 && all > 100, "{all}");
+        // Those that move with their box are at rest.
+        assert_eq!(built, 1, "{sheared} {along}");
+    }
+}
+
+/// Where a box is tilted by more than its length, the image near to where a particle was is not the
+/// one whose fractions are.
+#[test]
+fn lists_serve_in_boxes_that_are_tilted_far() {
+    let of = |tilt, named| Course {
+        n: 60,
+        edges: [4.5, 5.0, 4.2],
+        tilt,
+        open: false,
+        sizes: false,
+        change: Change::Stays,
+        named,
+        seed: 23,
+    };
+    // The flip of these frames is no part of a box that stays.
+    for tilt in [0.45, -0.49] {
+        for named in [Named::Wrapped, Named::Anyhow] {
+            let [lost, all, built] =
+                missed(&mut *tracker("verlet(nbs,skin=0.3)"), &of(tilt, named).frames::<2>());
+            assert!(lost == 0 && all > 100 && built < 8, "{tilt} {named:?} {all} {built}");
+        }
+    }
+    let frame = |k: u32| {
+        let at = [[0.0, 0.5 + 0.02 * f64::from(k)], [1.3, 0.5], [2.6, 0.1]];
+        let by = f64::from(k % 2);
+        let centres: Vec<Point<f64, 2>> =
+            at.iter().map(|at| Point::from([at[0] + by * 90.5, at[1] + by * 1.0])).collect();
+        let vectors = [[4.0, 0.0, 0.0], [90.5, 1.0, 0.0], [0.0; 3]];
+        let lattice = Lattice::new(vectors, [true, true, false], [0.0; 3]).unwrap();
+        let scene = Scene::new(centres, Radii::Uniform(0.5)).unwrap();
+        Periodic::new(scene.into(), lattice).unwrap()
+    };
+    let frames: Vec<_> = (0..14).map(frame).collect();
+    let [lost, all, built] = missed(&mut *tracker("verlet(nbs,skin=0.5)"), &frames);
+    assert!(lost == 0 && all > 20 && built == 1, "{all} {built}");
+}
+
 /// Couples that are, when the list is built, as far apart through a face as the skin and what is
 /// allowed for rounding, or hardly more or less, and touch, or not, when they have gone just so
 /// far, by themselves or with the box.
@@ -319,4 +385,25 @@ fn what_is_not_for_boxes_says_so() {
         contacts.shifted.sort();
         assert_eq!(contacts.shifted[0], ImagePair { i: 0, j: 0, image: [0, 1, 0] });
     }
+}
+
+/// What a box did is forgotten with it.
+#[test]
+fn open_space_after_a_box_that_was_pressed_keeps_its_list() {
+    let scene =
+        Scene::new(vec![Point::from([0.5, 0.5]), Point::from([1.5, 0.5])], { Radii::Uniform(0.5) })
+            .unwrap();
+    let mut tracker = tracker("verlet(nbs,skin=0.5)");
+    for edge in [9.0, 8.75] {
+        let lattice = Lattice::along_axes([edge; 3], [true, true, false]).unwrap();
+        let boxed = Periodic::new(scene.clone().into(), lattice).unwrap();
+        let mut contacts = Contacts::default();
+        tracker.step_in_box(&boxed, Arithmetic::Exact, None, &mut contacts).unwrap();
+        assert_eq!(contacts.len(), 1);
+    }
+    let built = (0..3).map(|_| {
+        let frame = scene.clone().into();
+        tracker.step(&frame, Test::Exact, None, &mut Vec::new()).unwrap().built
+    });
+    assert_eq!(built.collect::<Vec<_>>(), [true, false, false]);
 }

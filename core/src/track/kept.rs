@@ -126,7 +126,7 @@ impl<const D: usize> Kept<D> {
             return None;
         }
         let (first, second) = (at_most(top.first), at_most(top.second));
-        // No less than the longest way, as in real numbers.
+        // No less than the longest way: as in real numbers, and since a box carries particles.
         self.summed = (self.summed + at_most(step.first)).next_up().max(first);
         self.age = Some(age);
         Some((age, Ways { square: top.first, first, second, summed: self.summed }))
@@ -166,7 +166,8 @@ impl<const D: usize> Kept<D> {
         };
         let needed = (n + last) as u64 * POINT * D as u64
             + n as u64 * (place_bytes::<D>() + each)
-            + cells::room(n) as u64 * PAIR_BYTES;
+            + cells::room(n) as u64 * PAIR_BYTES
+            + if lattice.is_some() { 8 * n.div_ceil(64) as u64 } else { 0 };
         if needed > limit {
             let shape = format!("{n} particles, without the list");
             return Err(Refusal::Memory { detector: "verlet", needed, limit, shape });

@@ -18,7 +18,9 @@ pub(super) fn ask(
 ) -> Result<Reply, Failure> {
     let count = trajectory.frames.len();
     let each = match request {
-        Request::Sample { min_ns } => Request::Sample { min_ns: (min_ns / count as u64).max(1) },
+        Request::Sample { min_ns } => {
+            Request::Sample { min_ns: (min_ns / count.max(1) as u64).max(1) }
+        }
         Request::Pairs { path, frame } => {
             let k = frame.map_or(Some(count - 1), |k| usize::try_from(k).ok());
             let Some(k) = k.filter(|&k| k < count) else {
@@ -67,6 +69,7 @@ struct Whole {
     live_bytes: u64,
     allocations: u64,
     warm_allocations: Option<u64>,
+    formula_bytes: Option<u64>,
 }
 
 impl Whole {
@@ -89,6 +92,7 @@ impl Whole {
                 live_bytes,
                 allocations,
                 warm_allocations,
+                formula_bytes,
                 contacts,
                 digest,
                 ..
@@ -97,6 +101,7 @@ impl Whole {
                 self.live_bytes = self.live_bytes.max(live_bytes);
                 self.allocations = self.allocations.saturating_add(allocations);
                 self.warm_allocations = self.warm_allocations.max(warm_allocations);
+                self.formula_bytes = self.formula_bytes.max(formula_bytes);
                 (contacts, digest)
             }
             other => return Err(other),
@@ -116,7 +121,7 @@ impl Whole {
                 live_bytes: self.live_bytes,
                 allocations: self.allocations,
                 warm_allocations: self.warm_allocations,
-                formula_bytes: None,
+                formula_bytes: self.formula_bytes,
                 contacts,
                 digest,
                 steps,
