@@ -391,7 +391,7 @@ fn what_is_not_for_boxes_says_so() {
 #[test]
 fn open_space_after_a_box_that_was_pressed_keeps_its_list() {
     let scene =
-        Scene::new(vec![Point::from([0.5, 0.5]), Point::from([1.5, 0.5])], { Radii::Uniform(0.5) })
+        Scene::new(vec![Point::from([0.5, 0.5]), Point::from([1.5, 0.5])], Radii::Uniform(0.5))
             .unwrap();
     let mut tracker = tracker("verlet(nbs,skin=0.5)");
     for edge in [9.0, 8.75] {
