@@ -78,6 +78,18 @@ fn trackers_are_held_to_the_truth_in_boxes_that_move_or_stay() {
 }
 
 /// Two that touch fly on together, through one face after the other.
+/// Particles of a shear go where their box carries them: its tilt alone wears a list out, however
+/// far they go.
+#[test]
+fn a_list_serves_a_box_that_is_sheared() {
+    let scene = Spec::parse("loose:dim=3,n=500,fraction=0.3,periodic=true").unwrap();
+    let motion = Motion { kind: Kind::Shear, speed: 0.02, seed: 1 };
+    let mut frames = Frames::new(&scene.given().unwrap(), motion).unwrap();
+    let frames: Vec<Given> = (0..40).map(|k| frames.at(k).unwrap()).collect();
+    let followed = followed(&frames, &["verlet(nbs,rule=top-two,skin=0.2)"]);
+    assert_eq!(followed.trackers[0].builds.built, 1);
+}
+
 #[test]
 fn a_contact_that_goes_through_a_face_goes_on() {
     let flight = |k: u32| {

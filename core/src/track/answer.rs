@@ -1,16 +1,16 @@
 //! What becomes of listed pairs in a frame: contacts in open space, or in a box.
 
 use super::around::Around;
-use super::places::Place;
 use crate::pair_list::PairList;
 use crate::periodic::{ImagePair, List};
 use crate::scene::Scene;
 use crate::sink::Sink;
+use crate::wide::Spot;
 
 /// Takes the listed pairs that touch in a frame.
-pub(super) trait Answer<const D: usize> {
-    /// What it calls the particle in a place.
-    fn name(number: u32, place: &Place<D>) -> u32;
+pub(super) trait Answer {
+    /// Whether it calls particles by their places, or by their numbers in the scene.
+    const BY_PLACE: bool;
 
     /// These touch.
     fn take(&mut self, pairs: &[[u32; 2]]);
@@ -19,18 +19,15 @@ pub(super) trait Answer<const D: usize> {
     fn decide(&mut self, pair: [u32; 2]);
 }
 
-/// In open space. Particles are called by their numbers in the scene.
+/// In open space.
 pub(super) struct Open<'a, 'p, F> {
     /// The contact test.
     pub touch: F,
     pub pairs: &'a mut PairList<'p>,
 }
 
-impl<F: FnMut(u32, u32) -> bool, const D: usize> Answer<D> for Open<'_, '_, F> {
-    #[inline(always)]
-    fn name(_: u32, place: &Place<D>) -> u32 {
-        place.particle
-    }
+impl<F: FnMut(u32, u32) -> bool> Answer for Open<'_, '_, F> {
+    const BY_PLACE: bool = false;
 
     #[inline(always)]
     fn take(&mut self, pairs: &[[u32; 2]]) {
@@ -44,10 +41,10 @@ impl<F: FnMut(u32, u32) -> bool, const D: usize> Answer<D> for Open<'_, '_, F> {
     }
 }
 
-/// In a periodic box. Particles are called by their places.
+/// In a periodic box.
 pub(super) struct Boxed<'a, 'p, const D: usize> {
     scene: &'a Scene<'a, f64, D>,
-    places: &'a [Place<D>],
+    spots: &'a [Spot],
     around: &'a Around<D>,
     plain: &'a mut PairList<'p>,
     shifted: &'a mut List,
@@ -57,12 +54,12 @@ pub(super) struct Boxed<'a, 'p, const D: usize> {
 impl<'a, 'p, const D: usize> Boxed<'a, 'p, D> {
     pub fn new(
         scene: &'a Scene<'a, f64, D>,
-        places: &'a [Place<D>],
+        spots: &'a [Spot],
         around: &'a Around<D>,
         plain: &'a mut PairList<'p>,
         shifted: &'a mut List,
     ) -> Boxed<'a, 'p, D> {
-        Boxed { scene, places, around, plain, shifted, exact: 0 }
+        Boxed { scene, spots, around, plain, shifted, exact: 0 }
     }
 
     /// How many took exact arithmetic.
@@ -82,7 +79,7 @@ impl<'a, 'p, const D: usize> Boxed<'a, 'p, D> {
     }
 
     fn particle(&self, place: u32) -> u32 {
-        self.places[place as usize].particle
+        self.spots[place as usize].id
     }
 
     fn put(&mut self, i: u32, j: u32, image: [i32; 3]) {
@@ -93,11 +90,8 @@ impl<'a, 'p, const D: usize> Boxed<'a, 'p, D> {
     }
 }
 
-impl<const D: usize> Answer<D> for Boxed<'_, '_, D> {
-    #[inline(always)]
-    fn name(number: u32, _: &Place<D>) -> u32 {
-        number
-    }
+impl<const D: usize> Answer for Boxed<'_, '_, D> {
+    const BY_PLACE: bool = true;
 
     fn take(&mut self, pairs: &[[u32; 2]]) {
         for &[a, b] in pairs {

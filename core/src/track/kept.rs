@@ -5,27 +5,28 @@ use nalgebra::Point;
 use super::answer::{Answer, Boxed, Open};
 use super::around::Around;
 use super::cells::{self, Room};
-use super::places::{Place, Unit};
+use super::pass::{Each, Pass, Reach, Same};
+use super::places::Unit;
 use super::rule::{Looks, Rule, Ways};
 use super::travel::{TopTwo, at_most};
 use crate::contact::{Arithmetic, Bodies, Corners, Slack, Test};
 use crate::detect::any::AnyDetector;
-use crate::filter::Near;
 use crate::pair_list::{PAIR_BYTES, PairList};
 use crate::periodic::{Contacts, Finder, List, Periodic};
 use crate::probe::{Op, Probe, Tally};
 use crate::refusal::{Refusal, reserve};
 use crate::scene::{AnyScene, Lattice, Radii, Real, Scene, array};
+use crate::wide::{Kernel, Level, Spot, Wide};
 
-/// Particles or pairs that are handled together.
+/// Particles that are handled together.
 const BLOCK: usize = 128;
 
 /// Particles stand in places, so that those near one another are side by side in memory; listed
 /// pairs are of places.
 #[derive(Default)]
 pub(super) struct Kept<const D: usize> {
-    /// Where each particle was in the last frame.
-    places: Vec<Place<D>>,
+    /// Where each particle was in the last frame, and its number, by place.
+    spots: Vec<Spot>,
     unit: Unit<D>,
     /// Where it was when the list was built.
     then: Vec<Point<f64, D>>,
@@ -68,14 +69,14 @@ impl<const D: usize> Kept<D> {
 
     /// Bytes of the arrays, where the list has room for as many pairs as it holds.
     pub fn bytes(&self) -> u64 {
-        let n = self.places.len();
+        let n = self.spots.len();
         let radii = match self.radii {
             KeptRadii::Each { .. } => 16 * n as u64,
             KeptRadii::Uniform(_) => 0,
         };
         let pairs = self.listed.len().max(cells::room(n)) as u64;
         (n + self.last.len()) as u64 * POINT * D as u64
-            + n as u64 * place_bytes::<D>()
+            + n as u64 * SPOT
             + radii
             + pairs * PAIR_BYTES
             + self.around.bytes()
@@ -92,36 +93,12 @@ impl<const D: usize> Kept<D> {
         rounding: f64,
     ) -> Option<(u32, Ways)> {
         let age = self.age?.saturating_add(1);
-        let centres = scene.centres();
-        let same = centres.len() == self.places.len() && self.radii.are(scene);
+        let same = scene.len() == self.spots.len() && self.radii.are(scene);
         if !same || rounding > self.rounding || !self.around.serves(lattice) {
             return None;
         }
-        let (mut top, mut step) = (TopTwo::default(), TopTwo::default());
-        let looks = rule.looks(age);
-        let mut unit = self.unit.begun();
-        let (mut block, mut carried) = ([Point::origin(); BLOCK], [Point::origin(); BLOCK]);
-        let blocks = self.places.chunks_mut(BLOCK).zip(self.then.chunks(BLOCK));
-        for (k, (places, then)) in blocks.enumerate() {
-            // Nothing else, so that many wait for memory at the same time.
-            for (at, place) in block.iter_mut().zip(&*places) {
-                *at = wide(&centres[place.particle as usize]);
-            }
-            let at = &mut block[..places.len()];
-            let then = self.around.bring(at, then, k * BLOCK, &mut carried);
-            for (place, at) in places.iter_mut().zip(&*at) {
-                unit.put(place, at);
-            }
-            if looks != Looks::Nowhere {
-                top.take_all(at, then);
-            }
-            if looks == Looks::SinceFrame {
-                let last = &mut self.last[k * BLOCK..][..at.len()];
-                step.take_all(at, last);
-                last.copy_from_slice(at);
-            }
-        }
-        self.unit = unit;
+        let (centres, looks) = (scene.centres(), rule.looks(age));
+        let (top, step) = Level::best().run(Follow { kept: self, centres, looks });
         if 2.0 * self.around.off() > self.rounding {
             return None;
         }
@@ -165,7 +142,7 @@ impl<const D: usize> Kept<D> {
             Radii::Uniform(_) => 0,
         };
         let needed = (n + last) as u64 * POINT * D as u64
-            + n as u64 * (place_bytes::<D>() + each)
+            + n as u64 * (SPOT + each)
             + cells::room(n) as u64 * PAIR_BYTES
             + if lattice.is_some() { 8 * n.div_ceil(64) as u64 } else { 0 };
         if needed > limit {
@@ -173,28 +150,28 @@ impl<const D: usize> Kept<D> {
             return Err(Refusal::Memory { detector: "verlet", needed, limit, shape });
         }
         let centres = scene.centres();
-        self.places.clear();
-        reserve(&mut self.places, n)?;
-        self.places.resize(n, Place::NONE);
+        self.spots.clear();
+        reserve(&mut self.spots, n)?;
+        self.spots.resize(n, Spot::default());
         for (points, len) in [(&mut self.then, n), (&mut self.last, last)] {
             points.clear();
             reserve(points, len)?;
         }
         let points = centres.iter().map(|centre| array(centre).map(Real::wide));
         cells::places(points, corners, &mut self.listed, |particle, place| {
-            self.places[place].particle = particle;
+            self.spots[place].id = particle;
         })?;
         if let Some(tally) = tally.as_deref_mut() {
             tally.add(Op::Integerise, (n * D) as u64);
             tally.add(Op::Move, n as u64);
         }
-        self.then.extend(self.places.iter().map(|place| wide(&centres[place.particle as usize])));
+        self.then.extend(self.spots.iter().map(|spot| wide(&centres[spot.id as usize])));
         self.last.extend_from_slice(&self.then[..last]);
         self.unit = Unit::new(corners, 2.0 * largest);
-        for (place, at) in self.places.iter_mut().zip(&self.then) {
-            self.unit.put(place, at);
+        for (spot, at) in self.spots.iter_mut().zip(&self.then) {
+            self.unit.put(spot, at);
         }
-        self.radii.take(scene, &self.places)?;
+        self.radii.take(scene, &self.spots)?;
         let wider = match &self.radii {
             KeptRadii::Each { placed, .. } => {
                 let mut radii = Vec::new();
@@ -271,70 +248,72 @@ impl<const D: usize> Kept<D> {
         plain: &mut PairList<'_>,
         shifted: &mut List,
     ) -> u64 {
-        let mut boxed = Boxed::new(scene, &self.places, &self.around, plain, shifted);
+        let mut boxed = Boxed::new(scene, &self.spots, &self.around, plain, shifted);
         self.pass_to(self.around.slack(), &mut boxed);
         self.around.through.iter().for_each(|&triple| boxed.decide_image(triple));
         boxed.exact()
     }
 
-    fn pass_to(&self, slack: Slack, answer: &mut impl Answer<D>) {
+    fn pass_to(&self, slack: Slack, answer: &mut impl Answer) {
         let near = self.unit.near(slack);
         match &self.radii {
-            KeptRadii::Each { placed, .. } => {
-                self.pass_by(|[a, b]| near(placed[a as usize] + placed[b as usize]), answer);
-            }
-            KeptRadii::Uniform(r) => {
-                let near = near(r + r);
-                self.pass_by(|_| near, answer);
-            }
+            KeptRadii::Each { placed, .. } => self.pass_by(Each { placed, near }, answer),
+            KeptRadii::Uniform(r) => self.pass_by(Same(near(r + r)), answer),
         }
     }
 
-    fn pass_by<A: Answer<D>>(&self, near: impl Fn([u32; 2]) -> Near, answer: &mut A) {
-        let places = &self.places[..];
-        let mut touching = [[0; 2]; BLOCK];
-        for block in self.listed.chunks(BLOCK) {
-            let (mut len, mut open) = (0, false);
-            for &[a, b] in block {
-                let near = near([a, b]);
-                let (at_a, at_b) = (&places[a as usize], &places[b as usize]);
-                let square = at_a.square(at_b);
-                let (touch, apart) = (square <= near.inner, square > near.outer);
-                touching[len % BLOCK] = [A::name(a, at_a), A::name(b, at_b)];
-                // Without a branch: nobody can foresee which of the listed pairs touch.
-                len += usize::from(touch);
-                open |= touch == apart;
-            }
-            answer.take(&touching[..len]);
-            if open {
-                self.pass_open(block, &near, answer);
-            }
-        }
+    fn pass_by<A: Answer>(&self, reach: impl Reach, answer: &mut A) {
+        let (spots, listed) = (&self.spots[..], &self.listed[..]);
+        Level::best().run(Pass { spots, listed, reach, answer });
     }
+}
 
-    /// Those pairs of a block that copies do not decide.
-    #[cold]
-    fn pass_open<A: Answer<D>>(
-        &self,
-        block: &[[u32; 2]],
-        near: &impl Fn([u32; 2]) -> Near,
-        answer: &mut A,
-    ) {
-        for &[a, b] in block {
-            let (at_a, at_b) = (&self.places[a as usize], &self.places[b as usize]);
-            if near([a, b]).verdict(at_a.square(at_b)).is_none() {
-                answer.decide([A::name(a, at_a), A::name(b, at_b)]);
+/// Brings particles to their places.
+struct Follow<'a, T: Real, const D: usize> {
+    kept: &'a mut Kept<D>,
+    centres: &'a [Point<T, D>],
+    looks: Looks,
+}
+
+impl<T: Real, const D: usize> Kernel for Follow<'_, T, D> {
+    /// The longest ways since the list was built, and since the last frame.
+    type Output = (TopTwo, TopTwo);
+
+    #[inline(always)]
+    fn run<W: Wide>(self, _: W) -> (TopTwo, TopTwo) {
+        let Follow { kept, centres, looks } = self;
+        let (mut top, mut step) = (TopTwo::default(), TopTwo::default());
+        let mut unit = kept.unit.begun();
+        let (mut block, mut carried) = ([Point::origin(); BLOCK], [Point::origin(); BLOCK]);
+        let blocks = kept.spots.chunks_mut(BLOCK).zip(kept.then.chunks(BLOCK));
+        for (k, (spots, then)) in blocks.enumerate() {
+            // Nothing else, so that many wait for memory at the same time.
+            for (at, spot) in block.iter_mut().zip(&*spots) {
+                *at = wide(&centres[spot.id as usize]);
+            }
+            let at = &mut block[..spots.len()];
+            let then = kept.around.bring(at, then, k * BLOCK, &mut carried);
+            for (spot, at) in spots.iter_mut().zip(&*at) {
+                unit.put(spot, at);
+            }
+            if looks != Looks::Nowhere {
+                top.take_all(at, then);
+            }
+            if looks == Looks::SinceFrame {
+                let last = &mut kept.last[k * BLOCK..][..at.len()];
+                step.take_all(at, last);
+                last.copy_from_slice(at);
             }
         }
+        kept.unit = unit;
+        (top, step)
     }
 }
 
 /// Bytes of a coordinate.
 const POINT: u64 = size_of::<f64>() as u64;
 
-fn place_bytes<const D: usize>() -> u64 {
-    size_of::<Place<D>>() as u64
-}
+const SPOT: u64 = size_of::<Spot>() as u64;
 
 /// A list that is to be built.
 pub(super) struct Wanted {
@@ -364,7 +343,7 @@ impl KeptRadii {
     fn take<T: Real, const D: usize>(
         &mut self,
         scene: &Scene<'_, T, D>,
-        places: &[Place<D>],
+        spots: &[Spot],
     ) -> Result<(), Refusal> {
         *self = match scene.radii() {
             Radii::Uniform(r) => KeptRadii::Uniform(r.wide()),
@@ -378,7 +357,7 @@ impl KeptRadii {
                     reserve(list, radii.len())?;
                 }
                 given.extend(radii.iter().map(|r| r.wide()));
-                placed.extend(places.iter().map(|place| given[place.particle as usize]));
+                placed.extend(spots.iter().map(|spot| given[spot.id as usize]));
                 KeptRadii::Each { given, placed }
             }
         };

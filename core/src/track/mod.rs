@@ -43,6 +43,7 @@ mod box_tests;
 mod cells;
 mod incremental;
 mod kept;
+mod pass;
 mod places;
 mod rule;
 mod spec;

@@ -25,32 +25,9 @@ use nalgebra::Point;
 use crate::contact::{Corners, Slack};
 use crate::filter::Near;
 use crate::scene::array;
+use crate::wide::Spot;
 
-/// A particle in its place.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Place<const D: usize> {
-    /// Where it is, in the unit and from the origin of [`Unit`].
-    at: [f32; D],
-    /// Its number in the scene.
-    pub particle: u32,
-}
-
-impl<const D: usize> Place<D> {
-    /// Of a particle that is not known yet.
-    pub const NONE: Place<D> = Place { at: [0.0; D], particle: 0 };
-
-    /// The computed square of the distance.
-    #[inline(always)]
-    pub fn square(&self, other: &Place<D>) -> f64 {
-        let square = (0..D).fold(0.0, |sum, k| {
-            let d = self.at[k] - other.at[k];
-            sum + d * d
-        });
-        f64::from(square)
-    }
-}
-
-/// In what places are given.
+/// In what spots are given.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Unit<const D: usize> {
     origin: [f64; D],
@@ -83,11 +60,11 @@ impl<const D: usize> Unit<D> {
 
     /// Puts a particle where it is in this frame.
     #[inline(always)]
-    pub fn put(&mut self, place: &mut Place<D>, at: &Point<f64, D>) {
+    pub fn put(&mut self, spot: &mut Spot, at: &Point<f64, D>) {
         for (k, &x) in array(at).iter().enumerate() {
             let x = ((x - self.origin[k]) * self.scale) as f32;
             self.most[k] = if x.abs() > self.most[k] { x.abs() } else { self.most[k] };
-            place.at[k] = x;
+            spot.at[k] = x;
         }
     }
 
@@ -118,12 +95,12 @@ mod tests {
         };
         let mut unit =
             Unit::new((corner(f64::min), corner(f64::max)), 2.0 * radii[0].max(radii[1]));
-        let mut places = [Place::NONE; 8];
-        for (place, &at) in places.iter_mut().zip(all()) {
-            unit.put(place, &Point::from(at));
+        let mut spots = [Spot::default(); 8];
+        for (spot, &at) in spots.iter_mut().zip(all()) {
+            unit.put(spot, &Point::from(at));
         }
-        let said =
-            unit.near(Slack::NONE)(radii[0] + radii[1]).verdict(places[0].square(&places[1]));
+        let said = unit.near(Slack::NONE)(radii[0] + radii[1])
+            .verdict(f64::from(spots[0].square(&spots[1])));
         let touch = label(&points[0], &points[1], radii[0], radii[1]) != Label::Apart;
         assert!(said.is_none_or(|said| said == touch), "{points:?} {radii:?} {others:?}: {said:?}");
         said

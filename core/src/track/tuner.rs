@@ -1,28 +1,34 @@
 //! The skin that makes steps cheap, found while they go on.
 //!
-//! A thick skin makes a list long, a thin one makes it short-lived. Per particle and step, in units
-//! of one look at a listed pair, a list whose two fastest bodies go u diameters in a step together
-//! costs about
+//! A thick skin makes a list long, a thin one makes it short-lived. Per particle, in units of one
+//! look at a listed pair, a step that builds a list costs about BUILD + MAKE · listed, one that
+//! only looks at it FOLLOW + listed, and the detector alone DETECT. A list with skin s, whose two
+//! fastest bodies go u diameters in a step together, is built in one of floor(s / u) + 1 steps, and
 //!
 //! ```text
-//! (BUILD + listed) / (floor(s / u) + 1)  +  listed,    listed = contacts + e ((1 + s)^D - 1)
+//! listed = contacts + e ((1 + s)^D - 1),
 //! ```
 //!
-//! looks: the first is what building costs, spread over the steps that the list serves; e is known
-//! from the list at hand. The detector alone costs BUILD + contacts. All are counted, not timed, so
-//! that the same frames are given the same skins on every machine. Near its least the cost hardly
-//! depends on s: half or twice the best skin costs a quarter more of the excess, and an error of
-//! four times in BUILD is one of two times in the skin.
+//! with e known from the list at hand. All are counted, not timed, so that the same frames are
+//! given the same skins on every machine. Near its least the cost hardly depends on s: half or
+//! twice the best skin costs a quarter more of the excess, and an error of four times in BUILD is
+//! one of two times in the skin.
 
-/// What building costs, in looks at a listed pair: about 90 ns per particle with `streamed-nbs`,
-/// and 2.3 ns for a look, for a million spheres. Slower detectors want somewhat thicker skins.
-const BUILD: f64 = 40.0;
+/// Of `streamed-nbs` on 2,000 to a million packed spheres, where a look takes 1 to 1.3 ns, building
+/// 40 to 100 of them, following 5 to 22 and the detector alone 27 to 42. Slower detectors want
+/// somewhat thicker skins.
+const BUILD: f64 = 55.0;
+const MAKE: f64 = 5.0;
+const FOLLOW: f64 = 10.0;
+const DETECT: f64 = 33.0;
 /// In diameters: before anything is known, and at least and at most.
 const FIRST: f64 = 0.1;
 pub(super) const LEAST: f64 = 0.01;
 const MOST: f64 = 1.0;
-/// Where lists are of no use so many frames are looked at without one.
+/// Where lists are of no use so many frames are looked at without one, and twice as many each time
+/// that the next is of no use either.
 const DIRECT: u32 = 15;
+const MOST_DIRECT: u32 = 64 * DIRECT;
 /// So many frames after a list was built it is asked whether a thinner skin would do, and then
 /// after twice as many.
 const ASKED: u32 = 64;
@@ -51,13 +57,15 @@ pub(super) struct Tuner {
     pub skin: f64,
     /// Frames to come that are looked at without a list.
     pub direct: u32,
+    /// So many there will be where the next list is of no use.
+    next: u32,
     /// The thickest for which there is room.
     most: f64,
 }
 
 impl Default for Tuner {
     fn default() -> Tuner {
-        Tuner { skin: FIRST, direct: 0, most: MOST }
+        Tuner { skin: FIRST, direct: 0, next: DIRECT, most: MOST }
     }
 }
 
@@ -65,14 +73,17 @@ impl Tuner {
     /// A list has been given up.
     pub fn learn(&mut self, served: &Served) {
         match best(served) {
-            Some(skin) => (self.skin, self.direct) = (skin.min(self.most), 0),
+            Some(skin) => {
+                (self.skin, self.direct, self.next) = (skin.min(self.most), 0, DIRECT);
+            }
             None => self.give_up(),
         }
     }
 
     /// No list for a while.
     pub fn give_up(&mut self) {
-        (self.skin, self.direct) = (FIRST.min(self.most), DIRECT);
+        (self.skin, self.direct) = (FIRST.min(self.most), self.next);
+        self.next = (2 * self.next).min(MOST_DIRECT);
     }
 
     /// A list that may serve on: is it worth building a thinner one?
@@ -96,10 +107,9 @@ fn best(served: &Served) -> Option<f64> {
     // An empty list says nothing of the next.
     let extra = ((listed - touching) / grown(skin).max(LEAST)).max(1.0);
     let step = together / f64::from(age.max(1));
-    let alone = BUILD + touching;
     let cost = |steps: f64, skin: f64| {
         let listed = touching + extra * grown(skin);
-        (BUILD + listed) / (steps + 1.0) + listed
+        (BUILD + MAKE * listed + steps * (FOLLOW + listed)) / (steps + 1.0)
     };
     if step * f64::from(u16::MAX) < LEAST {
         return Some(LEAST);
@@ -110,7 +120,7 @@ fn best(served: &Served) -> Option<f64> {
         // Speeds vary a little.
         let skin = (1.01 * steps * step).max(LEAST);
         let cost = cost((skin / step).floor(), skin);
-        if cost < alone && found.is_none_or(|(least, _)| cost < least) {
+        if cost < DETECT && found.is_none_or(|(least, _)| cost < least) {
             found = Some((cost, skin));
         }
         steps = (steps + 1.0).max((1.1 * steps).floor());
@@ -151,8 +161,16 @@ mod tests {
         let mut tuner = Tuner::default();
         tuner.learn(&served(0.7, 0.1));
         assert_eq!((tuner.direct, tuner.skin), (DIRECT, FIRST));
+        let mut longer = || {
+            tuner.learn(&served(0.7, 0.1));
+            tuner.direct
+        };
+        assert_eq!([longer(), longer()], [2 * DIRECT, 4 * DIRECT]);
+        assert_eq!((0..9).map(|_| longer()).last(), Some(MOST_DIRECT));
         tuner.learn(&served(1e-3, 0.1));
         assert_eq!(tuner.direct, 0);
+        tuner.give_up();
+        assert_eq!(tuner.direct, DIRECT);
     }
 
     #[test]

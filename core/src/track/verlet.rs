@@ -20,7 +20,7 @@ use crate::with_stored;
 /// Keeps all pairs whose bodies are at most a skin apart, found by a detector among larger bodies,
 /// and looks at those only, until the rule says that others may touch.
 ///
-/// Needs, for N particles in D dimensions and L listed pairs, (4 + 12·D) N bytes and 8 for each of
+/// Needs, for N particles in D dimensions and L listed pairs, (16 + 8·D) N bytes and 8 for each of
 /// L or N + 1, whichever are more, beside its detector; 16 N more with a radius each, and 8 N more
 /// of those while a list is built; 8·D N more where the rule is [`Rule::Summed`]. In a box N / 8
 /// more, 20 for each listed pair through a face, 16 for each particle that has another name than

@@ -2,7 +2,7 @@
 
 use std::arch::x86_64::*;
 
-use super::{HALF, Kernel, LANES, Wide};
+use super::{HALF, Kernel, LANES, Spot, Wide};
 
 /// A processor with AVX2, FMA, BMI and POPCNT. Made by [`Avx2::detect`] only.
 #[derive(Clone, Copy, Debug)]
@@ -44,6 +44,19 @@ static PACKED: [[u32; 8]; 256] = {
     table
 };
 
+/// For every mask of four pairs: the lanes of those in it, side by side.
+static PACKED_PAIRS: [[u32; 8]; 16] = {
+    let mut table = [[0; 8]; 16];
+    let mut mask = 0;
+    while mask < 16 {
+        // Both lanes of a pair, or none.
+        let spread = mask & 1 | (mask & 2) << 1 | (mask & 4) << 2 | (mask & 8) << 3;
+        table[mask] = PACKED[3 * spread];
+        mask += 1;
+    }
+    table
+};
+
 // A value of this type exists only where `detect` has found the instructions: what SAFETY means by
 // "found" below. Loads and stores are of the unaligned kind.
 impl Avx2 {
@@ -63,6 +76,63 @@ impl Avx2 {
         unsafe {
             let order = _mm256_loadu_si256(PACKED[(mask & 0xff) as usize].as_ptr().cast());
             _mm256_permutevar8x32_epi32(_mm256_loadu_si256(ids.as_ptr().cast()), order)
+        }
+    }
+}
+
+impl Avx2 {
+    /// One side of couples r and 4 + r: of four such vectors, transposed in blocks of 4x4 lanes,
+    /// the couples are in turn.
+    ///
+    /// # Safety
+    /// Their places are below the number of spots.
+    #[inline(always)]
+    unsafe fn two(self, spots: &[Spot], eight: &[[u32; 2]], r: usize, side: usize) -> __m256 {
+        // SAFETY: AVX was found; the caller vouches for the places, and a spot is sixteen bytes
+        // and aligned to them.
+        unsafe {
+            let at = |k: usize| _mm_load_ps(spots.as_ptr().add(eight[k][side] as usize).cast());
+            _mm256_insertf128_ps::<1>(_mm256_castps128_ps256(at(r)), at(4 + r))
+        }
+    }
+
+    /// Eight of [`Wide::couples`].
+    ///
+    /// # Safety
+    /// Their places are below the number of spots.
+    #[inline(always)]
+    unsafe fn eight(self, spots: &[Spot], eight: &[[u32; 2]]) -> (__m256, [__m256i; 2]) {
+        // SAFETY: AVX2 was found; the caller vouches for the places.
+        unsafe {
+            let two = |r: usize, side: usize| self.two(spots, eight, r, side);
+            let (a0, b0) = (two(0, 0), two(0, 1));
+            let (a1, b1) = (two(1, 0), two(1, 1));
+            let (a2, b2) = (two(2, 0), two(2, 1));
+            let (a3, b3) = (two(3, 0), two(3, 1));
+            // In the fourth lane of each the number of b stays.
+            let off0 = _mm256_blend_ps::<0b1000_1000>(_mm256_sub_ps(a0, b0), b0);
+            let off1 = _mm256_blend_ps::<0b1000_1000>(_mm256_sub_ps(a1, b1), b1);
+            let off2 = _mm256_blend_ps::<0b1000_1000>(_mm256_sub_ps(a2, b2), b2);
+            let off3 = _mm256_blend_ps::<0b1000_1000>(_mm256_sub_ps(a3, b3), b3);
+            let (xy0, xy2) = (_mm256_unpacklo_ps(off0, off1), _mm256_unpacklo_ps(off2, off3));
+            let (zb0, zb2) = (_mm256_unpackhi_ps(off0, off1), _mm256_unpackhi_ps(off2, off3));
+            let (za0, za2) = (_mm256_unpackhi_ps(a0, a1), _mm256_unpackhi_ps(a2, a3));
+            let x = _mm256_shuffle_ps::<0b0100_0100>(xy0, xy2);
+            let y = _mm256_shuffle_ps::<0b1110_1110>(xy0, xy2);
+            let z = _mm256_shuffle_ps::<0b0100_0100>(zb0, zb2);
+            let of_a = _mm256_castps_si256(_mm256_shuffle_ps::<0b1110_1110>(za0, za2));
+            let of_b = _mm256_castps_si256(_mm256_shuffle_ps::<0b1110_1110>(zb0, zb2));
+            let square = _mm256_add_ps(
+                _mm256_add_ps(_mm256_mul_ps(x, x), _mm256_mul_ps(y, y)),
+                _mm256_mul_ps(z, z),
+            );
+            let (low, high) =
+                (_mm256_unpacklo_epi32(of_a, of_b), _mm256_unpackhi_epi32(of_a, of_b));
+            let pairs = [
+                _mm256_permute2x128_si256::<0x20>(low, high),
+                _mm256_permute2x128_si256::<0x31>(low, high),
+            ];
+            (square, pairs)
         }
     }
 }
@@ -160,6 +230,51 @@ impl Wide for Avx2 {
                 let high = _mm256_slli_epi64::<32>(_mm256_cvtepu32_epi64(four));
                 _mm256_storeu_si256(to.as_mut_ptr().add(4 * half).cast(), _mm256_or_si256(high, i));
             }
+        }
+    }
+
+    type Pairs = [__m256i; 4];
+
+    #[inline(always)]
+    fn load_pairs(self, from: &[[u32; 2]; LANES]) -> [__m256i; 4] {
+        // SAFETY: AVX was found; each quarter of the sixteen pairs is one vector.
+        unsafe {
+            let from: *const __m256i = from.as_ptr().cast();
+            [
+                _mm256_loadu_si256(from),
+                _mm256_loadu_si256(from.add(1)),
+                _mm256_loadu_si256(from.add(2)),
+                _mm256_loadu_si256(from.add(3)),
+            ]
+        }
+    }
+
+    #[inline(always)]
+    fn couples(self, spots: &[Spot], couples: &[[u32; 2]; LANES]) -> ([__m256; 2], [__m256i; 4]) {
+        let most = couples.iter().flatten().fold(0, |most, &place| most.max(place));
+        assert!((most as usize) < spots.len(), "a place beyond the spots");
+        let (low, high) = couples.split_at(HALF);
+        // SAFETY: no place is more than `most`, and that is below the number of spots.
+        let ((low, [p, q]), (high, [r, s])) =
+            unsafe { (self.eight(spots, low), self.eight(spots, high)) };
+        ([low, high], [p, q, r, s])
+    }
+
+    #[inline(always)]
+    fn pack_pairs(self, pairs: [__m256i; 4], mask: u32, to: &mut [[u32; 2]; LANES]) {
+        let to: *mut [u32; 2] = to.as_mut_ptr();
+        let mut packed = 0;
+        for (quarter, pairs) in pairs.into_iter().enumerate() {
+            let mask = (mask >> (4 * quarter)) & 0xf;
+            // SAFETY: AVX2 was found; `packed` is at most four for each quarter before, so that
+            // four pairs from there are within the sixteen of `to`; a row of the table is eight
+            // numbers.
+            unsafe {
+                let order = _mm256_loadu_si256(PACKED_PAIRS[mask as usize].as_ptr().cast());
+                let four = _mm256_permutevar8x32_epi32(pairs, order);
+                _mm256_storeu_si256(to.add(packed).cast(), four);
+            }
+            packed += mask.count_ones() as usize;
         }
     }
 

@@ -3,7 +3,7 @@
 
 use std::arch::x86_64::*;
 
-use super::{HALF, Kernel, LANES, Wide};
+use super::{HALF, Kernel, LANES, Spot, Wide};
 
 /// A processor with AVX-512 F, BW, DQ and VL, and with FMA, BMI and POPCNT. Made by
 /// [`Avx512::detect`] only.
@@ -41,6 +41,32 @@ impl Avx512 {
         unsafe {
             let packed = _mm512_maskz_compress_epi32(mask as u16, ids);
             _mm256_storeu_epi32(to.as_mut_ptr().cast(), _mm512_castsi512_si256(packed));
+        }
+    }
+}
+
+impl Avx512 {
+    /// One side of couples r, 4 + r, 8 + r and 12 + r: of four such vectors, transposed in blocks
+    /// of 4x4 lanes, the couples are in turn.
+    ///
+    /// # Safety
+    /// Their places are below the number of spots.
+    #[inline(always)]
+    unsafe fn four(
+        self,
+        spots: &[Spot],
+        couples: &[[u32; 2]; LANES],
+        r: usize,
+        side: usize,
+    ) -> __m512 {
+        // SAFETY: AVX-512 F was found; the caller vouches for the places, and a spot is sixteen
+        // bytes and aligned to them.
+        unsafe {
+            let at = |k: usize| _mm_load_ps(spots.as_ptr().add(couples[k][side] as usize).cast());
+            let four = _mm512_castps128_ps512(at(r));
+            let four = _mm512_insertf32x4::<1>(four, at(4 + r));
+            let four = _mm512_insertf32x4::<2>(four, at(8 + r));
+            _mm512_insertf32x4::<3>(four, at(12 + r))
         }
     }
 }
@@ -134,6 +160,70 @@ impl Wide for Avx512 {
                 to.as_mut_ptr().cast(),
                 _mm512_or_si512(high, _mm512_set1_epi64(i64::from(i))),
             );
+        }
+    }
+
+    type Pairs = [__m512i; 2];
+
+    #[inline(always)]
+    fn load_pairs(self, from: &[[u32; 2]; LANES]) -> [__m512i; 2] {
+        // SAFETY: AVX-512 F was found; each half of the sixteen pairs is one vector.
+        unsafe {
+            let from: *const i32 = from.as_ptr().cast();
+            [_mm512_loadu_epi32(from), _mm512_loadu_epi32(from.add(LANES))]
+        }
+    }
+
+    #[inline(always)]
+    fn couples(self, spots: &[Spot], couples: &[[u32; 2]; LANES]) -> (__m512, [__m512i; 2]) {
+        let [low, high] = self.load_pairs(couples);
+        // SAFETY: AVX-512 F was found. All places are below the number of spots, by the assertion.
+        unsafe {
+            let most = _mm512_set1_epi32(u32::try_from(spots.len()).unwrap_or(u32::MAX) as i32);
+            let within = [_mm512_cmplt_epu32_mask(low, most), _mm512_cmplt_epu32_mask(high, most)];
+            assert!(within == [u16::MAX; 2], "a place beyond the spots");
+            let four = |r: usize, side: usize| self.four(spots, couples, r, side);
+            let (a0, b0) = (four(0, 0), four(0, 1));
+            let (a1, b1) = (four(1, 0), four(1, 1));
+            let (a2, b2) = (four(2, 0), four(2, 1));
+            let (a3, b3) = (four(3, 0), four(3, 1));
+            // In the fourth lane of each the number of b stays.
+            let off0 = _mm512_mask_sub_ps(b0, 0x7777, a0, b0);
+            let off1 = _mm512_mask_sub_ps(b1, 0x7777, a1, b1);
+            let off2 = _mm512_mask_sub_ps(b2, 0x7777, a2, b2);
+            let off3 = _mm512_mask_sub_ps(b3, 0x7777, a3, b3);
+            let (xy0, xy2) = (_mm512_unpacklo_ps(off0, off1), _mm512_unpacklo_ps(off2, off3));
+            let (zb0, zb2) = (_mm512_unpackhi_ps(off0, off1), _mm512_unpackhi_ps(off2, off3));
+            let (za0, za2) = (_mm512_unpackhi_ps(a0, a1), _mm512_unpackhi_ps(a2, a3));
+            let x = _mm512_shuffle_ps::<0b0100_0100>(xy0, xy2);
+            let y = _mm512_shuffle_ps::<0b1110_1110>(xy0, xy2);
+            let z = _mm512_shuffle_ps::<0b0100_0100>(zb0, zb2);
+            let of_a = _mm512_castps_si512(_mm512_shuffle_ps::<0b1110_1110>(za0, za2));
+            let of_b = _mm512_castps_si512(_mm512_shuffle_ps::<0b1110_1110>(zb0, zb2));
+            let square = _mm512_add_ps(
+                _mm512_add_ps(_mm512_mul_ps(x, x), _mm512_mul_ps(y, y)),
+                _mm512_mul_ps(z, z),
+            );
+            let low = _mm512_setr_epi32(0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23);
+            let high = _mm512_add_epi32(low, _mm512_set1_epi32(8));
+            let pairs = [
+                _mm512_permutex2var_epi32(of_a, low, of_b),
+                _mm512_permutex2var_epi32(of_a, high, of_b),
+            ];
+            (square, pairs)
+        }
+    }
+
+    #[inline(always)]
+    fn pack_pairs(self, pairs: [__m512i; 2], mask: u32, to: &mut [[u32; 2]; LANES]) {
+        let first = (mask as u8).count_ones() as usize;
+        let to: *mut i64 = to.as_mut_ptr().cast();
+        // SAFETY: AVX-512 F was found; eight pairs from place 0 or `first` <= 8 are within the
+        // sixteen of `to`.
+        unsafe {
+            _mm512_storeu_epi64(to, _mm512_maskz_compress_epi64(mask as u8, pairs[0]));
+            let second = _mm512_maskz_compress_epi64((mask >> 8) as u8, pairs[1]);
+            _mm512_storeu_epi64(to.add(first), second);
         }
     }
 

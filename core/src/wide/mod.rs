@@ -32,6 +32,25 @@ pub const LANES: usize = 16;
 /// Half of them.
 pub const HALF: usize = LANES / 2;
 
+/// A point and its number, side by side in memory. In two dimensions the last coordinate is 0.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(C, align(16))]
+pub struct Spot {
+    /// Where it is.
+    pub at: [f32; 3],
+    /// Its number.
+    pub id: u32,
+}
+
+impl Spot {
+    /// The square of the distance, as [`Wide::couples`] has it.
+    #[inline(always)]
+    pub fn square(&self, other: &Spot) -> f32 {
+        let [x, y, z] = [0, 1, 2].map(|axis| self.at[axis] - other.at[axis]);
+        x * x + y * y + z * z
+    }
+}
+
 /// Vectors of [`LANES`] floats on one instruction set. Masks have one bit per lane, the first lane
 /// in the lowest.
 pub trait Wide: Copy + Send + Sync {
@@ -62,6 +81,19 @@ pub trait Wide: Copy + Send + Sync {
     fn pack_two(self, low: &[u32; HALF], high: &[u32; HALF], mask: u32, to: &mut [u32; HALF]);
     /// Writes the pairs (i, ids\[k\]).
     fn pair(self, i: u32, ids: &[u32; HALF], to: &mut [[u32; 2]; HALF]);
+    /// Sixteen pairs of numbers.
+    type Pairs: Copy;
+    /// As stored.
+    fn load_pairs(self, from: &[[u32; 2]; LANES]) -> Self::Pairs;
+    /// Of sixteen couples of places in `spots` the squares of the distances, rounded after every
+    /// step so that all levels give the same, and the pairs of their numbers.
+    ///
+    /// # Panics
+    /// A place is beyond `spots`.
+    fn couples(self, spots: &[Spot], couples: &[[u32; 2]; LANES]) -> (Self::Floats, Self::Pairs);
+    /// Writes the pairs that are in `mask` side by side to the front of `to`; what comes after
+    /// them is anything.
+    fn pack_pairs(self, pairs: Self::Pairs, mask: u32, to: &mut [[u32; 2]; LANES]);
     /// Runs a kernel, compiled for these instructions.
     fn run<K: Kernel>(self, kernel: K) -> K::Output;
 }
@@ -181,6 +213,26 @@ mod tests {
                 pairs,
                 [[7, 1], [7, 2], [7, 3], [7, 4], [7, 5], [7, 6], [7, u32::MAX], [7, 8]]
             );
+            // Differences, squares and sums that are rounded, and numbers of all bits.
+            let spots: [Spot; 19] = std::array::from_fn(|k| Spot {
+                at: [1.7, -0.3, 0.1].map(|x: f32| (x * (k + 1) as f32).sin()),
+                id: (k as u32 + 1).wrapping_mul(0x9e37_79b9),
+            });
+            let couples: [[u32; 2]; LANES] =
+                std::array::from_fn(|k| [k as u32, (7 * k as u32 + 3) % 19]);
+            let (squares, ids) = w.couples(&spots, &couples);
+            let expected = couples.map(|[a, b]| spots[a as usize].square(&spots[b as usize]));
+            assert_eq!(w.at_most(squares, w.load(&expected)), 0xffff);
+            assert_eq!(w.at_most(w.load(&expected), squares), 0xffff);
+            let as_ids = couples.map(|couple| couple.map(|place| spots[place as usize].id));
+            for mask in 0..1u32 << LANES {
+                for (pairs, of) in [(ids, as_ids), (w.load_pairs(&couples), couples)] {
+                    let mut to = [[0; 2]; LANES];
+                    w.pack_pairs(pairs, mask, &mut to);
+                    let expected = (0..LANES).filter(|k| mask >> k & 1 == 1).map(|k| of[k]);
+                    assert!(expected.zip(to).all(|(a, b)| a == b), "{mask:#x}");
+                }
+            }
             all
         }
     }
@@ -192,5 +244,30 @@ mod tests {
             assert_eq!(level.run(Everything), portable, "{}", level.name());
         }
         assert_eq!(Level::best().name(), Level::all()[0].name());
+    }
+
+    /// In every lane, on either side.
+    #[test]
+    fn places_beyond_the_spots_are_never_read() {
+        struct Couples([[u32; 2]; LANES]);
+        impl Kernel for Couples {
+            type Output = ();
+            #[inline(always)]
+            fn run<W: Wide>(self, w: W) {
+                let spots = [Spot { at: [0.0; 3], id: 0 }; 5];
+                w.couples(&spots, &self.0);
+            }
+        }
+        for level in Level::all() {
+            for beyond in [5, 6, u32::MAX] {
+                for (lane, side) in (0..LANES).flat_map(|lane| [(lane, 0), (lane, 1)]) {
+                    let mut couples = [[4, 0]; LANES];
+                    level.run(Couples(couples));
+                    couples[lane][side] = beyond;
+                    let read = std::panic::catch_unwind(|| level.run(Couples(couples)));
+                    assert!(read.is_err(), "{} {beyond} {lane} {side}", level.name());
+                }
+            }
+        }
     }
 }

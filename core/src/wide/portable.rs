@@ -1,6 +1,6 @@
 //! The twin without vector instructions of its own: what the compiler makes of loops over arrays.
 
-use super::{HALF, Kernel, LANES, Wide};
+use super::{HALF, Kernel, LANES, Spot, Wide};
 
 /// Any processor.
 #[derive(Clone, Copy, Debug)]
@@ -86,6 +86,37 @@ impl Wide for Portable {
     fn pair(self, i: u32, ids: &[u32; HALF], to: &mut [[u32; 2]; HALF]) {
         for (pair, &j) in to.iter_mut().zip(ids) {
             *pair = [i, j];
+        }
+    }
+
+    type Pairs = [[u32; 2]; LANES];
+
+    #[inline(always)]
+    fn load_pairs(self, from: &[[u32; 2]; LANES]) -> [[u32; 2]; LANES] {
+        *from
+    }
+
+    #[inline(always)]
+    fn couples(
+        self,
+        spots: &[Spot],
+        couples: &[[u32; 2]; LANES],
+    ) -> ([f32; LANES], [[u32; 2]; LANES]) {
+        let both = |k: usize| couples[k].map(|place| &spots[place as usize]);
+        let squares = lanes(|k| {
+            let [a, b] = both(k);
+            a.square(b)
+        });
+        (squares, lanes(|k| both(k).map(|spot| spot.id)))
+    }
+
+    #[inline(always)]
+    fn pack_pairs(self, pairs: [[u32; 2]; LANES], mask: u32, to: &mut [[u32; 2]; LANES]) {
+        let mut packed = 0;
+        // Without a branch: nobody can foresee which are in the mask.
+        for (k, pair) in pairs.into_iter().enumerate() {
+            to[packed % LANES] = pair;
+            packed += (mask >> k & 1) as usize;
         }
     }
 

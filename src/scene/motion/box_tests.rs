@@ -105,7 +105,7 @@ fn a_shear_is_one_of_the_box() {
         let flow = 0.05 * f64::from(k);
         for (from, to) in coordinates(&still).chunks(3).zip(coordinates(&frame).chunks(3)) {
             assert_eq!(from[1..], to[1..]);
-            let there = from[0] + flow * (from[1] - 0.5 * y) / (0.5 * y);
+            let there = from[0] + flow * from[1] / (0.5 * y);
             let whole = (to[0] - there) / x;
             assert!((whole - whole.round()).abs() < 1e-9, "{k}: {from:?} {to:?}");
         }
@@ -144,9 +144,9 @@ fn frames_in_boxes_have_the_same_bits_on_every_machine() {
 
 const GOLDEN: [[u64; 3]; 5] = [
     [0x0eee41ee4d00b448, 0x8dda842fdf910392, 0x87dbf9c7e1197a07],
-    [0xeccce33f2b78038f, 0xfe1a7b0c08cbe3c5, 0xee28c42f459042bf],
+    [0x492212ab0b351362, 0xa887448524f114aa, 0xe2a02b7a504f58f9],
     [0x753655aedc70c47b, 0x1c3f5381a90df305, 0x29966a944888b44c],
-    [0xcc7d21a5c3d69c9c, 0x9b567b0af9f86af6, 0x52b594bc732c0177],
+    [0x288026b93674f775, 0xca32a9158dd6dfd8, 0x6188004c55dc1b87],
     [0x225e1d85564a51e5, 0x6b9e032fffce6606, 0x03ec05b1012bebc3],
 ];
 

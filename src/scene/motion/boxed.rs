@@ -5,7 +5,8 @@
 //! do in open space: at right angles to all vectors that repeat, and around the centres of frame 0.
 //!
 //! A shear is one of the box (Lees and Edwards 1972, doi:10.1088/0022-3719/5/15/006; `fix deform`
-//! of LAMMPS): x grows by γ y for particles and vectors alike. A vector whose tilt passes half of
+//! of LAMMPS): x grows by γ y for particles and vectors alike, y from the corner of the box, which
+//! stays. A vector whose tilt passes half of
 //! the first one, which is along x, is flipped back by whole ones. That changes no image.
 
 use anyhow::ensure;
@@ -53,13 +54,11 @@ impl<const D: usize> Boxed<D> {
         Ok(Boxed { first, walls: walls(scene, &first) })
     }
 
-    /// How high the box is along y, and its middle; none if it does not repeat along y.
+    /// How high the box is along y, and its corner; none if it does not repeat along y.
     pub fn height(&self) -> Option<(f64, f64)> {
         let repeats = (0..3).filter(|&v| self.first.periodic()[v]);
-        let along: Vec<f64> = repeats.map(|v| self.first.vectors()[v][1]).collect();
-        let height: f64 = along.iter().map(|y| y.abs()).sum();
-        let middle = self.first.origin()[1] + 0.5 * along.iter().sum::<f64>();
-        (height > 0.0).then_some((height, middle))
+        let height: f64 = repeats.map(|v| self.first.vectors()[v][1].abs()).sum();
+        (height > 0.0).then_some((height, self.first.origin()[1]))
     }
 
     /// Where a particle is that has gone this way.

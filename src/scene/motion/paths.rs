@@ -88,7 +88,7 @@ where
                 let far = scene.centres().iter().map(|at| (at[1] - still).abs());
                 (far.fold(0.0, f64::max), still)
             },
-            |(height, middle)| (0.5 * height, middle),
+            |(height, corner)| (0.5 * height, corner),
         );
         let slope = if kind == Kind::Shear && most > 0.0 { speed / most } else { 0.0 };
         Ok(Paths { kind, seed, speed, low, extent, velocities, walk, slope, still, soft, boxed })

@@ -1,0 +1,154 @@
+//! The pass over a list: which of the listed pairs touch in this frame?
+//!
+//! Sixteen at a time, without a branch: nobody can foresee which of them do. What copies in f32
+//! leave open is left to the answer.
+
+use super::answer::Answer;
+use crate::filter::Near;
+use crate::wide::{Kernel, LANES, Spot, Wide};
+
+/// Pairs that are handed to the answer together.
+const BLOCK: usize = 128;
+
+/// Hands listed pairs that touch to an answer.
+pub(super) struct Pass<'a, R, A> {
+    pub spots: &'a [Spot],
+    /// Of places.
+    pub listed: &'a [[u32; 2]],
+    pub reach: R,
+    pub answer: &'a mut A,
+}
+
+/// At which distances bodies touch.
+pub(super) trait Reach {
+    /// What squares of distances say of sixteen couples of places: see [`within`] and [`beyond`].
+    fn bounds<W: Wide>(&self, w: W, couples: &[[u32; 2]; LANES]) -> [W::Floats; 2];
+}
+
+/// All at the same.
+pub(super) struct Same(pub Near);
+
+impl Reach for Same {
+    #[inline(always)]
+    fn bounds<W: Wide>(&self, w: W, _: &[[u32; 2]; LANES]) -> [W::Floats; 2] {
+        [w.all(within(self.0.inner)), w.all(beyond(self.0.outer))]
+    }
+}
+
+/// Each couple at its own.
+pub(super) struct Each<'a, F> {
+    /// Radii by place.
+    pub placed: &'a [f64],
+    /// For radii with a given sum.
+    pub near: F,
+}
+
+impl<F: Fn(f64) -> Near> Reach for Each<'_, F> {
+    #[inline(always)]
+    fn bounds<W: Wide>(&self, w: W, couples: &[[u32; 2]; LANES]) -> [W::Floats; 2] {
+        let (mut inner, mut outer) = ([0.0; LANES], [0.0; LANES]);
+        for (k, &[a, b]) in couples.iter().enumerate() {
+            let near = (self.near)(self.placed[a as usize] + self.placed[b as usize]);
+            (inner[k], outer[k]) = (within(near.inner), beyond(near.outer));
+        }
+        [w.load(&inner), w.load(&outer)]
+    }
+}
+
+/// A square in f32 is at most this just where it is at most `inner`.
+#[inline(always)]
+fn within(inner: f64) -> f32 {
+    let near = inner as f32;
+    if f64::from(near) > inner { near.next_down() } else { near }
+}
+
+/// A square in f32 is at least this just where it is more than `outer`; no number, which none is,
+/// where that is infinite.
+#[inline(always)]
+fn beyond(outer: f64) -> f32 {
+    if outer < f64::INFINITY { within(outer).next_up() } else { f32::NAN }
+}
+
+impl<R: Reach, A: Answer> Kernel for Pass<'_, R, A> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<W: Wide>(self, w: W) {
+        let Pass { spots, listed, reach, answer } = self;
+        let mut touching = [[0; 2]; BLOCK + LANES];
+        for block in listed.chunks(BLOCK) {
+            let mut len = 0;
+            let (vectors, rest) = block.as_chunks::<LANES>();
+            for couples in vectors {
+                len +=
+                    look::<W, R, A>(w, spots, couples, ALL, &reach, &mut touching[len..], answer);
+            }
+            if let Some(&first) = rest.first() {
+                let (mut couples, mask) = ([first; LANES], ALL >> (LANES - rest.len()));
+                couples[..rest.len()].copy_from_slice(rest);
+                let to = &mut touching[len..];
+                len += look::<W, R, A>(w, spots, &couples, mask, &reach, to, answer);
+            }
+            answer.take(&touching[..len]);
+        }
+    }
+}
+
+/// All lanes of a mask.
+const ALL: u32 = (1 << LANES) - 1;
+
+/// Packs those of a mask that surely touch to the front of `to`, and tells how many they are. What
+/// copies leave open is for the answer to decide.
+#[inline(always)]
+fn look<W: Wide, R: Reach, A: Answer>(
+    w: W,
+    spots: &[Spot],
+    couples: &[[u32; 2]; LANES],
+    mask: u32,
+    reach: &R,
+    to: &mut [[u32; 2]],
+    answer: &mut A,
+) -> usize {
+    let (squares, numbers) = w.couples(spots, couples);
+    let pairs = if A::BY_PLACE { w.load_pairs(couples) } else { numbers };
+    let [inner, outer] = reach.bounds(w, couples);
+    let (touch, apart) = (w.at_most(squares, inner) & mask, w.at_most(outer, squares));
+    if let Some(to) = to.first_chunk_mut() {
+        w.pack_pairs(pairs, touch, to);
+    }
+    let open = mask & !(touch | apart);
+    if open != 0 {
+        decide(w, pairs, open, answer);
+    }
+    touch.count_ones() as usize
+}
+
+#[cold]
+#[inline(never)]
+fn decide<W: Wide>(w: W, pairs: W::Pairs, open: u32, answer: &mut impl Answer) {
+    let mut left = [[0; 2]; LANES];
+    w.pack_pairs(pairs, open, &mut left);
+    left.iter().take(open.count_ones() as usize).for_each(|&pair| answer.decide(pair));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Squares at, next to and far from bounds of all sizes.
+    #[test]
+    fn bounds_in_f32_say_what_those_in_f64_say() {
+        let scales = [1.0, 1e-30, 1e-44, 1e-46, 1e30, 3.4e38, 1e39, f64::INFINITY, f64::NAN];
+        for scale in scales {
+            for bound in [-1.0, 0.0, scale, 0.1 * scale, 0.7 * scale.next_down(), scale.next_up()] {
+                let near = bound as f32;
+                let squares = [0.0, near, near.next_up(), near.next_down(), 1.0, f32::MAX];
+                for square in squares.into_iter().chain([f32::INFINITY, f32::NAN]) {
+                    let wide = f64::from(square);
+                    assert_eq!(square <= within(bound), wide <= bound, "{square} {bound}");
+                    assert_eq!(beyond(bound) <= square, wide > bound, "{square} {bound}");
+                }
+            }
+        }
+    }
+}
