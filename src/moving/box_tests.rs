@@ -77,7 +77,6 @@ fn trackers_are_held_to_the_truth_in_boxes_that_move_or_stay() {
     assert!(missed > 500, "{missed}");
 }
 
-/// Two that touch fly on together, through one face after the other.
 /// Particles of a shear go where their box carries them: its tilt alone wears a list out, however
 /// far they go.
 #[test]
@@ -90,6 +89,7 @@ fn a_list_serves_a_box_that_is_sheared() {
     assert_eq!(followed.trackers[0].builds.built, 1);
 }
 
+/// Two that touch fly on together, through one face after the other.
 #[test]
 fn a_contact_that_goes_through_a_face_goes_on() {
     let flight = |k: u32| {

@@ -113,9 +113,9 @@ fn look<W: Wide, R: Reach, A: Answer>(
     let pairs = if A::BY_PLACE { w.load_pairs(couples) } else { numbers };
     let [inner, outer] = reach.bounds(w, couples);
     let (touch, apart) = (w.at_most(squares, inner) & mask, w.at_most(outer, squares));
-    if let Some(to) = to.first_chunk_mut() {
-        w.pack_pairs(pairs, touch, to);
-    }
+    // There is a vector's room behind a block.
+    let Some(to) = to.first_chunk_mut() else { unreachable!() };
+    w.pack_pairs(pairs, touch, to);
     let open = mask & !(touch | apart);
     if open != 0 {
         decide(w, pairs, open, answer);
@@ -134,11 +134,24 @@ fn decide<W: Wide>(w: W, pairs: W::Pairs, open: u32, answer: &mut impl Answer) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::wide::Level;
 
     /// Squares at, next to and far from bounds of all sizes.
     #[test]
     fn bounds_in_f32_say_what_those_in_f64_say() {
-        let scales = [1.0, 1e-30, 1e-44, 1e-46, 1e30, 3.4e38, 1e39, f64::INFINITY, f64::NAN];
+        let scales = [
+            -1e-60,
+            f64::NEG_INFINITY,
+            1.0,
+            1e-30,
+            1e-44,
+            1e-46,
+            1e30,
+            3.4e38,
+            1e39,
+            f64::INFINITY,
+            f64::NAN,
+        ];
         for scale in scales {
             for bound in [-1.0, 0.0, scale, 0.1 * scale, 0.7 * scale.next_down(), scale.next_up()] {
                 let near = bound as f32;
@@ -147,6 +160,88 @@ mod tests {
                     let wide = f64::from(square);
                     assert_eq!(square <= within(bound), wide <= bound, "{square} {bound}");
                     assert_eq!(beyond(bound) <= square, wide > bound, "{square} {bound}");
+                }
+            }
+        }
+    }
+
+    /// What it is handed: pairs that touch, and pairs to decide.
+    #[derive(Default)]
+    struct Heard<const BY_PLACE: bool>(Vec<[u32; 2]>, Vec<[u32; 2]>);
+
+    impl<const BY_PLACE: bool> Answer for Heard<BY_PLACE> {
+        const BY_PLACE: bool = BY_PLACE;
+        fn take(&mut self, pairs: &[[u32; 2]]) {
+            self.0.extend(pairs);
+        }
+        fn decide(&mut self, pair: [u32; 2]) {
+            self.1.push(pair);
+        }
+    }
+
+    fn heard<const BY_PLACE: bool>(
+        level: Level,
+        spots: &[Spot],
+        listed: &[[u32; 2]],
+        reach: impl Reach,
+    ) -> [Vec<[u32; 2]>; 2] {
+        let mut answer = Heard::<BY_PLACE>::default();
+        level.run(Pass { spots, listed, reach, answer: &mut answer });
+        let mut all = [answer.0, answer.1];
+        all.iter_mut().for_each(|pairs| pairs.sort_unstable());
+        all
+    }
+
+    /// Lists of all lengths, with infinite coordinates, whose distances are no numbers, among them.
+    #[test]
+    fn every_level_says_what_one_pair_at_a_time_is() {
+        let spots: Vec<Spot> = (0..97u32)
+            .map(|k| Spot {
+                at: [k % 5, k / 5 % 5, k / 25].map(|x| match k {
+                    13 | 31 => f32::INFINITY,
+                    _ => x as f32 * 0.75,
+                }),
+                id: 1000 - k,
+            })
+            .collect();
+        let placed: Vec<f64> = (0..97).map(|k| 0.3 + 0.05 * f64::from(k % 7)).collect();
+        let near = |sum: f64| Near { inner: sum * sum * 0.9, outer: sum * sum * 1.4 };
+        let at = |k: u32| (k.wrapping_mul(0x9e37_79b9) >> 8) % 97;
+        for level in Level::all() {
+            for length in 0..300 {
+                let listed: Vec<[u32; 2]> = (0..length).map(|k| [at(k), at(k + 500)]).collect();
+                for own in [false, true] {
+                    let expected = |by_place: bool| {
+                        let mut all = [Vec::new(), Vec::new()];
+                        for &[a, b] in &listed {
+                            let sum =
+                                if own { placed[a as usize] + placed[b as usize] } else { 1.0 };
+                            let [p, q] = [&spots[a as usize], &spots[b as usize]];
+                            let name = if by_place { [a, b] } else { [p.id, q.id] };
+                            match near(sum).verdict(f64::from(p.square(q))) {
+                                Some(true) => all[0].push(name),
+                                Some(false) => {}
+                                None => all[1].push(name),
+                            }
+                        }
+                        all.iter_mut().for_each(|pairs| pairs.sort_unstable());
+                        all
+                    };
+                    let found = if own {
+                        let each = || Each { placed: &placed, near };
+                        (
+                            heard::<false>(level, &spots, &listed, each()),
+                            heard::<true>(level, &spots, &listed, each()),
+                        )
+                    } else {
+                        let same = || Same(near(1.0));
+                        (
+                            heard::<false>(level, &spots, &listed, same()),
+                            heard::<true>(level, &spots, &listed, same()),
+                        )
+                    };
+                    let name = level.name();
+                    assert_eq!(found, (expected(false), expected(true)), "{name} {length} {own}");
                 }
             }
         }

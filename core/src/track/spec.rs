@@ -5,6 +5,7 @@ use std::fmt;
 
 use super::incremental::Native;
 use super::rule::Rule;
+use super::tuner::Costs;
 use super::verlet::Verlet;
 use super::{EveryStep, Tracker};
 use crate::contact::{Margin, Test};
@@ -65,7 +66,8 @@ impl TrackerSpec {
             }),
             TrackerSpec::Verlet { detector, skin, rule } => {
                 let limit = options.memory_limit;
-                Box::new(Verlet::new(detector.make(options), *skin, *rule, limit))
+                let costs = Costs::of(detector.entry.name);
+                Box::new(Verlet::new(detector.make(options), costs, *skin, *rule, limit))
             }
             TrackerSpec::Incremental { native, .. } => native.make(options),
         }
@@ -133,7 +135,11 @@ pub const FORMS: [(&str, &str); 10] = [
         "lists all pairs whose bodies are at most S apart, and looks at those only until the rule \
          has the list built again; skin=0.1 and rule=top-two where none is given",
     ),
-    ("skin=auto", "finds the skin that makes steps cheap; with top-two, half-skin or summed"),
+    (
+        "skin=auto",
+        "finds the skin that makes steps cheap, or asks where no list pays; with top-two, half-skin \
+         or summed",
+    ),
     ("rule=top-two", "when the two that have gone farthest have together gone the skin: safe"),
     ("rule=half-skin", "when one has gone half of the skin: safe"),
     ("rule=summed", "when the longest ways of all frames, added up, are half of the skin: safe"),

@@ -368,14 +368,17 @@ fn other_particles_other_radii_and_refusals_begin_anew() {
 
 #[test]
 fn formulas_give_the_bytes_of_the_arrays() {
-    let frames = frames::<3>(500, true, Motion::Flight, 1);
-    for (rule, last) in [("top-two", 0), ("summed", 24)] {
-        let mut tracker = tracker(&format!("verlet(direct,rule={rule},skin=0.6)"));
-        assert_eq!(tracker.formula_bytes(), 0);
-        let step = tracker.step(&frames[0], Test::Exact, None, &mut Vec::new()).unwrap();
-        // In full when the list was built, in f32 in the last frame with its number, two radii.
-        let each = 24 + 16 + 16 + last;
-        assert!(step.listed > 501);
-        assert_eq!(tracker.formula_bytes(), 500 * each + 8 * step.listed);
+    let plane = frames::<2>(500, true, Motion::Flight, 1).swap_remove(0);
+    let space = frames::<3>(500, true, Motion::Flight, 1).swap_remove(0);
+    for (rule, full) in [("top-two", 1), ("summed", 2)] {
+        for (frame, dim) in [(&plane, 2), (&space, 3)] {
+            let mut tracker = tracker(&format!("verlet(direct,rule={rule},skin=0.6)"));
+            assert_eq!(tracker.formula_bytes(), 0);
+            let step = tracker.step(frame, Test::Exact, None, &mut Vec::new()).unwrap();
+            // In full when the list was built, in f32 in the last frame with its number, two radii.
+            let each = 8 * dim * full + 16 + 16;
+            assert!(step.listed > 501);
+            assert_eq!(tracker.formula_bytes(), 500 * each + 8 * step.listed);
+        }
     }
 }

@@ -2,8 +2,9 @@
 //!
 //! A thick skin makes a list long, a thin one makes it short-lived. Per particle, in units of one
 //! look at a listed pair, a step that builds a list costs about BUILD + MAKE · listed, one that
-//! only looks at it FOLLOW + listed, and the detector alone DETECT. A list with skin s, whose two
-//! fastest bodies go u diameters in a step together, is built in one of floor(s / u) + 1 steps, and
+//! only looks at it FOLLOW + listed, and the detector alone DETECT + MAKE · contacts. A list with
+//! skin s, whose two fastest bodies go u diameters in a step together, is built in one of
+//! floor(s / u) + 1 steps, and
 //!
 //! ```text
 //! listed = contacts + e ((1 + s)^D - 1),
@@ -14,13 +15,29 @@
 //! twice the best skin costs a quarter more of the excess, and an error of four times in BUILD is
 //! one of two times in the skin.
 
-/// Of `streamed-nbs` on 2,000 to a million packed spheres, where a look takes 1 to 1.3 ns, building
-/// 40 to 100 of them, following 5 to 22 and the detector alone 27 to 42. Slower detectors want
-/// somewhat thicker skins.
-const BUILD: f64 = 55.0;
-const MAKE: f64 = 5.0;
+/// What a detector costs, in looks of 1 to 1.3 ns.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Costs {
+    build: f64,
+    make: f64,
+    detect: f64,
+}
+
+impl Costs {
+    /// Of `streamed-nbs` on 2,000 to a million packed spheres, where building takes 40 to 100 looks
+    /// and asking 27 to 42 in all.
+    const FAST: Costs = Costs { build: 55.0, make: 5.0, detect: 18.0 };
+    /// Of `nbs` on 32,000.
+    const SLOW: Costs = Costs { build: 100.0, make: 18.0, detect: 100.0 };
+
+    /// Of a detector, by its name.
+    pub fn of(detector: &str) -> Costs {
+        if detector == "streamed-nbs" { Costs::FAST } else { Costs::SLOW }
+    }
+}
+
+/// To follow costs 5 to 22 looks.
 const FOLLOW: f64 = 10.0;
-const DETECT: f64 = 33.0;
 /// In diameters: before anything is known, and at least and at most.
 const FIRST: f64 = 0.1;
 pub(super) const LEAST: f64 = 0.01;
@@ -53,6 +70,7 @@ pub(super) struct Served {
 /// Chooses skins.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Tuner {
+    costs: Costs,
     /// Of the next list, in diameters.
     pub skin: f64,
     /// Frames to come that are looked at without a list.
@@ -63,16 +81,20 @@ pub(super) struct Tuner {
     most: f64,
 }
 
-impl Default for Tuner {
-    fn default() -> Tuner {
-        Tuner { skin: FIRST, direct: 0, next: DIRECT, most: MOST }
-    }
-}
-
 impl Tuner {
+    /// Of lists over a detector that costs so much.
+    pub fn new(costs: Costs) -> Tuner {
+        Tuner { costs, skin: FIRST, direct: 0, next: DIRECT, most: MOST }
+    }
+
+    /// As at first.
+    pub fn reset(&mut self) {
+        *self = Tuner::new(self.costs);
+    }
+
     /// A list has been given up.
     pub fn learn(&mut self, served: &Served) {
-        match best(served) {
+        match best(self.costs, served) {
             Some(skin) => {
                 (self.skin, self.direct, self.next) = (skin.min(self.most), 0, DIRECT);
             }
@@ -89,7 +111,7 @@ impl Tuner {
     /// A list that may serve on: is it worth building a thinner one?
     pub fn is_too_thick(&self, served: &Served) -> bool {
         let asked = served.age >= ASKED && served.age.is_power_of_two();
-        asked && best(served).is_some_and(|skin| skin < 0.5 * served.skin)
+        asked && best(self.costs, served).is_some_and(|skin| skin < 0.5 * served.skin)
     }
 
     /// There is no room for a list with this skin.
@@ -100,7 +122,8 @@ impl Tuner {
 }
 
 /// The skin of least cost, in diameters; none if it costs less to build in every step.
-fn best(served: &Served) -> Option<f64> {
+fn best(costs: Costs, served: &Served) -> Option<f64> {
+    let Costs { build, make, detect } = costs;
     let Served { age, together, skin, listed, touching, dim } = *served;
     // Multiplied out: powers are rounded differently from machine to machine.
     let grown = |skin: f64| (0..dim).fold(1.0, |power, _| power * (1.0 + skin)) - 1.0;
@@ -109,8 +132,9 @@ fn best(served: &Served) -> Option<f64> {
     let step = together / f64::from(age.max(1));
     let cost = |steps: f64, skin: f64| {
         let listed = touching + extra * grown(skin);
-        (BUILD + MAKE * listed + steps * (FOLLOW + listed)) / (steps + 1.0)
+        (build + make * listed + steps * (FOLLOW + listed)) / (steps + 1.0)
     };
+    let alone = detect + make * touching;
     if step * f64::from(u16::MAX) < LEAST {
         return Some(LEAST);
     }
@@ -120,7 +144,7 @@ fn best(served: &Served) -> Option<f64> {
         // Speeds vary a little.
         let skin = (1.01 * steps * step).max(LEAST);
         let cost = cost((skin / step).floor(), skin);
-        if cost < DETECT && found.is_none_or(|(least, _)| cost < least) {
+        if cost < alone && found.is_none_or(|(least, _)| cost < least) {
             found = Some((cost, skin));
         }
         steps = (steps + 1.0).max((1.1 * steps).floor());
@@ -140,13 +164,16 @@ mod tests {
         Served { age: age as u32, together, skin, listed, touching: 3.0, dim: 3 }
     }
 
-    /// By the model without whole steps: s = sqrt(BUILD u / (D e)) where it is small.
+    /// By the model without whole steps, where the skin is thin: a step that
+    /// builds a list does not follow, and makes its contacts.
     #[test]
     fn the_skin_grows_with_the_root_of_the_speed() {
         for step in [1e-5, 1e-4, 1e-3, 1e-2] {
-            let mut tuner = Tuner::default();
+            let mut tuner = Tuner::new(Costs::FAST);
             tuner.learn(&served(step, 0.1));
-            let predicted = (BUILD * step / (3.0 * 6.0)).sqrt().max(LEAST);
+            let Costs { build, make, .. } = Costs::FAST;
+            let excess = build - FOLLOW + (make - 1.0) * 3.0;
+            let predicted = (excess * step / (3.0 * 6.0)).sqrt().max(LEAST);
             let ratio = tuner.skin / predicted;
             assert!((0.5..=1.5).contains(&ratio), "{step}: {} for {predicted}", tuner.skin);
             // What it finds it keeps.
@@ -158,7 +185,7 @@ mod tests {
 
     #[test]
     fn where_lists_are_of_no_use_there_is_none_for_a_while() {
-        let mut tuner = Tuner::default();
+        let mut tuner = Tuner::new(Costs::FAST);
         tuner.learn(&served(0.7, 0.1));
         assert_eq!((tuner.direct, tuner.skin), (DIRECT, FIRST));
         let mut longer = || {
@@ -173,12 +200,23 @@ mod tests {
         assert_eq!(tuner.direct, DIRECT);
     }
 
+    /// What takes long to find is kept for longer: many contacts, by any detector, and few, by a
+    /// slow one.
+    #[test]
+    fn the_longer_asking_takes_the_more_lists_pay() {
+        let many = Served { listed: 30.0, touching: 25.0, ..served(2e-3, 0.1) };
+        assert!(best(Costs::of("streamed-nbs"), &many).is_some());
+        let fast = served(0.2, 0.4);
+        assert_eq!(best(Costs::of("streamed-nbs"), &fast), None);
+        assert!(best(Costs::of("nbs"), &fast).is_some());
+    }
+
     #[test]
     fn what_rests_has_the_thinnest_skin_soon() {
         let rest = Served { age: 64, together: 0.0, ..served(1e-3, 0.1) };
-        let tuner = Tuner::default();
+        let tuner = Tuner::new(Costs::FAST);
         assert!(tuner.is_too_thick(&rest) && !tuner.is_too_thick(&Served { age: 63, ..rest }));
-        assert_eq!(best(&rest), Some(LEAST));
+        assert_eq!(best(Costs::FAST, &rest), Some(LEAST));
         assert!(!tuner.is_too_thick(&Served { skin: LEAST, ..rest }));
     }
 }

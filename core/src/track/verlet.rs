@@ -5,7 +5,7 @@ use std::time::Instant;
 use super::kept::{Kept, Wanted};
 use super::rule::Rule;
 use super::spec::Skin;
-use super::tuner::{LEAST, Served, Tuner};
+use super::tuner::{Costs, LEAST, Served, Tuner};
 use super::{Step, Tracker};
 use crate::contact::{Arithmetic, Bodies, Test, any_bodies};
 use crate::detect::any::AnyDetector;
@@ -41,13 +41,19 @@ pub(super) struct Verlet {
 }
 
 impl Verlet {
-    pub fn new(detector: Box<dyn AnyDetector>, skin: Skin, rule: Rule, limit: u64) -> Verlet {
+    pub fn new(
+        detector: Box<dyn AnyDetector>,
+        costs: Costs,
+        skin: Skin,
+        rule: Rule,
+        limit: u64,
+    ) -> Verlet {
         Verlet {
             detector,
             skin,
             rule,
             limit,
-            tuner: Tuner::default(),
+            tuner: Tuner::new(costs),
             touching: 0,
             plane: Kept::default(),
             space: Kept::default(),
@@ -170,7 +176,7 @@ impl Tracker for Verlet {
     fn forget(&mut self) {
         self.plane.forget();
         self.space.forget();
-        self.tuner = Tuner::default();
+        self.tuner.reset();
     }
 
     fn formula_bytes(&self) -> u64 {

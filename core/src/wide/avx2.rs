@@ -58,7 +58,7 @@ static PACKED_PAIRS: [[u32; 8]; 16] = {
 };
 
 // A value of this type exists only where `detect` has found the instructions: what SAFETY means by
-// "found" below. Loads and stores are of the unaligned kind.
+// "found" below. Loads and stores are of the unaligned kind, but for spots, which are aligned.
 impl Avx2 {
     #[inline(always)]
     fn each(

@@ -32,7 +32,7 @@ fn compiled<K: Kernel>(wide: Avx512, kernel: K) -> K::Output {
 }
 
 // A value of this type exists only where `detect` has found the instructions: what SAFETY means by
-// "found" below. Loads and stores are of the unaligned kind.
+// "found" below. Loads and stores are of the unaligned kind, but for spots, which are aligned.
 impl Avx512 {
     #[inline(always)]
     fn packed(self, ids: __m512i, mask: u32, to: &mut [u32; HALF]) {

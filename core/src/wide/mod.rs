@@ -42,6 +42,9 @@ pub struct Spot {
     pub id: u32,
 }
 
+// A spot is one register.
+const _: () = assert!(size_of::<Spot>() == 16 && align_of::<Spot>() == 16);
+
 impl Spot {
     /// The square of the distance, as [`Wide::couples`] has it.
     #[inline(always)]

@@ -181,7 +181,10 @@ fn report_page_and_terminal_agree_on_all_committed_records() {
         // A number that stands in one of them alone is found.
         let ratio =
             |it: &&str| it.contains(" (") && it.chars().all(|c| "0123456789. to()".contains(c));
-        let number = markdown.split(" | ").find(ratio).unwrap().to_string();
+        let Some(number) = markdown.split(" | ").find(ratio).map(str::to_string) else {
+            // Counts alone have none.
+            continue;
+        };
         let other = number.replacen('.', ".9", 1);
         for (markdown, html) in [
             (markdown.replace(&number, &other), html.clone()),

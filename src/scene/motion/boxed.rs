@@ -6,8 +6,8 @@
 //!
 //! A shear is one of the box (Lees and Edwards 1972, doi:10.1088/0022-3719/5/15/006; `fix deform`
 //! of LAMMPS): x grows by γ y for particles and vectors alike, y from the corner of the box, which
-//! stays. A vector whose tilt passes half of
-//! the first one, which is along x, is flipped back by whole ones. That changes no image.
+//! stays. A vector whose tilt passes half of the first one, which is along x, is flipped back by
+//! whole ones. That changes no image.
 
 use anyhow::ensure;
 use nalgebra::Point;

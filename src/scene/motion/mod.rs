@@ -85,8 +85,8 @@ impl Kind {
             }
             Kind::Shear => {
                 "layers slide along x, as fast as they are far from the middle along y; speed is \
-                 that of the outermost, in a box that repeats along y (which is sheared, after \
-                 Lees and Edwards) that of its faces as seen from its middle"
+                 that of the outermost. A box that repeats along y is sheared (after Lees and \
+                 Edwards): its corner stays, and its upper face goes with twice the speed"
             }
             Kind::Rotation => {
                 "all turn as one body about the middle, around z; speed is that of the outermost"
