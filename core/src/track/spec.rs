@@ -137,8 +137,8 @@ pub const FORMS: [(&str, &str); 10] = [
     ),
     (
         "skin=auto",
-        "finds the skin that makes steps cheap, or asks where no list pays; with top-two, half-skin \
-         or summed",
+        "finds the skin that makes steps cheap, or asks where no list pays; with top-two, \
+         half-skin or summed",
     ),
     ("rule=top-two", "when the two that have gone farthest have together gone the skin: safe"),
     ("rule=half-skin", "when one has gone half of the skin: safe"),

@@ -83,8 +83,8 @@ fn bodies_stay_in_the_box_and_between_walls_where_it_is_open() {
     }
 }
 
-/// Seen from the middle the faces along y go with the speed that is said, and a tilt beyond a half is
-/// flipped back.
+/// Seen from the middle the faces along y go with the speed that is said, and a tilt beyond a half
+/// is flipped back.
 #[test]
 fn a_shear_is_one_of_the_box() {
     let still = scene("loose:dim=3,n=60,fraction=0.3,periodic=true,tilt=0.4,offset=7");
