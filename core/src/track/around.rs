@@ -139,10 +139,8 @@ impl<const D: usize> Strain<D> {
         let repeats = || (0..3).filter(|&v| now.periodic()[v]);
         let size = |of: &[f64; 3]| of[..D].iter().map(|x| x.abs()).sum::<f64>();
         let moved: [f64; 3] = std::array::from_fn(|k| now.origin()[k] - then.origin()[k]);
-        let (from, mut to): ([f64; D], [f64; D]) = {
-            let corner = std::array::from_fn(|k| then.origin()[k]);
-            (corner, corner)
-        };
+        let from: [f64; D] = std::array::from_fn(|k| then.origin()[k]);
+        let mut to = from;
         for v in repeats() {
             let (old, new, dual) = (then.vectors()[v], now.vectors()[v], then.dual(v));
             let change: [f64; 3] = std::array::from_fn(|k| new[k] - old[k]);

@@ -78,9 +78,7 @@ impl Avx2 {
             _mm256_permutevar8x32_epi32(_mm256_loadu_si256(ids.as_ptr().cast()), order)
         }
     }
-}
 
-impl Avx2 {
     /// One side of couples r and 4 + r: of four such vectors, transposed in blocks of 4x4 lanes,
     /// the couples are in turn.
     ///

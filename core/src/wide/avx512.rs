@@ -43,9 +43,7 @@ impl Avx512 {
             _mm256_storeu_epi32(to.as_mut_ptr().cast(), _mm512_castsi512_si256(packed));
         }
     }
-}
 
-impl Avx512 {
     /// One side of couples r, 4 + r, 8 + r and 12 + r: of four such vectors, transposed in blocks
     /// of 4x4 lanes, the couples are in turn.
     ///
