@@ -24,6 +24,7 @@ pub const FILES: &[(&str, &str)] = &[
     ("sizes-million", include_str!("../../experiments/sizes-million.toml")),
     ("periodic", include_str!("../../experiments/periodic.toml")),
     ("motion", include_str!("../../experiments/motion.toml")),
+    ("motion-million", include_str!("../../experiments/motion-million.toml")),
     ("rebuilds", include_str!("../../experiments/rebuilds.toml")),
     ("buffers", include_str!("../../experiments/buffers.toml")),
     ("mended", include_str!("../../experiments/mended.toml")),
