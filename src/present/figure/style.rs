@@ -80,6 +80,8 @@ const RULES: [(&str, Colour, Marker); 5] = [
     ("lammps-", (230, 159, 0), Marker::Diamond),
     ("every-", (213, 94, 0), Marker::Down),
 ];
+/// A skin that is found while a list is used.
+const AUTO: (&str, Colour, Marker) = ("auto", (230, 159, 0), Marker::Up);
 const REST: [Colour; 3] = [(0, 114, 178), (204, 102, 119), (90, 140, 90)];
 const MARKERS: [Marker; 5] =
     [Marker::Cross, Marker::Plus, Marker::Diamond, Marker::Square, Marker::Up];
@@ -139,9 +141,10 @@ fn kept_for(name: &str) -> Option<Style> {
                 control: false,
             });
         }
-        (Some(_), Some(rule)) if !params.contains_key("skin") => {
-            RULES.iter().find(|kept| rule.starts_with(kept.0))
-        }
+        (Some(_), Some(rule)) => match text("skin") {
+            None => RULES.iter().find(|kept| rule.starts_with(kept.0)),
+            Some(skin) => (skin == "auto").then_some(&AUTO),
+        },
         _ => None,
     };
     found.map(|&(_, colour, marker)| Style { colour, marker, control: false })
