@@ -46,15 +46,29 @@ impl Crowd {
 
 /// How many particles touch particle `i`. Where a square leaves the range of doubles, fewer.
 fn touching<T: Real, const D: usize>(scene: &Scene<'_, T, D>, i: usize) -> usize {
-    let centre = |k: usize| array(&scene.centres()[k]).map(Real::wide);
-    let (at, radius) = (centre(i), scene.radius(i).wide());
-    let touches = |j: usize| {
-        let other = centre(j);
-        let square: f64 = (0..D).map(|k| (at[k] - other[k]) * (at[k] - other[k])).sum();
-        let reach = radius + scene.radius(j).wide();
-        square <= reach * reach && square < f64::INFINITY && (reach * reach > 0.0 || at == other)
-    };
-    (0..scene.len()).filter(|&j| j != i && touches(j)).count()
+    (0..scene.len()).filter(|&j| touch(scene, i, j)).count()
+}
+
+#[inline(always)]
+fn touch<T: Real, const D: usize>(scene: &Scene<'_, T, D>, i: usize, j: usize) -> bool {
+    let [a, b] = [i, j].map(|k| array(&scene.centres()[k]).map(Real::wide));
+    let square: f64 = (0..D).map(|k| (a[k] - b[k]) * (a[k] - b[k])).sum();
+    let reach = scene.radius(i).wide() + scene.radius(j).wide();
+    let near = square <= reach * reach && square < f64::INFINITY;
+    i != j && near && (reach * reach > 0.0 || a == b)
+}
+
+/// Might particles touch `each` others or more in the mean? Asks random couples, the same in each
+/// call: so many that some would touch, but at most a million. No is no proof.
+fn might_touch(scene: &AnyScene<'_>, each: f64) -> bool {
+    const SOME: f64 = 6.0;
+    let n = scene.len() as u64;
+    let couples = (SOME * n as f64 / each).min(1e6) as u64;
+    let drawn = |k: u64| (splitmix64(k) % n) as usize;
+    let found = with_scene!(scene, scene => {
+        (0..couples).filter(|k| touch(scene, drawn(2 * k), drawn(2 * k + 1))).count()
+    });
+    found as f64 >= 0.5 * SOME
 }
 
 /// Refuses a scene whose list of pairs will surely take more than `limit` bytes.
@@ -66,6 +80,9 @@ pub fn within(scene: &AnyScene<'_>, limit: u64) -> Result<(), Refusal> {
     let bytes = |each: f64| 0.5 * each * n * PAIR_BYTES as f64;
     // Most scenes are so small that nothing need be asked.
     if bytes(n - 1.0) <= limit as f64 {
+        return Ok(());
+    }
+    if !might_touch(scene, limit as f64 / bytes(1.0)) {
         return Ok(());
     }
     let crowd = Crowd::new(scene);

@@ -180,7 +180,8 @@ pub enum NoTruth {
 /// See [`truth_as_stored`]; the limit is that of [`Options::default`].
 pub fn truth(scene: &AnyScene<'_>, arithmetic: Arithmetic) -> Result<Truth, NoTruth> {
     let limit = Options::default().memory_limit;
-    truth_as_stored(&scene.stored(arithmetic)?, arithmetic.test(), limit)
+    let stored = scene.as_stored(arithmetic)?;
+    truth_as_stored(&stored, arithmetic.test(), limit)
 }
 
 /// The truth about a scene as it is stored, in a contact test. A list of pairs may take `limit`
@@ -192,7 +193,8 @@ pub fn truth(scene: &AnyScene<'_>, arithmetic: Arithmetic) -> Result<Truth, NoTr
 pub fn truth_as_stored(scene: &AnyScene<'_>, test: Test, limit: u64) -> Result<Truth, NoTruth> {
     let test = test.safe();
     if test == Test::Exact && !scene.is_f64() {
-        return truth_as_stored(&scene.stored(Arithmetic::F64)?, test, limit);
+        let stored = scene.as_stored(Arithmetic::F64)?;
+        return truth_as_stored(&stored, test, limit);
     }
     crowd::within(scene, limit)?;
     let pairs = if scene.len() <= BRUTE_FORCE {

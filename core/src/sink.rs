@@ -4,6 +4,7 @@
 //! not depend on the order of the pairs nor on the order within a pair, so that two detectors agree
 //! exactly when count and digest agree (up to a collision of 64-bit sums).
 
+pub use crate::normalise::normalise;
 use crate::pair_list::append;
 
 /// Takes the contacts that a detector finds.
@@ -132,15 +133,6 @@ impl Sink for Digest {
 pub fn key(i: u32, j: u32) -> u64 {
     let (i, j) = if i < j { (i, j) } else { (j, i) };
     u64::from(i) << 32 | u64::from(j)
-}
-
-/// Each pair with the smaller index first, the pairs in ascending order: the form in which lists
-/// are written and compared.
-pub fn normalise(pairs: &mut [[u32; 2]]) {
-    for pair in pairs.iter_mut() {
-        pair.sort_unstable();
-    }
-    pairs.sort_unstable();
 }
 
 /// The finaliser of the SplitMix64 generator (Steele, Lea and Flood 2014,

@@ -202,7 +202,7 @@ impl Verification {
         bounds: Option<&[[f64; 2]]>,
     ) -> anyhow::Result<Verification> {
         let Terms { arithmetic, allowed, memory_limit, kept, explain } = terms;
-        let stored = scene.stored(arithmetic)?;
+        let stored = scene.as_stored(arithmetic)?;
         let truth = oracle::truth_as_stored(&stored, arithmetic.test(), memory_limit)?.pairs;
         drop(stored);
         let (taken, one_sided) = match allowed.both_sides {

@@ -82,7 +82,7 @@ pub fn detect(options: &Detect) -> anyhow::Result<ExitCode> {
         return in_box(options, &spec, &name, Periodic::new(given, lattice)?);
     }
     let scene = given
-        .stored(options.arithmetic)
+        .as_stored(options.arithmetic)
         .with_context(|| format!("{name} in {}", options.arithmetic.name()))?;
     let memory_limit = options.limit.bytes(scene.len());
     crowd::within(&scene, memory_limit).with_context(|| name.clone())?;

@@ -15,8 +15,13 @@ use crate::scene::{AnyScene, Given, Lattice, Radii, Scene};
 /// Room for one more, a quarter at a time: a list doubled may be twice as large as needed, and this
 /// is where the memory goes.
 pub(crate) fn room<T>(list: &mut Vec<T>) -> anyhow::Result<()> {
-    if list.len() == list.capacity() {
-        let more = list.len() / 4 + 1024;
+    room_for(list, 1)
+}
+
+/// The same for some more.
+fn room_for<T>(list: &mut Vec<T>, count: usize) -> anyhow::Result<()> {
+    if list.capacity() - list.len() < count {
+        let more = (list.len() / 4 + 1024).max(count);
         let bytes = ((list.len() + more) * size_of::<T>()) as u64;
         let fits = bytes <= memory::most_of_one() && list.try_reserve_exact(more).is_ok();
         ensure!(fits, "no memory for more than {} of them; split the file", list.len());
@@ -133,6 +138,26 @@ impl Particles {
         if let Some(ids) = &mut self.ids {
             room(ids)?;
             ids.push(id);
+        }
+        Ok(())
+    }
+
+    /// Adds rows of coordinates, and of radii behind them if there are any.
+    pub(crate) fn extend(&mut self, numbers: &[f64], columns: usize) -> anyhow::Result<()> {
+        let (rows, dim) = (numbers.chunks_exact(columns), self.dim());
+        match &mut self.centres {
+            Centres::Plane(points) => {
+                room_for(points, rows.len())?;
+                points.extend(rows.clone().map(|row| Point::from([row[0], row[1]])));
+            }
+            Centres::Space(points) => {
+                room_for(points, rows.len())?;
+                points.extend(rows.clone().map(|row| Point::from([row[0], row[1], row[2]])));
+            }
+        }
+        if let Some(radii) = &mut self.radii {
+            room_for(radii, rows.len())?;
+            radii.extend(rows.map(|row| row[dim]));
         }
         Ok(())
     }

@@ -209,8 +209,16 @@ pub fn scene_to(out: &mut dyn Write, format: SceneFormat, given: &Given) -> io::
 /// The header `i,j`, then one pair per line.
 pub fn csv(out: &mut dyn Write, pairs: &[[u32; 2]]) -> io::Result<()> {
     out.write_all(b"i,j\n")?;
-    for [i, j] in pairs {
-        writeln!(out, "{i},{j}")?;
+    let (mut text, mut digits) = (Vec::new(), itoa::Buffer::new());
+    for pairs in pairs.chunks(1 << 10) {
+        text.clear();
+        for &[i, j] in pairs {
+            text.extend_from_slice(digits.format(i).as_bytes());
+            text.push(b',');
+            text.extend_from_slice(digits.format(j).as_bytes());
+            text.push(b'\n');
+        }
+        out.write_all(&text)?;
     }
     Ok(())
 }
@@ -218,9 +226,11 @@ pub fn csv(out: &mut dyn Write, pairs: &[[u32; 2]]) -> io::Result<()> {
 /// NumPy version 1.0, '<u4', C order.
 pub fn npy(out: &mut dyn Write, pairs: &[[u32; 2]]) -> io::Result<()> {
     npy::write_header(out, "<u4", pairs.len(), 2)?;
-    for &pair in pairs {
-        let [i, j] = pair.map(u32::to_le_bytes);
-        out.write_all(&[i[0], i[1], i[2], i[3], j[0], j[1], j[2], j[3]])?;
+    let mut bytes = [0; 1 << 14];
+    for pairs in pairs.as_flattened().chunks(bytes.len() / 4) {
+        let words = bytes.as_chunks_mut().0;
+        words.iter_mut().zip(pairs).for_each(|(word, index)| *word = index.to_le_bytes());
+        out.write_all(&bytes[..4 * pairs.len()])?;
     }
     Ok(())
 }

@@ -141,7 +141,7 @@ pub fn follow(
             let frame = (&periodic, &course.names);
             going.for_each(|follower| follower.step_in_box(k, frame, question, &truth));
         } else {
-            let frame = given.scene.stored(arithmetic)?;
+            let frame = given.scene.as_stored(arithmetic)?;
             let truth = oracle::truth_as_stored(&frame, arithmetic.test(), memory_limit)?;
             truths.push(truth.digest);
             let truth = truth.pairs;

@@ -113,7 +113,7 @@ impl<'a, const D: usize> Stored<'a, D> {
     }
 }
 
-impl AnyScene<'_> {
+impl<'a> AnyScene<'a> {
     /// 2 for discs, 3 for spheres.
     pub fn dim(&self) -> usize {
         match self {
@@ -147,7 +147,8 @@ impl AnyScene<'_> {
         with_scene!(self, scene => scene.largest_radius().wide())
     }
 
-    /// The scene in a storage, or in that of an [`Arithmetic`](crate::contact::Arithmetic).
+    /// A copy of the scene in a storage, or in that of an
+    /// [`Arithmetic`](crate::contact::Arithmetic).
     ///
     /// # Errors
     /// A number overflows f32 ([`SceneError::Coordinate`], [`SceneError::Radius`]), or there are
@@ -158,6 +159,21 @@ impl AnyScene<'_> {
             AnyScene::Plane(scene) => AnyScene::Plane(scene.convert(storage)?),
             AnyScene::Space(scene) => AnyScene::Space(scene.convert(storage)?),
         })
+    }
+
+    /// As [`AnyScene::stored`], but the scene itself where it is stored so already.
+    ///
+    /// # Errors
+    /// The same.
+    pub fn as_stored(
+        &self,
+        storage: impl Into<Storage>,
+    ) -> Result<Cow<'_, AnyScene<'a>>, SceneError> {
+        let storage = storage.into();
+        match storage == Storage::F64 && self.is_f64() {
+            true => Ok(Cow::Borrowed(self)),
+            false => self.stored(storage).map(Cow::Owned),
+        }
     }
 
     /// The scene with its particles in another order: particle k of the result is `order[k]`.

@@ -115,7 +115,7 @@ impl Search {
         let (n, dim) = (given.scene.len(), given.scene.dim());
         match given.lattice {
             None => {
-                let scene = given.scene.stored(options.arithmetic)?;
+                let scene = given.scene.as_stored(options.arithmetic)?;
                 crowd::within(&scene, *memory_limit)?;
                 pairs.clear();
                 let started = Instant::now();

@@ -94,19 +94,16 @@ pub(crate) fn particles(
         }
         return Ok((particles, radius));
     }
-    let (mut point, mut column, mut row) = ([0.0; 3], 0, 0);
-    header.values(source, rows.saturating_mul(columns as u64), |_, value| {
-        // The last of a row's numbers is still at hand when the row is complete.
-        let value = checked(value, row, column)?;
-        if column < dim {
-            point[column] = value;
+    header.pieces(source, rows, columns, |first, numbers| {
+        let mut sound = true;
+        numbers.iter().for_each(|x| sound &= x.is_finite());
+        let mut rows = numbers.chunks_exact(columns);
+        if !sound || has_radii && !rows.all(|row| row[dim] >= 0.0) {
+            for (k, &value) in numbers.iter().enumerate() {
+                checked(value, first + (k / columns) as u64, k % columns)?;
+            }
         }
-        column += 1;
-        if column == columns {
-            particles.push(point, value, 0)?;
-            (column, row) = (0, row + 1);
-        }
-        Ok(())
+        particles.extend(numbers, columns)
     })?;
     Ok((particles, radius))
 }
@@ -201,40 +198,54 @@ impl Header {
             .map_or(format!("{}", self.rows), |columns| format!("{} x {columns}", self.rows))
     }
 
-    /// The next `count` numbers in file order, with their places. They are read in pieces, so that
-    /// a false shape cannot ask for more memory than the file has bytes.
+    /// The next `count` numbers in file order, with their places.
     pub fn values(
         &self,
         source: &mut Source<'_>,
         count: u64,
         mut then: impl FnMut(u64, f64) -> anyhow::Result<()>,
     ) -> anyhow::Result<()> {
-        let width = self.kind.width();
-        let mut piece = vec![0; 1 << 16];
-        let mut at = 0;
-        while at < count {
-            let bytes = (count - at).min((piece.len() / width) as u64) as usize * width;
-            if !source.fill(&mut piece[..bytes])? {
+        self.pieces(source, count, 1, |first, numbers| {
+            (first..).zip(numbers).try_for_each(|(at, &number)| then(at, number))
+        })
+    }
+
+    /// The next `count` rows of so many columns, some at a time, with the place of the first: so a
+    /// false shape cannot ask for more memory than the file has bytes.
+    fn pieces(
+        &self,
+        source: &mut Source<'_>,
+        count: u64,
+        columns: usize,
+        mut then: impl FnMut(u64, &[f64]) -> anyhow::Result<()>,
+    ) -> anyhow::Result<()> {
+        let row = columns * self.kind.width();
+        let most = ((1 << 16) / row).max(1) as u64;
+        let (mut piece, mut numbers) = (vec![0; most as usize * row], Vec::new());
+        let mut first = 0;
+        while first < count {
+            let rows = (count - first).min(most);
+            let bytes = &mut piece[..rows as usize * row];
+            if !source.fill(bytes)? {
                 bail!(
                     "{} ends before the {} numbers that its header announces; write it again",
                     source.name,
                     self.shape_in_words()
                 );
             }
+            numbers.clear();
             match (self.kind, self.big) {
                 (Kind::F64, false) => {
-                    for word in piece[..bytes].as_chunks().0 {
-                        then(at, f64::from_le_bytes(*word))?;
-                        at += 1;
-                    }
+                    let words = bytes.as_chunks().0;
+                    numbers.extend(words.iter().map(|word| f64::from_le_bytes(*word)));
                 }
                 (kind, big) => {
-                    for word in piece[..bytes].chunks_exact(width) {
-                        then(at, kind.get(word, big))?;
-                        at += 1;
-                    }
+                    let words = bytes.chunks_exact(kind.width());
+                    numbers.extend(words.map(|word| kind.get(word, big)));
                 }
             }
+            then(first, &numbers)?;
+            first += rows;
         }
         Ok(())
     }

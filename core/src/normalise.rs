@@ -1,0 +1,167 @@
+//! The order in which lists of pairs are written and compared.
+//!
+//! A list as a detector finds it is in the order of space, and indices may be in any: sorting it is
+//! fetching and putting far apart. So pairs are parted by the leading bits of their first index, in
+//! place, until those that belong together fit a cache. Those are counted by their first index, and
+//! only the second indices of each, a handful, are compared.
+
+use crate::radix::{DIGIT, part};
+use crate::refusal::reserve;
+use crate::wide::{Kernel, Level, Wide};
+
+/// Fewer are compared with each other.
+const FEW: usize = 256;
+/// Bits of the first indices that are counted, at most and by choice.
+const COUNTED: u32 = 14;
+const WELL_COUNTED: u32 = 12;
+/// Pairs that are counted at once, at most.
+const TOGETHER: usize = 1 << 16;
+
+/// Each pair with the smaller index first, the pairs in ascending order: the form in which lists
+/// are written and compared.
+pub fn normalise(pairs: &mut [[u32; 2]]) {
+    let most = Level::best().run(Turn(pairs));
+    let mut room = Room::default();
+    match pairs.len() > FEW && room.is_made() {
+        true => sort(pairs, u32::BITS - most.leading_zeros(), &mut room),
+        false => pairs.sort_unstable(),
+    }
+}
+
+/// Puts the smaller index of each pair first; tells the largest of those.
+struct Turn<'a>(&'a mut [[u32; 2]]);
+
+impl Kernel for Turn<'_> {
+    type Output = u32;
+
+    #[inline(always)]
+    fn run<W: Wide>(self, _: W) -> u32 {
+        let mut most = 0;
+        for pair in self.0 {
+            let [i, j] = *pair;
+            *pair = [i.min(j), i.max(j)];
+            most = most.max(pair[0]);
+        }
+        most
+    }
+}
+
+/// For one block of pairs that are counted.
+#[derive(Default)]
+struct Room {
+    /// Where the pairs of each first index begin, and then where they end.
+    places: Vec<u32>,
+    seconds: Vec<u32>,
+}
+
+impl Room {
+    /// False if there is no memory.
+    fn is_made(&mut self) -> bool {
+        let sizes = [(&mut self.places, 1 << COUNTED), (&mut self.seconds, TOGETHER)];
+        sizes.into_iter().all(|(list, size)| {
+            let made = reserve(list, size).is_ok();
+            list.resize(if made { size } else { 0 }, 0);
+            made
+        })
+    }
+}
+
+/// Sorts pairs whose first indices differ in the last `bits` bits at most.
+fn sort(pairs: &mut [[u32; 2]], bits: u32, room: &mut Room) {
+    if pairs.len() <= FEW || bits == 0 {
+        return pairs.sort_unstable();
+    }
+    if bits <= COUNTED && pairs.len() <= TOGETHER {
+        return count(pairs, bits, room);
+    }
+    let digit = if bits > WELL_COUNTED { bits - WELL_COUNTED } else { bits }.min(DIGIT);
+    let (shift, last) = (bits - digit, (1 << digit) - 1);
+    let ends = part(pairs, digit, |pair| (pair[0] >> shift) as usize & last);
+    let mut begin = 0;
+    for &end in &ends[..1 << digit] {
+        sort(&mut pairs[begin..end], shift, room);
+        begin = end;
+    }
+}
+
+/// Sorts pairs that fit the room.
+fn count(pairs: &mut [[u32; 2]], bits: u32, room: &mut Room) {
+    let Some(&[some, _]) = pairs.first() else { return };
+    let mask = (1 << bits) - 1;
+    let places = &mut room.places[..1 << bits];
+    places.fill(0);
+    pairs.iter().for_each(|pair| places[(pair[0] & mask) as usize] += 1);
+    let mut sum = 0;
+    for place in &mut *places {
+        sum += std::mem::replace(place, sum);
+    }
+    for &[i, j] in &*pairs {
+        let place = &mut places[(i & mask) as usize];
+        room.seconds[*place as usize] = j;
+        *place += 1;
+    }
+    let mut begin = 0;
+    for (k, &end) in (0..).zip(&*places) {
+        let seconds = &mut room.seconds[begin..end as usize];
+        match seconds.len() {
+            0 | 1 => {}
+            2 => network::<2>(seconds, [[0, 1]]),
+            3 => network::<3>(seconds, [[0, 1], [1, 2], [0, 1]]),
+            4 => network::<4>(seconds, [[0, 1], [2, 3], [0, 2], [1, 3], [1, 2]]),
+            5 => network::<5>(
+                seconds,
+                [[0, 1], [3, 4], [2, 4], [2, 3], [1, 4], [0, 3], [0, 2], [1, 3], [1, 2]],
+            ),
+            _ => seconds.sort_unstable(),
+        }
+        for (pair, &j) in pairs[begin..].iter_mut().zip(&*seconds) {
+            *pair = [some & !mask | k, j];
+        }
+        begin = end as usize;
+    }
+}
+
+/// Sorts the first `N` by comparing and exchanging couples of them, without a branch: nobody can
+/// foresee how they lie. Networks as in Knuth, The Art of Computer Programming 3, section 5.3.4.
+#[inline(always)]
+fn network<const N: usize>(list: &mut [u32], couples: impl IntoIterator<Item = [usize; 2]>) {
+    let Some(list) = list.first_chunk_mut::<N>() else { return };
+    for [a, b] in couples {
+        (list[a], list[b]) = (list[a].min(list[b]), list[a].max(list[b]));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sink::splitmix64;
+
+    /// Lists of all kinds, against the standard library: indices anywhere and near one another, few
+    /// and many pairs for each, one that touches all, duplicates, and what is sorted already.
+    #[test]
+    fn every_list_is_sorted() {
+        let mut ways = [0; 3];
+        for (case, count) in (0..).zip([0, 1, 2, 255, 257, 3000, 40_000, 70_000, 150_000]) {
+            for bits in [1, 3, 8, 12, 14, 15, 20, 24, 27, 32] {
+                for giant in [false, true] {
+                    let index = |k: u64| splitmix64(k ^ case << 40) >> (64 - bits);
+                    let pair = |k: u64| {
+                        let i = if giant && k.is_multiple_of(2) { 1 } else { index(2 * k) };
+                        [i as u32, index(2 * k + 1) as u32]
+                    };
+                    let mut pairs: Vec<[u32; 2]> = (0..count).map(pair).collect();
+                    let mut sorted = pairs.clone();
+                    sorted.iter_mut().for_each(|pair| pair.sort_unstable());
+                    sorted.sort_unstable();
+                    for _ in 0..2 {
+                        normalise(&mut pairs);
+                        assert!(pairs == sorted, "{count} pairs, {bits} bits, {giant}");
+                    }
+                    let len = pairs.len();
+                    ways[usize::from(len > FEW) + usize::from(len > TOGETHER)] += 1;
+                }
+            }
+        }
+        assert!(ways.into_iter().all(|count| count > 20), "{ways:?}");
+    }
+}

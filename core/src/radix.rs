@@ -1,0 +1,54 @@
+//! Parting things by the digits of a number, in place.
+//!
+//! McIlroy, Bostic and McIlroy 1993, Engineering radix sort, Computing Systems 6(1), 5-27: what
+//! they call American flag sort. Unlike theirs, a thing that is driven out waits until its part is
+//! looked through, so that no swap waits for the one before.
+
+/// Bits of a digit, at most: as many places to write to as caches and pages allow.
+pub(crate) const DIGIT: u32 = 10;
+
+/// Asks for the memory of an element that is to be written soon.
+#[inline(always)]
+pub(crate) fn prefetch_to_write<A>(array: &[A], at: usize) {
+    #[cfg(target_arch = "x86_64")]
+    {
+        use std::arch::x86_64::{_MM_HINT_ET0, _mm_prefetch};
+        // SAFETY: nothing is read or written, and any address may be asked for.
+        unsafe { _mm_prefetch::<_MM_HINT_ET0>(array.as_ptr().wrapping_add(at).cast()) };
+    }
+}
+
+/// Parts things by a digit of so many bits; tells where the parts end.
+pub(crate) fn part<T>(
+    things: &mut [T],
+    bits: u32,
+    digit: impl Fn(&T) -> usize,
+) -> [usize; 1 << DIGIT] {
+    let mut ends = [0; 1 << DIGIT];
+    let mut next = ends;
+    things.iter().for_each(|thing| ends[digit(thing)] += 1);
+    let mut sum = 0;
+    for (next, end) in next.iter_mut().zip(&mut ends) {
+        *next = sum;
+        sum += *end;
+        *end = sum;
+    }
+    // Each swap brings one thing to its part.
+    let mut left = true;
+    while left {
+        left = false;
+        for k in 0..1 << bits {
+            for at in next[k]..ends[k] {
+                let to = digit(&things[at]);
+                let place = next[to];
+                things.swap(at, place);
+                next[to] = place + 1;
+                if place & 7 == 0 {
+                    prefetch_to_write(things, place + 8);
+                }
+            }
+            left |= next[k] < ends[k];
+        }
+    }
+    ends
+}
