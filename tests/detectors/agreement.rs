@@ -246,10 +246,10 @@ fn ways_to_part_sizes_are_right_on_hard_cases() {
 #[test]
 fn a_refusal_leaves_no_trace() {
     let small = Spec::parse("packed:n=300").unwrap().make().unwrap();
-    let sparse = Spec::parse("pack-c:n=2500,s=100").unwrap().make().unwrap();
+    let sparse = Spec::parse("pack-c:n=2800,s=100").unwrap().make().unwrap();
     let truth = oracle::truth(&small, Arithmetic::Exact).unwrap().digest;
     for entry in detectors() {
-        let mut detector = entry.make(Options { memory_limit: 29_000, threads: 1 });
+        let mut detector = entry.make(Options { memory_limit: 32_000, threads: 1 });
         let mut reported = 0;
         let refused =
             detector.visit(&sparse, Test::Exact, &mut Visit(|_, _| reported += 1)).is_err();

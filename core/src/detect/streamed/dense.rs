@@ -4,7 +4,7 @@
 use std::ops::Range;
 
 use super::kernel::{Bounds, Scratch, Sweep};
-use super::lists::{Lists, Size};
+use super::lists::{Lists, Record, Size};
 use super::pair_sink::{Deliver, PairSink};
 use super::plan::Plan;
 use super::ranges::ByCells;
@@ -40,6 +40,7 @@ impl<P: Probe, const D: usize> Run<'_, P, D> {
         let needed = |most: usize| {
             records
                 + 2 * threads as u64 * Slab::<D>::bytes(most, plan.cells(), EACH)
+                + (threads * most * size_of::<Record<D, R>>()) as u64
                 + of_threads as u64
         };
         // Bundles are about equal in most scenes; how long the longest is will be known when the
@@ -56,8 +57,9 @@ impl<P: Probe, const D: usize> Run<'_, P, D> {
         let most = (0..plan.slabs).map(length).max().unwrap_or(0);
         *self.formula = needed(most);
         within(self.options, NAME, *self.formula, shape)?;
-        for slab in workers.iter_mut().flat_map(|worker| &mut worker.slabs) {
-            slab.prepare(most, plan.cells(), EACH);
+        for worker in workers.iter_mut() {
+            worker.slabs.iter_mut().for_each(|slab| slab.prepare(most, plan.cells(), EACH));
+            Record::<D, R>::prepare(&mut worker.room, most);
         }
         let bundles = Bundles { lists, plan, bounds: self.bounds, level: self.level };
         if let [worker] = workers {
@@ -126,14 +128,17 @@ impl<R: Size, const D: usize> Bundles<'_, R, D> {
         sink: &mut dyn PairSink,
         beside: Beside<'_, D>,
     ) {
-        let Worker { slabs: [slab, next], scratch, .. } = worker;
-        let (plan, bounds) = (&self.plan, self.bounds);
+        let Worker { slabs: [slab, next], room, scratch, .. } = worker;
+        let (plan, bounds, room) = (&self.plan, self.bounds, &mut R::room(room)[..]);
         if range.is_empty() {
             return;
         }
-        slab.fill(self.lists, Some(range.start), plan, sink);
+        let mut fill = |slab: &mut Slab<D>, list, sink: &mut dyn PairSink| {
+            slab.fill(self.lists, list, plan, self.level, room, sink);
+        };
+        fill(slab, Some(range.start), sink);
         for number in range {
-            next.fill(self.lists, Some(number + 1).filter(|&next| next < plan.slabs), plan, sink);
+            fill(next, Some(number + 1).filter(|&next| next < plan.slabs), sink);
             // The next layer is in the same bundle for all layers but the last.
             let last = ((1 << plan.layers) - 1) * plan.layer;
             let border = slab.begin[last] as usize;

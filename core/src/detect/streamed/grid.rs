@@ -192,12 +192,20 @@ impl<const D: usize> Grid<D> {
     /// The coordinates of a particle in steps, in the order of the grid's axes.
     #[inline(always)]
     pub fn steps(&self, position: [f64; D]) -> [u64; D] {
-        let one = (1u64 << self.bits) as f64;
-        std::array::from_fn(|k| {
-            // Not negative: the box was made from all particles.
-            let cells = (position[self.axes[k]] - self.low[k]) * self.scale;
-            (cells * one + WHOLE).to_bits() & ((1 << 52) - 1)
-        })
+        std::array::from_fn(|k| self.along(k, position[self.axes[k]]))
+    }
+
+    /// The same along one of the grid's axes.
+    #[inline(always)]
+    pub fn along(&self, k: usize, x: f64) -> u64 {
+        // Not negative: the box was made from all particles.
+        let cells = (x - self.low[k]) * self.scale;
+        (cells * (1u64 << self.bits) as f64 + WHOLE).to_bits() & ((1 << 52) - 1)
+    }
+
+    /// Which of the scene's axes is this one of the grid's?
+    pub fn axis(&self, k: usize) -> usize {
+        self.axes[k]
     }
 
     /// How many steps of this grid are in one of another.

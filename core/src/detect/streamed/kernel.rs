@@ -224,28 +224,23 @@ impl<F: Find, const D: usize, const EACH: bool> Kernel for Sweep<'_, F, D, EACH>
                         let run = unsafe { Run16::new(slab, ranges[r].0 as usize) };
                         (run, !(!0 << ranges[r].1))
                     };
-                    // Short ranges, as most are, two at a time.
                     let mut r = 0;
-                    if longest < HALF as u32 {
-                        while r + 1 < used {
+                    while r < used {
+                        // Short ranges, as most are, two at a time.
+                        let couple = r % 2 == 0 && r + 1 < used;
+                        if couple && ranges[r].1 | ranges[r + 1].1 < HALF as u32 {
                             let ((low, valid), (high, valid_high)) = (one(r), one(r + 1));
                             let query = self.query(w, place, &couples[r / 2]);
-                            self.keep(
-                                w,
-                                TwoRuns8([low, high]),
-                                valid | valid_high << HALF,
-                                &query,
-                                limits,
-                                &mut found,
-                            );
+                            let (source, valid) =
+                                (TwoRuns8([low, high]), valid | valid_high << HALF);
+                            self.keep(w, source, valid, &query, limits, &mut found);
                             r += 2;
+                        } else {
+                            let (source, valid) = one(r);
+                            let query = self.query(w, place, &shifts[r]);
+                            self.keep(w, source, valid, &query, limits, &mut found);
+                            r += 1;
                         }
-                    }
-                    while r < used {
-                        let (source, valid) = one(r);
-                        let query = self.query(w, place, &shifts[r]);
-                        self.keep(w, source, valid, &query, limits, &mut found);
-                        r += 1;
                     }
                     // Eight or more in one go, perhaps: more than are kept.
                     odd = found.odd | found.counts & 0x18;

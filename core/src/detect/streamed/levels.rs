@@ -5,7 +5,7 @@ use super::classes::{Class, Classes, MOST};
 use super::dense::{Bundles, grow};
 use super::grid::{Domain, FEW, Grid, axes};
 use super::kernel::Bounds;
-use super::lists::Lists;
+use super::lists::{Lists, Record};
 use super::pair_sink::Deliver;
 use super::plan::Plan;
 use super::slab::Slab;
@@ -62,7 +62,10 @@ impl<const D: usize> Streamed<D> {
             all().map(|of| Lists::<D, f32>::bytes(of.class.bodies, of.plan.slabs)).sum();
         let cells = all().map(|of| of.plan.cells()).max().unwrap_or(0);
         let structs = size_of::<Worker<D>>() + count * size_of::<Lists<D, f32>>();
-        let needed = |most| records + 2 * Slab::<D>::bytes(most, cells, true) + structs as u64;
+        let needed = |most: usize| {
+            let room = (most * size_of::<Record<D, f32>>()) as u64;
+            records + 2 * Slab::<D>::bytes(most, cells, true) + room + structs as u64
+        };
         let mean = all().map(|of| of.class.bodies.div_ceil(of.plan.slabs)).max().unwrap_or(0);
         within(options, NAME, needed(mean), shape)?;
         grow(&mut each.lists, count);
@@ -79,6 +82,7 @@ impl<const D: usize> Streamed<D> {
         *formula = needed(most);
         within(options, NAME, *formula, shape)?;
         worker.slabs.iter_mut().for_each(|slab| slab.prepare(most, cells, true));
+        Record::<D, f32>::prepare(&mut worker.room, most);
         let touch = |i, j, probe: &mut P| bodies.touch(i, j, probe);
         let mut deliver = Deliver::new(&touch, probe, sink);
         let slack = bodies.slack();

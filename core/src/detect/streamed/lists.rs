@@ -9,12 +9,16 @@ use std::ops::Range;
 use super::grid::Grid;
 use super::plan::Plan;
 use crate::contact::Bodies;
+use crate::radix::prefetch_to_write;
 use crate::scene::Real;
+use crate::wide::{Kernel, Level, Wide};
 
 /// The radius of a particle in a record: nothing where all are the same.
 pub(super) trait Size: Copy + Default + Send + Sync + 'static {
     /// One radius per particle?
     const EACH: bool;
+    /// Room for records of this kind.
+    fn room<const D: usize>(room: &mut Room<D>) -> &mut Vec<Record<D, Self>>;
     /// Of a number of steps.
     fn new(steps: f32) -> Self;
     /// In steps.
@@ -23,6 +27,9 @@ pub(super) trait Size: Copy + Default + Send + Sync + 'static {
 
 impl Size for () {
     const EACH: bool = false;
+    fn room<const D: usize>(room: &mut Room<D>) -> &mut Vec<Record<D, ()>> {
+        &mut room.uniform
+    }
     fn new(_: f32) {}
     fn get(self) -> f32 {
         0.0
@@ -31,6 +38,9 @@ impl Size for () {
 
 impl Size for f32 {
     const EACH: bool = true;
+    fn room<const D: usize>(room: &mut Room<D>) -> &mut Vec<Record<D, f32>> {
+        &mut room.each
+    }
     #[inline(always)]
     fn new(steps: f32) -> f32 {
         steps
@@ -47,6 +57,25 @@ pub(super) struct Record<const D: usize, R> {
     pub at: [u32; D],
     pub radius: R,
     pub id: u32,
+}
+
+impl<const D: usize, R: Size> Record<D, R> {
+    /// Makes room for so many.
+    pub fn prepare(room: &mut Room<D>, count: usize) {
+        at_least(R::room(room), count, Record { at: [0; D], radius: R::default(), id: 0 });
+    }
+}
+
+/// Room for the records of a bundle while they are sorted.
+pub(super) struct Room<const D: usize> {
+    uniform: Vec<Record<D, ()>>,
+    each: Vec<Record<D, f32>>,
+}
+
+impl<const D: usize> Default for Room<D> {
+    fn default() -> Room<D> {
+        Room { uniform: Vec::new(), each: Vec::new() }
+    }
 }
 
 /// No block.
@@ -92,12 +121,17 @@ impl<const D: usize, R: Size> Lists<D, R> {
         particles: Range<usize>,
         grid: &Grid<D>,
         plan: &Plan,
+        level: Level,
     ) {
         let mut filling = self.begin(particles.len(), plan);
-        for id in particles.start as u32..particles.end as u32 {
-            let radius = if R::EACH { bodies.radius(id) } else { 0.0 };
-            self.push(&mut filling, grid, bodies.position(id), radius, id);
-        }
+        level.run(Fill {
+            position: |id| bodies.position(id),
+            radius: |id| bodies.radius(id),
+            ids: particles.start as u32..particles.end as u32,
+            grid,
+            lists: self,
+            filling: &mut filling,
+        });
         filling.end(grid);
     }
 
@@ -133,15 +167,25 @@ impl<const D: usize, R: Size> Lists<D, R> {
         let steps = grid.steps(position);
         let radius = if R::EACH { R::new(grid.length(radius) as f32) } else { R::default() };
         filling.most = std::array::from_fn(|k| filling.most[k].max(steps[k]));
-        let next = &mut self.next[(steps[D - 1] >> (grid.bits + filling.layers)) as usize];
-        self.records[*next as usize] =
-            Record { at: std::array::from_fn(|k| steps[k] as u32), radius, id };
+        let list = (steps[D - 1] >> (grid.bits + filling.layers)) as usize;
+        self.put(filling, list, Record { at: steps.map(|steps| steps as u32), radius, id });
+    }
+
+    /// Puts a record on a list.
+    #[inline(always)]
+    fn put(&mut self, filling: &mut Filling<D>, list: usize, record: Record<D, R>) {
+        let next = &mut self.next[list];
+        self.records[*next as usize] = record;
         let full = (1 << filling.block) - 1;
         if *next & full == full {
             self.before[filling.free as usize] = *next >> filling.block;
             *next = filling.free << filling.block;
             filling.free += 1;
+            prefetch_to_write(&self.records, *next as usize);
         } else {
+            if *next & 3 == 0 {
+                prefetch_to_write(&self.records, *next as usize + 4);
+            }
             *next += 1;
         }
     }
@@ -166,6 +210,62 @@ impl<const D: usize, R: Size> Lists<D, R> {
     /// Particles on a list.
     pub fn len(&self, list: usize) -> usize {
         self.blocks(list).map(<[_]>::len).sum()
+    }
+}
+
+/// Particles that are made steps of together.
+const BLOCK: usize = 64;
+
+/// Puts particles on lists.
+struct Fill<'a, P, Q, R, const D: usize> {
+    position: P,
+    radius: Q,
+    ids: Range<u32>,
+    grid: &'a Grid<D>,
+    lists: &'a mut Lists<D, R>,
+    filling: &'a mut Filling<D>,
+}
+
+impl<P, Q, R: Size, const D: usize> Kernel for Fill<'_, P, Q, R, D>
+where
+    P: Fn(u32) -> [f64; D],
+    Q: Fn(u32) -> f64,
+{
+    type Output = ();
+
+    #[inline(always)]
+    fn run<W: Wide>(self, _: W) {
+        let Fill { position, radius, ids, grid, lists, filling } = self;
+        let shift = grid.bits + filling.layers;
+        let mut filled = *filling;
+        let (mut at, mut steps) = ([[0.0; BLOCK]; D], [[0; BLOCK]; D]);
+        for first in ids.clone().step_by(BLOCK) {
+            let many = BLOCK.min((ids.end - first) as usize);
+            for k in 0..many {
+                let position = position(first + k as u32);
+                for (axis, at) in at.iter_mut().enumerate() {
+                    at[k] = position[axis];
+                }
+            }
+            for (axis, steps) in steps.iter_mut().enumerate() {
+                let from = &at[grid.axis(axis)];
+                for (steps, &x) in steps.iter_mut().zip(from) {
+                    *steps = grid.along(axis, x);
+                }
+                for &steps in &steps[..many] {
+                    filled.most[axis] = filled.most[axis].max(steps);
+                }
+            }
+            for k in 0..many {
+                let id = first + k as u32;
+                let steps: [u64; D] = std::array::from_fn(|axis| steps[axis][k]);
+                let radius =
+                    if R::EACH { R::new(grid.length(radius(id)) as f32) } else { R::default() };
+                let record = Record { at: steps.map(|steps| steps as u32), radius, id };
+                lists.put(&mut filled, (steps[D - 1] >> shift) as usize, record);
+            }
+        }
+        *filling = filled;
     }
 }
 

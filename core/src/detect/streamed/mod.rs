@@ -27,11 +27,12 @@
 //!   classes, to N in each class that they are visited by.
 //! * Memory, for lists (blocks of b records, L lists): `(16 + 4/b)(N + bL) + 4L` bytes in 3D, 12
 //!   instead of 16 in 2D, 4 more with a radius per particle; two bundles of n particles and c
-//!   cells: `2(4(D + 2)(n + 16) + 4(c + 2))`. A bundle has 2,000 to 4,000 particles, or one layer
-//!   if that is more. With classes of sizes: the lists of each, and two bundles that hold the
-//!   largest of any. In the sparse form: 24N, 32N with radii, and two layers. Some 9 KiB of
-//!   working space per thread. With several threads: two bundles each, and the contacts, 8 bytes
-//!   each in lists of twice the length at most; then a warm call allocates the list of shares.
+//!   cells: `2(4(D + 2)(n + 16) + 4(c + 2))`, and the records of one. A bundle has 2,000 to 4,000
+//!   particles, or one layer if that is more. With classes of sizes: the lists of each, and two
+//!   bundles that hold the largest of any. In the sparse form: 24N, 32N with radii, and two
+//!   layers. Some 9 KiB of working space per thread. With several threads: two bundles each, and
+//!   the contacts, 8 bytes each in lists of twice the length at most; then a warm call allocates
+//!   the list of shares.
 //! * Refuses scenes of 2^31 cells and more along an axis in the sparse form, extents
 //!   that overflow, and more than 2^31 - 1 particles.
 //! * Threads: in the dense form, from 20,000 particles on; one where there are classes of sizes.
@@ -56,7 +57,7 @@ use classes::Classes;
 pub use grid::Form;
 use grid::Grid;
 use kernel::{Bounds, Scratch};
-use lists::Lists;
+use lists::{Lists, Room};
 use slab::Slab;
 use sparse::Sparse;
 
@@ -92,6 +93,7 @@ pub struct Streamed<const D: usize> {
 #[derive(Default)]
 struct Worker<const D: usize> {
     slabs: [Slab<D>; 2],
+    room: Room<D>,
     scratch: Scratch,
     pairs: Vec<[u32; 2]>,
 }
@@ -185,13 +187,13 @@ impl<const D: usize> Streamed<D> {
         match (form, bodies.uniform().is_some()) {
             (Form::Dense, true) => run.dense::<_, _, false>(
                 &mut uniform.lists,
-                &|lists, share, plan| lists.fill(&bodies, share, &grid, plan),
+                &|lists, share, plan| lists.fill(&bodies, share, &grid, plan, *level),
                 probe,
                 sink,
             ),
             (Form::Dense, false) => run.dense::<_, _, true>(
                 &mut each.lists,
-                &|lists, share, plan| lists.fill(&bodies, share, &grid, plan),
+                &|lists, share, plan| lists.fill(&bodies, share, &grid, plan, *level),
                 probe,
                 sink,
             ),

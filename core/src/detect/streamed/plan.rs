@@ -48,10 +48,12 @@ impl Plan {
 
     /// The number of the cell of a particle, from the lowest 32 bits of its coordinates.
     #[inline(always)]
-    pub fn cell<const D: usize>(&self, at: [u32; D]) -> usize {
-        let x = (at[0] >> self.bits) as usize + 1;
-        let layer = (at[D - 1] >> self.bits) as usize & ((1 << self.layers) - 1);
-        let row = if D == 2 { 0 } else { ((at[1] >> self.bits) as usize + 1) * self.row };
-        layer * self.layer + row + x
+    pub fn cell<const D: usize>(&self, at: [u32; D]) -> u32 {
+        // As many bits as coordinates have, so that vectors of both are of the same length.
+        let (per_row, per_layer) = (self.row as u32, self.layer as u32);
+        let x = (at[0] >> self.bits) + 1;
+        let layer = (at[D - 1] >> self.bits) & ((1 << self.layers) - 1);
+        let row = if D == 2 { 0 } else { ((at[1] >> self.bits) + 1).wrapping_mul(per_row) };
+        layer.wrapping_mul(per_layer).wrapping_add(row).wrapping_add(x)
     }
 }

@@ -1,10 +1,10 @@
 //! One bundle of layers, sorted by cell into arrays that stay in cache.
 
-use super::lists::{Lists, Size, at_least};
+use super::lists::{Lists, Record, Size, at_least};
 use super::pair_sink::PairSink;
 use super::plan::Plan;
 use crate::probe::Op;
-use crate::wide::LANES;
+use crate::wide::{Kernel, LANES, Level, Wide};
 
 /// The particles of a slab, in the order of their cells.
 pub(super) struct Slab<const D: usize> {
@@ -53,47 +53,91 @@ impl<const D: usize> Slab<D> {
         at_least(&mut self.begin, cells + 2, 0);
     }
 
-    /// Makes the slab hold a list, sorted by cell: counts, then places.
+    /// Makes the slab hold a list, sorted by cell; `room` has one for each record.
     pub fn fill<R: Size>(
         &mut self,
         lists: &[Lists<D, R>],
         list: Option<usize>,
         plan: &Plan,
+        level: Level,
+        room: &mut [Record<D, R>],
         sink: &mut dyn PairSink,
     ) {
-        let begin = &mut self.begin[..plan.cells() + 2];
-        begin.fill(0);
+        level.run(Fill { slab: self, lists, list, plan, room });
+        sink.count(Op::Move, self.len as u64);
+    }
+}
+
+/// Sorts a list into a slab: counts, then places, then arrays. Whole records are moved, so that
+/// each goes to one place in memory and not to one in every array.
+struct Fill<'a, R, const D: usize> {
+    slab: &'a mut Slab<D>,
+    lists: &'a [Lists<D, R>],
+    list: Option<usize>,
+    plan: &'a Plan,
+    room: &'a mut [Record<D, R>],
+}
+
+impl<R: Size, const D: usize> Kernel for Fill<'_, R, D> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<W: Wide>(self, _: W) {
+        let Fill { slab, lists, list, plan, room } = self;
+        let Slab { lanes, radii, ids, cells, begin, len } = slab;
         let blocks = || {
             list.into_iter().flat_map(|list| lists.iter().flat_map(move |lists| lists.blocks(list)))
         };
+        let begin = &mut begin[..plan.cells() + 2];
+        begin.fill(0);
+        *len = 0;
         for block in blocks() {
-            for record in block {
-                begin[plan.cell(record.at) + 2] += 1;
+            // In the order of the list, for now.
+            let cells = &mut cells[*len..][..block.len()];
+            for (cell, record) in cells.iter_mut().zip(block) {
+                *cell = plan.cell(record.at);
             }
+            for &cell in &*cells {
+                begin[cell as usize + 2] += 1;
+            }
+            *len += block.len();
+        }
+        if *len == 0 {
+            return;
         }
         let mut sum = 0;
         for begin in begin.iter_mut() {
             sum += *begin;
             *begin = sum;
         }
-        self.len = sum as usize;
-        sink.count(Op::Move, u64::from(sum));
-        let fraction = (1 << plan.bits) - 1;
+        let mut first = 0;
         for block in blocks() {
-            for record in block {
-                let cell = plan.cell(record.at);
-                let at = begin[cell + 1] as usize;
-                begin[cell + 1] += 1;
-                self.lanes[0][at] = record.at[0] as f32;
-                for k in 1..D {
-                    self.lanes[k][at] = (record.at[k] & fraction) as f32;
-                }
-                if R::EACH {
-                    self.radii[at] = record.radius.get();
-                }
-                self.ids[at] = record.id;
-                self.cells[at] = cell as u32;
+            for (record, &cell) in block.iter().zip(&cells[first..]) {
+                let place = &mut begin[cell as usize + 1];
+                room[*place as usize] = *record;
+                *place += 1;
             }
+            first += block.len();
+        }
+        // One array at a time: each is a loop that the compiler makes of vectors.
+        let sorted = &room[..*len];
+        let fraction = (1 << plan.bits) - 1;
+        for (k, lane) in lanes.iter_mut().enumerate() {
+            let kept = if k == 0 { u32::MAX } else { fraction };
+            for (x, record) in lane.iter_mut().zip(sorted) {
+                *x = (record.at[k] & kept) as f32;
+            }
+        }
+        if R::EACH {
+            for (radius, record) in radii.iter_mut().zip(sorted) {
+                *radius = record.radius.get();
+            }
+        }
+        for (id, record) in ids.iter_mut().zip(sorted) {
+            *id = record.id;
+        }
+        for (cell, record) in cells.iter_mut().zip(sorted) {
+            *cell = plan.cell(record.at);
         }
     }
 }

@@ -17,6 +17,7 @@ use super::{NAME, Run};
 use crate::contact::Bodies;
 use crate::detect::{Refusal, within};
 use crate::probe::{Op, Probe};
+use crate::radix::{DIGIT, part};
 use crate::scene::Real;
 use crate::sink::Sink;
 use crate::wide::Level;
@@ -100,7 +101,7 @@ impl<P: Probe, const D: usize> Run<'_, P, D> {
         let places = Sparse::<D, R>::bytes(n);
         within(self.options, NAME, places, shape)?;
         fill(sparse);
-        let most = sparse.sort(probe);
+        let most = sparse.sort(&self.grid, probe);
         *self.formula = places + Sparse::<D, R>::bytes_of_layers(most);
         within(self.options, NAME, *self.formula, shape)?;
         let mut deliver = Deliver::new(self.touch, probe, sink);
@@ -148,11 +149,18 @@ impl<const D: usize, R: Size> Sparse<D, R> {
     }
 
     /// Puts all particles in order; gives the number of particles in the fullest layer.
-    pub fn sort(&mut self, probe: &mut impl Probe) -> usize {
-        let n = self.places.len();
-        probe.add(Op::Integerise, (D * n) as u64);
-        probe.add(Op::Move, n as u64);
-        sort(&mut self.places, probe);
+    pub fn sort(&mut self, grid: &Grid<D>, probe: &mut impl Probe) -> usize {
+        probe.add(Op::Integerise, (D * self.places.len()) as u64);
+        let bits = |k: usize| u64::BITS - grid.count[k].leading_zeros();
+        let (rows, xs) = (if D == 2 { 0 } else { bits(1) }, bits(0));
+        let all = bits(D - 1) + rows + xs;
+        // Where cells have longer numbers than that, they are compared.
+        let all = if all <= u64::BITS { all } else { 0 };
+        let cell = |place: &Place<R>| {
+            let (layer, row) = (place.row >> 32, place.row & u64::from(u32::MAX));
+            (layer << rows | row) << xs | place.x >> FRACTION
+        };
+        sort(&mut self.places, all, &cell, probe);
         layers(&self.places).map(<[_]>::len).max().unwrap_or(0)
     }
 
@@ -201,12 +209,34 @@ impl<const D: usize, R: Size> Sparse<D, R> {
     }
 }
 
-/// A function of its own, compiled once for both dimensions.
-fn sort<R>(places: &mut [Place<R>], probe: &mut impl Probe) {
-    places.sort_unstable_by(|a, b| {
-        probe.count(Op::KeyCompare);
-        (a.row, a.x).cmp(&(b.row, b.x))
-    });
+/// Puts places in the order of their cells, whose numbers differ in the last `bits` bits at most;
+/// some further by x.
+fn sort<R>(
+    places: &mut [Place<R>],
+    bits: u32,
+    cell: &impl Fn(&Place<R>) -> u64,
+    probe: &mut impl Probe,
+) {
+    const FEW: usize = 32;
+    if places.len() <= FEW || bits == 0 {
+        probe.add(Op::Move, places.len() as u64);
+        return places.sort_unstable_by(|a, b| {
+            probe.count(Op::KeyCompare);
+            (a.row, a.x).cmp(&(b.row, b.x))
+        });
+    }
+    // A few in each part, in the mean.
+    let digit = (places.len() / 4).ilog2().min(bits).min(DIGIT);
+    let (shift, last) = (bits - digit, (1 << digit) - 1);
+    probe.add(Op::Move, places.len() as u64);
+    let ends = part(places, digit, |place| (cell(place) >> shift) as usize & last);
+    let mut begin = 0;
+    for &end in &ends[..1 << digit] {
+        if end > begin {
+            sort(&mut places[begin..end], shift, cell, probe);
+        }
+        begin = end;
+    }
 }
 
 /// The particles of each layer that has any.
