@@ -251,7 +251,7 @@ const GOLDEN: [&str; 10] = [
     "bound_test=102300 contact_test=10394",
     "node_visit=1068 bound_test=8630 contact_test=36546",
     "integerise=6000 node_visit=1884 move=2000 bound_test=17140 contact_test=85423",
-    "integerise=6000 list_push=2000 cell_probe=10000 move=2000 contact_test=75147",
+    "integerise=6000 list_push=2000 cell_probe=4000 move=2000 contact_test=22458",
 ];
 
 /// The same of those that part bodies by size, where sizes differ.

@@ -44,7 +44,7 @@ fn compare<const D: usize>(what: &str, scene: &Stored<'_, D>, test: Test) -> usi
     let truth = answer(&mut Direct::with(Options::default()), scene, test);
     let mut compared = 0;
     for level in Level::all() {
-        for form in [None, Some(Form::Dense), Some(Form::Sparse)] {
+        for form in [None, Some(Form::Dense), Some(Form::Flat), Some(Form::Sparse)] {
             let mut detector = Streamed::<D>::on(level, Options::default());
             if let Some(form) = form {
                 detector = detector.in_form(form);
@@ -79,7 +79,7 @@ fn all_forms_on_all_levels_in_all_arithmetics() {
             };
         }
     }
-    assert_eq!(compared, SCENES.len() * 4 * Level::all().len() * 6);
+    assert_eq!(compared, SCENES.len() * 4 * Level::all().len() * 8);
 }
 
 /// Two heaps, far enough from each other that one coordinate begins again many times between them,
@@ -325,7 +325,7 @@ fn counts_are_the_same_on_all_levels() {
         "clustered:n=2000,size-ratio=3",
     ] {
         let scene = Spec::parse(text).and_then(|spec| spec.make()).unwrap();
-        for form in [Form::Dense, Form::Sparse] {
+        for form in [Form::Dense, Form::Flat, Form::Sparse] {
             let tallies: Vec<Tally> = Level::all()
                 .into_iter()
                 .map(|level| {
@@ -373,6 +373,7 @@ fn couples_where_floats_are_coarse() {
     let mut places = Vec::new();
     places.resize_with(7800, || [3000.0 * (0.95 + 0.05 * unit()), 3200.0 * unit()]);
     // So there are some 270 cells along x, and all couples are just beyond a power of two of steps.
+    // In the flat form y has cells, and x has steps for 3000 of them.
     places[0] = [0.0, 0.0];
     // The rounding of a difference depends on it modulo a step of the floats: diameters go through
     // all of them.
@@ -393,12 +394,14 @@ fn couples_where_floats_are_coarse() {
             &scene,
             Test::Exact,
         );
-        for level in Level::all() {
-            let mut detector = Streamed::<2>::on(level, Options::default()).in_form(Form::Dense);
+        for (level, form) in
+            Level::all().into_iter().flat_map(|level| [(level, Form::Dense), (level, Form::Flat)])
+        {
+            let mut detector = Streamed::<2>::on(level, Options::default()).in_form(form);
             assert_eq!(
                 answer(&mut detector, &scene, Test::Exact),
                 truth,
-                "{} with diameter {diameter}",
+                "{} in form {form:?} with diameter {diameter}",
                 level.name()
             );
         }

@@ -59,7 +59,8 @@ fn specs() -> Vec<String> {
     let hgrid = ratios.iter().map(|ratio| format!("hgrid:ratio={ratio}"));
     let levels = ["optimal", "0.1/0.25/1/40", "1e-310/1e300"];
     let hgrid = hgrid.chain(levels.map(|levels| format!("hgrid:levels={levels}")));
-    let streamed = ["form=auto", "form=dense", "form=sparse", "form=dense,level=portable"];
+    let streamed =
+        ["form=auto", "form=dense", "form=flat", "form=sparse", "form=dense,level=portable"];
     let nbs = std::iter::once("nbs:levels=auto".to_string());
     hgrid.chain(nbs).chain(streamed.map(|way| format!("streamed-nbs:{way}"))).collect()
 }

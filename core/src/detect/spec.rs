@@ -245,7 +245,7 @@ mod tests {
             ("", &["no detector ''", "direct"]),
             ("sorting:level=avx2", &["no parameter 'level'", "sorting takes no parameters"]),
             ("streamed-nbs:avx2", &["'avx2' is not of the form", "level=best|portable|avx2"]),
-            ("streamed-nbs:lvl=avx2", &["no parameter 'lvl'", "form=auto|dense|sparse"]),
+            ("streamed-nbs:lvl=avx2", &["no parameter 'lvl'", "form=auto|dense|flat|sparse"]),
             ("streamed-nbs:level=sse2", &["level cannot be 'sse2'", "best, portable, avx2"]),
             ("streamed-nbs:level=avx2,level=best", &["level is given twice"]),
             ("hgrid:levels=0.3/0.1", &["levels cannot be '0.3/0.1'", "optimal, or the largest"]),

@@ -209,11 +209,11 @@ pub static TABLE: &[Entry] = &[
         parameters: &[
             Parameter {
                 name: "form",
-                values: &["auto", "dense", "sparse"],
+                values: &["auto", "dense", "flat", "sparse"],
                 beside: None,
                 instead_of: None,
-                meaning: "layers by all cells or by occupied cells only; auto: as the scene is \
-                          crowded",
+                meaning: "layers by all cells, by columns of them, or by occupied cells only; \
+                          auto: as the scene is crowded",
             },
             Parameter {
                 name: "level",
@@ -405,6 +405,7 @@ fn streamed(params: &Params, options: Options) -> Box<dyn AnyDetector> {
     };
     let form = match params.get("form").map(String::as_str) {
         Some("dense") => Some(Form::Dense),
+        Some("flat") => Some(Form::Flat),
         Some("sparse") => Some(Form::Sparse),
         _ => None,
     };

@@ -143,17 +143,16 @@ impl<R: Size, const D: usize> Bundles<'_, R, D> {
             let last = ((1 << plan.layers) - 1) * plan.layer;
             let border = slab.begin[last] as usize;
             let mut sweep = |places: Range<usize>, next: &Slab<D>, to_next: isize| {
-                let find = ByCells::new(plan, slab, next, to_next);
-                Sweep::<_, D, EACH> {
-                    slab,
-                    next,
-                    places,
-                    find,
-                    bounds,
-                    scratch: &mut *scratch,
-                    sink: &mut *sink,
+                let (scratch, sink) = (&mut *scratch, &mut *sink);
+                if plan.flat {
+                    let find = ByCells::<true>::new(plan, slab, next, to_next);
+                    Sweep::<_, D, EACH> { slab, next, places, find, bounds, scratch, sink }
+                        .on(self.level);
+                } else {
+                    let find = ByCells::<false>::new(plan, slab, next, to_next);
+                    Sweep::<_, D, EACH> { slab, next, places, find, bounds, scratch, sink }
+                        .on(self.level);
                 }
-                .on(self.level);
             };
             sweep(0..border, slab, plan.layer as isize);
             sweep(border..slab.len, next, -(last as isize));

@@ -38,6 +38,11 @@ pub(super) const STEPS_OFF: f64 = 2.1;
 /// Measured: more than this cost more than longer ranges of candidates do. With 2.5 crowded scenes
 /// lose more than loose ones gain.
 pub(super) const CELLS_PER_PARTICLE: f64 = 3.0;
+/// Measured: so many bodies in a column of a flat grid, in 2D and in 3D, are one or two vectors of
+/// candidates.
+const COLUMN: [f64; 2] = [10.0, 4.5];
+/// Columns per body in a flat grid, at most: where bodies are few, caches hold more of them.
+const COLUMNS_PER_BODY: f64 = 6.0;
 /// So few particles that a crowd does not matter.
 pub(super) const FEW: usize = 4096;
 /// 2^52: added to a number below it, it leaves the nearest whole number in the lowest bits.
@@ -55,6 +60,8 @@ pub(super) struct Grid<const D: usize> {
     pub bits: u32,
     /// Cells per axis.
     pub count: [u64; D],
+    /// Are the cells of the second axis taken together?
+    pub flat: bool,
 }
 
 /// How the neighbours of a particle are found.
@@ -62,6 +69,8 @@ pub(super) struct Grid<const D: usize> {
 pub enum Form {
     /// By an array over all cells of a grid.
     Dense,
+    /// By an array over the columns of a grid: the second axis has no cells.
+    Flat,
     /// By the occupied cells alone.
     Sparse,
 }
@@ -126,7 +135,7 @@ impl<const D: usize> Domain<D> {
         let scale = (1.0 - 4.0 / (1u64 << bits) as f64) / edge;
         // The cast saturates: too many cells are too many.
         let count = self.lengths.map(|length| ((length * scale) as u64).saturating_add(2));
-        Grid { axes: self.axes, low: self.low, scale, bits, count }
+        Grid { axes: self.axes, low: self.low, scale, bits, count, flat: false }
     }
 
     /// The grid for the form by cells, if its cells can be numbered; and whether particles may
@@ -136,12 +145,32 @@ impl<const D: usize> Domain<D> {
         let wide = self.grid(edge, FRACTION);
         // x and row of a particle must be known from 32 bits of its coordinates. Layers have lists,
         // and bundles few enough of them.
-        let most = wide.count[..D - 1].iter().fold(1, |most, &count| most.max(count));
-        let bits = FRACTION.min(most.leading_zeros().saturating_sub(32));
+        let bits = bits_for(&wide.count[..D - 1]);
         if bits < FEWEST || wide.count[D - 1] >= 1 << 31 {
             return None;
         }
         Some((self.grid(edge, bits), edge != self.reach && self.bodies > FEW))
+    }
+
+    /// A grid that is flat along the shortest axis, where few bodies are so far apart that a column
+    /// of cells holds few of them: they then have fewer ranges to look at, and cells that are not
+    /// wider than they must be. In 2D all are in one layer. Where it is asked for, there only must
+    /// not be too many columns.
+    fn flat(&self, asked: bool) -> Option<Grid<D>> {
+        let order = |k: usize| [1, 0, 2][k];
+        let turned = Domain {
+            axes: std::array::from_fn(|k| self.axes[order(k)]),
+            low: std::array::from_fn(|k| self.low[order(k)]),
+            high: std::array::from_fn(|k| self.high[order(k)]),
+            lengths: std::array::from_fn(|k| self.lengths[order(k)]),
+            ..*self
+        };
+        let count = turned.grid(self.reach, FRACTION).count;
+        let columns = count[0] as f64 * if D == 2 { 1.0 } else { count[D - 1] as f64 };
+        let (n, bits) = (self.bodies as f64, bits_for(&count[..2]));
+        let few = columns <= COLUMNS_PER_BODY * n.max(64.0) && bits >= FEWEST;
+        let pays = self.bodies <= FEW && n <= COLUMN[D - 2] * columns;
+        (few && (pays || asked)).then(|| Grid { flat: true, ..turned.grid(self.reach, bits) })
     }
 
     /// The grid for the sparse form.
@@ -177,7 +206,14 @@ impl<const D: usize> Grid<D> {
     ) -> Result<(Grid<D>, Form), Refusal> {
         let reach = reach_of(bodies);
         let domain = Domain::new(bounds_by(bodies, threads), reach, bodies.len())?;
-        if let (Some((grid, may_crowd)), None | Some(Form::Dense)) = (domain.dense(), asked) {
+        if let None | Some(Form::Flat) = asked
+            && let Some(grid) = domain.flat(asked.is_some())
+        {
+            return Ok((grid, Form::Flat));
+        }
+        if asked != Some(Form::Sparse)
+            && let Some((grid, may_crowd)) = domain.dense()
+        {
             let crowded = || {
                 let cell = |id| (0, grid.cell(bodies.position(id)));
                 company(bodies.len(), cell, |_| bodies.len())[0] > CROWD
@@ -240,6 +276,12 @@ pub(super) fn reach_of<T: Real, const D: usize>(bodies: &impl Bodies<T, D>) -> f
             bodies.slack().reach(half, half)
         }
     }
+}
+
+/// Bits of a fraction with which coordinates along axes of so many cells have 32 bits.
+fn bits_for(count: &[u64]) -> u32 {
+    let most = count.iter().fold(1, |most, &count| most.max(count));
+    FRACTION.min(most.leading_zeros().saturating_sub(32))
 }
 
 /// The smallest edge from `reach` on with which there are not too many cells.

@@ -6,7 +6,8 @@
 //! Coordinates differ from the true differences by at most [`STEPS_OFF`] along each axis; x is
 //! rounded to 24 bits for either, the difference once; the rest (whole numbers below 2^22:
 //! fractions, one cell more or less) is exact. So |d - D| <= √3·2.1 + 2·(steps along x)·2^-24 + 1,
-//! but for a relative error below 2^-21 of the sum of squares, which fused or not has at most four
+//! in the flat form with the steps along the second axis added to those along x, but for a relative
+//! error below 2^-21 of the sum of squares, which fused or not has at most four
 //! roundings. Radii have relative errors of 2^-23. With `grow` the sum of these bounds, relative
 //! ones taken of the largest sum of radii, 2^-19 together, and of the test's slack: a pair with d >
 //! s + grow is refused by the contact test, and one with d <= s - grow is accepted. The others,
@@ -54,7 +55,8 @@ impl Bounds {
         grid: &Grid<D>,
         turn: Option<f32>,
     ) -> Bounds {
-        let steps = turn.map_or((grid.count[0] << grid.bits) as f64, f64::from);
+        let from_origin = grid.count[0] + if grid.flat { grid.count[1] } else { 0 };
+        let steps = turn.map_or((from_origin << grid.bits) as f64, f64::from);
         let reach = grid.length(reach.min(f64::MAX));
         let relative = slack.relative + 1.0 / f64::from(1 << 19);
         let grow = 2.0 * STEPS_OFF
@@ -203,7 +205,7 @@ impl<F: Find, const D: usize, const EACH: bool> Kernel for Sweep<'_, F, D, EACH>
 
     #[inline(always)]
     fn run<W: Wide>(mut self, w: W) {
-        let used = ranges_used(D);
+        let used = ranges_used::<F, D>();
         let limits = self.limits(w);
         let (shifts, couples) = (self.shifts(w), self.shifts_of_couples(w));
         for first in self.places.clone().step_by(BLOCK) {
@@ -218,7 +220,7 @@ impl<F: Find, const D: usize, const EACH: bool> Kernel for Sweep<'_, F, D, EACH>
                     let mut found = Found { at: kept, odd: 0, counts: 0 };
                     let slabs = [self.slab, self.next];
                     let one = |r: usize| {
-                        let slab = slabs[usize::from(in_next::<D>(r))];
+                        let slab = slabs[usize::from(in_next::<F, D>(r))];
                         // SAFETY: a range begins at the slab's `len` at the latest, and its arrays
                         // are a vector longer.
                         let run = unsafe { Run16::new(slab, ranges[r].0 as usize) };
@@ -279,7 +281,7 @@ impl<'a, F: Find, const D: usize, const EACH: bool> Sweep<'a, F, D, EACH> {
     /// Runs it.
     pub fn on(self, level: Level) {
         if self.sink.counts() {
-            let used = ranges_used(D);
+            let used = ranges_used::<F, D>();
             let tests = |at: usize| {
                 self.find.ranges::<D>(at)[..used]
                     .iter()
@@ -295,7 +297,7 @@ impl<'a, F: Find, const D: usize, const EACH: bool> Sweep<'a, F, D, EACH> {
 
     /// The slab in which range `r` is.
     fn other(&self, r: usize) -> &'a Slab<D> {
-        if in_next::<D>(r) { self.next } else { self.slab }
+        if in_next::<F, D>(r) { self.next } else { self.slab }
     }
 
     /// From the origin of a particle's cell to that of range `r`, along y and along the axis of
@@ -303,10 +305,10 @@ impl<'a, F: Find, const D: usize, const EACH: bool> Sweep<'a, F, D, EACH> {
     fn shift(&self, r: usize) -> [f32; D] {
         let one = self.bounds.one;
         let mut shift = [0.0; D];
-        if D == 3 {
+        if D == 3 && !F::FLAT {
             shift[1] = [0.0, one, -one, 0.0, one][r];
         }
-        shift[D - 1] += if in_next::<D>(r) { one } else { 0.0 };
+        shift[D - 1] += if in_next::<F, D>(r) { one } else { 0.0 };
         shift
     }
 
@@ -314,7 +316,7 @@ impl<'a, F: Find, const D: usize, const EACH: bool> Sweep<'a, F, D, EACH> {
     #[inline(always)]
     fn shifts<W: Wide>(&self, w: W) -> [[W::Floats; D]; 5] {
         std::array::from_fn(|r| {
-            let shift = self.shift(r.min(ranges_used(D) - 1));
+            let shift = self.shift(r.min(ranges_used::<F, D>() - 1));
             std::array::from_fn(|k| w.all(shift[k]))
         })
     }
@@ -323,10 +325,11 @@ impl<'a, F: Find, const D: usize, const EACH: bool> Sweep<'a, F, D, EACH> {
     #[inline(always)]
     fn shifts_of_couples<W: Wide>(&self, w: W) -> [[W::Floats; D]; 2] {
         let couple = |r: usize| {
-            let (low, high) = (self.shift(r), self.shift(r + 1));
+            let last = ranges_used::<F, D>() - 1;
+            let (low, high) = (self.shift(r.min(last)), self.shift(last.min(r + 1)));
             std::array::from_fn(|k| w.load_two(&[low[k]; HALF], &[high[k]; HALF]))
         };
-        [couple(0), couple(if D == 3 { 2 } else { 0 })]
+        [couple(0), couple(2)]
     }
 
     /// The particle at a place, as seen from other cells.

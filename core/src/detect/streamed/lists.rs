@@ -99,19 +99,32 @@ impl<const D: usize, R> Default for Lists<D, R> {
     }
 }
 
-/// Log2 of the records in a block, for `n` records in so many lists; and the number of blocks
-/// needed.
-fn block_size(n: usize, lists: usize) -> (u32, usize) {
-    // Eight blocks per list in the mean waste a sixteenth.
-    let block = (n / lists.max(1) / 8).next_power_of_two().clamp(16, 1024).trailing_zeros();
-    (block, (n >> block) + lists)
+/// Room for `n` records in so many lists.
+struct Blocks {
+    /// Log2 of the records in a block.
+    block: u32,
+    blocks: usize,
+    records: usize,
+}
+
+impl Blocks {
+    fn new(n: usize, lists: usize) -> Blocks {
+        if lists == 1 {
+            // One block, which is never full.
+            return Blocks { block: u32::BITS - 1, blocks: 1, records: n + 1 };
+        }
+        // Eight blocks per list in the mean waste a sixteenth.
+        let block = (n / lists.max(1) / 8).next_power_of_two().clamp(16, 1024).trailing_zeros();
+        let blocks = (n >> block) + lists;
+        Blocks { block, blocks, records: blocks << block }
+    }
 }
 
 impl<const D: usize, R: Size> Lists<D, R> {
     /// Heap needed for `n` records in so many lists.
     pub fn bytes(n: usize, lists: usize) -> u64 {
-        let (block, count) = block_size(n, lists);
-        ((count << block) * size_of::<Record<D, R>>() + 4 * count + 4 * lists) as u64
+        let Blocks { blocks, records, .. } = Blocks::new(n, lists);
+        (records * size_of::<Record<D, R>>() + 4 * blocks + 4 * lists) as u64
     }
 
     /// Puts the particles of a range on the list of their slab.
@@ -129,6 +142,7 @@ impl<const D: usize, R: Size> Lists<D, R> {
             radius: |id| bodies.radius(id),
             ids: particles.start as u32..particles.end as u32,
             grid,
+            slabs: plan.slabs,
             lists: self,
             filling: &mut filling,
         });
@@ -138,14 +152,10 @@ impl<const D: usize, R: Size> Lists<D, R> {
     /// Empty lists for at most `n` particles.
     pub fn begin(&mut self, n: usize, plan: &Plan) -> Filling<D> {
         let lists = plan.slabs;
-        let (block, count) = block_size(n, lists);
+        let Blocks { block, blocks, records } = Blocks::new(n, lists);
         self.block = block;
-        at_least(
-            &mut self.records,
-            count << block,
-            Record { at: [0; D], radius: R::default(), id: 0 },
-        );
-        at_least(&mut self.before, count, NONE);
+        at_least(&mut self.records, records, Record { at: [0; D], radius: R::default(), id: 0 });
+        at_least(&mut self.before, blocks, NONE);
         at_least(&mut self.next, lists, 0);
         for (list, next) in self.next[..lists].iter_mut().enumerate() {
             *next = (list as u32) << block;
@@ -222,6 +232,7 @@ struct Fill<'a, P, Q, R, const D: usize> {
     radius: Q,
     ids: Range<u32>,
     grid: &'a Grid<D>,
+    slabs: usize,
     lists: &'a mut Lists<D, R>,
     filling: &'a mut Filling<D>,
 }
@@ -235,7 +246,7 @@ where
 
     #[inline(always)]
     fn run<W: Wide>(self, _: W) {
-        let Fill { position, radius, ids, grid, lists, filling } = self;
+        let Fill { position, radius, ids, grid, slabs, lists, filling } = self;
         let shift = grid.bits + filling.layers;
         let mut filled = *filling;
         let (mut at, mut steps) = ([[0.0; BLOCK]; D], [[0; BLOCK]; D]);
@@ -256,13 +267,20 @@ where
                     filled.most[axis] = filled.most[axis].max(steps);
                 }
             }
-            for k in 0..many {
+            let record = |k: usize| {
                 let id = first + k as u32;
-                let steps: [u64; D] = std::array::from_fn(|axis| steps[axis][k]);
                 let radius =
                     if R::EACH { R::new(grid.length(radius(id)) as f32) } else { R::default() };
-                let record = Record { at: steps.map(|steps| steps as u32), radius, id };
-                lists.put(&mut filled, (steps[D - 1] >> shift) as usize, record);
+                Record { at: std::array::from_fn(|axis| steps[axis][k] as u32), radius, id }
+            };
+            if let [next] = &mut lists.next[..slabs] {
+                let places = lists.records[*next as usize..][..many].iter_mut();
+                (0..many).zip(places).for_each(|(k, place)| *place = record(k));
+                *next += many as u32;
+            } else {
+                for k in 0..many {
+                    lists.put(&mut filled, (steps[D - 1][k] >> shift) as usize, record(k));
+                }
             }
         }
         *filling = filled;

@@ -16,7 +16,8 @@
 //!    `kernel.rs` for the bounds.
 //!
 //! Loose scenes get larger cells, about three cells per particle, scenes whose particles crowd in
-//! few of those cells the sparse form (`sparse.rs`).
+//! few of those cells the sparse form (`sparse.rs`). A few thousand particles that are far apart
+//! get columns instead of cells, one axis being left to the distances: two ranges, and one in 2D.
 //!
 //! Where sizes differ so much that one width of cells does not suit all, bodies are parted into
 //! classes of sizes (`classes.rs`), each with its own grid and sweep (`levels.rs`); while a bundle
@@ -124,7 +125,7 @@ impl<const D: usize> Streamed<D> {
         }
     }
 
-    /// In this form, whatever the scene; not by cells where there are too many of them.
+    /// In this form, whatever the scene; not by cells or columns where there are too many of them.
     pub fn in_form(self, form: Form) -> Streamed<D> {
         Streamed { form: Some(form), ..self }
     }
@@ -185,13 +186,13 @@ impl<const D: usize> Streamed<D> {
             touch_silent: &|i, j, probe: &mut Silent| bodies.touch(i, j, probe),
         };
         match (form, bodies.uniform().is_some()) {
-            (Form::Dense, true) => run.dense::<_, _, false>(
+            (Form::Dense | Form::Flat, true) => run.dense::<_, _, false>(
                 &mut uniform.lists,
                 &|lists, share, plan| lists.fill(&bodies, share, &grid, plan, *level),
                 probe,
                 sink,
             ),
-            (Form::Dense, false) => run.dense::<_, _, true>(
+            (Form::Dense | Form::Flat, false) => run.dense::<_, _, true>(
                 &mut each.lists,
                 &|lists, share, plan| lists.fill(&bodies, share, &grid, plan, *level),
                 probe,

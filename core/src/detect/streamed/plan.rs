@@ -15,7 +15,7 @@ use super::grid::Grid;
 pub(super) struct Plan {
     /// Bits of the fraction of a coordinate.
     pub bits: u32,
-    /// From a cell to the one in the next row.
+    /// From a cell to the one in the next row; 0 if a layer is one row.
     pub row: usize,
     /// From a cell to the one in the next layer.
     pub layer: usize,
@@ -23,6 +23,8 @@ pub(super) struct Plan {
     pub layers: u32,
     /// Slabs.
     pub slabs: usize,
+    /// See [`Grid::flat`].
+    pub flat: bool,
 }
 
 /// Particles of a slab, in the mean and at the most, for which the arrays fit the caches.
@@ -37,13 +39,16 @@ impl Plan {
     /// For the cells of a grid and `n` particles.
     pub fn new<const D: usize>(grid: &Grid<D>, n: usize) -> Plan {
         let count = grid.count.map(|count| count as usize);
+        let one_row = D == 2 || grid.flat;
         let row = count[0] + 1;
-        let layer = if D == 2 { row } else { row * (count[1] + 2) };
-        let all = count[D - 1];
+        let layer = if one_row { row } else { row * (count[1] + 2) };
+        let all = if D == 2 && grid.flat { 1 } else { count[D - 1] };
         let layers = (all * PARTICLES / n.max(1)).clamp(1, all.next_power_of_two()).ilog2();
         // The layer in its bundle must be known from the 32 bits of a coordinate.
         let layers = layers.min(32 - grid.bits);
-        Plan { bits: grid.bits, row, layer, layers, slabs: all.div_ceil(1 << layers) }
+        let row = if one_row { 0 } else { row };
+        let slabs = all.div_ceil(1 << layers);
+        Plan { bits: grid.bits, row, layer, layers, slabs, flat: grid.flat }
     }
 
     /// The number of the cell of a particle, from the lowest 32 bits of its coordinates.

@@ -9,7 +9,8 @@
 //!                                                  4 4 4                   1 1 1
 //! ```
 //!
-//! Range 0 begins after the particle itself.
+//! Range 0 begins after the particle itself. In the flat form, of few particles that are far apart,
+//! the second axis has no cells: ranges are as in 2D, and in 2D the first alone is left.
 
 use super::plan::Plan;
 use super::slab::Slab;
@@ -19,27 +20,34 @@ use super::unchecked::element;
 /// range, the first one or two in the slab of the particle, the others in the next.
 pub(super) type Ranges = [(u32, u32); 5];
 
-/// So many of them in so many dimensions.
-pub(super) const fn ranges_used(dim: usize) -> usize {
-    if dim == 2 { 2 } else { 5 }
+/// The dimensions of the grid of cells in which `F` finds ranges.
+const fn axes<F: Find, const D: usize>() -> usize {
+    if F::FLAT { D - 1 } else { D }
+}
+
+/// So many ranges there are.
+pub(super) const fn ranges_used<F: Find, const D: usize>() -> usize {
+    [0, 1, 2, 5][axes::<F, D>()]
 }
 
 /// Whether range `r` is in the next layer.
-pub(super) const fn in_next<const D: usize>(r: usize) -> bool {
-    r >= D - 1
+pub(super) const fn in_next<F: Find, const D: usize>(r: usize) -> bool {
+    r + 1 >= axes::<F, D>() && axes::<F, D>() > 1
 }
 
 /// Finds the ranges of the particle at a place.
 pub(super) trait Find: Copy {
     /// Coordinates along x begin again after this many steps.
     const TURN: Option<f32>;
+    /// Has the second axis no cells?
+    const FLAT: bool;
     /// The ranges.
     fn ranges<const D: usize>(&self, at: usize) -> Ranges;
 }
 
 /// By the cells of a grid.
 #[derive(Clone, Copy)]
-pub(super) struct ByCells<'a> {
+pub(super) struct ByCells<'a, const FLAT: bool> {
     cells: &'a [u32],
     begin: &'a [u32],
     next: &'a [u32],
@@ -48,14 +56,14 @@ pub(super) struct ByCells<'a> {
     to_next: isize,
 }
 
-impl<'a> ByCells<'a> {
+impl<'a, const FLAT: bool> ByCells<'a, FLAT> {
     /// For particles of `slab` whose next layer is in `next`, `to_next` cells away.
     pub fn new<const D: usize>(
         plan: &Plan,
         slab: &'a Slab<D>,
         next: &'a Slab<D>,
         to_next: isize,
-    ) -> ByCells<'a> {
+    ) -> ByCells<'a, FLAT> {
         ByCells {
             cells: &slab.cells,
             begin: &slab.begin,
@@ -66,8 +74,9 @@ impl<'a> ByCells<'a> {
     }
 }
 
-impl Find for ByCells<'_> {
+impl<const FLAT: bool> Find for ByCells<'_, FLAT> {
     const TURN: Option<f32> = None;
+    const FLAT: bool = FLAT;
 
     #[inline(always)]
     fn ranges<const D: usize>(&self, at: usize) -> Ranges {
@@ -85,8 +94,10 @@ impl Find for ByCells<'_> {
         // SAFETY: a border follows the particle's cell, and `begin` has an entry for where it ends.
         let own_end = unsafe { element(self.begin, cell + 2) };
         let own = (at as u32 + 1, own_end - (at as u32 + 1));
-        if D == 2 {
-            return [own, three(self.next, next), (0, 0), (0, 0), (0, 0)];
+        match axes::<Self, D>() {
+            1 => return [own, (0, 0), (0, 0), (0, 0), (0, 0)],
+            2 => return [own, three(self.next, next), (0, 0), (0, 0), (0, 0)],
+            _ => {}
         }
         [
             own,

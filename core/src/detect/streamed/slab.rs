@@ -8,8 +8,8 @@ use crate::wide::{Kernel, LANES, Level, Wide};
 
 /// The particles of a slab, in the order of their cells.
 pub(super) struct Slab<const D: usize> {
-    /// Coordinates in steps: along x from the grid's origin, along the others from the origin of
-    /// the cell.
+    /// Coordinates in steps: along x, and the second axis of a flat grid, from the grid's origin,
+    /// along the others from the origin of the cell.
     pub lanes: [Vec<f32>; D],
     /// Radii in steps, where each particle has its own.
     pub radii: Vec<f32>,
@@ -123,7 +123,7 @@ impl<R: Size, const D: usize> Kernel for Fill<'_, R, D> {
         let sorted = &room[..*len];
         let fraction = (1 << plan.bits) - 1;
         for (k, lane) in lanes.iter_mut().enumerate() {
-            let kept = if k == 0 { u32::MAX } else { fraction };
+            let kept = if k == 0 || (k == 1 && plan.flat) { u32::MAX } else { fraction };
             for (x, record) in lane.iter_mut().zip(sorted) {
                 *x = (record.at[k] & kept) as f32;
             }

@@ -75,6 +75,7 @@ struct Listed<'a> {
 
 impl Find for Listed<'_> {
     const TURN: Option<f32> = TURN;
+    const FLAT: bool = false;
 
     #[inline(always)]
     fn ranges<const D: usize>(&self, at: usize) -> Ranges {

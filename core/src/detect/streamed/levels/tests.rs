@@ -70,6 +70,7 @@ fn assert_right(scene: &AnyScene<'_>, what: &str) -> u64 {
             ("form=auto", 1),
             ("form=auto", 2),
             ("form=dense", 1),
+            ("form=flat", 1),
             ("form=sparse", 1),
             ("form=dense,level=portable", 1),
         ] {
