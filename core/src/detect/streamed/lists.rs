@@ -278,8 +278,8 @@ where
                 (0..many).zip(places).for_each(|(k, place)| *place = record(k));
                 *next += many as u32;
             } else {
-                for k in 0..many {
-                    lists.put(&mut filled, (steps[D - 1][k] >> shift) as usize, record(k));
+                for (k, &along_last) in steps[D - 1][..many].iter().enumerate() {
+                    lists.put(&mut filled, (along_last >> shift) as usize, record(k));
                 }
             }
         }
