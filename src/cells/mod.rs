@@ -7,12 +7,14 @@ pub mod label;
 pub mod machine;
 pub mod select;
 pub mod series;
+pub mod state;
 #[cfg(test)]
 pub(crate) mod testing;
 
 use std::collections::{BTreeMap, BTreeSet};
 
 pub use crate::cells::expression::{Expression, Reading};
+use crate::cells::state::States;
 use crate::oracle::{Causes, Errors};
 use crate::record::column::{COLUMNS, Column, TIME};
 pub use crate::record::id::{CellId, FIELDS};
@@ -20,7 +22,7 @@ use crate::record::role::Role;
 use crate::record::row::{Measurement, Outcome, Pass, Row};
 pub use crate::record::value::AxisValue;
 use crate::scene::stats::Stats;
-use crate::stats::interval::{Blocks, Interval, interval, median, ratio, typical_ratio};
+use crate::stats::interval::{Block, Blocks, Interval, interval, median, ratio, typical_ratio};
 
 /// All that was measured of one detector on one scene.
 #[derive(Clone, Debug, Default)]
@@ -35,6 +37,8 @@ pub struct Cell {
     pub ended: bool,
     /// Nanoseconds per detection, by block.
     pub times: Blocks,
+    /// In which of those blocks the machine was slow; none where nobody looked.
+    pub slow: BTreeMap<Block, bool>,
     /// Other nanoseconds than those of a detection, by column and block.
     pub others_ns: BTreeMap<&'static str, Blocks>,
     /// Nanoseconds per detection of each round, by block: where builds are timed side by side.
@@ -73,6 +77,7 @@ pub fn cells(rows: &[Row]) -> Vec<Cell> {
     for (id, row) in ids(rows) {
         latest.insert(Measurement { id, ..row.measurement() }, row);
     }
+    let states = States::new(rows);
     let mut cells: BTreeMap<CellId, Cell> = BTreeMap::new();
     for (Measurement { id, .. }, row) in latest {
         let cell = cells.entry(id.clone()).or_insert_with(|| Cell {
@@ -82,6 +87,7 @@ pub fn cells(rows: &[Row]) -> Vec<Cell> {
             ..Cell::default()
         });
         cell.add(row);
+        cell.slow.extend(states.is_slow(row).map(|slow| (row.timed_in(), slow)));
     }
     cells.into_values().collect()
 }
@@ -160,6 +166,14 @@ impl Cell {
     /// The median time with its interval over the blocks; none unless all blocks ended well.
     pub fn time(&self) -> Option<Interval> {
         self.blocks().filter(|_| self.outcome(&[Pass::Time]).0.is_good())
+    }
+
+    /// The median time of the blocks in which the machine was not slow; none where nobody looked,
+    /// or where it always was.
+    pub fn quiet_time(&self) -> Option<f64> {
+        self.time()?;
+        let quiet = self.times.iter().filter(|&(block, _)| self.slow.get(block) == Some(&false));
+        median(&quiet.map(|(_, &time)| time as f64).collect::<Vec<_>>())
     }
 
     /// The ratio of its time to another's, paired by block; and within a block by round, where both

@@ -87,6 +87,13 @@ impl Lab {
         }
         self
     }
+    /// What was timed beside each of the last rows, in their order.
+    pub fn pulses(&mut self, pulses: &[u64]) -> &mut Lab {
+        let first = self.rows.len() - pulses.len();
+        let rows = self.rows[first..].iter_mut();
+        rows.zip(pulses).for_each(|(row, &pulse)| row.pulse_ns = Some(pulse));
+        self
+    }
     /// Times of copies beside each other.
     pub fn copies(&mut self, blocks: &[u64]) -> &mut Lab {
         for (block, &time) in blocks.iter().enumerate() {

@@ -6,6 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use serde_json::Value;
 
+use crate::cells::state::States;
 use crate::record::ledger::{Ledger, Span};
 use crate::record::role::Role;
 use crate::record::row::{Pass, Row};
@@ -32,6 +33,8 @@ pub struct Conditions {
     pub doubts: Vec<Doubt>,
     /// What else the machine did.
     pub load: Load,
+    /// Timed rows beside which the machine was slow, of those where somebody looked.
+    pub slow: (usize, usize),
     /// Were the sources those of a commit? None where a part of the record does not say.
     pub dirty: Option<bool>,
     /// The commits.
@@ -113,6 +116,9 @@ impl Conditions {
             profiles: &texts("profile") | &profiles,
             ..Conditions::default()
         };
+        let states = States::new(rows);
+        let looked: Vec<bool> = timed.iter().filter_map(|row| states.is_slow(row)).collect();
+        conditions.slow = (looked.iter().filter(|&&slow| slow).count(), looked.len());
         conditions.watched(&timed, ledger);
         // Counts are the same on a busy machine.
         let counts_alone = timed.is_empty() && !rows.is_empty();

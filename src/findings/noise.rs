@@ -43,6 +43,9 @@ pub struct Twin {
     pub cells: usize,
     /// Its time over the original's: of each block the median over all cells.
     pub overall: Interval,
+    /// The same of the blocks in which the machine was slow for neither, and for both; none where
+    /// nobody looked, or where there are none.
+    pub states: [Option<Interval>; 2],
     /// The median over the cells of how far apart they are: 0.01 is 1%.
     pub typical: f64,
     /// The ratio that is farthest from 1.
@@ -78,7 +81,8 @@ impl Noise {
             }
             let times: Vec<(&Blocks, &Blocks)> =
                 couples.iter().map(|(a, b)| (&a.times, &b.times)).collect();
-            twins.extend(Twin::new(name, original, &ratios, typical_ratio(&times)));
+            let states = [false, true].map(|slow| in_state(&couples, slow));
+            twins.extend(Twin::new(name, original, &ratios, typical_ratio(&times), states));
         }
         let floor = nine_in_ten(&apart.values().flatten().copied().collect::<Vec<_>>());
         let floor_of = |logs: &Vec<f64>| {
@@ -139,6 +143,7 @@ impl Twin {
         original: &str,
         ratios: &[Interval],
         overall: Option<Interval>,
+        states: [Option<Interval>; 2],
     ) -> Option<Twin> {
         let worst = ratios.iter().max_by(|a, b| distance(a).total_cmp(&distance(b)))?;
         let chance: f64 = ratios.iter().map(|ratio| 1.0 - ratio.coverage).sum();
@@ -147,12 +152,24 @@ impl Twin {
             original: original.into(),
             cells: ratios.len(),
             overall: overall?,
+            states,
             typical: median(&ratios.iter().map(distance).collect::<Vec<_>>())?.exp_m1(),
             worst: *worst,
             outside: ratios.iter().filter(|ratio| ratio.excludes(1.0)).count(),
             by_chance: chance / ratios.len() as f64,
         })
     }
+}
+
+/// The ratio over the blocks in which the machine was slow for both, or for neither.
+fn in_state(couples: &[(&Cell, &Cell)], slow: bool) -> Option<Interval> {
+    let of = |cell: &Cell, other: &Cell| -> Blocks {
+        let both = |block| [cell, other].iter().all(|cell| cell.slow.get(block) == Some(&slow));
+        cell.times.iter().filter(|&(block, _)| both(block)).map(|(&k, &time)| (k, time)).collect()
+    };
+    let times: Vec<(Blocks, Blocks)> = couples.iter().map(|(a, b)| (of(a, b), of(b, a))).collect();
+    let times = times.iter().filter(|(a, _)| !a.is_empty());
+    typical_ratio(&times.map(|(a, b)| (a, b)).collect::<Vec<_>>())
 }
 
 /// From 1, as a logarithm.
@@ -207,5 +224,21 @@ mod tests {
         assert!(!found.decides(&ratio(1.5), 20) && !found.decides(&ratio(0.6), 20));
         let few = Interval { coverage: 0.75, count: 3, ..ratio(1.5) };
         assert!(!found.decides(&few, 3), "three blocks decide nothing");
+    }
+
+    #[test]
+    fn twins_are_compared_in_both_states() {
+        let mut lab = Lab::new("e", "packed");
+        let pulses = [100, 100, 100, 100, 100, 150, 150, 150, 150, 150];
+        let (quiet, slow) = ([1000; 5], [2000; 5]);
+        lab.detector("nbs").time(&[quiet, slow].concat()).pulses(&pulses);
+        lab.detector("nbs-twin").time(&[[1010; 5], [2400; 5]].concat()).pulses(&pulses);
+        // Slow for one and quiet for the other: neither.
+        lab.edit(|row| row.pulse_ns = Some(100));
+        let cells = cells::cells(&lab.rows());
+        let found = Noise::new(&cells.iter().collect::<Vec<_>>());
+        let [quiet, slow] = found.twins[0].states.map(Option::unwrap);
+        assert!((quiet.median - 1.01).abs() < 1e-9 && quiet.count == 5, "{quiet:?}");
+        assert!((slow.median - 1.2).abs() < 1e-9 && slow.count == 4, "{slow:?}");
     }
 }

@@ -23,6 +23,8 @@ pub struct Contender {
     pub name: String,
     /// Nanoseconds; of a wrong answer, too.
     pub time: Option<f64>,
+    /// The same of the blocks in which the machine was not slow.
+    pub quiet: Option<f64>,
     /// Nanoseconds per particle of the first detection in a process.
     pub first: Option<f64>,
     /// Timed blocks.
@@ -88,6 +90,7 @@ fn contender(cell: &Cell, name: String, n: f64, fastest: Option<&Cell>) -> Conte
     Contender {
         name,
         time: cell.wrong_time().or(cell.time().map(|time| time.median)).map(|time| time / n),
+        quiet: cell.quiet_time().map(|time| time / n),
         first: per("first_ns"),
         blocks: cell.times.len(),
         versus: match (fastest, cell.time()) {

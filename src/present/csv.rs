@@ -31,6 +31,12 @@ pub fn summary(cells: &[Cell]) -> Table {
     } else {
         &[]
     };
+    // The same where nobody looked at the state of the machine.
+    let quiet: &[&str] = if cells.iter().any(|cell| cell.quiet_time().is_some()) {
+        &["quiet_ns_median"]
+    } else {
+        &[]
+    };
     // The same where nothing moves.
     let of_steps = [BUILDING, MEDIAN_STEP, WORST_STEP].into_iter();
     let of_steps: Vec<&str> = of_steps
@@ -43,7 +49,8 @@ pub fn summary(cells: &[Cell]) -> Table {
         .map(|column| &*column.name)
         .filter(|name| cells.iter().any(|cell| cell.values.contains_key(name)))
         .collect();
-    let columns = fields.iter().chain(&["outcome", "reason"]).chain(&TIMES).chain(beside);
+    let columns =
+        fields.iter().chain(&["outcome", "reason"]).chain(&TIMES).chain(quiet).chain(beside);
     let columns = columns.map(|name| Column::left(*name));
     let steps = of_steps.iter().map(|name| Column::left(format!("{name}_median")));
     let numbered = numbers.iter().map(|name| Column::left(*name));
@@ -60,6 +67,7 @@ pub fn summary(cells: &[Cell]) -> Table {
             .collect();
         row.extend([outcome.name(), reason].map(table::Cell::from));
         row.extend(time(cell).map(table::Cell::from));
+        row.extend(quiet.iter().map(|_| table::Cell::from(cell.quiet_time())));
         let copies: Vec<f64> = cell.copies_ns.values().map(|&t| t as f64).collect();
         row.extend(beside.iter().map(|_| table::Cell::from(median(&copies))));
         row.extend(of_steps.iter().map(|name| table::Cell::from(cell.variable(name, None))));

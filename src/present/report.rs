@@ -351,7 +351,8 @@ fn foot(out: &mut Vec<Block>, origin: &Origin<'_>) {
     ));
     if let Some(Value::Object(fields)) = origin.provenance {
         out.push(Block::heading(2, "Machine and provenance"));
-        out.extend(sections::conditions::load(origin.conditions).map(Block::paragraph));
+        let machine = sections::conditions::machine(origin.conditions);
+        out.extend(machine.into_iter().map(Block::paragraph));
         let line = |(name, value): (&String, &Value)| format!("{name}: {}", shown(value)).into();
         out.push(Block::List(fields.iter().map(line).collect()));
     }

@@ -109,7 +109,8 @@ pub fn is_word(name: &str) -> bool {
 /// Numbers belong to a pass and an outcome.
 fn numbers(row: &Row) -> Option<String> {
     let timed = matches!(row.pass, Pass::Time | Pass::Ceiling);
-    let rounds = !row.rounds_ns.is_empty() || row.first_ns.is_some() || row.alone_ns.is_some();
+    let beside = [row.first_ns, row.alone_ns, row.pulse_ns].into_iter().flatten();
+    let rounds = !row.rounds_ns.is_empty() || beside.clone().next().is_some();
     let bytes = row.peak_bytes.or(row.live_bytes).or(row.allocations);
     let measured = row.outcome.is_good() || row.outcome == Outcome::Wrong;
     let name = row.pass.name();
@@ -118,9 +119,9 @@ fn numbers(row: &Row) -> Option<String> {
     } else if timed && row.outcome.is_good() && row.time_ns.is_none() {
         format!("it is {} and has no time", row.outcome.name())
     } else if rounds && row.time_ns.is_none() {
-        "it has rounds_ns, first_ns or alone_ns, and no time".into()
-    } else if row.rounds_ns.iter().chain(&row.first_ns).chain(&row.alone_ns).any(|&ns| ns == 0) {
-        "one of its rounds_ns, first_ns or alone_ns is 0: nothing was measured".into()
+        "it has rounds_ns, first_ns, alone_ns or pulse_ns, and no time".into()
+    } else if row.rounds_ns.iter().copied().chain(beside).any(|ns| ns == 0) {
+        "one of its rounds_ns, first_ns, alone_ns or pulse_ns is 0: nothing was measured".into()
     } else if !row.counts.is_empty() && row.pass != Pass::Count {
         format!("it has counts in the pass {name}")
     } else if bytes.is_some() && row.pass != Pass::Memory {

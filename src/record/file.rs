@@ -263,6 +263,8 @@ mod tests {
             span: Some("89abcdef".into()),
             rounds_ns: vec![1, 2],
             alone_ns: Some(1),
+            began_ms: Some(1_700_000_000_000),
+            pulse_ns: Some(5),
             processor: Some(1),
             building_ns: Some(1),
             median_step_ns: Some(6),

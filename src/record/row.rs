@@ -55,6 +55,13 @@ pub struct Row {
     /// The processor that the process was kept on, if it was.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub processor: Option<u32>,
+    /// Milliseconds since 1970 when the sample began.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub began_ms: Option<u64>,
+    /// Nanoseconds of a fixed loop, bound by memory, right before the sample or right after it,
+    /// whichever took longer.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pulse_ns: Option<u64>,
     /// How it ended.
     pub outcome: Outcome,
     /// Why, when it is not `ok`.

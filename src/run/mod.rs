@@ -19,6 +19,7 @@ pub mod plan;
 pub mod possible;
 pub(crate) mod processors;
 pub mod protocol;
+mod pulse;
 pub mod searcher;
 pub mod server;
 pub mod stage;

@@ -6,6 +6,7 @@
 //! one process would repeat one draw of that, and call equal code different.
 
 use std::rc::Rc;
+use std::time::SystemTime;
 
 use crate::contact::Arithmetic;
 use crate::record::role::Role;
@@ -17,6 +18,7 @@ use crate::run::judge::{self, Judge, Said};
 use crate::run::plan::describe;
 use crate::run::processors;
 use crate::run::protocol::{self, Reply, Request, Steps};
+use crate::run::pulse::pulse;
 use crate::run::stage::Stage;
 use crate::run::trajectory::Trajectory;
 use crate::sink::{Digest, splitmix64};
@@ -242,12 +244,17 @@ impl Stage<'_> {
         judge: &mut Judge<'_>,
     ) -> anyhow::Result<bool> {
         let processor = running.processor(row.block);
-        let answer = running
-            .fresh(processor)
-            .and_then(|mut client| Ok((sample(&mut client, SHORTEST_SAMPLE_NS)?, client)));
+        let answer = running.fresh(processor).and_then(|mut client| {
+            let before = pulse(processor);
+            row.began_ms = since_1970();
+            let sample = sample(&mut client, SHORTEST_SAMPLE_NS)?;
+            row.pulse_ns = before.max(pulse(processor));
+            Ok((sample, client))
+        });
         let (sample, mut client) = match answer {
             Ok(answer) => answer,
             Err(failure) => {
+                row.began_ms = None;
                 self.fail(&row, failure, Pass::Time.rest())?;
                 return Ok(false);
             }
@@ -300,7 +307,7 @@ impl Stage<'_> {
         row.causes = judged.causes;
         if row.outcome == Outcome::Refused {
             // No time without an answer that is known to be right.
-            (row.time_ns, row.first_ns) = (None, None);
+            (row.time_ns, row.first_ns, row.pulse_ns) = (None, None, None);
         }
         if row.outcome == Outcome::Wrong {
             self.note_wrong(row);
@@ -318,6 +325,11 @@ impl Stage<'_> {
             row.reason
         ));
     }
+}
+
+fn since_1970() -> Option<u64> {
+    let since = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).ok()?;
+    u64::try_from(since.as_millis()).ok()
 }
 
 /// Starts the runner of a contender. The arithmetic is the contender's, or the one that the runner

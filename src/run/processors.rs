@@ -42,18 +42,28 @@ fn allowed() -> Vec<usize> {
 /// cannot be done, it is where the system puts it.
 pub(super) fn keep(process: u32, processor: Option<usize>) {
     #[cfg(target_os = "linux")]
-    {
-        use rustix::process::Pid;
-        use rustix::thread::{CpuSet, sched_setaffinity};
-        let Some(processor) = processor.filter(|&processor| processor < CpuSet::MAX_CPU) else {
-            return;
-        };
-        let mut set = CpuSet::new();
-        set.set(processor);
-        let _ = sched_setaffinity(Pid::from_raw(process as i32), &set);
-    }
+    keep_on(rustix::process::Pid::from_raw(process as i32), processor);
     #[cfg(not(target_os = "linux"))]
     let _ = (process, processor);
+}
+
+/// The same for the thread that asks.
+pub(super) fn keep_this_thread(processor: Option<usize>) {
+    #[cfg(target_os = "linux")]
+    keep_on(None, processor);
+    #[cfg(not(target_os = "linux"))]
+    let _ = processor;
+}
+
+#[cfg(target_os = "linux")]
+fn keep_on(whom: Option<rustix::process::Pid>, processor: Option<usize>) {
+    use rustix::thread::{CpuSet, sched_setaffinity};
+    let Some(processor) = processor.filter(|&processor| processor < CpuSet::MAX_CPU) else {
+        return;
+    };
+    let mut set = CpuSet::new();
+    set.set(processor);
+    let _ = sched_setaffinity(whom, &set);
 }
 
 #[cfg(test)]

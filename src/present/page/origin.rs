@@ -19,8 +19,8 @@ impl Page<'_> {
             )
         };
         let fields = fields.iter().map(line).collect::<String>();
-        let load = conditions::load(self.origin.conditions);
-        let load = load.map(|said| format!("<p>{}</p>\n", escape(&said))).unwrap_or_default();
+        let machine = conditions::machine(self.origin.conditions).into_iter();
+        let load = machine.map(|said| format!("<p>{}</p>\n", escape(&said))).collect::<String>();
         let programs = conditions::programs(self.origin.ledger);
         let programs = programs.iter().map(|said| format!("<li>{}</li>\n", escape(said)));
         let programs = match programs.collect::<String>() {

@@ -1,5 +1,6 @@
 //! Under which conditions a record was made, in words.
 
+use crate::cells::state::SLOW;
 use crate::findings::conditions::{Conditions, Doubt, Load};
 use crate::number::{number, plural};
 use crate::record::ledger::{Ledger, Process};
@@ -41,8 +42,13 @@ fn doubt(doubt: &Doubt) -> String {
     }
 }
 
+/// What is known of the machine while it was timed: what else it did, and how often it was slow.
+pub fn machine(conditions: &Conditions) -> Vec<String> {
+    [load(conditions), states(conditions)].into_iter().flatten().collect()
+}
+
 /// What else the machine did, whatever it was; none where that is not known.
-pub fn load(conditions: &Conditions) -> Option<String> {
+fn load(conditions: &Conditions) -> Option<String> {
     match &conditions.load {
         Load::Unknown => None,
         Load::Before(load) => Some(format!("The load average before the run was {load}.")),
@@ -54,6 +60,20 @@ pub fn load(conditions: &Conditions) -> Option<String> {
             percent(*stolen)
         )),
     }
+}
+
+/// How often the machine was slow; none where nobody looked.
+fn states(conditions: &Conditions) -> Option<String> {
+    let (slow, all) = conditions.slow;
+    (all > 0).then(|| {
+        format!(
+            "The machine was slow in {} of {}: a fixed loop, bound by memory, right before or \
+             after them took more than {SLOW} times as long as in the quietest tenth. Times are \
+             medians of all samples; those called quiet are of the others alone.",
+            percent(slow as f64 / all as f64),
+            plural(all, "timed sample")
+        )
+    })
 }
 
 /// The programs behind the rows, a line each.
@@ -96,5 +116,14 @@ mod tests {
              scaling: packed 3D); the host took away 3.0% of a core; the program was built from \
              sources that were not committed"
         );
+    }
+
+    #[test]
+    fn how_often_the_machine_was_slow_is_said_where_somebody_looked() {
+        assert_eq!(machine(&Conditions::default()), [""; 0]);
+        let [said] = &*machine(&Conditions { slow: (3, 60), ..Conditions::default() }) else {
+            panic!("one sentence")
+        };
+        assert!(said.starts_with("The machine was slow in 5.0% of 60 timed samples: "), "{said}");
     }
 }

@@ -29,7 +29,7 @@ fn floor(found: &Noise) -> String {
 }
 
 fn sentence(twin: &Twin) -> String {
-    format!(
+    let said = format!(
         "{} is the code of {}, measured again. Over {} it takes {} times as long; in a cell the \
          two are typically {} apart, at worst by a ratio of {}. {} of {} intervals exclude 1, \
          where chance gives {}.",
@@ -42,5 +42,14 @@ fn sentence(twin: &Twin) -> String {
         twin.outside,
         twin.cells,
         percent(twin.by_chance),
-    )
+    );
+    // Where the machine was in one state only, that is all of it.
+    match &twin.states {
+        [Some(quiet), Some(slow)] => format!(
+            "{said} While the machine was quiet it takes {} times as long, while it was slow {}.",
+            with_interval(quiet),
+            with_interval(slow)
+        ),
+        _ => said,
+    }
 }

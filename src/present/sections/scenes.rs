@@ -14,9 +14,11 @@ pub fn blocks(found: &[SceneResults]) -> Vec<Block> {
 }
 
 fn table(scene: &SceneResults) -> Table {
-    let columns = vec![
-        Column::left("detector"),
-        Column::right("time / N", "ns"),
+    // Only where somebody looked.
+    let quiet = scene.results.iter().any(|found| found.quiet.is_some());
+    let mut columns = vec![Column::left("detector"), Column::right("time / N", "ns")];
+    columns.extend(quiet.then(|| Column::right("quiet / N", "ns")));
+    columns.extend([
         Column::right("first call / N", "ns"),
         Column::right("blocks", ""),
         Column::right("time / fastest", ""),
@@ -25,16 +27,13 @@ fn table(scene: &SceneResults) -> Table {
         Column::right("peak memory / N", "bytes"),
         Column::right("by formula / N", "bytes"),
         Column::left("outcome"),
-    ];
+    ]);
     let row = |found: &Contender| {
         let time = Cell::from(found.time);
-        vec![
-            found.name.as_str().into(),
-            if found.outcome == Outcome::Wrong && found.time.is_some() {
-                time.wrong()
-            } else {
-                time
-            },
+        let wrong = found.outcome == Outcome::Wrong && found.time.is_some();
+        let mut row = vec![found.name.as_str().into(), if wrong { time.wrong() } else { time }];
+        row.extend(quiet.then(|| Cell::from(found.quiet)));
+        row.extend([
             found.first.into(),
             Cell::count(found.blocks as u64),
             match &found.versus {
@@ -47,7 +46,8 @@ fn table(scene: &SceneResults) -> Table {
             found.peak_bytes.into(),
             found.formula_bytes.into(),
             found.outcome.name().into(),
-        ]
+        ]);
+        row
     };
     Table::new("", columns).with(scene.results.iter().map(row))
 }
@@ -93,5 +93,17 @@ mod tests {
             text.contains("| direct | packed 2D | 1000 | timeout | 30 s, the limit |"),
             "{text}"
         );
+    }
+
+    #[test]
+    fn where_somebody_looked_quiet_times_stand_beside() {
+        let mut lab = Lab::new("e", "packed");
+        lab.time(&[100, 180, 190, 110, 200]).pulses(&[1000, 1600, 1700, 1010, 1300]);
+        lab.detector("sorting").time(&[300; 5]).pulses(&[2000; 5]);
+        let cells = cells::cells(&lab.rows());
+        let text = markdown(&super::blocks(&scenes(&cells.iter().collect::<Vec<_>>())));
+        assert!(text.contains("| detector | time / N (ns) | quiet / N (ns) | first"), "{text}");
+        assert!(text.contains("| nbs | 1.800 | 1.050 | – |"), "{text}");
+        assert!(text.contains("| sorting | 3 | – | – |"), "{text}");
     }
 }

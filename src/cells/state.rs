@@ -1,0 +1,71 @@
+//! The states of a machine: which samples were taken while it was slow.
+//!
+//! Beside each sample a fixed loop was timed ([`Row::pulse_ns`]). Of those of a machine a tenth is
+//! shorter than its quiet pulse; where the loop took [`SLOW`] times as long, the machine was slow,
+//! and the sample is of another machine, as it were. It stays in the medians, since nobody chooses
+//! when to measure; beside them stand those of the quiet samples.
+
+use std::collections::BTreeMap;
+
+use crate::record::row::{Pass, Row};
+
+/// From so many quiet pulses on a machine is slow. A loop of a millisecond varies by a tenth from
+/// one time to the next where nothing else is at work.
+pub const SLOW: f64 = 1.25;
+
+/// The longest quiet pulse of each machine, in nanoseconds.
+#[derive(Clone, Debug, Default)]
+pub struct States<'a> {
+    limits: BTreeMap<Option<&'a str>, f64>,
+}
+
+impl<'a> States<'a> {
+    /// Of the machines of a record.
+    pub fn new(rows: &'a [Row]) -> States<'a> {
+        let mut pulses: BTreeMap<Option<&str>, Vec<u64>> = BTreeMap::new();
+        for (machine, pulse) in rows.iter().filter_map(|row| Some((machine(row), pulse(row)?))) {
+            pulses.entry(machine).or_default().push(pulse);
+        }
+        let limit = |mut pulses: Vec<u64>| {
+            pulses.sort_unstable();
+            pulses.get(pulses.len() / 10).map_or(0.0, |&quiet| SLOW * quiet as f64)
+        };
+        States { limits: pulses.into_iter().map(|(name, all)| (name, limit(all))).collect() }
+    }
+
+    /// Was the machine slow when this was timed? None where nobody looked.
+    pub fn is_slow(&self, row: &Row) -> Option<bool> {
+        Some(pulse(row)? as f64 > *self.limits.get(&machine(row))?)
+    }
+}
+
+fn machine(row: &Row) -> Option<&str> {
+    row.id.machine.as_deref()
+}
+
+fn pulse(row: &Row) -> Option<u64> {
+    row.pulse_ns.filter(|_| row.pass == Pass::Time)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_machine_has_its_own_quiet() {
+        let row = |name: &str, pulse_ns| {
+            let mut row = Row { pass: Pass::Time, pulse_ns, ..Row::default() };
+            row.id.machine = Some(name.into());
+            row
+        };
+        let mut rows: Vec<Row> = (0..20).map(|k| row("a", Some(1000 + k))).collect();
+        rows.extend((0..20).map(|k| row("b", Some(3000 + k))));
+        rows.extend([row("a", Some(1252)), row("a", Some(1253)), row("b", Some(3700))]);
+        rows.push(row("a", None));
+        let states = States::new(&rows);
+        let slow: Vec<_> = rows[40..].iter().map(|row| states.is_slow(row)).collect();
+        assert_eq!(slow, [Some(false), Some(true), Some(false), None]);
+        assert!(rows[..40].iter().all(|row| states.is_slow(row) == Some(false)));
+        assert_eq!(States::new(&[]).is_slow(&rows[0]), None);
+    }
+}
