@@ -28,7 +28,7 @@ pub(crate) fn part<T>(
     let mut next = ends;
     things.iter().for_each(|thing| ends[digit(thing)] += 1);
     let mut sum = 0;
-    for (next, end) in next.iter_mut().zip(&mut ends) {
+    for (next, end) in next.iter_mut().zip(&mut ends).take(1 << bits) {
         *next = sum;
         sum += *end;
         *end = sum;

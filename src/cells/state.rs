@@ -1,9 +1,9 @@
 //! The states of a machine: which samples were taken while it was slow.
 //!
-//! Beside each sample a fixed loop was timed ([`Row::pulse_ns`]). Of those of a machine a tenth is
-//! shorter than its quiet pulse; where the loop took [`SLOW`] times as long, the machine was slow,
-//! and the sample is of another machine, as it were. It stays in the medians, since nobody chooses
-//! when to measure; beside them stand those of the quiet samples.
+//! Beside each sample a fixed loop was timed ([`Row::pulse_ns`]). Of those of a processor a tenth
+//! is shorter than its quiet pulse; where the loop took [`SLOW`] times as long, the machine was
+//! slow, and the sample is of another machine, as it were. It stays in the medians, since nobody
+//! chooses when to measure; beside them stand those of the quiet samples.
 
 use std::collections::BTreeMap;
 
@@ -13,18 +13,21 @@ use crate::record::row::{Pass, Row};
 /// one time to the next where nothing else is at work.
 pub const SLOW: f64 = 1.25;
 
-/// The longest quiet pulse of each machine, in nanoseconds.
+/// A machine, and the processor that a sample was kept on.
+type Where<'a> = (Option<&'a str>, Option<u32>);
+
+/// The longest quiet pulse of each processor, in nanoseconds.
 #[derive(Clone, Debug, Default)]
 pub struct States<'a> {
-    limits: BTreeMap<Option<&'a str>, f64>,
+    limits: BTreeMap<Where<'a>, f64>,
 }
 
 impl<'a> States<'a> {
     /// Of the machines of a record.
     pub fn new(rows: &'a [Row]) -> States<'a> {
-        let mut pulses: BTreeMap<Option<&str>, Vec<u64>> = BTreeMap::new();
-        for (machine, pulse) in rows.iter().filter_map(|row| Some((machine(row), pulse(row)?))) {
-            pulses.entry(machine).or_default().push(pulse);
+        let mut pulses: BTreeMap<Where<'_>, Vec<u64>> = BTreeMap::new();
+        for (place, pulse) in rows.iter().filter_map(|row| Some((place(row), pulse(row)?))) {
+            pulses.entry(place).or_default().push(pulse);
         }
         let limit = |mut pulses: Vec<u64>| {
             pulses.sort_unstable();
@@ -35,12 +38,12 @@ impl<'a> States<'a> {
 
     /// Was the machine slow when this was timed? None where nobody looked.
     pub fn is_slow(&self, row: &Row) -> Option<bool> {
-        Some(pulse(row)? as f64 > *self.limits.get(&machine(row))?)
+        Some(pulse(row)? as f64 > *self.limits.get(&place(row))?)
     }
 }
 
-fn machine(row: &Row) -> Option<&str> {
-    row.id.machine.as_deref()
+fn place(row: &Row) -> Where<'_> {
+    (row.id.machine.as_deref(), row.processor)
 }
 
 fn pulse(row: &Row) -> Option<u64> {
@@ -56,6 +59,7 @@ mod tests {
         let row = |name: &str, pulse_ns| {
             let mut row = Row { pass: Pass::Time, pulse_ns, ..Row::default() };
             row.id.machine = Some(name.into());
+            row.processor = Some(1);
             row
         };
         let mut rows: Vec<Row> = (0..20).map(|k| row("a", Some(1000 + k))).collect();
@@ -67,5 +71,7 @@ mod tests {
         assert_eq!(slow, [Some(false), Some(true), Some(false), None]);
         assert!(rows[..40].iter().all(|row| states.is_slow(row) == Some(false)));
         assert_eq!(States::new(&[]).is_slow(&rows[0]), None);
+        let elsewhere = Row { processor: Some(2), ..rows[0].clone() };
+        assert_eq!(states.is_slow(&elsewhere), None, "another processor");
     }
 }

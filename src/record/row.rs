@@ -58,8 +58,8 @@ pub struct Row {
     /// Milliseconds since 1970 when the sample began.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub began_ms: Option<u64>,
-    /// Nanoseconds of a fixed loop, bound by memory, right before the sample or right after it,
-    /// whichever took longer.
+    /// Nanoseconds of a fixed loop, bound by caches and memory, before the sample's process began
+    /// or after the sample, whichever took longer.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pulse_ns: Option<u64>,
     /// How it ended.

@@ -244,8 +244,9 @@ impl Stage<'_> {
         judge: &mut Judge<'_>,
     ) -> anyhow::Result<bool> {
         let processor = running.processor(row.block);
+        // Before there is a process: it would find its caches empty.
+        let before = pulse(processor);
         let answer = running.fresh(processor).and_then(|mut client| {
-            let before = pulse(processor);
             row.began_ms = since_1970();
             let sample = sample(&mut client, SHORTEST_SAMPLE_NS)?;
             row.pulse_ns = before.max(pulse(processor));

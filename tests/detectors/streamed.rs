@@ -95,6 +95,10 @@ fn coordinates_that_begin_again() {
             .chain(heap(0.3, 2.0 * far))
             .map(nalgebra::Point::from)
             .collect();
+        let solid: Vec<_> =
+            centres.iter().map(|at| nalgebra::Point::from([at[0], at[1], 1.5 * at[1]])).collect();
+        let solid = Scene::new(solid, Radii::Uniform(0.5)).unwrap();
+        compare(&format!("solid heaps {far} apart"), &Stored::F64(solid), Test::Exact);
         let scene = Scene::new(centres, Radii::Uniform(0.5)).unwrap();
         compare(&format!("heaps {far} apart"), &Stored::F64(scene), Test::Exact);
     }
@@ -350,6 +354,11 @@ fn counts_are_the_same_on_all_levels() {
                     }
                     .unwrap();
                     assert!(tally.get(Op::ContactTest) >= digest.contacts);
+                    // It is in this form: one range in 2D, two in 3D.
+                    if form == Form::Flat && !text.contains("ratio") {
+                        let ranges = u64::from(text.contains("dim=3")) + 1;
+                        assert_eq!(tally.get(Op::CellProbe), ranges * scene.len() as u64, "{text}");
+                    }
                     tally
                 })
                 .collect();

@@ -202,6 +202,8 @@ pub fn steady(rows: &[Row]) -> BTreeMap<Measurement, String> {
             elapsed_ns: None,
             span: None,
             processor: None,
+            began_ms: None,
+            pulse_ns: None,
             rounds_ns: Vec::new(),
             ..row.clone()
         };

@@ -39,6 +39,29 @@ fn npy_of_both_widths_byte_orders_and_layouts() {
     assert_eq!(rows(&scene)[29_999], [29_999.0, 59_999.0, 0.5]);
 }
 
+/// Files are read and written by pieces of 16 to 64 KiB.
+#[test]
+fn files_of_several_pieces_are_whole() {
+    let list: Vec<[u32; 2]> = (0..10_000).map(|k| [k, 3 * k + 1]).collect();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("pairs.csv");
+    write::pairs(&path, &list).unwrap();
+    let text: String = list.iter().map(|[i, j]| format!("{i},{j}\n")).collect();
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), format!("i,j\n{text}"));
+    let path = folder.path().join("pairs.npy");
+    write::pairs(&path, &list).unwrap();
+    let bytes = std::fs::read(&path).unwrap();
+    let words: Vec<u8> = list.as_flattened().iter().flat_map(|index| index.to_le_bytes()).collect();
+    assert!(bytes.ends_with(&words) && bytes.len() - words.len() <= 192);
+    let mut numbers: Vec<f64> = (0..4 * 10_000).map(|k| 1.0 + f64::from(k)).collect();
+    let file = |numbers: &[f64]| npy_file("<f8", "False", "(10000, 4)", &doubles(numbers));
+    let scene = read(&file(&numbers), "npy", NONE).unwrap();
+    assert_eq!(rows(&scene).concat(), numbers);
+    numbers[4 * 9876 + 2] = f64::NAN;
+    let message = read(&file(&numbers), "npy", NONE).unwrap_err().to_string();
+    assert!(message.contains("9876"), "{message}");
+}
+
 #[test]
 fn pairs_are_written_as_csv_and_npy() {
     let folder = tempfile::tempdir().unwrap();

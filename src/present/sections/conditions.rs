@@ -67,9 +67,9 @@ fn states(conditions: &Conditions) -> Option<String> {
     let (slow, all) = conditions.slow;
     (all > 0).then(|| {
         format!(
-            "The machine was slow in {} of {}: a fixed loop, bound by memory, right before or \
-             after them took more than {SLOW} times as long as in the quietest tenth. Times are \
-             medians of all samples; those called quiet are of the others alone.",
+            "The machine was slow in {} of {}: a fixed loop, bound by caches and memory, \
+             before or after them took more than {SLOW} times as long as in the quietest tenth. \
+             Times are medians of all samples; those called quiet are of the others alone.",
             percent(slow as f64 / all as f64),
             plural(all, "timed sample")
         )

@@ -72,6 +72,9 @@ fn a_row_has_the_fields_of_the_format() {
         for place in ["span", "processor"] {
             assert_eq!(said.remove(place), timed, "{line}");
         }
+        for beside in ["began_ms", "pulse_ns"] {
+            assert_eq!(said.remove(beside), row["pass"] == "time", "{line}");
+        }
         assert_eq!(said, expected);
         let stats =
             ["box_diameters", "coordination", "packing_fraction", "radius_ratio", "scene_hash"];

@@ -49,7 +49,8 @@ pub(super) const FEW: usize = 4096;
 const WHOLE: f64 = (1u64 << 52) as f64;
 
 /// Cells of a scene, with its axes in the order of their lengths: cells side by side along the
-/// first are side by side in memory, layers are cut across the last, the longest.
+/// first are side by side in memory, layers are cut across the last, the longest. A flat grid has
+/// the shortest in the middle; in 2D it has one layer.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Grid<const D: usize> {
     axes: [usize; D],
@@ -168,7 +169,8 @@ impl<const D: usize> Domain<D> {
         let count = turned.grid(self.reach, FRACTION).count;
         let columns = count[0] as f64 * if D == 2 { 1.0 } else { count[D - 1] as f64 };
         let (n, bits) = (self.bodies as f64, bits_for(&count[..2]));
-        let few = columns <= COLUMNS_PER_BODY * n.max(64.0) && bits >= FEWEST;
+        let few =
+            columns <= COLUMNS_PER_BODY * n.max(64.0) && bits >= FEWEST && count[D - 1] < 1 << 31;
         let pays = self.bodies <= FEW && n <= COLUMN[D - 2] * columns;
         (few && (pays || asked)).then(|| Grid { flat: true, ..turned.grid(self.reach, bits) })
     }
@@ -208,17 +210,14 @@ impl<const D: usize> Grid<D> {
         let domain = Domain::new(bounds_by(bodies, threads), reach, bodies.len())?;
         if let None | Some(Form::Flat) = asked
             && let Some(grid) = domain.flat(asked.is_some())
+            && (asked.is_some() || !crowded(&grid, bodies))
         {
             return Ok((grid, Form::Flat));
         }
         if asked != Some(Form::Sparse)
             && let Some((grid, may_crowd)) = domain.dense()
         {
-            let crowded = || {
-                let cell = |id| (0, grid.cell(bodies.position(id)));
-                company(bodies.len(), cell, |_| bodies.len())[0] > CROWD
-            };
-            if asked.is_some() || !may_crowd || !crowded() {
+            if asked.is_some() || !may_crowd || !crowded(&grid, bodies) {
                 return Ok((grid, Form::Dense));
             }
         }
@@ -260,10 +259,20 @@ impl<const D: usize> Grid<D> {
         length * self.scale * (1u64 << self.bits) as f64
     }
 
-    /// The cell of a point, as a number that others hardly have.
+    /// The cell of a point, or its column, as a number that others hardly have.
     pub fn cell(&self, position: [f64; D]) -> u64 {
-        self.steps(position).iter().fold(0, |key, q| splitmix64(key ^ q >> self.bits))
+        let mut steps = self.steps(position);
+        if self.flat {
+            steps[1] = 0;
+        }
+        steps.iter().fold(0, |key, q| splitmix64(key ^ q >> self.bits))
     }
+}
+
+/// Do bodies crowd in few cells, or columns, of a grid?
+fn crowded<T: Real, const D: usize>(grid: &Grid<D>, bodies: &impl Bodies<T, D>) -> bool {
+    let cell = |id| (0, grid.cell(bodies.position(id)));
+    company(bodies.len(), cell, |_| bodies.len())[0] > CROWD
 }
 
 /// The reach of the contact test; of the test without the book's filters, where those are asked

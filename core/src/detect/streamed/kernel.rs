@@ -6,12 +6,13 @@
 //! Coordinates differ from the true differences by at most [`STEPS_OFF`] along each axis; x is
 //! rounded to 24 bits for either, the difference once; the rest (whole numbers below 2^22:
 //! fractions, one cell more or less) is exact. So |d - D| <= √3·2.1 + 2·(steps along x)·2^-24 + 1,
-//! in the flat form with the steps along the second axis added to those along x, but for a relative
-//! error below 2^-21 of the sum of squares, which fused or not has at most four
+//! but for a relative error below 2^-21 of the sum of squares, which fused or not has at most four
 //! roundings. Radii have relative errors of 2^-23. With `grow` the sum of these bounds, relative
 //! ones taken of the largest sum of radii, 2^-19 together, and of the test's slack: a pair with d >
 //! s + grow is refused by the contact test, and one with d <= s - grow is accepted. The others,
 //! some in ten thousand contacts, are asked of the test itself.
+//!
+//! In the flat form the second axis is rounded as x is: its steps are added to those along x.
 //!
 //! Arrays are read without bounds checks: see `unchecked.rs`.
 

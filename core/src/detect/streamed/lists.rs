@@ -178,6 +178,7 @@ impl<const D: usize, R: Size> Lists<D, R> {
         let radius = if R::EACH { R::new(grid.length(radius) as f32) } else { R::default() };
         filling.most = std::array::from_fn(|k| filling.most[k].max(steps[k]));
         let list = (steps[D - 1] >> (grid.bits + filling.layers)) as usize;
+        debug_assert!(!grid.flat, "a flat grid of discs has one list");
         self.put(filling, list, Record { at: steps.map(|steps| steps as u32), radius, id });
     }
 
@@ -224,7 +225,7 @@ impl<const D: usize, R: Size> Lists<D, R> {
 }
 
 /// Particles that are made steps of together.
-const BLOCK: usize = 64;
+const TOGETHER: usize = 64;
 
 /// Puts particles on lists.
 struct Fill<'a, P, Q, R, const D: usize> {
@@ -249,9 +250,9 @@ where
         let Fill { position, radius, ids, grid, slabs, lists, filling } = self;
         let shift = grid.bits + filling.layers;
         let mut filled = *filling;
-        let (mut at, mut steps) = ([[0.0; BLOCK]; D], [[0; BLOCK]; D]);
-        for first in ids.clone().step_by(BLOCK) {
-            let many = BLOCK.min((ids.end - first) as usize);
+        let (mut at, mut steps) = ([[0.0; TOGETHER]; D], [[0; TOGETHER]; D]);
+        for first in ids.clone().step_by(TOGETHER) {
+            let many = TOGETHER.min((ids.end - first) as usize);
             for k in 0..many {
                 let position = position(first + k as u32);
                 for (axis, at) in at.iter_mut().enumerate() {

@@ -24,16 +24,16 @@
 //! is in cache, larger bodies visit it (`visits.rs`), row by row of the cells within reach. A class
 //! that crowds is left to [`HGrid`], and all others with it.
 //!
-//! * Cost: proportional to N, independent of the packing density; N log N in the sparse form; with
-//!   classes, to N in each class that they are visited by.
+//! * Cost: proportional to N, independent of the packing density; in the sparse form to N and the
+//!   digits of its cells' numbers; with classes, to N in each class that they are visited by.
 //! * Memory, for lists (blocks of b records, L lists): `(16 + 4/b)(N + bL) + 4L` bytes in 3D, 12
-//!   instead of 16 in 2D, 4 more with a radius per particle; two bundles of n particles and c
-//!   cells: `2(4(D + 2)(n + 16) + 4(c + 2))`, and the records of one. A bundle has 2,000 to 4,000
-//!   particles, or one layer if that is more. With classes of sizes: the lists of each, and two
-//!   bundles that hold the largest of any. In the sparse form: 24N, 32N with radii, and two
-//!   layers. Some 9 KiB of working space per thread. With several threads: two bundles each, and
-//!   the contacts, 8 bytes each in lists of twice the length at most; then a warm call allocates
-//!   the list of shares.
+//!   instead of 16 in 2D, 4 more with a radius per particle; one list alone has room for one record
+//!   more than N. Two bundles of n particles and c cells: `2(4(D + 2)(n + 16) + 4(c + 2))`, and the
+//!   records of one. A bundle has 2,000 to 4,000 particles, or one layer if that is more. With
+//!   classes of sizes: the lists of each, and two bundles that hold the largest of any. In the
+//!   sparse form: 24N, 32N with radii, and two layers. Some 9 KiB of working space per thread. With
+//!   several threads: bundles for each, and the contacts, 8 bytes each in lists of twice the length
+//!   at most; then a warm call allocates the list of shares.
 //! * Refuses scenes of 2^31 cells and more along an axis in the sparse form, extents
 //!   that overflow, and more than 2^31 - 1 particles.
 //! * Threads: in the dense form, from 20,000 particles on; one where there are classes of sizes.
@@ -126,6 +126,7 @@ impl<const D: usize> Streamed<D> {
     }
 
     /// In this form, whatever the scene; not by cells or columns where there are too many of them.
+    /// Where sizes differ so much that there are classes, columns are cells.
     pub fn in_form(self, form: Form) -> Streamed<D> {
         Streamed { form: Some(form), ..self }
     }

@@ -9,8 +9,8 @@
 //!                                                  4 4 4                   1 1 1
 //! ```
 //!
-//! Range 0 begins after the particle itself. In the flat form, of few particles that are far apart,
-//! the second axis has no cells: ranges are as in 2D, and in 2D the first alone is left.
+//! Range 0 begins after the particle itself. In the flat form the second axis has no
+//! cells: ranges are as in 2D, and in 2D the first alone is left.
 
 use super::plan::Plan;
 use super::slab::Slab;

@@ -88,7 +88,9 @@ impl<R: Size, const D: usize> Kernel for Fill<'_, R, D> {
         let blocks = || {
             list.into_iter().flat_map(|list| lists.iter().flat_map(move |lists| lists.blocks(list)))
         };
-        let begin = &mut begin[..plan.cells() + 2];
+        // Of no list, only the first layer is looked at.
+        let cells_used = if list.is_some() { plan.cells() } else { plan.layer + 1 };
+        let begin = &mut begin[..cells_used + 2];
         begin.fill(0);
         *len = 0;
         for block in blocks() {

@@ -4,8 +4,8 @@
 //! Particles are sorted once. Then each layer is swept against itself and the next one as in the
 //! form by cells, but the ranges of an occupied cell are found by cursors that go through the
 //! sorted layers side by side with it: ranges begin no earlier for a later cell, so all cursors
-//! together pass over a layer a few times. One thread does all. Cost: N log N for the sort, N for
-//! the rest, whatever the number of cells.
+//! together pass over a layer a few times. One thread does all. Cost: N for each digit of the sort,
+//! N for the rest, whatever the number of cells.
 
 use super::grid::{Grid, SPARSE_FRACTION as FRACTION};
 use super::kernel::{Bounds, Scratch, Sweep};
@@ -210,15 +210,15 @@ impl<const D: usize, R: Size> Sparse<D, R> {
     }
 }
 
-/// Puts places in the order of their cells, whose numbers differ in the last `bits` bits at most;
-/// some further by x.
+/// Puts places in the order of their cells, whose numbers differ in the last `bits` bits at most,
+/// or in any if that is 0.
 fn sort<R>(
     places: &mut [Place<R>],
     bits: u32,
     cell: &impl Fn(&Place<R>) -> u64,
     probe: &mut impl Probe,
 ) {
-    const FEW: usize = 32;
+    const FEW: usize = 64;
     if places.len() <= FEW || bits == 0 {
         probe.add(Op::Move, places.len() as u64);
         return places.sort_unstable_by(|a, b| {
@@ -233,7 +233,8 @@ fn sort<R>(
     let ends = part(places, digit, |place| (cell(place) >> shift) as usize & last);
     let mut begin = 0;
     for &end in &ends[..1 << digit] {
-        if end > begin {
+        // In a cell any order will do.
+        if end > begin && shift > 0 {
             sort(&mut places[begin..end], shift, cell, probe);
         }
         begin = end;
