@@ -216,10 +216,9 @@ impl<const D: usize> Grid<D> {
         }
         if asked != Some(Form::Sparse)
             && let Some((grid, may_crowd)) = domain.dense()
+            && (asked.is_some() || !may_crowd || !crowded(&grid, bodies))
         {
-            if asked.is_some() || !may_crowd || !crowded(&grid, bodies) {
-                return Ok((grid, Form::Dense));
-            }
+            return Ok((grid, Form::Dense));
         }
         Ok((domain.sparse(reach <= T::UNDERFLOW)?, Form::Sparse))
     }
