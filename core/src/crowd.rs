@@ -115,6 +115,9 @@ mod tests {
         assert_eq!(within(&heap, 63_984_000), Ok(()));
         let refusal = within(&heap, 63_983_999).unwrap_err();
         assert_eq!(refusal, Refusal::Crowd { particles: 4000, each: 3999.0, limit: 63_983_999 });
+        let few = scene(80, |_| [1.0, 2.0], 0.0);
+        assert_eq!(within(&few, 8 * 80 * 79 / 2), Ok(()));
+        assert!(within(&few, 8 * 80 * 79 / 2 - 1).is_err());
         // A square lattice, whose pairs a sample cannot tell so well: those inside have four.
         let lattice = |k: u32| [f64::from(k % 64), f64::from(k / 64)];
         let pack = scene(4096, lattice, 0.5);

@@ -370,8 +370,9 @@ fn counts_are_the_same_on_all_levels() {
     }
 }
 
-/// Couples within some steps of a diameter, far along x in a wide grid, where a float has few bits
-/// left for them. With half the bound on the rounding of x some of these are lost or added.
+/// Couples within some steps of a diameter, where a float has few bits left for coordinates along
+/// x, or along both axes: in the flat form x is counted from the origin of the grid, too. With half
+/// the bound on their rounding some of these are lost or added.
 #[test]
 fn couples_where_floats_are_coarse() {
     let mut state = 1;
@@ -379,40 +380,42 @@ fn couples_where_floats_are_coarse() {
         state = contactbench::sink::splitmix64(state);
         (state >> 11) as f64 / (1u64 << 53) as f64
     };
-    let mut places = Vec::new();
-    places.resize_with(7800, || [3000.0 * (0.95 + 0.05 * unit()), 3200.0 * unit()]);
-    // So there are some 270 cells along x, and all couples are just beyond a power of two of steps.
-    // In the flat form y has cells, and x has steps for 3000 of them.
-    places[0] = [0.0, 0.0];
-    // The rounding of a difference depends on it modulo a step of the floats: diameters go through
-    // all of them.
-    for diameter in (0..32).map(|k| 1.0 + 2e-5 * f64::from(k)) {
-        let couple = |(k, [x, y]): (usize, [f64; 2])| {
-            [[x, y], [x + diameter + 1e-5 * (k as f64 / 3900.0 - 1.0), y]]
-        };
-        let centres: Vec<_> = places
-            .iter()
-            .copied()
-            .enumerate()
-            .flat_map(couple)
-            .map(nalgebra::Point::from)
-            .collect();
-        let scene = Stored::F64(Scene::new(centres, Radii::Uniform(0.5 * diameter)).unwrap());
-        let truth = answer(
-            &mut contactbench::detect::book::nbs2d::Nbs2d::with(Options::default()),
-            &scene,
-            Test::Exact,
-        );
-        for (level, form) in
-            Level::all().into_iter().flat_map(|level| [(level, Form::Dense), (level, Form::Flat)])
-        {
-            let mut detector = Streamed::<2>::on(level, Options::default()).in_form(form);
-            assert_eq!(
-                answer(&mut detector, &scene, Test::Exact),
-                truth,
-                "{} in form {form:?} with diameter {diameter}",
-                level.name()
+    // Some 270 cells along x, 3000 columns in the flat form; then 2110 along both axes, just beyond
+    // a power of two.
+    let wide: Vec<_> =
+        (0..7800).map(|_| [3000.0 * (0.95 + 0.05 * unit()), 3200.0 * unit()]).collect();
+    let corner: Vec<_> =
+        (0..7800).map(|_| [2050.0 + 60.0 * unit(), 2050.0 + 60.0 * unit()]).collect();
+    for (mut places, turned) in [(wide, 0.0), (corner, 1.0)] {
+        places[0] = [0.0, 0.0];
+        // The rounding of a difference depends on it modulo a step of the floats: diameters go
+        // through all of them, and where cells are as wide as a diameter, directions do.
+        for diameter in (0..32).map(|k| 1.0 + 2e-5 * f64::from(k)) {
+            let couple = |(k, [x, y]): (usize, [f64; 2])| {
+                let apart = diameter + 1e-5 * (k as f64 / 3900.0 - 1.0);
+                let (sin, cos) = f64::sin_cos(turned * (0.5 + 0.001 * (k % 600) as f64));
+                [[x, y], [x + cos * apart, y + sin * apart]]
+            };
+            let couples = places.iter().copied().enumerate().flat_map(couple);
+            let centres: Vec<_> = couples.map(nalgebra::Point::from).collect();
+            let scene = Stored::F64(Scene::new(centres, Radii::Uniform(0.5 * diameter)).unwrap());
+            let truth = answer(
+                &mut contactbench::detect::book::nbs2d::Nbs2d::with(Options::default()),
+                &scene,
+                Test::Exact,
             );
+            for (level, form) in Level::all()
+                .into_iter()
+                .flat_map(|level| [(level, Form::Dense), (level, Form::Flat)])
+            {
+                let mut detector = Streamed::<2>::on(level, Options::default()).in_form(form);
+                assert_eq!(
+                    answer(&mut detector, &scene, Test::Exact),
+                    truth,
+                    "{} in form {form:?} with diameter {diameter}, turned {turned}",
+                    level.name()
+                );
+            }
         }
     }
 }
