@@ -9,6 +9,8 @@ pub const CROWD: f64 = 24.0;
 pub const CLASSES: usize = 32;
 /// Bodies looked at: one in 32, but at most so many.
 const SAMPLE: usize = 4096;
+/// Enough for 4096 bodies.
+const FEW: usize = 128;
 /// So few couples of bodies in one cell may be chance.
 const CHANCE: usize = 8;
 
@@ -21,8 +23,18 @@ pub fn company(
     bodies: impl Fn(usize) -> usize,
 ) -> [f64; CLASSES] {
     let mut company = [0.0; CLASSES];
-    let mut sample = [(0, 0); SAMPLE];
-    let sample = &mut sample[..(n / 32).clamp(1, SAMPLE)];
+    // Clearing room for many takes longer than finding the contacts of a few hundred bodies.
+    let (mut few, mut many);
+    let sample = match (n / 32).clamp(1, SAMPLE) {
+        count @ ..=FEW => {
+            few = [(0, 0); FEW];
+            &mut few[..count]
+        }
+        count => {
+            many = [(0, 0); SAMPLE];
+            &mut many[..count]
+        }
+    };
     if n == 0 {
         return company;
     }
