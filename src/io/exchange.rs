@@ -10,7 +10,7 @@ use anyhow::{Context, bail, ensure};
 use crate::io::formats::gzip::Unpacking;
 use crate::io::formats::npy;
 use crate::io::lines::Source;
-use crate::io::particles::room;
+use crate::io::room::room;
 use crate::io::scalars::Kind;
 use crate::periodic::{Contacts, ImagePair};
 use crate::scene::{AnyScene, Radii, Real, Scene, array};

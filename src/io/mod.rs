@@ -32,6 +32,7 @@ mod lines;
 mod notice;
 pub mod pairs;
 mod particles;
+mod room;
 mod scalars;
 pub mod write;
 
@@ -50,7 +51,7 @@ pub use lines::LONGEST_LINE;
 use lines::Source;
 pub use notice::{Notice, Place};
 pub use particles::Particles;
-pub(crate) use particles::room;
+pub(crate) use room::room;
 
 use crate::scene::{AnyScene, Given};
 

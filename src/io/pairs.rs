@@ -16,7 +16,7 @@ use crate::io::formats::gzip::{self, Unpacking};
 use crate::io::formats::npy;
 use crate::io::frames::{Choice, Reader, chosen};
 use crate::io::lines::{Lines, Source, number, words};
-use crate::io::particles::room;
+use crate::io::room::room;
 
 mod array;
 mod columns;

@@ -8,26 +8,9 @@ use nalgebra::Point;
 
 use crate::io::boxes::{KNOWN_TO, along};
 use crate::io::lines::{number, short, shown};
+use crate::io::room::{room, room_for};
 use crate::io::{About, Notice, Options, RadiusSource};
-use crate::memory;
 use crate::scene::{AnyScene, Given, Lattice, Radii, Scene};
-
-/// Room for one more, a quarter at a time: a list doubled may be twice as large as needed, and this
-/// is where the memory goes.
-pub(crate) fn room<T>(list: &mut Vec<T>) -> anyhow::Result<()> {
-    room_for(list, 1)
-}
-
-/// The same for some more.
-fn room_for<T>(list: &mut Vec<T>, count: usize) -> anyhow::Result<()> {
-    if list.capacity() - list.len() < count {
-        let more = (list.len() / 4 + 1024).max(count);
-        let bytes = ((list.len() + more) * size_of::<T>()) as u64;
-        let fits = bytes <= memory::most_of_one() && list.try_reserve_exact(more).is_ok();
-        ensure!(fits, "no memory for more than {} of them; split the file", list.len());
-    }
-    Ok(())
-}
 
 /// Centres of either dimension, in file order.
 #[derive(Debug, PartialEq)]

@@ -6,7 +6,8 @@ use nalgebra::Point;
 
 use crate::io::RadiusSource;
 use crate::io::lines::Source;
-use crate::io::particles::{Column, room};
+use crate::io::particles::Column;
+use crate::io::room::room;
 
 /// A type of number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

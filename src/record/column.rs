@@ -43,9 +43,6 @@ pub const MEDIAN_STEP: &str = "median_step_ns";
 /// The time of the slowest frame.
 pub const WORST_STEP: &str = "worst_step_ns";
 
-/// How long a fixed loop took beside the sample.
-pub const PULSE: &str = "pulse_ns";
-
 /// The causes of error: the prefix of their columns, and the prefix that these had before.
 const CAUSES: [(&str, &str, Whose); 3] = [
     ("representation_", "input_", |causes| &causes.representation),
@@ -82,7 +79,7 @@ fn columns() -> Vec<Column> {
         whole(BUILDING, Some(Time), "ns", |row| row.building_ns),
         whole(MEDIAN_STEP, Some(Time), "ns", |row| row.median_step_ns),
         whole(WORST_STEP, Some(Time), "ns", |row| row.worst_step_ns),
-        whole(PULSE, Some(Time), "ns", |row| row.pulse_ns),
+        whole("pulse_ns", Some(Time), "ns", |row| row.pulse_ns),
         whole("contacts", None, "pairs", |row| row.contacts),
     ];
     columns.extend(Op::ALL.iter().map(|op| Column {

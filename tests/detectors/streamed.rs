@@ -370,6 +370,38 @@ fn counts_are_the_same_on_all_levels() {
     }
 }
 
+/// Ranges that are looked at for each particle tell the form: in 2D two by cells and one by columns,
+/// in 3D five and two.
+#[test]
+fn columns_are_for_few_bodies_far_apart() {
+    fn ranges<const D: usize>(scene: &Stored<'_, D>) -> u64 {
+        let (mut tally, mut digest) = (Tally::default(), Digest::default());
+        let mut detector = Streamed::<D>::with(Options::default());
+        run_stored(&mut detector, scene, Test::Exact, &mut tally, &mut digest).unwrap();
+        tally.get(Op::CellProbe) / tally.get(Op::ListPush)
+    }
+    for (text, expected) in [
+        ("loose:n=300", 1),
+        ("loose:n=5000", 2),
+        ("packed:n=1000", 2),
+        ("clustered:dim=3,n=3000", 2),
+        ("loose:dim=3,n=3000", 2),
+        ("loose:dim=3,n=5000", 5),
+        ("packed:dim=3,n=2000", 5),
+    ] {
+        let scene = Spec::parse(text).and_then(|spec| spec.make()).unwrap();
+        let found = match &scene {
+            AnyScene::Plane(scene) => ranges(scene),
+            AnyScene::Space(scene) => ranges(scene),
+        };
+        assert_eq!(found, expected, "{text}");
+    }
+    // All but one in one column.
+    let row = (0..4095).map(|k| [0.0, f64::from(k)]).chain([[4100.0, 0.0]]);
+    let scene = Scene::new(row.map(nalgebra::Point::from).collect::<Vec<_>>(), Radii::Uniform(0.5));
+    assert_eq!(ranges(&Stored::F64(scene.unwrap())), 2);
+}
+
 /// Couples within some steps of a diameter, where a float has few bits left for coordinates along
 /// x, or along both axes: in the flat form x is counted from the origin of the grid, too. With half
 /// the bound on their rounding some of these are lost or added.

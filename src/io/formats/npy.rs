@@ -13,7 +13,8 @@ use anyhow::{Context, bail, ensure};
 use nalgebra::Point;
 
 use crate::io::lines::{Source, short};
-use crate::io::particles::{Centres, Column, Particles, room};
+use crate::io::particles::{Centres, Column, Particles};
+use crate::io::room::room;
 use crate::io::scalars::Kind;
 use crate::io::{Options, RadiusSource};
 pub(crate) use frames::frames;

@@ -297,7 +297,7 @@ fn numbers(
     // As many as are there, whatever is announced.
     let mut packed = Vec::new();
     for _ in 0..blocks {
-        crate::io::particles::room(&mut packed)?;
+        crate::io::room::room(&mut packed)?;
         packed.push(length(bytes)?);
     }
     for (k, &packed) in packed.iter().enumerate() {

@@ -8,7 +8,7 @@ use super::{ascends, image, push};
 use crate::io::formats::npy::{self, Header};
 use crate::io::frames::{Choice, Reader, Step};
 use crate::io::lines::Source;
-use crate::io::particles::room;
+use crate::io::room::room;
 
 /// Rows that are read at once.
 const ROWS: u64 = 4096;

@@ -7,7 +7,7 @@ use anyhow::{Context, ensure};
 
 use crate::io::lines::{Lines, listed, short, shown};
 use crate::io::pairs::{List, image, whole};
-use crate::io::particles::room;
+use crate::io::room::room;
 
 /// How the two particles are called.
 const PAIRS: [[&str; 2]; 5] =
