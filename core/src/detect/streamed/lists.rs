@@ -194,9 +194,7 @@ impl<const D: usize, R: Size> Lists<D, R> {
             filling.free += 1;
             prefetch_to_write(&self.records, *next as usize);
         } else {
-            if *next & 3 == 0 {
-                prefetch_to_write(&self.records, *next as usize + 4);
-            }
+            prefetch_to_write(&self.records, *next as usize + 4);
             *next += 1;
         }
     }
