@@ -17,8 +17,9 @@
 //! Arrays are read without bounds checks: see `unchecked.rs`.
 
 use super::grid::{Grid, STEPS_OFF, reach_of};
+use super::near::{Limits, Query, test};
 use super::pair_sink::PairSink;
-use super::ranges::{Find, in_next, ranges_used};
+use super::ranges::{Find, Ranges, in_next, ranges_used};
 use super::slab::Slab;
 use super::unchecked::{Run16, Source, TwoRuns8, chunk, chunk_mut, element};
 use crate::contact::{Bodies, Slack};
@@ -167,30 +168,6 @@ const KEPT: usize = 8;
 /// Room for the neighbours of a block, and for five vectors beyond.
 const ROOM: usize = (BLOCK * 5 + 10) * KEPT;
 
-/// What a particle is compared with in one range.
-pub(super) struct Query<W: Wide, const D: usize> {
-    pub at: [W::Floats; D],
-    /// With [`Bounds::grow`], where each particle has its own.
-    pub radius: W::Floats,
-}
-
-/// Squares of distances up to which particles are near enough to ask, and touch for sure.
-#[derive(Clone, Copy)]
-pub(super) struct Limits<W: Wide> {
-    near: W::Floats,
-    sure: W::Floats,
-}
-
-impl<W: Wide> Limits<W> {
-    /// For this sum of radii and [`Bounds::grow`].
-    #[inline(always)]
-    pub fn new(w: W, outer: W::Floats, grow: f32) -> Limits<W> {
-        let inner = w.max(w.sub(outer, w.all(2.0 * grow)), w.all(0.0));
-        // Half a step less, so that an inner bound of nothing holds nobody.
-        Limits { near: w.mul(outer, outer), sure: w.mul_add(inner, inner, w.all(-0.5)) }
-    }
-}
-
 /// What has been found for one particle.
 struct Found {
     /// Where the next id is to be kept.
@@ -199,6 +176,16 @@ struct Found {
     odd: u32,
     /// All numbers of ids, or-ed.
     counts: u32,
+}
+
+/// A particle and what is looked at around it.
+#[derive(Clone, Copy)]
+struct Around<'r, W: Wide, const D: usize> {
+    place: usize,
+    ranges: &'r Ranges,
+    shifts: &'r [[W::Floats; D]; 5],
+    couples: &'r [[W::Floats; D]; 2],
+    limits: Limits<W>,
 }
 
 impl<F: Find, const D: usize, const EACH: bool> Kernel for Sweep<'_, F, D, EACH> {
@@ -219,29 +206,28 @@ impl<F: Find, const D: usize, const EACH: bool> Kernel for Sweep<'_, F, D, EACH>
                 let mut odd = longest & !(LANES as u32 - 1);
                 if odd == 0 {
                     let mut found = Found { at: kept, odd: 0, counts: 0 };
-                    let slabs = [self.slab, self.next];
-                    let one = |r: usize| {
-                        let slab = slabs[usize::from(in_next::<F, D>(r))];
-                        // SAFETY: a range begins at the slab's `len` at the latest, and its arrays
-                        // are a vector longer.
-                        let run = unsafe { Run16::new(slab, ranges[r].0 as usize) };
-                        (run, !(!0 << ranges[r].1))
+                    let around = Around {
+                        place,
+                        ranges: &ranges,
+                        shifts: &shifts,
+                        couples: &couples,
+                        limits,
                     };
+                    // Short ranges, as most are, two at a time.
+                    let short = |r: usize| ranges[r].1 | ranges[r + 1].1 < HALF as u32;
                     let mut r = 0;
+                    if longest < HALF as u32 {
+                        while r + 1 < used {
+                            self.keep_two(w, around, r, &mut found);
+                            r += 2;
+                        }
+                    }
                     while r < used {
-                        // Short ranges, as most are, two at a time.
-                        let couple = r % 2 == 0 && r + 1 < used;
-                        if couple && ranges[r].1 | ranges[r + 1].1 < HALF as u32 {
-                            let ((low, valid), (high, valid_high)) = (one(r), one(r + 1));
-                            let query = self.query(w, place, &couples[r / 2]);
-                            let (source, valid) =
-                                (TwoRuns8([low, high]), valid | valid_high << HALF);
-                            self.keep(w, source, valid, &query, limits, &mut found);
+                        if r % 2 == 0 && r + 1 < used && short(r) {
+                            self.keep_two(w, around, r, &mut found);
                             r += 2;
                         } else {
-                            let (source, valid) = one(r);
-                            let query = self.query(w, place, &shifts[r]);
-                            self.keep(w, source, valid, &query, limits, &mut found);
+                            self.keep_one(w, around, r, &mut found);
                             r += 1;
                         }
                     }
@@ -352,6 +338,31 @@ impl<'a, F: Find, const D: usize, const EACH: bool> Sweep<'a, F, D, EACH> {
         Query { at: all, radius: w.all(radius + self.bounds.grow) }
     }
 
+    /// The particles of range `r`: the next sixteen, and which of these are in the range.
+    #[inline(always)]
+    fn range(&self, (at, len): (u32, u32), r: usize) -> (Run16<'a, D>, u32) {
+        // SAFETY: a range begins at the slab's `len` at the latest, and its arrays are a vector
+        // longer.
+        (unsafe { Run16::new(self.other(r), at as usize) }, !(!0 << len))
+    }
+
+    /// Tests a range and keeps the ids of those that are near.
+    #[inline(always)]
+    fn keep_one<W: Wide>(&mut self, w: W, a: Around<W, D>, r: usize, found: &mut Found) {
+        let (source, valid) = self.range(a.ranges[r], r);
+        let query = self.query(w, a.place, &a.shifts[r]);
+        self.keep(w, source, valid, &query, a.limits, found);
+    }
+
+    /// The same for two short ones.
+    #[inline(always)]
+    fn keep_two<W: Wide>(&mut self, w: W, a: Around<W, D>, r: usize, found: &mut Found) {
+        let (low, valid) = self.range(a.ranges[r], r);
+        let (high, valid_high) = self.range(a.ranges[r + 1], r + 1);
+        let query = self.query(w, a.place, &a.couples[r / 2]);
+        self.keep(w, TwoRuns8([low, high]), valid | valid_high << HALF, &query, a.limits, found);
+    }
+
     /// Tests sixteen particles and keeps the ids of those that are near.
     #[inline(always)]
     fn keep<W: Wide>(
@@ -379,38 +390,6 @@ impl<'a, F: Find, const D: usize, const EACH: bool> Sweep<'a, F, D, EACH> {
     fn limits<W: Wide>(&self, w: W) -> Limits<W> {
         Limits::new(w, w.all(self.bounds.sum + self.bounds.grow), self.bounds.grow)
     }
-}
-
-/// Masks of those of sixteen particles that are `valid`: those near enough to ask, and those that
-/// touch. Where each has its own radius, `limits` are made of the query's and theirs.
-#[inline(always)]
-pub(super) fn test<W: Wide, const D: usize, const EACH: bool>(
-    w: W,
-    source: impl Source<D>,
-    valid: u32,
-    query: &Query<W, D>,
-    limits: Limits<W>,
-    grow: f32,
-    turn: Option<f32>,
-) -> (u32, u32) {
-    let mut square = w.all(0.0);
-    for k in 0..D {
-        let mut d = w.sub(source.load(w, |slab| &slab.lanes[k]), query.at[k]);
-        if let (0, Some(turn)) = (k, turn) {
-            // The nearest whole number of turns: 1.5·2^23 leaves no fraction.
-            let whole = w.all(12_582_912.0);
-            let turns = w.sub(w.add(w.mul(d, w.all(1.0 / turn)), whole), whole);
-            d = w.sub(d, w.mul(turns, w.all(turn)));
-        }
-        square = if k == 0 { w.mul(d, d) } else { w.mul_add(d, d, square) };
-    }
-    let limits = if EACH {
-        Limits::new(w, w.add(query.radius, source.load(w, |slab| &slab.radii)), grow)
-    } else {
-        limits
-    };
-    let near = w.at_most(square, limits.near) & valid;
-    (near, w.at_most(square, limits.sure) & near)
 }
 
 /// The particle at a place, with any number of particles in a range and pairs that only the contact

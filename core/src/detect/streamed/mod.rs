@@ -46,6 +46,7 @@ mod grid;
 mod kernel;
 mod levels;
 mod lists;
+mod near;
 mod pair_sink;
 mod plan;
 mod ranges;

@@ -33,8 +33,9 @@
 //! for that, instead of 2^-19.
 
 use super::grid::Grid;
-use super::kernel::{Limits, Query, Scratch, test};
+use super::kernel::Scratch;
 use super::lists::Lists;
+use super::near::{Limits, Query, test};
 use super::pair_sink::PairSink;
 use super::plan::Plan;
 use super::slab::Slab;
