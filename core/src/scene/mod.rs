@@ -49,6 +49,25 @@ impl<T: Copy> Radii<'_, T> {
     }
 }
 
+/// The smallest and the largest of `n` numbers, of which none is NaN: eight in turn, so that a
+/// comparison need not wait for the one before it.
+pub(crate) fn extremes<T: Copy + PartialOrd>(n: usize, at: impl Fn(usize) -> T) -> Option<(T, T)> {
+    const TURNS: usize = 8;
+    let smaller = |a: T, b: T| if b < a { b } else { a };
+    let larger = |a: T, b: T| if b > a { b } else { a };
+    let first = (n > 0).then(|| at(0))?;
+    let (mut least, mut largest) = ([first; TURNS], [first; TURNS]);
+    let whole = n - n % TURNS;
+    for k in (0..whole).step_by(TURNS) {
+        for turn in 0..TURNS {
+            let x = at(k + turn);
+            (least[turn], largest[turn]) = (smaller(least[turn], x), larger(largest[turn], x));
+        }
+    }
+    let rest = (whole..n).map(&at);
+    Some((rest.clone().chain(least).fold(first, smaller), rest.chain(largest).fold(first, larger)))
+}
+
 /// What is wrong with a set of centres and radii. Particles are numbered from 0.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[allow(missing_docs)] // the fields are explained by the messages
@@ -155,7 +174,7 @@ impl<'a, T: Real, const D: usize> Scene<'a, T, D> {
         match &self.radii {
             Radii::Uniform(r) => *r,
             Radii::Each(radii) => {
-                radii.iter().fold(T::default(), |most, &r| if r > most { r } else { most })
+                extremes(radii.len(), |k| radii[k]).map_or(T::default(), |(_, r)| r)
             }
         }
     }

@@ -14,7 +14,7 @@
 use super::grid::CELLS_PER_PARTICLE;
 use crate::contact::Bodies;
 use crate::detect::modern::crowd::CLASSES;
-use crate::scene::Real;
+use crate::scene::{Real, extremes};
 
 /// Octaves that are told apart: what is smaller than 2^-31 of the largest body is in the last.
 pub(super) const MOST: usize = CLASSES;
@@ -128,12 +128,7 @@ impl<const D: usize> Classes<D> {
         if bodies.uniform().is_some() || bodies.len() < FEWEST {
             return None;
         }
-        let (mut least, mut largest) = (f64::INFINITY, 0.0);
-        for id in 0..n {
-            let radius = bodies.radius(id);
-            least = if radius < least { radius } else { least };
-            largest = if radius > largest { radius } else { largest };
-        }
+        let (least, largest) = extremes(bodies.len(), |id| bodies.radius(id as u32))?;
         if least == largest || octave(largest, least) == 0 {
             return None;
         }
