@@ -40,6 +40,10 @@ impl Allowance {
 }
 
 /// A list of pairs within an [`Allowance`].
+///
+/// Lists of several threads lie side by side, and each grows all the time: no two share a line of
+/// the caches, nor the pair of lines that is fetched at once.
+#[repr(align(128))]
 pub struct PairList<'a> {
     pairs: Vec<[u32; 2]>,
     /// Pairs that were there before: they stay, whatever comes.

@@ -36,7 +36,7 @@
 //!   at most; then a warm call allocates the list of shares.
 //! * Refuses scenes of 2^31 cells and more along an axis in the sparse form, extents
 //!   that overflow, and more than 2^31 - 1 particles.
-//! * Threads: in the dense form, from 20,000 particles on; one where there are classes of sizes.
+//! * Threads: in the dense form, from 30,000 particles on; one where there are classes of sizes.
 //! * In `textbook` arithmetic its filters are as safe as in f64, but for classes that are left to
 //!   [`HGrid`]: the book prints none for it.
 
@@ -75,7 +75,7 @@ use crate::wide::Level;
 
 const NAME: &str = "streamed-nbs";
 /// Fewer particles are not worth a second thread.
-const FEWEST_FOR_THREADS: usize = 20_000;
+const FEWEST_FOR_THREADS: usize = 30_000;
 
 /// The modern NBS, in `D` dimensions.
 pub struct Streamed<const D: usize> {
@@ -91,8 +91,9 @@ pub struct Streamed<const D: usize> {
     formula: u64,
 }
 
-/// What one thread works with.
+/// What one thread works with: workers lie side by side, and no two share a line of the caches.
 #[derive(Default)]
+#[repr(align(128))]
 struct Worker<const D: usize> {
     slabs: [Slab<D>; 2],
     room: Room<D>,
