@@ -33,8 +33,8 @@ pub fn for_each<A: Send>(items: &mut [A], work: impl Fn(usize, &mut A) + Sync) {
     run(items.len(), &|k| work(k, &mut items[k].lock().unwrap_or_else(PoisonError::into_inner)));
 }
 
-/// This thread takes shares, too, and begins at once: a thread that sleeps takes longer to wake than
-/// a small scene takes. Who is late finds nothing left.
+/// This thread takes shares, too, and begins at once: a thread that sleeps takes longer to wake
+/// than a small scene takes. Who is late finds nothing left.
 fn run(shares: usize, work: &(dyn Fn(usize) + Sync)) {
     let next = AtomicUsize::new(0);
     let take = || {
