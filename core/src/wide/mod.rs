@@ -57,6 +57,9 @@ impl Spot {
 /// Vectors of [`LANES`] floats on one instruction set. Masks have one bit per lane, the first lane
 /// in the lowest.
 pub trait Wide: Copy + Send + Sync {
+    /// Are sixteen lanes so many instructions that one number after the other is faster where only
+    /// a few lanes are needed?
+    const NARROW: bool = false;
     /// A vector of floats.
     type Floats: Copy;
     /// The same number in every lane.

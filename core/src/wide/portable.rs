@@ -17,6 +17,8 @@ fn lanes<A: Copy + Default>(mut f: impl FnMut(usize) -> A) -> [A; LANES] {
 }
 
 impl Wide for Portable {
+    const NARROW: bool = true;
+
     type Floats = [f32; LANES];
 
     #[inline(always)]

@@ -1,6 +1,7 @@
 //! The sweep: every particle of a slab against the few ranges of particles that can touch it
 //! ([`super::ranges`]), sixteen at a time. Most ranges hold fewer than eight particles: where all
-//! do, ranges 0 and 1 are tested in one go, and 2 and 3.
+//! do, ranges 0 and 1 are tested in one go, and 2 and 3. Where vectors are made of narrow registers,
+//! candidates are looked at one by one ([`super::single`]).
 //!
 //! **Bounds.** Let D be the true distance of two particles in steps and d the one computed here.
 //! Coordinates differ from the true differences by at most [`STEPS_OFF`] along each axis; x is
@@ -31,8 +32,8 @@ use crate::wide::{HALF, Kernel, LANES, Level, Wide};
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Bounds {
     /// The sum of two radii, where all are the same.
-    sum: f32,
-    grow: f32,
+    pub sum: f32,
+    pub grow: f32,
     /// One cell.
     one: f32,
 }
@@ -86,7 +87,7 @@ pub(super) struct Sweep<'a, F, const D: usize, const EACH: bool> {
 pub(super) struct Scratch {
     ids: [u32; ROOM],
     ends: [u32; BLOCK],
-    pairs: [[u32; 2]; ROOM],
+    pub pairs: [[u32; 2]; ROOM],
 }
 
 impl Default for Scratch {
@@ -166,7 +167,7 @@ const BLOCK: usize = 16;
 /// careful form.
 const KEPT: usize = 8;
 /// Room for the neighbours of a block, and for five vectors beyond.
-const ROOM: usize = (BLOCK * 5 + 10) * KEPT;
+pub(super) const ROOM: usize = (BLOCK * 5 + 10) * KEPT;
 
 /// What has been found for one particle.
 struct Found {
@@ -193,6 +194,9 @@ impl<F: Find, const D: usize, const EACH: bool> Kernel for Sweep<'_, F, D, EACH>
 
     #[inline(always)]
     fn run<W: Wide>(mut self, w: W) {
+        if W::NARROW {
+            return self.one_by_one(w);
+        }
         let used = ranges_used::<F, D>();
         let limits = self.limits(w);
         let (shifts, couples) = (self.shifts(w), self.shifts_of_couples(w));
@@ -283,13 +287,13 @@ impl<'a, F: Find, const D: usize, const EACH: bool> Sweep<'a, F, D, EACH> {
     }
 
     /// The slab in which range `r` is.
-    fn other(&self, r: usize) -> &'a Slab<D> {
+    pub fn other(&self, r: usize) -> &'a Slab<D> {
         if in_next::<F, D>(r) { self.next } else { self.slab }
     }
 
     /// From the origin of a particle's cell to that of range `r`, along y and along the axis of
     /// layers.
-    fn shift(&self, r: usize) -> [f32; D] {
+    pub fn shift(&self, r: usize) -> [f32; D] {
         let one = self.bounds.one;
         let mut shift = [0.0; D];
         if D == 3 && !F::FLAT {
@@ -394,10 +398,10 @@ impl<'a, F: Find, const D: usize, const EACH: bool> Sweep<'a, F, D, EACH> {
 
 /// The particle at a place, with any number of particles in a range and pairs that only the contact
 /// test can decide: a function of its own, so that its calls do not cost the sweep its registers.
-struct Careful<'s, 'a, F, const D: usize, const EACH: bool>(
-    &'s mut Sweep<'a, F, D, EACH>,
-    usize,
-    &'s [(u32, u32)],
+pub(super) struct Careful<'s, 'a, F, const D: usize, const EACH: bool>(
+    pub &'s mut Sweep<'a, F, D, EACH>,
+    pub usize,
+    pub &'s [(u32, u32)],
 );
 
 impl<F: Find, const D: usize, const EACH: bool> Kernel for Careful<'_, '_, F, D, EACH> {

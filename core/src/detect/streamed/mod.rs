@@ -50,6 +50,7 @@ mod near;
 mod pair_sink;
 mod plan;
 mod ranges;
+mod single;
 mod slab;
 mod sparse;
 mod unchecked;

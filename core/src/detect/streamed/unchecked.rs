@@ -109,3 +109,14 @@ pub(super) unsafe fn element<A: Copy>(array: &[A], at: usize) -> A {
     // SAFETY: the caller vouches for `at`.
     unsafe { *array.get_unchecked(at) }
 }
+
+/// As [`element`], to be written.
+///
+/// # Safety
+/// It must be in the array.
+#[inline(always)]
+pub(super) unsafe fn element_mut<A>(array: &mut [A], at: usize) -> &mut A {
+    debug_assert!(at < array.len());
+    // SAFETY: the caller vouches for `at`.
+    unsafe { array.get_unchecked_mut(at) }
+}

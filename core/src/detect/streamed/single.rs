@@ -1,0 +1,85 @@
+//! The sweep where registers are narrow: one candidate after the other, none of them beyond its
+//! range. Bounds and results are those of [`super::kernel`].
+
+use super::kernel::{Careful, ROOM, Sweep};
+use super::ranges::{Find, ranges_used};
+use super::unchecked::{element, element_mut};
+use crate::wide::Wide;
+
+/// Squares of distances up to which a particle is near enough to ask, and touches for sure: as
+/// [`super::near::Limits`].
+fn limits(outer: f32, grow: f32) -> (f32, f32) {
+    let inner = (outer - 2.0 * grow).max(0.0);
+    (outer * outer, inner * inner - 0.5)
+}
+
+/// The nearest of places that come again after every turn: see [`super::near::test`].
+fn nearest(d: f32, turn: f32) -> f32 {
+    let whole = 12_582_912.0;
+    d - turn * (d * (1.0 / turn) + whole - whole)
+}
+
+impl<F: Find, const D: usize, const EACH: bool> Sweep<'_, F, D, EACH> {
+    /// Runs it. A particle with a pair that only the contact test can decide, or with more
+    /// candidates than there is room for, is left to the careful form.
+    #[inline(always)]
+    pub(super) fn one_by_one<W: Wide>(mut self, w: W) {
+        let (used, grow) = (ranges_used::<F, D>(), self.bounds.grow);
+        let shifts: [_; 5] = std::array::from_fn(|r| self.shift(r.min(used - 1)));
+        let same = limits(self.bounds.sum + grow, grow);
+        let mut kept = 0;
+        for place in self.places.clone() {
+            let ranges = self.find.ranges::<D>(place);
+            let candidates = ranges.iter().map(|&(_, len)| len as usize).sum::<usize>();
+            if kept + candidates > ROOM {
+                self.scratch.hand_on(&mut kept, self.sink);
+            }
+            let before = kept;
+            let mut odd = candidates > ROOM;
+            if !odd {
+                // SAFETY: `place` is one of `places`, which are below the slab's `len`, and every
+                // array over particles has a number for each.
+                let (id, from) = unsafe {
+                    let at = |k: usize| element(&self.slab.lanes[k], place);
+                    (element(&self.slab.ids, place), std::array::from_fn::<_, D, _>(at))
+                };
+                let radius = if EACH {
+                    // SAFETY: where each particle has its own radius, so has each place.
+                    grow + unsafe { element(&self.slab.radii, place) }
+                } else {
+                    0.0
+                };
+                for (r, &(begin, len)) in ranges[..used].iter().enumerate() {
+                    let slab = self.other(r);
+                    let at: [f32; D] = std::array::from_fn(|k| from[k] - shifts[r][k]);
+                    for other in begin as usize..(begin + len) as usize {
+                        // SAFETY: ranges end at the slab's `len` at the latest.
+                        let of = |lane: &[f32]| unsafe { element(lane, other) };
+                        let mut square = 0.0;
+                        for k in 0..D {
+                            let d = of(&slab.lanes[k]) - at[k];
+                            let d = F::TURN.filter(|_| k == 0).map_or(d, |turn| nearest(d, turn));
+                            square += d * d;
+                        }
+                        let (near, sure) =
+                            if EACH { limits(radius + of(&slab.radii), grow) } else { same };
+                        // SAFETY: likewise; and there is room for all candidates.
+                        unsafe {
+                            let partner = element(&slab.ids, other);
+                            *element_mut(&mut self.scratch.pairs, kept) = [id, partner];
+                        }
+                        kept += usize::from(square <= near);
+                        odd |= (square <= near) != (square <= sure);
+                    }
+                }
+            }
+            if odd {
+                // It uses the room for pairs itself.
+                kept = before;
+                self.scratch.hand_on(&mut kept, self.sink);
+                w.run(Careful(&mut self, place, &ranges[..used]));
+            }
+        }
+        self.scratch.hand_on(&mut kept, self.sink);
+    }
+}
