@@ -161,13 +161,23 @@ impl Scratch {
     }
 }
 
-/// Particles whose neighbours are collected before they are paired.
+/// Particles whose neighbours are collected before they are paired, at most.
 const BLOCK: usize = 16;
 /// Room for the contacts of a particle in one vector; as many or more are rare, and left to the
 /// careful form.
 const KEPT: usize = 8;
-/// Room for the neighbours of a block, and for five vectors beyond.
-pub(super) const ROOM: usize = (BLOCK * 5 + 10) * KEPT;
+/// Vectors of candidates of a particle, at most; more are left to the careful form, too. In scenes
+/// where particles crowd, one of 4,000 has more.
+const VECTORS: usize = 10;
+/// Neighbours of a block that end it.
+const ENOUGH: usize = 512;
+/// Room for them, for all candidates of one particle more, and for what is written behind those.
+pub(super) const ROOM: usize = ENOUGH + VECTORS * LANES + KEPT;
+
+/// So many vectors hold all candidates.
+fn vectors(ranges: &[(u32, u32)]) -> usize {
+    ranges.iter().map(|&(_, len)| len.div_ceil(LANES as u32) as usize).sum()
+}
 
 /// What has been found for one particle.
 struct Found {
@@ -200,23 +210,19 @@ impl<F: Find, const D: usize, const EACH: bool> Kernel for Sweep<'_, F, D, EACH>
         let used = ranges_used::<F, D>();
         let limits = self.limits(w);
         let (shifts, couples) = (self.shifts(w), self.shifts_of_couples(w));
-        for first in self.places.clone().step_by(BLOCK) {
-            let many = BLOCK.min(self.places.end - first);
-            let mut kept = 0;
-            for k in 0..many {
-                let place = first + k;
+        let mut first = self.places.start;
+        while first < self.places.end {
+            let most = BLOCK.min(self.places.end - first);
+            let (mut many, mut kept) = (0, 0);
+            while many < most && kept <= ENOUGH {
+                let place = first + many;
                 let ranges = self.find.ranges::<D>(place);
                 let longest = ranges.iter().fold(0, |all, &(_, len)| all | len);
-                let mut odd = longest & !(LANES as u32 - 1);
-                if odd == 0 {
-                    let mut found = Found { at: kept, odd: 0, counts: 0 };
-                    let around = Around {
-                        place,
-                        ranges: &ranges,
-                        shifts: &shifts,
-                        couples: &couples,
-                        limits,
-                    };
+                let mut found = Found { at: kept, odd: 0, counts: 0 };
+                let around =
+                    Around { place, ranges: &ranges, shifts: &shifts, couples: &couples, limits };
+                let mut odd = 0;
+                if longest < LANES as u32 {
                     // Short ranges, as most are, two at a time.
                     let short = |r: usize| ranges[r].1 | ranges[r + 1].1 < HALF as u32;
                     let mut r = 0;
@@ -235,14 +241,21 @@ impl<F: Find, const D: usize, const EACH: bool> Kernel for Sweep<'_, F, D, EACH>
                             r += 1;
                         }
                     }
-                    // Eight or more in one go, perhaps: more than are kept.
-                    odd = found.odd | found.counts & 0x18;
-                    kept = if odd == 0 { found.at } else { kept };
+                } else if vectors(&ranges[..used]) <= VECTORS {
+                    for r in 0..used {
+                        self.keep_all(w, around, r, &mut found);
+                    }
+                } else {
+                    odd = 1;
                 }
+                // Eight or more in one go, perhaps: more than are kept.
+                odd |= found.odd | found.counts & 0x18;
+                kept = if odd == 0 { found.at } else { kept };
                 if odd != 0 {
                     w.run(Careful(&mut self, place, &ranges[..used]));
                 }
-                self.scratch.ends[k] = kept as u32;
+                self.scratch.ends[many] = kept as u32;
+                many += 1;
             }
             let mut begin = 0;
             for k in 0..many {
@@ -264,6 +277,7 @@ impl<F: Find, const D: usize, const EACH: bool> Kernel for Sweep<'_, F, D, EACH>
                 begin = end;
             }
             self.sink.sure(&self.scratch.pairs[..kept]);
+            first += many;
         }
     }
 }
@@ -358,6 +372,19 @@ impl<'a, F: Find, const D: usize, const EACH: bool> Sweep<'a, F, D, EACH> {
         self.keep(w, source, valid, &query, a.limits, found);
     }
 
+    /// The same for one of any length.
+    #[inline(always)]
+    fn keep_all<W: Wide>(&mut self, w: W, a: Around<W, D>, r: usize, found: &mut Found) {
+        let query = self.query(w, a.place, &a.shifts[r]);
+        let (mut at, mut len) = a.ranges[r];
+        while len > 0 {
+            let (source, valid) = self.range((at, len.min(LANES as u32)), r);
+            self.keep(w, source, valid, &query, a.limits, found);
+            at += LANES as u32;
+            len = len.saturating_sub(LANES as u32);
+        }
+    }
+
     /// The same for two short ones.
     #[inline(always)]
     fn keep_two<W: Wide>(&mut self, w: W, a: Around<W, D>, r: usize, found: &mut Found) {
@@ -380,8 +407,8 @@ impl<'a, F: Find, const D: usize, const EACH: bool> Sweep<'a, F, D, EACH> {
     ) {
         let (near, sure) =
             test::<_, D, EACH>(w, source, valid, query, limits, self.bounds.grow, F::TURN);
-        // SAFETY: what a block keeps and four vectors of this particle are before `found.at`, and
-        // there is room for a vector more.
+        // SAFETY: at most `ENOUGH` and the lanes of nine vectors are before `found.at`, and there is
+        // room for a vector more.
         source.pack(w, near, unsafe { chunk_mut(&mut self.scratch.ids, found.at) });
         let count = near.count_ones();
         found.at += count as usize;

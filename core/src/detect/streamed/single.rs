@@ -56,9 +56,11 @@ impl<F: Find, const D: usize, const EACH: bool> Sweep<'_, F, D, EACH> {
                         // SAFETY: ranges end at the slab's `len` at the latest.
                         let of = |lane: &[f32]| unsafe { element(lane, other) };
                         let mut square = 0.0;
-                        for k in 0..D {
-                            let d = of(&slab.lanes[k]) - at[k];
-                            let d = F::TURN.filter(|_| k == 0).map_or(d, |turn| nearest(d, turn));
+                        for (k, &at) in at.iter().enumerate() {
+                            let mut d = of(&slab.lanes[k]) - at;
+                            if let (0, Some(turn)) = (k, F::TURN) {
+                                d = nearest(d, turn);
+                            }
                             square += d * d;
                         }
                         let (near, sure) =

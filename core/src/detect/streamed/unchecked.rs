@@ -7,8 +7,9 @@
 //!   ([`Slab::prepare`]), so that a vector may begin at any place of a range;
 //! * borders surround the cells that can hold particles ([`super::plan::Plan`]), so that the cells
 //!   around a particle's own, in its layer and the next, have numbers;
-//! * a particle keeps fewer than `KEPT` ids of each of at most five vectors, and the scratch has
-//!   room for a block of those and five vectors more.
+//! * what a block of particles keeps ends it before there is no room for all candidates of one
+//!   particle more, of whom there are at most ten vectors; one by one, a particle is looked at that
+//!   has no more candidates than there is room for.
 
 use super::slab::Slab;
 use crate::wide::{HALF, LANES, Wide};
