@@ -20,7 +20,8 @@ use crate::check::contender::{Answer, Expected, answer};
 use crate::check::numbers::Numbers;
 use crate::check::{Wrong, as_csv};
 use crate::contact::{Arithmetic, exact};
-use crate::detect::table::{Entry, TABLE};
+use crate::detect::spec::DetectorSpec;
+use crate::detect::table::TABLE;
 use crate::detect::{Options, Refusal};
 use crate::oracle::NoTruth;
 use crate::run::searcher::{Loaded, Searcher};
@@ -269,9 +270,15 @@ pub fn fuzz_box(data: &[u8]) {
 /// Holds every detector to the truth, with what those before have left in its buffers if they are
 /// kept.
 fn hold(scenes: &[Given], keep: bool) {
-    let fresh = |entry: &'static Entry| Searcher::new(&entry.into(), OPTIONS);
+    let fresh = |spec: &DetectorSpec| Searcher::new(spec, OPTIONS);
     let entries = TABLE.iter().filter(|entry| entry.must_be_right());
-    let mut detectors: Vec<_> = entries.map(|entry| (entry, fresh(entry))).collect();
+    let mut detectors: Vec<_> = entries
+        .flat_map(DetectorSpec::choices)
+        .map(|spec| {
+            let searcher = fresh(&spec);
+            (spec, searcher)
+        })
+        .collect();
     for given in scenes {
         let shown = || match &given.lattice {
             Some(lattice) => format!("{lattice:?}\n{}", as_csv(&given.scene)),
@@ -280,9 +287,10 @@ fn hold(scenes: &[Given], keep: bool) {
         for arithmetic in Arithmetic::ALL {
             let Ok(stored) = Loaded::new(given, arithmetic) else { continue };
             let truth = truth(&stored, arithmetic, OPTIONS.memory_limit);
-            for (entry, searcher) in &mut detectors {
+            for (spec, searcher) in &mut detectors {
+                let entry = spec.entry;
                 if !keep {
-                    *searcher = fresh(entry);
+                    *searcher = fresh(spec);
                 }
                 let expected = truth.as_ref().map_or(Expected::default(), Expected::from);
                 let answer = answer(searcher, &stored, arithmetic, expected);
@@ -297,7 +305,7 @@ fn hold(scenes: &[Given], keep: bool) {
                         }
                         _ => !entry.is_ours(),
                     };
-                    assert!(promised, "{} refuses: {refusal}\n{}", entry.name, shown());
+                    assert!(promised, "{spec} refuses: {refusal}\n{}", shown());
                 }
                 let wrong = match (answer, &truth) {
                     (answer, Ok(truth)) => answer
@@ -315,20 +323,14 @@ fn hold(scenes: &[Given], keep: bool) {
                     ) if given.lattice.is_some() => None,
                     (_, Err(error)) => {
                         panic!(
-                            "{} with {} arithmetic answers, but {error}:\n{}",
-                            entry.name,
+                            "{spec} with {} arithmetic answers, but {error}:\n{}",
                             arithmetic.name(),
                             shown()
                         )
                     }
                 };
                 if let Some(wrong) = wrong {
-                    panic!(
-                        "{} with {} arithmetic: {wrong}\n{}",
-                        entry.name,
-                        arithmetic.name(),
-                        shown()
-                    );
+                    panic!("{spec} with {} arithmetic: {wrong}\n{}", arithmetic.name(), shown());
                 }
             }
         }

@@ -53,7 +53,7 @@ fn detectors_neither_lose_nor_add_nor_repeat_a_couple_on_the_borders_of_cells() 
 
 #[test]
 fn detectors_in_boxes_neither_lose_nor_add_nor_repeat_a_couple() {
-    let lines = boxes(Plan { pairs: 10 * PLAN.pairs, ..PLAN });
+    let lines = boxes(Plan { pairs: 20 * PLAN.pairs, ..PLAN });
     let sum = total(&lines);
     assert_eq!(sum.errors(), 0, "\n{}", table(&lines));
     for line in &lines {

@@ -30,6 +30,24 @@ impl DetectorSpec {
         (self.entry.constructor)(&self.params, options)
     }
 
+    /// The detector as it is, and once more for every choice in words that one of its parameters
+    /// offers instead: every form of its code. Instructions that the processor lacks are left out.
+    pub fn choices(entry: &'static Entry) -> Vec<DetectorSpec> {
+        let lacks = |parameter: &str, value: &str| {
+            parameter == "level" && Level::all().iter().all(|level| level.name() != value)
+        };
+        let mut choices = vec![DetectorSpec::from(entry)];
+        for parameter in entry.parameters {
+            let words =
+                parameter.values.iter().skip(1).filter(|value| value.parse::<f64>().is_err());
+            for &value in words.filter(|value| !lacks(parameter.name, value)) {
+                let params = Params::from([(parameter.name.into(), value.into())]);
+                choices.push(DetectorSpec { entry, params });
+            }
+        }
+        choices
+    }
+
     /// The vector instructions that it uses: `avx512`, `avx2` or `portable`; none of a detector
     /// that is compiled in one form, for every processor.
     pub fn level(&self) -> Option<&str> {

@@ -14,6 +14,7 @@ use std::cmp::Ordering;
 use contactbench::contact::Test;
 use contactbench::detect::Options;
 use contactbench::detect::any::AnyDetector;
+use contactbench::detect::spec::DetectorSpec;
 use contactbench::detect::table::{Role, TABLE};
 use contactbench::probe::{Op, Tally};
 use contactbench::scene::{AnyScene, Radii, Scene};
@@ -45,8 +46,8 @@ pub fn couples<const D: usize>() -> u64 {
     sites::<D>(false).pow(D as u32) as u64
 }
 
-/// Detectors that must be right; the twin is the same code again.
-pub fn detectors(small: bool) -> Vec<(&'static str, Box<dyn AnyDetector>)> {
+/// Detectors that must be right, in every form of their code; the twin is the same code again.
+pub fn detectors(small: bool) -> Vec<(String, Box<dyn AnyDetector>)> {
     TABLE
         .iter()
         .filter(|entry| {
@@ -54,7 +55,8 @@ pub fn detectors(small: bool) -> Vec<(&'static str, Box<dyn AnyDetector>)> {
                 && !matches!(entry.role, Role::Twin(_))
                 && (small || entry.name != "direct")
         })
-        .map(|entry| (entry.name, entry.make(Options::default())))
+        .flat_map(DetectorSpec::choices)
+        .map(|spec| (spec.to_string(), spec.make(Options::default())))
         .collect()
 }
 
