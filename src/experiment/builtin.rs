@@ -20,6 +20,7 @@ pub const FILES: &[(&str, &str)] = &[
     ("speed-error", include_str!("../../experiments/speed-error.toml")),
     ("hard-cases", include_str!("../../experiments/hard-cases.toml")),
     ("vectors", include_str!("../../experiments/vectors.toml")),
+    ("speed", include_str!("../../experiments/speed.toml")),
     ("sizes", include_str!("../../experiments/sizes.toml")),
     ("sizes-million", include_str!("../../experiments/sizes-million.toml")),
     ("periodic", include_str!("../../experiments/periodic.toml")),
