@@ -51,8 +51,8 @@ pub struct Contacts<const D: usize> {
 }
 
 impl<const D: usize> Contacts<D> {
-    /// With these limits: memory, and threads of rayon's global pool to be used from some ten
-    /// thousand particles on.
+    /// With these limits: memory, and threads of rayon's global pool to be used from 30,000
+    /// particles on.
     pub fn new(options: Options) -> Contacts<D> {
         let detector = table::streamed_nbs(options);
         Contacts { detector, centres: Vec::new(), pairs: Vec::new() }

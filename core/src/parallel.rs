@@ -22,27 +22,39 @@ pub fn share(count: usize, shares: usize, k: usize) -> Range<usize> {
     k * count / shares..(k + 1) * count / shares
 }
 
-/// Calls `work` with every item and its place, side by side on rayon's threads; on this thread if
-/// there is one item.
+/// Calls `work` with every item and its place, side by side on this thread and rayon's; on this
+/// thread alone if there is one item.
 pub fn for_each<A: Send>(items: &mut [A], work: impl Fn(usize, &mut A) + Sync) {
+    for_each_by(items.len(), items, work);
+}
+
+/// The same by at most so many threads.
+fn for_each_by<A: Send>(threads: usize, items: &mut [A], work: impl Fn(usize, &mut A) + Sync) {
     if let [item] = items {
         return work(0, item);
     }
     // Locks that nobody waits for: each is taken once.
     let items: Vec<Mutex<&mut A>> = items.iter_mut().map(Mutex::new).collect();
-    run(items.len(), &|k| work(k, &mut items[k].lock().unwrap_or_else(PoisonError::into_inner)));
+    run(items.len(), threads, &|k| {
+        work(k, &mut items[k].lock().unwrap_or_else(PoisonError::into_inner))
+    });
 }
 
 /// This thread takes shares, too, and begins at once: a thread that sleeps takes longer to wake
-/// than a small scene takes. Who is late finds nothing left.
-fn run(shares: usize, work: &(dyn Fn(usize) + Sync)) {
+/// than a small scene takes. Who is late finds nothing left; the call still waits until each has
+/// looked.
+fn run(shares: usize, threads: usize, work: &(dyn Fn(usize) + Sync)) {
     let next = AtomicUsize::new(0);
     let take = || {
-        while let Some(k) = Some(next.fetch_add(1, Relaxed)).filter(|&k| k < shares) {
+        loop {
+            let k = next.fetch_add(1, Relaxed);
+            if k >= shares {
+                break;
+            }
             work(k);
         }
     };
-    let helpers = rayon::current_num_threads().min(shares).saturating_sub(1);
+    let helpers = rayon::current_num_threads().min(shares).min(threads).saturating_sub(1);
     rayon::in_place_scope(|scope| {
         (0..helpers).for_each(|_| scope.spawn(|_| take()));
         take();
@@ -63,7 +75,7 @@ pub fn contacts(
     let shares = if threads > 1 { (SHARES_PER_THREAD * threads).min(count).max(1) } else { 1 };
     let allowance = Allowance::new(limit);
     let mut found: Vec<_> = (0..shares).map(|_| PairList::new(&allowance)).collect();
-    for_each(&mut found, |k, pairs| work(share(count, shares, k), pairs));
+    for_each_by(threads, &mut found, |k, pairs| work(share(count, shares, k), pairs));
     pair_list::lists(found, particles)
 }
 

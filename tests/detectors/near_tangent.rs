@@ -41,7 +41,7 @@ fn the_contact_test_is_right_on_every_family() {
 
 #[test]
 fn detectors_neither_lose_nor_add_nor_repeat_a_couple_on_the_borders_of_cells() {
-    let lines = detectors(PLAN);
+    let lines = detectors(Plan { pairs: 2 * PLAN.pairs, ..PLAN });
     let sum = total(&lines);
     assert_eq!(sum.errors(), 0, "\n{}", table(&lines));
     assert!(
@@ -74,9 +74,10 @@ fn detectors_in_boxes_neither_lose_nor_add_nor_repeat_a_couple() {
 #[test]
 fn rounded_decisions_are_found_out() {
     let plan = Plan { pairs: 10_000, test: Test::Rounded, ..PLAN };
-    let (predicate, detectors) = (total(&predicate(plan)), total(&detectors(plan)));
+    let (predicate, detectors) =
+        (total(&predicate(plan)), total(&detectors(Plan { pairs: 2 * plan.pairs, ..plan })));
     assert!(predicate.get(What::Missed) > 500 && predicate.get(What::Spurious) > 500);
     assert!(detectors.get(What::Missed) > 20 && detectors.get(What::Spurious) > 500);
-    let boxes = total(&boxes(Plan { pairs: 10 * plan.pairs, ..plan }));
+    let boxes = total(&boxes(Plan { pairs: 20 * plan.pairs, ..plan }));
     assert!(boxes.get(What::Missed) > 20 && boxes.get(What::Spurious) > 500);
 }

@@ -4,7 +4,7 @@
 use contactbench::contact::{Arithmetic, Bodies, Test};
 use contactbench::detect::any::{DetectorOfAll, run, run_stored};
 use contactbench::detect::book::direct::Direct;
-use contactbench::detect::streamed::{Form, Streamed};
+use contactbench::detect::streamed::{FEWEST_FOR_THREADS, Form, Streamed};
 use contactbench::detect::{Declare, Detector, Options, Refusal};
 use contactbench::probe::{Op, Probe, Silent, Tally};
 use contactbench::scene::spec::Spec;
@@ -119,20 +119,15 @@ fn heaps_of_any_height() {
     }
 }
 
-/// A lattice of small bodies and a large one far away from all: few cells, and most particles in
-/// one bundle.
-fn one_bundle(dim: usize) -> AnyScene<'static> {
-    let n = 160 * 160;
-    let radii = (0..=n).map(|k| if k == n { 100.0 } else { 0.001 }).collect::<Vec<f64>>();
-    let place =
-        |k: i32| if k == n { [-300.0; 2] } else { [f64::from(k % 160), f64::from(k / 160)] };
-    if dim == 2 {
-        let centres: Vec<_> = (0..=n).map(|k| nalgebra::Point::from(place(k))).collect();
-        Scene::new(centres, Radii::Each(radii.into())).unwrap().into()
-    } else {
-        let centres: Vec<_> =
-            (0..=n).map(|k| nalgebra::Point::from([place(k)[0], place(k)[1], 0.0])).collect();
-        Scene::new(centres, Radii::Each(radii.into())).unwrap().into()
+/// Crowds in which a quarter of all others are in touch, at four corners of a cube: a few particles
+/// fill the room for neighbours, with as many vectors of candidates as are kept, and one more.
+#[test]
+fn rooms_that_are_filled() {
+    let corners = [[0.0, 0.0, 0.0], [0.9, 0.9, 0.0], [0.9, 0.0, 0.9], [0.0, 0.9, 0.9]];
+    for n in [60, 159, 160, 161, 162, 176, 177, 700, 2800] {
+        let centres: Vec<_> = (0..n).map(|k| nalgebra::Point::from(corners[k % 4])).collect();
+        let scene = Scene::new(centres, Radii::Uniform(0.5)).unwrap();
+        compare(&format!("{n} at four corners"), &Stored::F64(scene), Test::Exact);
     }
 }
 
@@ -198,30 +193,30 @@ fn textbook_loses_nothing() {
     assert_eq!(digest, Digest::from_pairs(&[[0, 1]]));
 }
 
+/// In 2D and 3D, with one radius and with one each, also with more threads than bundles, and in
+/// buffers that held another scene.
 #[test]
 fn threads_find_the_same() {
-    for text in ["packed:dim=3,n=20000", "loose:n=15000", "clustered:dim=3,n=12000,size-ratio=2"] {
-        let scene = Spec::parse(text).and_then(|spec| spec.make()).unwrap();
+    let n = FEWEST_FOR_THREADS;
+    for text in ["packed:dim=3", "packed:dim=3,size-ratio=1.2", "loose:dim=2", "clustered:dim=2"] {
+        let make = |text: &str| Spec::parse(text).and_then(|spec| spec.make()).unwrap();
+        let scene = make(&format!("{text},n={}", n + 2_000));
+        assert!(scene.len() >= n, "{text} is for one thread");
+        let other = make(&format!("loose:dim={},n={n},seed=2", scene.dim()));
         let table = contactbench::detect::table::find(NAME).unwrap();
-        let digests = [1, 2, 3, 7].map(|threads| {
+        let digests = [1, 2, 3, 20].map(|threads| {
             let mut detector = table.make(Options { threads, ..Options::default() });
             let mut pairs = vec![[9, 9]];
             detector.list(&scene, Test::Exact, &mut pairs).unwrap();
             assert_eq!(pairs[0], [9, 9], "what was in the list stays");
-            // Once more after a scene with more contacts and fewer bundles than threads.
-            let flat = one_bundle(scene.dim());
-            let mut few = Vec::new();
-            detector.list(&flat, Test::Exact, &mut few).unwrap();
-            assert_eq!(
-                Digest::from_pairs(&few),
-                Digest::from_pairs(&[]),
-                "{threads} threads, after {text}"
-            );
+            let first = Digest::from_pairs(&pairs[1..]);
+            detector.list(&other, Test::Exact, &mut Vec::new()).unwrap();
             pairs.truncate(1);
             detector.list(&scene, Test::Exact, &mut pairs).unwrap();
-            Digest::from_pairs(&pairs[1..])
+            [first, Digest::from_pairs(&pairs[1..])]
         });
-        assert!(digests.iter().all(|&digest| digest == digests[0]), "{text}: {digests:?}");
+        let same = digests.iter().flatten().all(|digest| *digest == digests[0][0]);
+        assert!(same && digests[0][0].contacts > 1_000, "{text}: {digests:?}");
     }
 }
 

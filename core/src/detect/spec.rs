@@ -8,6 +8,9 @@ use super::table::{self, Entry, Parameter, Params};
 use super::{Options, peers};
 use crate::wide::Level;
 
+/// The parameter that chooses vector instructions.
+const LEVEL: &str = "level";
+
 /// A detector of the table and values for its parameters.
 ///
 /// Its text ([`fmt::Display`]) is the normal form, which stands in records: the name, then the
@@ -30,19 +33,25 @@ impl DetectorSpec {
         (self.entry.constructor)(&self.params, options)
     }
 
-    /// The detector as it is, and once more for every choice in words that one of its parameters
-    /// offers instead: every form of its code. Instructions that the processor lacks are left out.
+    /// The detector as it is, and with every other word that one of its parameters may have; all
+    /// of these once more with the other instructions that the processor has.
     pub fn choices(entry: &'static Entry) -> Vec<DetectorSpec> {
-        let lacks = |parameter: &str, value: &str| {
-            parameter == "level" && Level::all().iter().all(|level| level.name() != value)
+        let with = |spec: &DetectorSpec, name: &str, value: &str| {
+            let mut params = spec.params.clone();
+            params.insert(name.into(), value.into());
+            DetectorSpec { entry, params }
         };
-        let mut choices = vec![DetectorSpec::from(entry)];
-        for parameter in entry.parameters {
-            let words =
-                parameter.values.iter().skip(1).filter(|value| value.parse::<f64>().is_err());
-            for &value in words.filter(|value| !lacks(parameter.name, value)) {
-                let params = Params::from([(parameter.name.into(), value.into())]);
-                choices.push(DetectorSpec { entry, params });
+        let plain = DetectorSpec::from(entry);
+        let mut choices = vec![plain.clone()];
+        for parameter in entry.parameters.iter().filter(|parameter| parameter.name != LEVEL) {
+            let others = parameter.values.iter().skip(1);
+            let words = others.filter(|value| value.parse::<f64>().is_err());
+            choices.extend(words.map(|value| with(&plain, parameter.name, value)));
+        }
+        if plain.level().is_some() {
+            let forms = choices.clone();
+            for level in &Level::all()[1..] {
+                choices.extend(forms.iter().map(|form| with(form, LEVEL, level.name())));
             }
         }
         choices
@@ -51,8 +60,8 @@ impl DetectorSpec {
     /// The vector instructions that it uses: `avx512`, `avx2` or `portable`; none of a detector
     /// that is compiled in one form, for every processor.
     pub fn level(&self) -> Option<&str> {
-        self.entry.parameters.iter().find(|parameter| parameter.name == "level")?;
-        Some(self.params.get("level").map_or_else(|| Level::best().name(), String::as_str))
+        self.entry.parameters.iter().find(|parameter| parameter.name == LEVEL)?;
+        Some(self.params.get(LEVEL).map_or_else(|| Level::best().name(), String::as_str))
     }
 }
 
@@ -234,6 +243,20 @@ fn takes(entry: &Entry) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Every word once, and all forms on all levels; numbers are no forms.
+    #[test]
+    fn choices_are_every_form_of_the_code() {
+        let of = |name| DetectorSpec::choices(table::find(name).unwrap());
+        let texts = |name| of(name).iter().map(DetectorSpec::to_string).collect::<Vec<_>>();
+        assert_eq!(texts("direct"), ["direct"]);
+        assert_eq!(texts("hgrid"), ["hgrid", "hgrid:ratio=one-level", "hgrid:levels=optimal"]);
+        let forms = ["", "form=dense", "form=flat", "form=sparse"];
+        assert_eq!(of("streamed-nbs").len(), forms.len() * Level::all().len());
+        for text in texts("streamed-nbs").into_iter().chain(texts("nbs")) {
+            assert_eq!(parse(&text).unwrap().to_string(), text);
+        }
+    }
 
     #[test]
     fn the_normal_form_is_sorted_without_defaults_and_parses_to_itself() {

@@ -174,7 +174,7 @@ impl<'a, T: Real, const D: usize> Scene<'a, T, D> {
         match &self.radii {
             Radii::Uniform(r) => *r,
             Radii::Each(radii) => {
-                extremes(radii.len(), |k| radii[k]).map_or(T::default(), |(_, r)| r)
+                extremes(radii.len(), |k| radii[k]).map_or(T::default(), |(_, largest)| largest)
             }
         }
     }
@@ -298,6 +298,23 @@ fn power_of_two(x: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Wherever they are: in any turn, and in what is left.
+    #[test]
+    fn extremes_are_the_smallest_and_the_largest() {
+        assert_eq!(extremes(0, |_| 1.0), None);
+        for n in 1..20 {
+            for (least, largest) in (0..n).flat_map(|a| (0..n).map(move |b| (a, b))) {
+                let at = |k: usize| match k {
+                    k if k == largest => 9.0,
+                    k if k == least => 1.0,
+                    _ => 5.0,
+                };
+                let least = if n == 1 || least == largest { at((largest + 1) % n) } else { 1.0 };
+                assert_eq!(extremes(n, at), Some((least, 9.0)), "{n}");
+            }
+        }
+    }
 
     #[test]
     fn what_cells_cannot_hold_is_refused_and_the_rest_is_not() {

@@ -39,7 +39,7 @@ pub(super) const STEPS_OFF: f64 = 2.1;
 /// lose more than loose ones gain.
 pub(super) const CELLS_PER_PARTICLE: f64 = 3.0;
 /// Measured: so many bodies in a column of a flat grid, in 2D and in 3D, are one or two vectors of
-/// candidates.
+/// candidates in each range.
 const COLUMN: [f64; 2] = [8.5, 8.0];
 /// Columns per body in a flat grid, at most: where bodies are few, caches hold more of them.
 const COLUMNS_PER_BODY: f64 = 6.0;

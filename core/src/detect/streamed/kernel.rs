@@ -1,6 +1,6 @@
 //! The sweep: every particle of a slab against the few ranges of particles that can touch it
-//! ([`super::ranges`]), sixteen at a time. Most ranges hold fewer than eight particles: where all
-//! do, ranges 0 and 1 are tested in one go, and 2 and 3. Where vectors are made of narrow registers,
+//! ([`super::ranges`]), sixteen at a time. Most ranges hold fewer than eight particles: ranges 0
+//! and 1 are then tested in one go, and 2 and 3. Where one holds sixteen and more, each is gone through. Where vectors are made of narrow registers,
 //! candidates are looked at one by one ([`super::single`]).
 //!
 //! **Bounds.** Let D be the true distance of two particles in steps and d the one computed here.

@@ -11,7 +11,7 @@
 //! 2. Bundle after bundle is sorted by cell, by counting, into one array per coordinate.
 //! 3. Each particle is tested against the rest of its cell and the cell beside it, the three cells
 //!    in front in the next row, and the nine in the next layer: five contiguous ranges (two in 2D),
-//!    sixteen particles in one go, in f32.
+//!    sixteen particles in one go, in f32; one by one where registers are narrow (`single.rs`).
 //! 4. What f32 cannot decide, some pairs in ten thousand contacts, is left to the contact test; see
 //!    `kernel.rs` for the bounds.
 //!
@@ -33,7 +33,7 @@
 //!   classes of sizes: the lists of each, and two bundles that hold the largest of any. In the
 //!   sparse form: 24N, 32N with radii, and two layers. Some 9 KiB of working space per thread. With
 //!   several threads: bundles for each, and the contacts, 8 bytes each in lists of twice the length
-//!   at most; then a warm call allocates the list of shares.
+//!   at most; then a warm call allocates what shares the work.
 //! * Refuses scenes of 2^31 cells and more along an axis in the sparse form, extents
 //!   that overflow, and more than 2^31 - 1 particles.
 //! * Threads: in the dense form, from 30,000 particles on; one where there are classes of sizes.
@@ -76,7 +76,7 @@ use crate::wide::Level;
 
 const NAME: &str = "streamed-nbs";
 /// Fewer particles are not worth a second thread.
-const FEWEST_FOR_THREADS: usize = 30_000;
+pub const FEWEST_FOR_THREADS: usize = 30_000;
 
 /// The modern NBS, in `D` dimensions.
 pub struct Streamed<const D: usize> {

@@ -3,10 +3,15 @@
 use super::unchecked::Source;
 use crate::wide::Wide;
 
+/// 1.5·2^23: added to a small number and taken away again, it leaves the nearest whole number.
+const WHOLE: f32 = 12_582_912.0;
+/// Half a step less, so that an inner bound of nothing holds nobody.
+const SPARE: f32 = 0.5;
+
 /// What a particle is compared with in one range.
 pub(super) struct Query<W: Wide, const D: usize> {
     pub at: [W::Floats; D],
-    /// With [`Bounds::grow`], where each particle has its own.
+    /// With [`Bounds::grow`](super::kernel::Bounds), where each particle has its own.
     pub radius: W::Floats,
 }
 
@@ -18,12 +23,11 @@ pub(super) struct Limits<W: Wide> {
 }
 
 impl<W: Wide> Limits<W> {
-    /// For this sum of radii and [`Bounds::grow`].
+    /// For this sum of radii and [`Bounds::grow`](super::kernel::Bounds).
     #[inline(always)]
     pub fn new(w: W, outer: W::Floats, grow: f32) -> Limits<W> {
         let inner = w.max(w.sub(outer, w.all(2.0 * grow)), w.all(0.0));
-        // Half a step less, so that an inner bound of nothing holds nobody.
-        Limits { near: w.mul(outer, outer), sure: w.mul_add(inner, inner, w.all(-0.5)) }
+        Limits { near: w.mul(outer, outer), sure: w.mul_add(inner, inner, w.all(-SPARE)) }
     }
 }
 
@@ -43,8 +47,7 @@ pub(super) fn test<W: Wide, const D: usize, const EACH: bool>(
     for k in 0..D {
         let mut d = w.sub(source.load(w, |slab| &slab.lanes[k]), query.at[k]);
         if let (0, Some(turn)) = (k, turn) {
-            // The nearest whole number of turns: 1.5·2^23 leaves no fraction.
-            let whole = w.all(12_582_912.0);
+            let whole = w.all(WHOLE);
             let turns = w.sub(w.add(w.mul(d, w.all(1.0 / turn)), whole), whole);
             d = w.sub(d, w.mul(turns, w.all(turn)));
         }
@@ -57,4 +60,60 @@ pub(super) fn test<W: Wide, const D: usize, const EACH: bool>(
     };
     let near = w.at_most(square, limits.near) & valid;
     (near, w.at_most(square, limits.sure) & near)
+}
+
+/// [`Limits`] of one particle: near enough to ask, and sure to touch.
+#[inline(always)]
+pub(super) fn limits(outer: f32, grow: f32) -> (f32, f32) {
+    let inner = (outer - 2.0 * grow).max(0.0);
+    (outer * outer, inner * inner - SPARE)
+}
+
+/// A difference along x where coordinates begin again after every turn: the nearest, as in [`test`].
+#[inline(always)]
+pub(super) fn nearest(d: f32, turn: f32) -> f32 {
+    d - (d * (1.0 / turn) + WHOLE - WHOLE) * turn
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::wide::{Kernel, Level};
+
+    /// The scalar limits are those of the vectors: what is at them is within, the next number not.
+    #[test]
+    fn one_and_sixteen_have_the_same_limits() {
+        struct Same(f32, f32);
+        impl Kernel for Same {
+            type Output = ();
+            #[inline(always)]
+            fn run<W: Wide>(self, w: W) {
+                let Same(outer, grow) = self;
+                let (near, sure) = limits(outer, grow);
+                let all = Limits::new(w, w.all(outer), grow);
+                for (one, all) in [(near, all.near), (sure, all.sure)] {
+                    let within = |x: f32| w.at_most(w.all(x), all);
+                    // A fused step may round otherwise.
+                    let (below, above) = (one - 1e-6 * one.abs(), one + 1e-6 * one.abs());
+                    assert_eq!(
+                        [within(below), within(above.next_up())],
+                        [0xffff, 0],
+                        "{outer} {grow}"
+                    );
+                }
+            }
+        }
+        for level in Level::all() {
+            for outer in [0.25, 3.0, 17.5, 1e6] {
+                for grow in [0.0, 0.1, 1.5, 40.0] {
+                    level.run(Same(outer, grow));
+                }
+            }
+        }
+        assert_eq!(limits(3.0, 1.0), (9.0, 0.5));
+        assert_eq!(limits(1.0, 1.0), (1.0, -0.5));
+        for (d, expected) in [(3.0, 3.0), (509.0, -3.0), (-1021.0, 3.0), (0.0, 0.0)] {
+            assert_eq!(nearest(d, 512.0), expected);
+        }
+    }
 }

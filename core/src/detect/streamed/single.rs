@@ -2,22 +2,10 @@
 //! range. Bounds and results are those of [`super::kernel`].
 
 use super::kernel::{Careful, ROOM, Sweep};
+use super::near::{limits, nearest};
 use super::ranges::{Find, ranges_used};
 use super::unchecked::{element, element_mut};
 use crate::wide::Wide;
-
-/// Squares of distances up to which a particle is near enough to ask, and touches for sure: as
-/// [`super::near::Limits`].
-fn limits(outer: f32, grow: f32) -> (f32, f32) {
-    let inner = (outer - 2.0 * grow).max(0.0);
-    (outer * outer, inner * inner - 0.5)
-}
-
-/// The nearest of places that come again after every turn: see [`super::near::test`].
-fn nearest(d: f32, turn: f32) -> f32 {
-    let whole = 12_582_912.0;
-    d - turn * (d * (1.0 / turn) + whole - whole)
-}
 
 impl<F: Find, const D: usize, const EACH: bool> Sweep<'_, F, D, EACH> {
     /// Runs it. A particle with a pair that only the contact test can decide, or with more

@@ -7,9 +7,9 @@
 //!   ([`Slab::prepare`]), so that a vector may begin at any place of a range;
 //! * borders surround the cells that can hold particles ([`super::plan::Plan`]), so that the cells
 //!   around a particle's own, in its layer and the next, have numbers;
-//! * what a block of particles keeps ends it before there is no room for all candidates of one
-//!   particle more, of whom there are at most ten vectors; one by one, a particle is looked at that
-//!   has no more candidates than there is room for.
+//! * a block of particles ends while there is still room for all candidates of one more, at most
+//!   ten vectors; the sweep of one candidate after the other leaves a particle that has more of
+//!   them than there is room for to the careful form.
 
 use super::slab::Slab;
 use crate::wide::{HALF, LANES, Wide};
