@@ -59,9 +59,9 @@ fn touch<T: Real, const D: usize>(scene: &Scene<'_, T, D>, i: usize, j: usize) -
 }
 
 /// Might particles touch `each` others or more in the mean? Asks random couples, the same in each
-/// call: so many that six would touch. If they do, fewer than three of these couples touch once in 16
-/// times, and once in 2,000 where they touch twice as many others; a list then ends at its limit. Yes where that takes too many couples,
-/// or where there are few particles.
+/// call: so many that six would touch. If they do, fewer than three of these couples touch once in
+/// 16 times, and once in 2,000 where they touch twice as many others; a list then ends at its limit.
+/// Yes where that takes too many couples, or where there are few particles.
 fn might_touch(scene: &AnyScene<'_>, each: f64) -> bool {
     const EXPECTED: f64 = 6.0;
     const ENOUGH: usize = 3;
@@ -132,8 +132,8 @@ mod tests {
         assert!((200.0..320.0).contains(&crowd.least) && crowd.mean < 320.0, "{crowd:?}");
     }
 
-    /// A pack of four neighbours is not compared with all because some couple touches by chance, and
-    /// one of 300 is, where 100 are the limit.
+    /// A pack of four neighbours is not compared with all because some couple touches by chance,
+    /// and one of 300 is, where 100 are the limit.
     #[test]
     fn couples_tell_packs_from_crowds() {
         let lattice = |k: u32| [f64::from(k % 64), f64::from(k / 64)];

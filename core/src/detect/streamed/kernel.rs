@@ -1,7 +1,8 @@
 //! The sweep: every particle of a slab against the few ranges of particles that can touch it
 //! ([`super::ranges`]), sixteen at a time. Most ranges hold fewer than eight particles: ranges 0
-//! and 1 are then tested in one go, and 2 and 3. Where one holds sixteen and more, each is gone through. Where vectors are made of narrow registers,
-//! candidates are looked at one by one ([`super::single`]).
+//! and 1 are then tested in one go, and 2 and 3. Where one holds sixteen and more, each is gone
+//! through. Where vectors are made of narrow registers, candidates are looked at one by one
+//! ([`super::single`]).
 //!
 //! **Bounds.** Let D be the true distance of two particles in steps and d the one computed here.
 //! Coordinates differ from the true differences by at most [`STEPS_OFF`] along each axis; x is
@@ -407,8 +408,8 @@ impl<'a, F: Find, const D: usize, const EACH: bool> Sweep<'a, F, D, EACH> {
     ) {
         let (near, sure) =
             test::<_, D, EACH>(w, source, valid, query, limits, self.bounds.grow, F::TURN);
-        // SAFETY: at most `ENOUGH` and the lanes of nine vectors are before `found.at`, and there is
-        // room for a vector more.
+        // SAFETY: at most `ENOUGH` and the lanes of nine vectors are before `found.at`, and there
+        // is room for a vector more.
         source.pack(w, near, unsafe { chunk_mut(&mut self.scratch.ids, found.at) });
         let count = near.count_ones();
         found.at += count as usize;

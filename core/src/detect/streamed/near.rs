@@ -69,7 +69,8 @@ pub(super) fn limits(outer: f32, grow: f32) -> (f32, f32) {
     (outer * outer, inner * inner - SPARE)
 }
 
-/// A difference along x where coordinates begin again after every turn: the nearest, as in [`test`].
+/// A difference along x where coordinates begin again after every turn: the nearest, as in
+/// [`test`].
 #[inline(always)]
 pub(super) fn nearest(d: f32, turn: f32) -> f32 {
     d - (d * (1.0 / turn) + WHOLE - WHOLE) * turn

@@ -147,7 +147,8 @@ fn a_giant_costs_what_is_around_it() {
     let count = |giants: &[f64], op| {
         let scene: AnyScene<'_> = scene::<3>(dusty(giants, |_| 0.25), 10.0).into();
         let mut tally = Tally::default();
-        table::find("streamed-nbs")
+        // Without giants there would be columns, classes have cells.
+        table::parse("streamed-nbs:form=dense")
             .unwrap()
             .make(Options::default())
             .count(&scene, Test::Exact, &mut tally, &mut Digest::default())
