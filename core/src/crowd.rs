@@ -60,8 +60,8 @@ fn touch<T: Real, const D: usize>(scene: &Scene<'_, T, D>, i: usize, j: usize) -
 
 /// Might particles touch `each` others or more in the mean? Asks random couples, the same in each
 /// call: so many that six would touch. If they do, fewer than three of these couples touch once in
-/// 16 times, and once in 2,000 where they touch twice as many others; a list then ends at its limit.
-/// Yes where that takes too many couples, or where there are few particles.
+/// 16 times, and once in 2,000 where they touch twice as many; a list then ends at its limit. Yes
+/// where that takes too many couples, or where there are few particles.
 fn might_touch(scene: &AnyScene<'_>, each: f64) -> bool {
     const EXPECTED: f64 = 6.0;
     const ENOUGH: usize = 3;
