@@ -5,12 +5,15 @@
 //! place, until those that belong together fit a cache. Those are counted by their first index, and
 //! only the second indices of each, a handful, are compared.
 
+use crate::parallel;
 use crate::radix::{DIGIT, part};
 use crate::refusal::reserve;
 use crate::wide::{Kernel, Level, Wide};
 
 /// Fewer are compared with each other.
 const FEW: usize = 1024;
+/// Fewer are sorted by one thread.
+const FEW_FOR_THREADS: usize = 1 << 17;
 /// Bits of the first indices that are counted, at most and by choice.
 const COUNTED: u32 = 14;
 const WELL_COUNTED: u32 = 12;
@@ -20,10 +23,41 @@ const TOGETHER: usize = 1 << 16;
 /// Each pair with the smaller index first, the pairs in ascending order: the form in which lists
 /// are written and compared.
 pub fn normalise(pairs: &mut [[u32; 2]]) {
+    normalise_by(1, pairs);
+}
+
+/// The same by at most so many threads, if there are many pairs.
+pub fn normalise_by(threads: usize, pairs: &mut [[u32; 2]]) {
     let most = Level::best().run(Turn(pairs));
-    let mut room = Room::default();
-    match pairs.len() > FEW && room.is_made() {
-        true => sort(pairs, u32::BITS - most.leading_zeros(), &mut room),
+    let bits = u32::BITS - most.leading_zeros();
+    if threads == 1 || pairs.len() <= FEW_FOR_THREADS || bits <= WELL_COUNTED {
+        return sort_in(&mut Room::default(), pairs, bits);
+    }
+    let (digit, ends) = parts(pairs, bits);
+    let ends = &ends[..1 << digit];
+    let count = (parallel::SHARES_PER_THREAD * threads).min(ends.len());
+    let (mut shares, mut rest, mut begin) = (Vec::new(), pairs, 0);
+    for share in 0..count {
+        let ends = &ends[parallel::share(ends.len(), count, share)];
+        let Some(&end) = ends.last() else { continue };
+        let (pairs, after) = rest.split_at_mut(end - begin);
+        shares.push((Room::default(), pairs, begin, ends));
+        (rest, begin) = (after, end);
+    }
+    parallel::for_each(&mut shares, |_, (room, pairs, begin, ends)| {
+        let mut from = 0;
+        for end in ends.iter().map(|end| end - *begin) {
+            sort_in(room, &mut pairs[from..end], bits - digit);
+            from = end;
+        }
+    });
+}
+
+/// Sorts pairs whose first indices differ in the last `bits` bits at most; makes the room, if it
+/// has to be and can be.
+fn sort_in(room: &mut Room, pairs: &mut [[u32; 2]], bits: u32) {
+    match pairs.len() > FEW && (!room.places.is_empty() || room.is_made()) {
+        true => sort(pairs, bits, room),
         false => pairs.sort_unstable(),
     }
 }
@@ -78,14 +112,20 @@ fn sort(pairs: &mut [[u32; 2]], bits: u32, room: &mut Room) {
             _ => count(pairs, bits, room),
         };
     }
-    let digit = if bits > WELL_COUNTED { bits - WELL_COUNTED } else { bits }.min(DIGIT);
-    let (shift, last) = (bits - digit, (1 << digit) - 1);
-    let ends = part(pairs, digit, |pair| (pair[0] >> shift) as usize & last);
+    let (digit, ends) = parts(pairs, bits);
     let mut begin = 0;
     for &end in &ends[..1 << digit] {
-        sort(&mut pairs[begin..end], shift, room);
+        sort(&mut pairs[begin..end], bits - digit, room);
         begin = end;
     }
+}
+
+/// Parts pairs whose first indices differ in the last `bits` bits at most by leading ones; tells
+/// by how many, and where the parts end.
+fn parts(pairs: &mut [[u32; 2]], bits: u32) -> (u32, [usize; 1 << DIGIT]) {
+    let digit = if bits > WELL_COUNTED { bits - WELL_COUNTED } else { bits }.min(DIGIT);
+    let (shift, last) = (bits - digit, (1 << digit) - 1);
+    (digit, part(pairs, digit, |pair| (pair[0] >> shift) as usize & last))
 }
 
 /// Sorts pairs that fit the room.
@@ -157,9 +197,13 @@ mod tests {
                     let mut sorted = pairs.clone();
                     sorted.iter_mut().for_each(|pair| pair.sort_unstable());
                     sorted.sort_unstable();
-                    for _ in 0..2 {
-                        normalise(&mut pairs);
-                        assert!(pairs == sorted, "{count} pairs, {bits} bits, {giant}");
+                    for threads in [1, 1, 3] {
+                        if threads > 1 {
+                            pairs.reverse();
+                            pairs.iter_mut().for_each(|pair| pair.reverse());
+                        }
+                        normalise_by(threads, &mut pairs);
+                        assert!(pairs == sorted, "{count} pairs, {bits} bits, {giant}, {threads}");
                     }
                     let len = pairs.len();
                     ways[usize::from(len > FEW) + usize::from(len > TOGETHER)] += 1;

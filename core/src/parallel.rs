@@ -15,7 +15,7 @@ use crate::refusal::Refusal;
 type Pairs = Vec<[u32; 2]>;
 
 /// Shares for each thread where shares may differ in cost: few enough to cost nothing themselves.
-const SHARES_PER_THREAD: usize = 16;
+pub const SHARES_PER_THREAD: usize = 16;
 
 /// Share `k` of `count` things, in `shares` shares of about equal size.
 pub fn share(count: usize, shares: usize, k: usize) -> Range<usize> {

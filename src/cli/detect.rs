@@ -26,7 +26,7 @@ use crate::pair_list::PAIR_BYTES;
 use crate::periodic::{Contacts, Finder, IMAGE_PAIR_BYTES, Periodic};
 use crate::run::alloc;
 use crate::scene::Given;
-use crate::sink::normalise;
+use crate::sink::normalise_by;
 
 /// Options of `detect`.
 #[derive(clap::Args)]
@@ -95,7 +95,7 @@ pub fn detect(options: &Detect) -> anyhow::Result<ExitCode> {
     result.with_context(|| name.clone())?;
     // What is left on the heap is the list of pairs and the detector's buffers.
     let memory = usage.map(|usage| usage.live_bytes.saturating_sub(pairs.capacity() as u64 * 8));
-    normalise(&mut pairs);
+    normalise_by(threads, &mut pairs);
     match &options.output {
         Some(path) => io::write::pairs_of(path, &pairs, &given)?,
         None => {

@@ -115,7 +115,7 @@ fn the_cell_grid_tests_what_screening_tests() {
     }
 }
 
-/// At most two strips for each of five rows (two in 2D), and few particles of other cells.
+/// At most two bricks for each of five rows (two in 2D), and few particles of other cells.
 #[test]
 fn the_hash_grid_does_not_mind_how_loose_the_pack_is() {
     let counts = |text: &str| {
@@ -247,10 +247,10 @@ const GOLDEN: [&str; 10] = [
     "integerise=6000 key_compare=314266 move=10186 contact_test=6238",
     "integerise=11256 list_push=2000 list_step=8238 node_visit=407218 contact_test=6238",
     "integerise=12000 cell_probe=144861 move=2000 contact_test=6238",
-    "integerise=21369 cell_probe=10409 key_compare=1123 move=2000 contact_test=32339",
+    "integerise=21306 cell_probe=10372 key_compare=1102 move=2000 contact_test=28168",
     "bound_test=102300 contact_test=10394",
-    "node_visit=1068 bound_test=8630 contact_test=36546",
-    "integerise=6000 node_visit=1884 move=2000 bound_test=17140 contact_test=85423",
+    "node_visit=1068 bound_test=14753 contact_test=21404",
+    "integerise=6000 node_visit=1884 move=2000 bound_test=27905 contact_test=36015",
     "integerise=6000 list_push=2000 cell_probe=4000 move=2000 contact_test=22458",
 ];
 

@@ -18,7 +18,7 @@ use crate::io::write::{Framed, framed};
 use crate::number::plural;
 use crate::periodic::{Contacts, Finder, Periodic, without_shift};
 use crate::scene::Given;
-use crate::sink::normalise;
+use crate::sink::normalise_by;
 
 /// What was done.
 #[derive(Default)]
@@ -121,7 +121,7 @@ impl Search {
                 let started = Instant::now();
                 detector.list(&scene, options.arithmetic.test(), pairs)?;
                 done.time += started.elapsed();
-                normalise(pairs);
+                normalise_by(options.threads, pairs);
                 done.pairs += pairs.len();
                 out.frame(k, n, 0, without_shift(pairs))?;
             }

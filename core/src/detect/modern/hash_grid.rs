@@ -2,21 +2,22 @@
 //! Hashing for Collision Detection of Deformable Objects"; compact, as in Ihmsen et al. 2011, "A
 //! Parallel SPH Implementation on Multi-Core CPUs").
 //!
-//! 1. Rows of cells along x are cut into strips of 16. A strip hashes to a first bucket, and its
-//!    cells have that bucket and the 15 after it: neighbouring cells of a strip are one range of
-//!    buckets, hence of copies. Strips may overlap in any way.
+//! 1. Cells are parted into bricks: 32 by 16 in 2D, 16 by 8 by 8 in 3D. A brick hashes to a first
+//!    bucket, and its cells, row by row along x, have that bucket and those after it: neighbouring
+//!    cells of a row are one range of buckets, hence of copies, and neighbouring rows are near.
+//!    Bricks may overlap in any way.
 //! 2. A counting sort by bucket: how many bodies each holds, where each begins, and every body
 //!    copied to its place.
 //! 3. Every body is tested against the rest of its cell, the cell to the right, and three cells in
-//!    each of half of the neighbouring rows: a range for each strip that these are in. Of a body
+//!    each of half of the neighbouring rows: a range for each brick that these are in. Of a body
 //!    that is near, the cell itself is looked at, since other cells may share the buckets.
 //!
 //! * Cost: proportional to N particles, whatever the domain. Particles of other cells in the same
 //!   buckets are tested in vain: at most one for every cell looked at, on average. Memory: `4(B +
-//!   17) + 24N` bytes in 2D, `+ 32N` in 3D, B being the power of two from N upwards.
+//!   513) + 24N` bytes in 2D, `4(B + 1025) + 32N` in 3D, B being the power of two from N upwards.
 //! * Refuses domains of 2^31 cells and more along an axis, and scenes over the memory limit.
 //! * Deviations from the sources: cells are wider by 4 parts in a million
-//!   ([`crate::filter::cells`]); strips and not cells are hashed, so that bodies near in space are
+//!   ([`crate::filter::cells`]); bricks and not cells are hashed, so that bodies near in space are
 //!   mostly near in memory, which the others get from a sort along a space-filling curve; no pair
 //!   is found twice, so none is looked for.
 
@@ -37,8 +38,13 @@ pub struct HashGrid<const D: usize> {
     records: Vec<Record<D>>,
 }
 
-/// Cells of a strip.
-const STRIP: u32 = 16;
+/// The edges of a brick, in cells: powers of two, the first for x.
+const fn brick<const D: usize>() -> [u32; D] {
+    let mut edges = [0; D];
+    let of = if D == 2 { [32, 16, 1] } else { [16, 8, 8] };
+    edges.copy_from_slice(of.split_at(D).0);
+    edges
+}
 
 impl<const D: usize> Declare for HashGrid<D> {
     const DECIDES_FROM_COPIES: bool = true;
@@ -62,10 +68,10 @@ impl<T: Real, const D: usize> Detector<T, D> for HashGrid<D> {
         let cells = Cells::new(&bodies)?;
         let n = bodies.len();
         let buckets = Buckets::new(n);
-        let needed = 4 * (buckets.count() + 1) + Record::<D>::BYTES * n as u64;
+        let needed = 4 * (buckets.count::<D>() + 1) + Record::<D>::BYTES * n as u64;
         within(&self.options, "hash-grid", needed, || format!("{n} particles"))?;
         self.starts.clear();
-        room(&mut self.starts, buckets.count() as usize + 1, 0);
+        room(&mut self.starts, buckets.count::<D>() as usize + 1, 0);
         room(&mut self.records, n, Record::NONE);
         self.sort(&bodies, &cells, buckets, probe);
         let (slack, touch) = (bodies.slack(), |i, j, probe: &mut P| bodies.touch(i, j, probe));
@@ -95,22 +101,25 @@ impl Buckets {
         Buckets { bits: n.max(1).next_power_of_two().trailing_zeros() }
     }
 
-    fn count(self) -> u64 {
-        (1 << self.bits) + u64::from(STRIP)
+    fn count<const D: usize>(self) -> u64 {
+        (1 << self.bits) + u64::from(brick::<D>().iter().product::<u32>())
     }
 
     /// The bucket of a cell.
     #[inline(always)]
     fn bucket<const D: usize>(self, cell: [u32; D]) -> usize {
-        let mut strip = cell;
-        strip[0] /= STRIP;
-        let mixed = mixed(strip);
+        let edges = const { brick::<D>() };
+        let (mut brick, mut within) = (cell, 0);
+        for k in (0..D).rev() {
+            brick[k] /= edges[k];
+            within = within * edges[k] + cell[k] % edges[k];
+        }
         // The highest bits; twice, since there may be none of them.
-        (mixed >> 1 >> (63 - self.bits)) as usize + (cell[0] % STRIP) as usize
+        (mixed(brick) >> 1 >> (63 - self.bits)) as usize + within as usize
     }
 }
 
-/// Neighbouring cells of a strip, and a range of records that holds all of theirs.
+/// Neighbouring cells of a row of a brick, and a range of records that holds all of theirs.
 #[derive(Clone, Copy)]
 struct Range<const D: usize> {
     records: [u32; 2],
@@ -125,7 +134,7 @@ impl<const D: usize> Range<D> {
     }
 }
 
-/// At most two strips for each of the rows and the row itself.
+/// Of at most two bricks for each of the rows and the row itself.
 struct Ranges<const D: usize> {
     ranges: [Range<D>; 10],
     count: usize,
@@ -224,20 +233,20 @@ impl<const D: usize> HashGrid<D> {
     ) {
         ranges.count = 0;
         let x = central[0];
-        self.strips(central, x + 1, buckets, ranges, probe);
+        self.bricks(central, x + 1, buckets, ranges, probe);
         for step in rows_after::<D>() {
             let mut first = central;
             first[0] = x - 1;
             for k in 1..D {
                 first[k] = central[k].wrapping_add_signed(step[k - 1]);
             }
-            self.strips(first, x + 1, buckets, ranges, probe);
+            self.bricks(first, x + 1, buckets, ranges, probe);
         }
     }
 
     /// The ranges of the cells of a row from `first` to the one with number `last` along x.
     #[inline(always)]
-    fn strips(
+    fn bricks(
         &self,
         mut first: [u32; D],
         last: u32,
@@ -247,7 +256,7 @@ impl<const D: usize> HashGrid<D> {
     ) {
         while first[0] <= last {
             probe.count(Op::CellProbe);
-            let to = last.min(first[0] | (STRIP - 1));
+            let to = last.min(first[0] | (brick::<D>()[0] - 1));
             let bucket = buckets.bucket(first);
             let records = [self.starts[bucket], self.starts[bucket + (to - first[0]) as usize + 1]];
             ranges.ranges[ranges.count] = Range { records, first, last: to };

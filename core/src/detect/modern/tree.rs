@@ -172,7 +172,15 @@ impl<const D: usize> Tree<D> {
         sink: &mut S,
     ) {
         let leaves = Leaves::new(self.records.len());
-        let mut walk = Walk { tree: self, leaves, judge, found: Found::none(), probe, sink };
+        let mut walk = Walk {
+            tree: self,
+            leaves,
+            judge,
+            near: [Record::NONE; LEAF],
+            found: Found::none(),
+            probe,
+            sink,
+        };
         walk.inside(1);
         walk.found.flush(walk.sink);
     }
@@ -190,6 +198,8 @@ struct Walk<'a, N, P, S, const D: usize> {
     tree: &'a Tree<D>,
     leaves: Leaves,
     judge: Judge<'a, P, N>,
+    /// Of a leaf, those that may touch one of the other.
+    near: [Record<D>; LEAF],
     found: Found,
     probe: &'a mut P,
     sink: &'a mut S,
@@ -218,21 +228,43 @@ impl<'a, N: Nearness, P: Probe, S: Sink, const D: usize> Walk<'a, N, P, S, D> {
             return;
         }
         self.probe.count(Op::NodeVisit);
-        if a < self.leaves.count() {
-            for (a, b) in
-                [(2 * a + 1, 2 * b), (2 * a, 2 * b), (2 * a + 1, 2 * b + 1), (2 * a, 2 * b + 1)]
-            {
-                self.between(a, b);
-            }
+        if a >= self.leaves.count() {
+            return self.leaves(a, b);
+        }
+        for (a, b) in
+            [(2 * a + 1, 2 * b), (2 * a, 2 * b), (2 * a + 1, 2 * b + 1), (2 * a, 2 * b + 1)]
+        {
+            self.between(a, b);
+        }
+    }
+
+    /// The pairs between two leaves.
+    #[inline(never)]
+    fn leaves(&mut self, a: usize, b: usize) {
+        let [box_a, box_b] = [a, b].map(|node| self.tree.boxes[node]);
+        let mut count = 0;
+        for b in self.records(b) {
+            self.probe.count(Op::BoundTest);
+            // Written where the next near one will be; kept by counting it.
+            self.near[count % LEAF] = *b;
+            count += usize::from(self.is_near(b, &box_a));
+        }
+        if count == 0 {
             return;
         }
-        let (of_a, of_b, bounds) = (self.records(a), self.records(b), self.tree.boxes[b]);
-        for a in of_a {
+        for a in self.records(a) {
             self.probe.count(Op::BoundTest);
-            if around(a, self.judge.nearness).meets(&bounds) {
-                self.judge.against(a, of_b, &mut self.found, self.probe, self.sink);
+            if self.is_near(a, &box_b) {
+                let near = &self.near[..count];
+                self.judge.against(a, near, &mut self.found, self.probe, self.sink);
             }
         }
+    }
+
+    /// May a body touch one of those in a box?
+    #[inline(always)]
+    fn is_near(&self, body: &Record<D>, bounds: &Bounds<D>) -> bool {
+        around(body, self.judge.nearness).meets(bounds)
     }
 
     fn records(&self, leaf: usize) -> &'a [Record<D>] {
