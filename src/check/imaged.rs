@@ -42,7 +42,21 @@ impl Verification {
         terms: Terms,
     ) -> anyhow::Result<Verification> {
         along_axes(periodic, list.images)?;
-        let truth = periodic::truth(periodic, terms.arithmetic, terms.memory_limit)?.pairs;
+        let mut truth = periodic::truth(periodic, terms.arithmetic, terms.memory_limit)?.pairs;
+        let mut left_out = [truth.len() as u64, list.pairs.len() as u64];
+        if let Some(groups) = terms.without {
+            truth.retain(|pair| !groups.leave_out(pair.i, pair.j));
+        }
+        let part = terms.kept_of(list.pairs, naming, periodic.scene().len()).map(|kept| {
+            let pairs: Vec<Couple> = kept.iter().map(|&k| list.pairs[k]).collect();
+            let images = list.images.map(|of| kept.iter().map(|&k| of[k]).collect::<Vec<_>>());
+            (pairs, images)
+        });
+        let list = match &part {
+            Some((pairs, images)) => Listed { pairs, images: images.as_deref() },
+            None => list,
+        };
+        left_out = [left_out[0] - truth.len() as u64, left_out[1] - list.pairs.len() as u64];
         let near = match terms.allowed.skin {
             skin if skin > 0.0 => within_gap(periodic, skin, terms.memory_limit)?,
             _ => Vec::new(),
@@ -50,8 +64,9 @@ impl Verification {
         let view = View { periodic, truth: &truth, near: &near, kept: terms.kept };
         let mut found = view.compare(list, naming, terms.allowed)?;
         found.contacts = truth.len() as u64;
+        found.left_out = left_out;
         let small = (list.pairs.len() + truth.len()) as u64 * READING_BYTES <= terms.memory_limit;
-        if terms.explain && !found.is_same() && terms.allowed == Allowed::default() && small {
+        if terms.explain && !found.is_same() && terms.plain() && small {
             let namings: Vec<&Naming> = std::iter::once(naming).chain(others).collect();
             found.reading = explain::explain(periodic, list, &namings, &truth, terms)?;
         }
@@ -73,7 +88,7 @@ impl Verification {
         let small = pairs.len() as u64 * READING_BYTES <= terms.memory_limit;
         let none = self.reading.as_ref().is_none_or(|reading| reading.wrong > 0)
             || self.reading.as_ref().is_some_and(|reading| reading.periodic.is_some());
-        if terms.allowed != Allowed::default() || !small || !none {
+        if !terms.plain() || !small || !none {
             return;
         }
         let list = Listed { pairs, images: None };
@@ -434,6 +449,7 @@ fn verification(
         within_skin,
         reading: None,
         taken,
+        left_out: [0; 2],
         gap: spurious.gap,
     }
 }

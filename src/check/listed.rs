@@ -8,7 +8,7 @@ use anyhow::{Context, bail};
 use crate::check::reading::{self, Reading};
 use crate::contact::Arithmetic;
 use crate::contact::depth::depth;
-use crate::io;
+use crate::io::{self, Groups};
 use crate::oracle::{self, Errors};
 use crate::periodic::ImagePair;
 use crate::scene::{AnyScene, Real, array};
@@ -49,7 +49,7 @@ pub struct Allowed {
 
 /// How a list is compared.
 #[derive(Clone, Copy, Debug)]
-pub struct Terms {
+pub struct Terms<'a> {
     /// Decides what touches.
     pub arithmetic: Arithmetic,
     /// Not held against the list.
@@ -60,6 +60,25 @@ pub struct Terms {
     pub kept: usize,
     /// Where the list differs, other ways to read it are tried.
     pub explain: bool,
+    /// Contacts that are left out of truth and list.
+    pub without: Option<&'a Groups>,
+}
+
+impl Terms<'_> {
+    /// Is nothing left out, and nothing allowed that other ways to read a list do not know?
+    pub(super) fn plain(&self) -> bool {
+        self.allowed == Allowed::default() && self.without.is_none()
+    }
+
+    /// The places in a list of the pairs that are not left out.
+    pub(super) fn kept_of(&self, list: &[Couple], naming: &Naming, n: usize) -> Option<Vec<usize>> {
+        let groups = self.without?;
+        let kept = |[i, j]: Couple| match (naming.place(i, n), naming.place(j, n)) {
+            (Some(i), Some(j)) => !groups.leave_out(i, j),
+            _ => true,
+        };
+        Some((0..list.len()).filter(|&k| kept(list[k])).collect())
+    }
 }
 
 /// A pair of the list, by the numbers that stand there.
@@ -130,6 +149,8 @@ pub struct Verification {
     pub reading: Option<Reading>,
     /// What was compared.
     pub taken: Taken,
+    /// Contacts and pairs of the list that were left out.
+    pub left_out: [u64; 2],
     /// The widest gap of a spurious pair in a box, a length.
     pub(super) gap: f64,
 }
@@ -201,10 +222,18 @@ impl Verification {
         terms: Terms,
         bounds: Option<&[[f64; 2]]>,
     ) -> anyhow::Result<Verification> {
-        let Terms { arithmetic, allowed, memory_limit, kept, explain } = terms;
+        let Terms { arithmetic, allowed, memory_limit, kept, explain, without } = terms;
         let stored = scene.as_stored(arithmetic)?;
-        let truth = oracle::truth_as_stored(&stored, arithmetic.test(), memory_limit)?.pairs;
+        let mut truth = oracle::truth_as_stored(&stored, arithmetic.test(), memory_limit)?.pairs;
         drop(stored);
+        let mut left_out = [truth.len() as u64, list.len() as u64];
+        if let Some(groups) = without {
+            truth.retain(|&[i, j]| !groups.leave_out(i, j));
+        }
+        let part = terms.kept_of(list, naming, scene.len());
+        let part: Option<Vec<Couple>> = part.map(|kept| kept.iter().map(|&k| list[k]).collect());
+        let list = part.as_deref().unwrap_or(list);
+        left_out = [left_out[0] - truth.len() as u64, left_out[1] - list.len() as u64];
         let (taken, one_sided) = match allowed.both_sides {
             true => one_side(list)?,
             false => (Cow::Borrowed(list), Vec::new()),
@@ -229,6 +258,7 @@ impl Verification {
             within_skin: (named - reported.len()) as u64,
             reading: None,
             taken: Taken::Pairs,
+            left_out,
             gap: 0.0,
         };
         drop(reported);
@@ -237,7 +267,7 @@ impl Verification {
         if let Touching::Open(truth) = &found.touching
             && explain
             && !found.is_same()
-            && allowed == Allowed::default()
+            && terms.plain()
             && small
         {
             let namings: Vec<&Naming> = std::iter::once(naming).chain(others).collect();

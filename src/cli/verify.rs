@@ -20,7 +20,7 @@ use crate::contact::Arithmetic;
 use crate::io;
 use crate::io::boxes::along;
 use crate::io::pairs::{self, List};
-use crate::io::{Frame, Place};
+use crate::io::{Frame, Place, Without};
 use crate::number::{number, plural, wrap};
 use crate::oracle::Errors;
 use crate::periodic::ImagePair;
@@ -55,6 +55,10 @@ pub struct Verify {
     /// skin)
     #[arg(long, value_name = "LENGTH", default_value_t = 0.0, allow_negative_numbers = true)]
     skin: f64,
+    /// Contacts that are left out, by a column of the particles: those of type 2 with type=2, those
+    /// between types 1 and 2 with type=1:2, several as in type=2:2,type=3
+    #[arg(long, value_name = "COLUMN=VALUE[:VALUE]")]
+    without: Option<Without>,
     /// The columns of the list, by name or by number from 1: those of the two particles, as in
     /// c_pair[1],c_pair[2], and those of the image; no others are looked at
     #[arg(long, value_name = "I,J[,SX,SY[,SZ]]")]
@@ -112,7 +116,7 @@ pub fn verify(options: &Verify) -> anyhow::Result<ExitCode> {
     let (particles, about) = input::load(
         &options.file,
         &options.input,
-        io::Options { ids: true, ..options.input.options() },
+        io::Options { ids: true, without: options.without, ..options.input.options() },
     )?;
     compare::same_time(options, &list, &about)?;
     if about.frames > 1 && options.input.frame.is_none() && list.frame.is_some() {
@@ -178,6 +182,9 @@ impl Verified<'_> {
         )?;
         if let Some(compared) = self.compared() {
             writeln!(out, "compared: {compared}")?;
+        }
+        if let Some(left_out) = left_out(found.left_out) {
+            writeln!(out, "{left_out}")?;
         }
         if found.within_skin > 0 {
             writeln!(out, "{} apart within the skin, allowed", counted(found.within_skin, "pair"))?;
@@ -279,6 +286,7 @@ impl Verified<'_> {
             "reported": list.pairs.len(),
             "walls": list.walls,
             "both_sides": list.both_sides,
+            "left_out_pairs": found.left_out,
             "same": found.is_same(),
             "errors": found.errors,
             "unknown": found.unknown.len(),
@@ -290,6 +298,19 @@ impl Verified<'_> {
             "reading": found.reading.as_ref().map(|it| self.sentence(it)),
         })
     }
+}
+
+/// What --without has left out, if anything.
+fn left_out([contacts, pairs]: [u64; 2]) -> Option<String> {
+    let some = contacts + pairs > 0;
+    let both = || {
+        format!(
+            "left out: {}, {} of the list",
+            counted(contacts, "contact"),
+            counted(pairs, "pair")
+        )
+    };
+    some.then(both)
 }
 
 /// How many pairs are wrong in which way, and by how much at most.

@@ -21,21 +21,44 @@ const KEYS: [(&str, Column); 6] = [
     ("id", Column::Id),
 ];
 
-/// Longer names are given by number.
-const LONGEST: usize = 32;
+/// A short text: UTF-8, filled up with zeros.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Word([u8; Word::LONGEST]);
+
+impl Word {
+    const LONGEST: usize = 32;
+
+    /// Without the blanks around it; an error if it is empty or too long.
+    pub fn new(text: &str) -> Result<Word, String> {
+        let text = text.trim();
+        let mut bytes = [0; Word::LONGEST];
+        match bytes.get_mut(..text.len()) {
+            Some([]) => Err("a name or value is empty".into()),
+            Some(place) => {
+                place.copy_from_slice(text.as_bytes());
+                Ok(Word(bytes))
+            }
+            None => Err(format!("'{text}' has more than {} bytes", Word::LONGEST)),
+        }
+    }
+
+    /// As it was.
+    pub fn text(&self) -> String {
+        String::from_utf8_lossy(&self.0).trim_end_matches('\0').to_string()
+    }
+}
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Which {
     Number(usize),
-    /// In UTF-8, filled up with zeros.
-    Name([u8; LONGEST]),
+    Name(Word),
 }
 
 impl Which {
     fn text(&self) -> String {
         match self {
             Which::Number(number) => number.to_string(),
-            Which::Name(bytes) => String::from_utf8_lossy(bytes).trim_end_matches('\0').to_string(),
+            Which::Name(name) => name.text(),
         }
     }
 }
@@ -62,16 +85,12 @@ impl FromStr for Chosen {
                 Ok(0) => return Err(format!("{key}=0: columns are counted from 1")),
                 Ok(number) => Which::Number(number),
                 Err(_) if value.is_empty() => return Err(format!("{key} has no column; {form}")),
-                Err(_) if value.len() > LONGEST => {
-                    return Err(format!(
-                        "{key}: a name of more than {LONGEST} bytes; give the column's number"
-                    ));
-                }
-                Err(_) => {
-                    let mut bytes = [0; LONGEST];
-                    bytes[..value.len()].copy_from_slice(value.as_bytes());
-                    Which::Name(bytes)
-                }
+                Err(_) => Word::new(value).map(Which::Name).map_err(|_| {
+                    format!(
+                        "{key}: a name of more than {} bytes; give the column's number",
+                        Word::LONGEST
+                    )
+                })?,
             });
         }
         if chosen.0[0].is_none() || chosen.0[1].is_none() {

@@ -34,6 +34,7 @@ pub mod pairs;
 mod particles;
 mod room;
 mod scalars;
+mod without;
 pub mod write;
 
 use std::fs::File;
@@ -52,6 +53,7 @@ use lines::Source;
 pub use notice::{Notice, Place};
 pub use particles::Particles;
 pub(crate) use room::room;
+pub use without::{Groups, Without};
 
 use crate::scene::{AnyScene, Given};
 
@@ -74,6 +76,8 @@ pub struct Options {
     pub columns: Option<Chosen>,
     /// The box, where it is not the file's.
     pub boundaries: Boundaries,
+    /// Contacts that are left out.
+    pub without: Option<Without>,
 }
 
 impl Options {
@@ -87,6 +91,7 @@ impl Options {
         survey: false,
         columns: None,
         boundaries: Boundaries::AS_DECLARED,
+        without: None,
     };
 }
 
@@ -249,6 +254,16 @@ fn finished(
     options: Options,
 ) -> anyhow::Result<(Particles, About)> {
     particles.as_asked(name, options)?;
+    if options.without.is_some() {
+        let groups = particles.groups.as_ref().with_context(|| {
+            format!(
+                "{name}: --without needs a column with that name, and {} has none that is read; \
+                 write a text such as CSV, or a LAMMPS dump",
+                about.format
+            )
+        })?;
+        groups.check(particles.len(), name)?;
+    }
     let (dim, declared) = (particles.dim(), about.declared.as_ref());
     particles.lattice = options.boundaries.lattice(name, dim, declared, &mut about.notes)?;
     particles.has_box = declared.is_some_and(|declared| declared.vectors.is_some());
@@ -259,6 +274,7 @@ fn finished(
     if options.dim.is_none() && repeats && particles.is_flat() {
         particles.notices.push(Notice::Plane);
     }
+    particles.notices.extend(particles.cut_to().map(Notice::Digits));
     if let (RadiusSource::Missing, Some(_)) = (&about.radius, options.radius) {
         about.radius = RadiusSource::Given;
     }

@@ -1,4 +1,4 @@
-//! What a file leaves open about its box, for whoever reads it.
+//! What a file leaves open, for whoever reads it.
 
 /// Something that a file leaves open, and that decides which contacts there are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -7,6 +7,8 @@ pub enum Notice {
     Boundaries,
     /// All z are 0, and the box repeats along z.
     Plane,
+    /// Coordinates are written with so many significant digits, and were cut to them.
+    Digits(u32),
 }
 
 /// Where the file is named, and so how its options are written.
@@ -31,6 +33,11 @@ impl Notice {
             }
         };
         match self {
+            Notice::Digits(digits) => format!(
+                "coordinates have {digits} significant digits at most, so what nearly touches is \
+                 decided by the digits that were cut off; write all 17 (LAMMPS: dump_modify ID \
+                 format float %.17g)"
+            ),
             Notice::Boundaries => format!(
                 "the file does not say whether its box repeats: boundaries are taken as open; say \
                  {periodic} if it does, and {open} if not"

@@ -9,7 +9,7 @@ use nalgebra::Point;
 use crate::io::boxes::{KNOWN_TO, along};
 use crate::io::lines::{number, short, shown};
 use crate::io::room::{room, room_for};
-use crate::io::{About, Notice, Options, RadiusSource};
+use crate::io::{About, Groups, Notice, Options, RadiusSource};
 use crate::scene::{AnyScene, Given, Lattice, Radii, Scene};
 
 /// Centres of either dimension, in file order.
@@ -26,13 +26,22 @@ pub struct Particles {
     pub(crate) radii: Option<Vec<f64>>,
     /// The file's own numbers of the particles, where they were asked for and are there.
     pub(crate) ids: Option<Vec<i64>>,
+    /// Whose contacts are left out, where that was asked for.
+    pub(crate) groups: Option<Groups>,
     /// The box, where it repeats.
     pub(crate) lattice: Option<Lattice>,
     /// The file has one, whether that repeats or not.
     pub(crate) has_box: bool,
     /// What the file leaves open.
     pub(crate) notices: Vec<Notice>,
+    /// How many of the coordinates looked at have how many significant digits.
+    digits: [u32; FEW_DIGITS + 2],
 }
+
+/// Coordinates of at most so many significant digits were cut to them: %g writes six.
+const FEW_DIGITS: usize = 6;
+/// Coordinates of so many particles are looked at for this.
+const LOOKED_AT: usize = 1000;
 
 impl Particles {
     pub(crate) fn new(dim: usize, has_radii: bool) -> Particles {
@@ -42,8 +51,9 @@ impl Particles {
     }
 
     pub(crate) fn of(centres: Centres, radii: Option<Vec<f64>>) -> Particles {
-        let (ids, lattice, notices) = (None, None, Vec::new());
-        Particles { centres, radii, ids, lattice, has_box: false, notices }
+        let (ids, groups, lattice, notices) = (None, None, None, Vec::new());
+        let digits = [0; FEW_DIGITS + 2];
+        Particles { centres, radii, ids, groups, lattice, has_box: false, notices, digits }
     }
 
     /// The number of particles.
@@ -88,6 +98,16 @@ impl Particles {
     pub fn is_flat(&self) -> bool {
         matches!(&self.centres, Centres::Space(points)
             if points.len() > 1 && points.iter().all(|point| point[2] == 0.0))
+    }
+
+    /// The most significant digits that a coordinate has, where they are few and half of many have
+    /// so many or one less: those of a lattice are short, too, and need no more.
+    pub(crate) fn cut_to(&self) -> Option<u32> {
+        let [few @ .., more] = &self.digits;
+        let most = few.iter().rposition(|&count| count > 0).filter(|&most| most >= 4)?;
+        let cut = few[most] + few[most - 1];
+        let all: u32 = few.iter().sum();
+        (*more == 0 && all >= 30 && 2 * cut >= all).then_some(most as u32)
     }
 
     /// Coordinates of particle `k`; z is 0 in the plane.
@@ -336,6 +356,7 @@ impl Columns {
         ensure!(sizes <= 1, "{place}: there are a radius and a diameter column; remove one");
         let mut particles = Particles::new(2 + count(Column::Axis(2)), sizes == 1);
         particles.ids = (options.ids && count(Column::Id) == 1).then(Vec::new);
+        particles.groups = options.without.map(|it| it.groups(self, place)).transpose()?;
         Ok(particles)
     }
 
@@ -376,11 +397,16 @@ impl Columns {
                         None => particles.ids = None,
                     }
                 }
-                Column::Axis(axis) => match number(cell) {
-                    Some(value) if value.is_finite() => point[*axis] = value,
-                    Some(_) => bad = Some((k, "is not a finite number")),
-                    None => bad = Some((k, not_a_number(cell))),
-                },
+                Column::Axis(axis) => {
+                    if particles.len() < LOOKED_AT {
+                        particles.digits[significant(cell).min(FEW_DIGITS + 1)] += 1;
+                    }
+                    match number(cell) {
+                        Some(value) if value.is_finite() => point[*axis] = value,
+                        Some(_) => bad = Some((k, "is not a finite number")),
+                        None => bad = Some((k, not_a_number(cell))),
+                    }
+                }
                 Column::Radius | Column::Diameter => {
                     let value = number(cell).ok_or_else(|| not_a_number(cell));
                     match value.and_then(|value| column.size(value)) {
@@ -412,12 +438,31 @@ impl Columns {
                 );
             }
         }
+        if let Some(groups) = &mut particles.groups {
+            // As many cells as columns: looked at above.
+            groups.push(all.clone().nth(groups.column).unwrap_or_default())?;
+        }
         particles.push(point, radius, id).with_context(place)
     }
 }
 
 /// What to do about 1,5 for 1.5.
 pub(crate) const DECIMAL_COMMAS: &str = "; if the commas are decimal commas, write points";
+
+/// The significant digits of a number as it is written: from the first that is not 0 to the last
+/// that is not.
+fn significant(cell: &[u8]) -> usize {
+    let digits = cell.iter().take_while(|byte| !matches!(byte, b'e' | b'E'));
+    let (mut count, mut zeros) = (0, 0);
+    for &digit in digits.filter(|byte| byte.is_ascii_digit()) {
+        match digit {
+            b'0' if count == 0 => {}
+            b'0' => zeros += 1,
+            _ => (count, zeros) = (count + zeros + 1, 0),
+        }
+    }
+    count
+}
 
 fn not_a_number(cell: &[u8]) -> &'static str {
     if is_decimal_comma(cell) {

@@ -9,6 +9,7 @@ mod compare;
 mod errors;
 mod files_cli;
 mod frames;
+mod habits;
 mod harness;
 mod hidden;
 mod integrity;

@@ -243,7 +243,7 @@ pub static TABLE: &[Entry] = &[
         group: Group::Modern,
         summary: "copies sorted by a hash of their cell, bricks of cells side by side",
         cost: "N",
-        memory: "4(B + 513) + 24N in 2D, 4(B + 1025) + 32N in 3D; B the power of two from N upwards",
+        memory: "4(B + 513) + 24N in 2D, 4(B + 1025) + 32N in 3D; B the power of two from N up",
         limits: "cells per axis < 2^31; the memory limit",
         threads: false,
         parameters: &[],

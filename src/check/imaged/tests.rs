@@ -23,7 +23,8 @@ fn verify(
     allowed: Allowed,
 ) -> Verification {
     let (arithmetic, memory_limit) = (Arithmetic::Exact, 1 << 28);
-    let terms = Terms { arithmetic, allowed, memory_limit, kept: WORST, explain: true };
+    let terms =
+        Terms { arithmetic, allowed, memory_limit, kept: WORST, explain: true, without: None };
     let list = Listed { pairs, images };
     Verification::in_box(periodic, list, &Naming::Base(0), &[Naming::Base(1)], terms).unwrap()
 }

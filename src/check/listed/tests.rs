@@ -28,7 +28,8 @@ fn allowing(
     allowed: Allowed,
 ) -> Verification {
     let (arithmetic, memory_limit) = (Arithmetic::Exact, 1 << 30);
-    let terms = Terms { arithmetic, allowed, memory_limit, kept: WORST, explain: true };
+    let terms =
+        Terms { arithmetic, allowed, memory_limit, kept: WORST, explain: true, without: None };
     Verification::new(scene, list, naming, others, terms, None).unwrap()
 }
 

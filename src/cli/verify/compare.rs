@@ -45,7 +45,7 @@ impl<'a> Verified<'a> {
     pub(super) fn new(
         options: &'a Verify,
         mut list: List,
-        particles: Particles,
+        mut particles: Particles,
         about: About,
         kept: usize,
         explain: bool,
@@ -61,11 +61,21 @@ impl<'a> Verified<'a> {
                 bail!("{file} has no column 'id' of whole numbers; give --base 0 or --base 1")
             }
             (base, ids) => {
+                if base.is_none() && list.ids {
+                    eprintln!(
+                        "{}: the list names particles by id, and {file} has no column id: ids are \
+                         taken as places in the file, from 1, which holds where it is in their \
+                         order; write the id too (dump ... custom ... id x y z radius), or say \
+                         --base 1",
+                        options.pairs.display()
+                    );
+                }
                 let base = base.unwrap_or(i64::from(list.ids));
                 let ids = ids.and_then(Result::ok);
                 (Naming::Base(base), [Naming::Base(1 - base)].into_iter().chain(ids).collect())
             }
         };
+        let groups = particles.groups.take();
         let Given { scene, lattice, .. } = particles.given(&file, options.input.radius)?;
         let terms = Terms {
             arithmetic: options.arithmetic,
@@ -73,6 +83,7 @@ impl<'a> Verified<'a> {
             memory_limit: options.limit.bytes(scene.len()),
             kept,
             explain,
+            without: groups.as_ref(),
         };
         let (scene, lattice, found) = match lattice {
             Some(lattice) => {

@@ -13,7 +13,7 @@ use crate::check::paired::Paired;
 use crate::cli::shared::input;
 use crate::cli::shared::progress::Counted;
 use crate::cli::shared::terminal;
-use crate::cli::verify::{Verified, Verify, counted, words};
+use crate::cli::verify::{Verified, Verify, counted, left_out, words};
 use crate::io::{self, Frame, pairs};
 use crate::moving::Late;
 use crate::number::{number, plural, wrap};
@@ -64,6 +64,8 @@ struct All {
     read: Option<(&'static str, String, Option<&'static str>)>,
     /// Contacts with walls, which were left out.
     walls: u64,
+    /// Contacts and pairs that --without has left out.
+    left_out_pairs: [u64; 2],
     /// Contacts stand there from both sides, and were taken once.
     both_sides: bool,
     /// Columns that were not looked at.
@@ -78,7 +80,7 @@ pub(super) fn verify(options: &Verify, columns: &[&str]) -> anyhow::Result<ExitC
         options.pairs_frame.is_none(),
         "--pairs-frame names the list of one frame, and --frame all takes all; leave one out"
     );
-    let all = io::Options { ids: true, ..options.input.options() };
+    let all = io::Options { ids: true, without: options.without, ..options.input.options() };
     let all = input::frames(&options.file, all, |frames| {
         pairs::lists(&options.pairs, columns, Frame::All, |lists| {
             let names = [&options.file, &options.pairs].map(|path| path.display().to_string());
@@ -132,6 +134,8 @@ fn all_of(options: &Verify, mut frames: Paired<'_, '_>) -> anyhow::Result<All> {
             all.read = Some((verified.list.format, words(verified.naming), compared));
         }
         all.walls += verified.list.walls;
+        let of_frame = found.left_out;
+        all.left_out_pairs.iter_mut().zip(of_frame).for_each(|(all, of)| *all += of);
         all.both_sides |= verified.list.both_sides;
         let others = verified.list.others.iter().map(|other| other.name.clone());
         let others: Vec<String> = others.filter(|name| !all.others.contains(name)).collect();
@@ -282,6 +286,7 @@ impl All {
         if self.both_sides {
             said.push("pairs are there from both sides, and taken once".into());
         }
+        said.extend(left_out(self.left_out_pairs));
         if self.walls > 0 {
             said.push(format!("left out: {} with walls", counted(self.walls, "contact")));
         }
@@ -381,6 +386,7 @@ impl All {
             "arithmetic": options.arithmetic.name(),
             "paired_by": if self.by_step { "step" } else { "frame" },
             "walls": self.walls,
+            "left_out_pairs": self.left_out_pairs,
             "both_sides": self.both_sides,
             "left_out": self.left_out,
             "without_rows": self.without_rows,
