@@ -27,6 +27,106 @@ impl Shard {
         }
         taken
     }
+
+    /// The part of this process, as the job array and the MPI job that it belongs to say in
+    /// variables of the environment, looked up by `variable`: ranks of an MPI job in a job array
+    /// share the part of their job. `of` is the length of the array where its variables leave it
+    /// open, as those of PBS do.
+    fn of_environment(
+        of: Option<usize>,
+        variable: &dyn Fn(&str) -> Option<String>,
+    ) -> Result<Shard, String> {
+        let number = |name: &str| variable(name)?.trim().parse::<usize>().ok();
+        // LSF numbers a job of its own 0, and arrays from 1 on.
+        let lone = |array: &Array, index| array.index == "LSB_JOBINDEX" && index == 0;
+        let index = |array: &Array| number(array.index).filter(|&index| !lone(array, index));
+        let job = ARRAYS.iter().find_map(|array| Some((array, index(array)?)));
+        let rank = RANKS.iter().find_map(|[rank, size]| Some((number(rank)?, number(size)?)));
+        let job = job.map(|(array, index)| array.shard(index, of, &number)).transpose()?;
+        let (job, (rank, size)) = match (job, rank) {
+            (None, None) => return Err(NO_JOB.into()),
+            (job, rank) => (job.unwrap_or(Shard { k: 1, n: 1 }), rank.unwrap_or((0, 1))),
+        };
+        match (rank < size, job.n.checked_mul(size)) {
+            (true, Some(n)) => Ok(Shard { k: (job.k - 1) * size + rank + 1, n }),
+            _ => Err(format!("rank {rank} of {size} is none; give --shard k/n")),
+        }
+    }
+}
+
+/// The variables of a job array.
+struct Array {
+    index: &'static str,
+    /// The first index, the last, and the step between them.
+    range: Option<[&'static str; 3]>,
+    /// How many there are.
+    count: Option<&'static str>,
+}
+
+/// Slurm, PBS Pro, Torque, Grid Engine, LSF. Indices that are not told where they begin begin at 1.
+const ARRAYS: [Array; 5] = [
+    Array {
+        index: "SLURM_ARRAY_TASK_ID",
+        range: Some(["SLURM_ARRAY_TASK_MIN", "SLURM_ARRAY_TASK_MAX", "SLURM_ARRAY_TASK_STEP"]),
+        count: Some("SLURM_ARRAY_TASK_COUNT"),
+    },
+    Array { index: "PBS_ARRAY_INDEX", range: None, count: None },
+    Array { index: "PBS_ARRAYID", range: None, count: None },
+    Array {
+        index: "SGE_TASK_ID",
+        range: Some(["SGE_TASK_FIRST", "SGE_TASK_LAST", "SGE_TASK_STEPSIZE"]),
+        count: None,
+    },
+    Array { index: "LSB_JOBINDEX", range: None, count: Some("LSB_JOBINDEX_END") },
+];
+
+/// The rank of a process and how many there are: Open MPI, MPICH and its kin, srun.
+const RANKS: [[&str; 2]; 3] = [
+    ["OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_SIZE"],
+    ["PMI_RANK", "PMI_SIZE"],
+    ["SLURM_PROCID", "SLURM_STEP_NUM_TASKS"],
+];
+
+const NO_JOB: &str = "there is neither a job array (Slurm, PBS, Grid Engine, LSF) nor an MPI job \
+                      here; give --shard k/n";
+
+impl Array {
+    fn shard(
+        &self,
+        index: usize,
+        of: Option<usize>,
+        number: &dyn Fn(&str) -> Option<usize>,
+    ) -> Result<Shard, String> {
+        let range = self.range.and_then(|[first, last, step]| {
+            Some((number(first)?, number(last)?, number(step).unwrap_or(1).max(1)))
+        });
+        let (first, step) = range.map_or((1, 1), |(first, _, step)| (first, step));
+        let told = range.map(|(first, last, step)| last.saturating_sub(first) / step + 1);
+        let count = self.count.and_then(number);
+        if let (Some(told), Some(count)) = (told, count)
+            && told != count
+        {
+            return Err(format!(
+                "the job array has {count} indices that are not evenly spaced, so {}={index} does \
+                 not say which part is meant; number them 1-{count}, or give --shard k/{count}",
+                self.index
+            ));
+        }
+        let Some(n) = of.or(told).or(count) else {
+            return Err(format!(
+                "{}={index} does not say how long the job array is; give --shard auto/n",
+                self.index
+            ));
+        };
+        let k = index.checked_sub(first).map(|k| k / step + 1);
+        k.filter(|&k| k <= n).map(|k| Shard { k, n }).ok_or_else(|| {
+            format!(
+                "{}={index} is not one of {n} indices from {first} on; number the jobs from \
+                 {first}, or give --shard k/n",
+                self.index
+            )
+        })
+    }
 }
 
 impl fmt::Display for Shard {
@@ -39,13 +139,21 @@ impl FromStr for Shard {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Shard, String> {
+        if let Some(of) = text.strip_prefix("auto") {
+            let of = match of.strip_prefix('/').map(|n| n.parse()) {
+                None if of.is_empty() => None,
+                Some(Ok(n @ 1..)) => Some(n),
+                _ => return Err(format!("'{text}' is neither auto nor auto/n with n >= 1")),
+            };
+            return Shard::of_environment(of, &|name| std::env::var(name).ok());
+        }
         let numbers = text
             .split_once('/')
             .and_then(|(k, n)| Some((k.trim().parse().ok()?, n.trim().parse().ok()?)));
         match numbers {
             Some((k, n)) if 1 <= k && k <= n => Ok(Shard { k, n }),
             _ => Err("a shard is k/n with 1 <= k <= n: of four jobs the first is 1/4 and the \
-                      last 4/4"
+                      last 4/4; auto asks the job array or MPI"
                 .into()),
         }
     }
@@ -78,6 +186,59 @@ mod tests {
                 .sum()
         };
         assert_eq!([1, 2, 3].map(work), [11_100, 11_100, 11_100]);
+    }
+
+    #[test]
+    fn a_job_knows_its_part() {
+        let of = |of: Option<usize>, variables: &[(&str, &str)]| {
+            Shard::of_environment(of, &|name| {
+                let found = variables.iter().find(|(known, _)| *known == name);
+                found.map(|(_, value)| value.to_string())
+            })
+            .map(|shard| shard.to_string())
+        };
+        let slurm = |id, [min, max, step, count]: [&'static str; 4]| {
+            [
+                ("SLURM_ARRAY_TASK_ID", id),
+                ("SLURM_ARRAY_TASK_MIN", min),
+                ("SLURM_ARRAY_TASK_MAX", max),
+                ("SLURM_ARRAY_TASK_STEP", step),
+                ("SLURM_ARRAY_TASK_COUNT", count),
+            ]
+        };
+        assert_eq!(of(None, &slurm("3", ["1", "8", "1", "8"])).unwrap(), "3/8");
+        assert_eq!(of(None, &slurm("0", ["0", "7", "1", "8"])).unwrap(), "1/8");
+        assert_eq!(of(None, &slurm("14", ["2", "20", "4", "5"])).unwrap(), "4/5");
+        let uneven = of(None, &slurm("3", ["1", "9", "1", "3"])).unwrap_err();
+        assert!(uneven.contains("not evenly spaced"), "{uneven}");
+        // PBS does not say how many there are.
+        let pbs = [("PBS_ARRAY_INDEX", "5")];
+        assert_eq!(of(Some(8), &pbs).unwrap(), "5/8");
+        assert!(of(None, &pbs).unwrap_err().contains("auto/n"));
+        assert!(of(Some(4), &pbs).unwrap_err().contains("from 1 on"));
+        assert!(of(Some(4), &[("PBS_ARRAYID", "0")]).unwrap_err().contains("from 1 on"));
+        let sge = [("SGE_TASK_ID", "4"), ("SGE_TASK_FIRST", "2"), ("SGE_TASK_LAST", "6")];
+        assert_eq!(of(None, &sge).unwrap(), "3/5");
+        let lsf = [("LSB_JOBINDEX", "2"), ("LSB_JOBINDEX_END", "6")];
+        assert_eq!(of(None, &lsf).unwrap(), "2/6");
+        assert!(of(None, &[("LSB_JOBINDEX", "0")]).unwrap_err().contains("neither a job array"));
+        // Ranks count from 0, and share the part of their job.
+        let mpi = [("OMPI_COMM_WORLD_RANK", "2"), ("OMPI_COMM_WORLD_SIZE", "4")];
+        assert_eq!(of(None, &mpi).unwrap(), "3/4");
+        assert_eq!(
+            of(None, &[&slurm("2", ["1", "3", "1", "3"])[..], &mpi].concat()).unwrap(),
+            "7/12"
+        );
+        assert_eq!(of(None, &[("PMI_RANK", "0"), ("PMI_SIZE", "2")]).unwrap(), "1/2");
+        // A script of a batch job is no step: its process is alone.
+        assert!(of(None, &[("SLURM_PROCID", "0"), ("SLURM_NTASKS", "8")]).is_err());
+        let step = [("SLURM_PROCID", "7"), ("SLURM_STEP_NUM_TASKS", "8")];
+        assert_eq!(of(None, &step).unwrap(), "8/8");
+        assert!(of(None, &[("PMI_RANK", "3"), ("PMI_SIZE", "2")]).is_err());
+        assert!(of(None, &[]).unwrap_err().contains("neither a job array"));
+        for bad in ["auto/0", "auto/", "auto/x", "automatic"] {
+            assert!(bad.parse::<Shard>().is_err_and(|e| e.contains("neither auto")), "{bad}");
+        }
     }
 
     #[test]
