@@ -4,8 +4,8 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use contactbench::cli::{
-    Cli, Verb, check, compare, detect, draw, inspect, list, merge, new_detector, recommend, report,
-    run, runner, scene, shell, trace, track, verify,
+    Cli, Verb, check, compare, detect, draw, inspect, list, map, merge, new_detector, recommend,
+    report, run, runner, scene, shell, trace, track, verify,
 };
 use contactbench::record::faults::Damaged;
 use contactbench::run::alloc::Counting;
@@ -32,6 +32,7 @@ fn main() -> ExitCode {
         Some(Verb::Report(options)) => report::report(&options),
         Some(Verb::Compare(options)) => compare::compare(&options),
         Some(Verb::Merge(options)) => merge::merge(&options),
+        Some(Verb::Map(options)) => map::map(&options),
         Some(Verb::List(options)) => list::list(&options),
         Some(Verb::Check(options)) => check::check(&options),
         Some(Verb::Detect(options)) => detect::detect(&options),

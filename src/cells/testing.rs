@@ -75,6 +75,11 @@ impl Lab {
         self.base.id.params.insert(name.into(), (&value.into()).into());
         self
     }
+    /// The fraction of the scene that bodies fill.
+    pub fn filled(&mut self, packing_fraction: f64) -> &mut Lab {
+        self.base.stats.packing_fraction = packing_fraction;
+        self
+    }
     fn push(&mut self, pass: Pass, change: impl FnOnce(&mut Row)) -> &mut Lab {
         let mut row = Row { pass, ..self.base.clone() };
         change(&mut row);

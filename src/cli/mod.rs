@@ -6,6 +6,7 @@ pub mod detect;
 pub mod draw;
 pub mod inspect;
 pub mod list;
+pub mod map;
 pub mod merge;
 pub mod new_detector;
 pub mod recommend;
@@ -58,6 +59,11 @@ pub enum Verb {
     /// Merges result folders of shards, or of several machines
     #[command(after_help = "Example: contactbench merge part-1 part-2 part-3 --out whole")]
     Merge(merge::Merge),
+    /// Draws who is the fastest over two variables, from result folders
+    #[command(after_help = "Example: contactbench map results/reference-sizes --x size-ratio --y \
+                            exponent --where sizes=power,dim=3\nExample: contactbench map laptop \
+                            server --x n --y density --out map.svg")]
+    Map(map::Map),
     /// Lists detectors with cost, memory and limits; scenes; experiments; hard cases
     #[command(after_help = "Example: contactbench list detectors")]
     List(list::List),

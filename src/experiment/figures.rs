@@ -1,9 +1,10 @@
 //! Figures: what an experiment draws.
 
-use serde::Deserialize;
+use serde::{Deserialize, Deserializer};
 
 use crate::experiment::claims::Where;
 use crate::experiment::expression::Expression;
+use crate::record::id::variable;
 
 /// A figure.
 #[derive(Clone, Debug, Deserialize)]
@@ -31,6 +32,8 @@ pub enum FigureKind {
     /// Error rate against time per particle, one panel per scene, one mark per detector and
     /// arithmetic.
     SpeedError(SpeedError),
+    /// Who is the fastest over two variables, and by how much.
+    Map(MapAxes),
 }
 
 /// Options of a figure of lines.
@@ -104,4 +107,49 @@ pub enum Against {
     /// Exact decisions on the scene as stored in the arithmetic: predicate and search, without
     /// representation.
     Stored,
+}
+
+/// The variables of a map.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub struct MapAxes {
+    /// Across: a field, a parameter, or what was measured of the scenes.
+    #[serde(deserialize_with = "called")]
+    pub x: String,
+    /// Upwards: the same.
+    #[serde(deserialize_with = "called")]
+    pub y: String,
+    /// The label of the x axis, with unit; empty for its name.
+    #[serde(default)]
+    pub x_label: String,
+    /// The label of the y axis, with unit; empty for its name.
+    #[serde(default)]
+    pub y_label: String,
+}
+
+/// What people call some columns.
+const CALLED: [(&str, &str); 2] =
+    [("density", "packing_fraction"), ("contacts_per_particle", "coordination")];
+
+fn called<'de, D: Deserializer<'de>>(from: D) -> Result<String, D::Error> {
+    String::deserialize(from).map(|name| column(&name))
+}
+
+fn column(name: &str) -> String {
+    let plain = variable(name);
+    let found = CALLED.iter().find(|(word, _)| *word == plain);
+    found.map_or(plain, |(_, column)| column.to_string())
+}
+
+impl MapAxes {
+    /// Of these variables, without labels.
+    pub fn new(x: &str, y: &str) -> MapAxes {
+        MapAxes { x: column(x), y: column(y), x_label: String::new(), y_label: String::new() }
+    }
+
+    /// The labels across and upwards: those given, or the names.
+    pub fn labels(&self) -> [&str; 2] {
+        [(&self.x_label, &self.x), (&self.y_label, &self.y)]
+            .map(|(given, name)| if given.is_empty() { name.as_str() } else { given })
+    }
 }

@@ -36,6 +36,10 @@ pub(super) fn check(experiment: &Experiment, document: &Document<'_>) -> anyhow:
             FigureKind::SpeedError(figure) if !figure.columns.is_empty() => {
                 known.axis("columns", &figure.columns).map_err(problem)?
             }
+            FigureKind::Map(map) => {
+                known.axis("x", &map.x).map_err(problem)?;
+                known.axis("y", &map.y).map_err(problem)?;
+            }
             FigureKind::SpeedError(_) | FigureKind::Bars(_) => {}
         }
     }

@@ -23,7 +23,9 @@ use serde::Deserialize;
 use crate::contact::Arithmetic;
 pub use crate::experiment::claims::{Claim, ClaimKind, Where};
 use crate::experiment::document::Document;
-pub use crate::experiment::figures::{Against, Bars, Figure, FigureKind, Lines, SpeedError};
+pub use crate::experiment::figures::{
+    Against, Bars, Figure, FigureKind, Lines, MapAxes, SpeedError,
+};
 pub use crate::experiment::list::List;
 pub use crate::experiment::scenes::SceneSweep;
 use crate::memory::default_limit;

@@ -10,6 +10,7 @@ pub mod coverage;
 pub mod crossover;
 pub mod errors;
 pub mod failures;
+pub mod map;
 pub mod noise;
 pub mod operations;
 pub mod overhead;

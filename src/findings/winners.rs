@@ -73,17 +73,24 @@ pub fn contests(cells: &[&Cell]) -> Vec<Contest> {
     let able: Vec<&Cell> = cells.iter().filter(|cell| is_able(cell)).copied().collect();
     let noise = Noise::new(cells);
     let scenes = largest(&able);
-    let taking_part: Vec<&Cell> = scenes.iter().flat_map(|scene| plainest(&scene.cells)).collect();
-    scenes.iter().filter_map(|scene| contest(scene, &taking_part, &noise)).collect()
+    let taking_part: Vec<&Cell> =
+        scenes.iter().flat_map(|scene| plainest(&scene.cells, detector)).collect();
+    let name = |cell: &Cell| series::label(&Line::new(cell), &taking_part);
+    scenes.iter().filter_map(|scene| contest(scene, &noise, detector, name)).collect()
 }
 
 /// The winner among the cells of one scene, N and seed, if it is decided.
 pub fn winner<'a>(cells: &[&'a Cell], noise: &Noise) -> Option<&'a Cell> {
     let able: Vec<&Cell> = cells.iter().filter(|cell| is_able(cell)).copied().collect();
-    let order = plainest(&able);
+    let order = plainest(&able, detector);
     let (&first, others) = order.split_first()?;
     let slower = |cell: &&Cell| noise.slower(cell.ratio(first).as_ref(), first.id.n);
     (!others.is_empty() && others.iter().all(slower)).then_some(first)
+}
+
+/// Whose settings a cell is one of, where detectors are compared.
+fn detector(cell: &Cell) -> String {
+    cell.id.detector.clone()
 }
 
 fn is_able(cell: &Cell) -> bool {
@@ -125,12 +132,12 @@ pub fn time(cell: &Cell) -> f64 {
     cell.time().map_or(f64::INFINITY, |time| time.median)
 }
 
-/// Each detector in its plainest setting, the fastest first.
-fn plainest<'a>(cells: &[&'a Cell]) -> Vec<&'a Cell> {
+/// Each contender in its plainest setting, the fastest first; `who` says whose setting a cell is.
+fn plainest<'a>(cells: &[&'a Cell], who: impl Fn(&Cell) -> String) -> Vec<&'a Cell> {
     let setting = |cell: &Cell| (cell.id.threads(), cell.id.arithmetic != Arithmetic::Exact.name());
-    let mut best: BTreeMap<&str, &Cell> = BTreeMap::new();
+    let mut best: BTreeMap<String, &Cell> = BTreeMap::new();
     for &cell in cells {
-        let known = best.entry(&cell.id.detector).or_insert(cell);
+        let known = best.entry(who(cell)).or_insert(cell);
         if setting(cell).cmp(&setting(known)).then(time(cell).total_cmp(&time(known))).is_lt() {
             *known = cell;
         }
@@ -140,12 +147,19 @@ fn plainest<'a>(cells: &[&'a Cell]) -> Vec<&'a Cell> {
     order
 }
 
-fn contest(scene: &Scene<'_>, all: &[&Cell], noise: &Noise) -> Option<Contest> {
-    let order = plainest(&scene.cells);
+/// The contest of one scene, of one N and seed; none if nobody was timed. `who` says whose setting
+/// a cell is, and `name` what it is called.
+pub fn contest(
+    scene: &Scene<'_>,
+    noise: &Noise,
+    who: impl Fn(&Cell) -> String,
+    name: impl Fn(&Cell) -> String,
+) -> Option<Contest> {
+    let able: Vec<&Cell> = scene.cells.iter().filter(|cell| is_able(cell)).copied().collect();
+    let order = plainest(&able, who);
     let (first, others) = order.split_first()?;
     let contender = |cell: &Cell, ratio: Option<Interval>| {
-        let line = Line::new(cell);
-        let name = series::label(&line, all);
+        let (line, name) = (Line::new(cell), name(cell));
         let slower = noise.slower(ratio.as_ref(), scene.n);
         Contender { line, name, per_particle: time(cell) / scene.n.max(1) as f64, ratio, slower }
     };

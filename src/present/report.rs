@@ -20,6 +20,7 @@ use crate::present::document::{self, Block, Text};
 use crate::present::figure::style::Styles;
 use crate::present::page::Page;
 use crate::present::page::origin::{command, shown};
+use crate::present::sections::map::Drawn;
 use crate::present::sections::{self, Files};
 use crate::present::table::csv;
 use crate::present::{csv as files, figure, page};
@@ -65,6 +66,8 @@ pub struct Part<'a> {
     pub matrix: Option<Matrix>,
     /// Its figures: title, and files as SVG and PNG.
     pub figures: Vec<(String, Vec<PathBuf>)>,
+    /// The maps among them.
+    pub maps: Vec<Drawn>,
     /// All its tables.
     pub tables: Vec<Block>,
 }
@@ -178,7 +181,10 @@ impl<'a> Part<'a> {
             cells.iter().filter(|cell| cell.id.experiment == experiment.name).collect();
         let coverage = Coverage::new(experiment, &own, scope);
         let matrix = Matrix::new(&own).filter(|_| experiment.table == Some(Table::Verdicts));
-        let mut tables = sections::sections(experiment, &own, machine, files);
+        let maps = Drawn::all(experiment, cells);
+        files.maps.extend(maps.iter().map(|it| sections::map::rows(&it.name, &it.map)));
+        let mut tables = sections::map::section(&maps);
+        tables.extend(sections::sections(experiment, &own, machine, files));
         // The matrix says all that these would, of a hundred scenes.
         if matrix.is_none() {
             tables.extend(sections::tables(&own));
@@ -192,6 +198,7 @@ impl<'a> Part<'a> {
             price: Price::new(&own).map_or(Vec::new(), |price| sections::price::blocks(&price)),
             matrix,
             figures: Vec::new(),
+            maps,
             tables,
             cells: own,
         }

@@ -1,7 +1,7 @@
 //! Figures from the record: one image per figure of an experiment, as SVG (its text stays text) and
 //! as PNG, made from it.
 //!
-//! `lines`, `bars` and `speed_error` are the kinds: each turns cells into data, and lays them out.
+//! `lines`, `bars`, `speed_error` and `map` are the kinds: each turns cells into data, and lays them out.
 //! `axis` chooses ranges and ticks, `style` fixes colour and marker per detector, `outcome` marks
 //! what has no value, `canvas` is the thin layer over plotters.
 
@@ -9,6 +9,7 @@ pub mod axis;
 pub mod bars;
 pub mod canvas;
 pub mod lines;
+pub mod map;
 pub mod outcome;
 pub mod speed_error;
 pub mod style;
@@ -19,7 +20,8 @@ use anyhow::Context;
 
 use crate::cells::Cell;
 use crate::cells::machine::Machine;
-use crate::experiment::{Experiment, Figure, FigureKind};
+use crate::experiment::{Experiment, Figure, FigureKind, MapAxes};
+use crate::findings::map::Map;
 
 /// Draws a figure into `folder` as NAME.svg and NAME.png and gives their paths; none if no cell has
 /// anything to show.
@@ -79,7 +81,22 @@ fn svg(
             let sheet = speed_error::Sheet::new(experiment, &figure.title, options, &plot, style);
             canvas::svg(sheet.size, |canvas| sheet.draw(canvas)).map(Some)
         }
+        FigureKind::Map(axes) => {
+            let found = Map::new(axes, &figure.filter, &own)?;
+            of_map(&figure.title, axes, &found, style).map(Some)
+        }
     }
+}
+
+/// A map as SVG.
+pub fn of_map(
+    title: &str,
+    axes: &MapAxes,
+    found: &Map,
+    style: &style::Styles,
+) -> anyhow::Result<String> {
+    let sheet = map::Sheet::new(title, axes, found, style)?;
+    canvas::svg(sheet.size, |canvas| sheet.draw(canvas))
 }
 
 /// `experiment-figure`, of letters that are safe in file names and links.

@@ -1,7 +1,7 @@
 //! How a figure marks a cell without a value: a letter in a disc.
 
 use crate::present::figure::canvas::{Canvas, Point, Text};
-use crate::present::figure::style::{Colour, INK};
+use crate::present::figure::style::{Colour, ink_on};
 use crate::record::row::Outcome;
 
 /// The letter that marks an outcome, and what it says.
@@ -22,12 +22,5 @@ pub fn letter(outcome: Outcome) -> (&'static str, &'static str) {
 /// A letter in a disc: the mark of a cell without a value.
 pub fn badge(canvas: &mut Canvas, at: Point, letter: &str, colour: Colour) -> anyhow::Result<()> {
     canvas.disc(at, 7.5, colour)?;
-    // dark letters on light colours
-    let light =
-        299 * u32::from(colour.0) + 587 * u32::from(colour.1) + 114 * u32::from(colour.2) > 140_000;
-    canvas.text(
-        letter,
-        (at.0, at.1),
-        Text::new(13.0, if light { INK } else { (255, 255, 255) }).bold().anchor(0),
-    )
+    canvas.text(letter, (at.0, at.1), Text::new(13.0, ink_on(colour)).bold().anchor(0))
 }

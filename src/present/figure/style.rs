@@ -27,6 +27,18 @@ pub const CONTROL: Colour = (150, 150, 150);
 /// The background of the strip for cells without a value.
 pub const STRIP: Colour = (246, 246, 244);
 
+/// A colour of which so much is white, 0 to 1.
+pub fn lightened(colour: Colour, white: f64) -> Colour {
+    let mix = |c: u8| (f64::from(c) + (255.0 - f64::from(c)) * white) as u8;
+    (mix(colour.0), mix(colour.1), mix(colour.2))
+}
+
+/// What is read on a ground of this colour: dark letters on light colours.
+pub fn ink_on(ground: Colour) -> Colour {
+    let (r, g, b) = (u32::from(ground.0), u32::from(ground.1), u32::from(ground.2));
+    if 299 * r + 587 * g + 114 * b > 140_000 { INK } else { (255, 255, 255) }
+}
+
 /// The shape of a marker.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Marker {
@@ -116,6 +128,23 @@ impl Styles {
             styles.insert(name, style);
         }
         Styles(styles)
+    }
+
+    /// Colours for the contenders of a map, all different as long as there are any left: first their
+    /// own, then of those that nobody here has.
+    pub fn of_map(&self, names: &[String]) -> Vec<Colour> {
+        let mut taken: Vec<Colour> = Vec::new();
+        let mut found: Vec<Option<Colour>> = Vec::new();
+        for name in names {
+            let own = Some(self.get(name)).filter(|style| !style.control);
+            let own = own.map(|style| style.colour).filter(|colour| !taken.contains(colour));
+            taken.extend(own);
+            found.push(own);
+        }
+        let all = KNOWN.iter().map(|known| known.1);
+        let rest: Vec<Colour> = REST.into_iter().chain(all).collect();
+        let mut free = rest.iter().filter(|colour| !taken.contains(colour)).cycle();
+        found.into_iter().map(|own| own.or_else(|| free.next().copied()).unwrap_or(INK)).collect()
     }
 
     /// The style of a detector; grey for names that were not announced.

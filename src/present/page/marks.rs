@@ -3,7 +3,7 @@
 
 use std::fmt::Write as _;
 
-use crate::present::figure::style::{Colour, Marker, Styles};
+use crate::present::figure::style::{Colour, Marker, Styles, lightened};
 
 /// The ground of a page in dark mode, as in the style sheet.
 const DARK: Colour = (22, 24, 29);
@@ -40,14 +40,12 @@ fn contrast(a: Colour, b: Colour) -> f64 {
 
 /// The same hue, mixed with white until it is seen on dark ground.
 pub fn on_dark(colour: Colour) -> Colour {
-    let mixed = |step: u32| {
-        let mix = |c: u8| (f64::from(c) + (255.0 - f64::from(c)) * f64::from(step) / 20.0) as u8;
-        (mix(colour.0), mix(colour.1), mix(colour.2))
-    };
+    let mixed = |step: u32| lightened(colour, f64::from(step) / 20.0);
     (0..=20).map(mixed).find(|&c| contrast(c, DARK) >= CONTRAST).unwrap_or((255, 255, 255))
 }
 
-fn hex((r, g, b): Colour) -> String {
+/// `#0050c8`.
+pub fn hex((r, g, b): Colour) -> String {
     format!("#{r:02x}{g:02x}{b:02x}")
 }
 

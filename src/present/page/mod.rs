@@ -9,6 +9,7 @@
 
 pub mod answer;
 pub mod data;
+pub mod map;
 pub mod marks;
 pub mod markup;
 pub mod origin;
@@ -29,6 +30,7 @@ use crate::number::plural;
 use crate::present::escape::html as escape;
 use crate::present::figure::style::{Styles, rank};
 use crate::present::report::{Origin, Part, summaries};
+use crate::present::sections::map::Drawn;
 use crate::present::{document, sections};
 use crate::record::row::Outcome;
 
@@ -91,6 +93,8 @@ impl Page<'_> {
             ("cards", self.cards()),
             ("answers", self.answers(&detectors)),
             ("claims", self.claims()),
+            ("maps-link", self.maps().map_or("", |_| "<a href=\"#maps\">Maps</a> ").into()),
+            ("maps", self.maps().unwrap_or_default()),
             ("figures", self.figures()),
             ("outcomes", self.outcomes()),
             ("tables", self.tables()),
@@ -306,6 +310,12 @@ impl Page<'_> {
             out += "</tbody></table></div>\n";
         }
         if out.is_empty() { "<p>No claims were checked.</p>".into() } else { out }
+    }
+
+    /// The maps, if there are any.
+    fn maps(&self) -> Option<String> {
+        let maps: Vec<&Drawn> = self.parts.iter().flat_map(|part| &part.maps).collect();
+        (!maps.is_empty()).then(|| map::section(&maps, self.styles))
     }
 
     /// The figures, and links to their files.

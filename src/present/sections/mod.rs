@@ -14,6 +14,7 @@ pub mod courses;
 pub mod coverage;
 pub mod errors;
 pub mod failures;
+pub mod map;
 pub mod noise;
 pub mod operations;
 pub mod overhead;
@@ -42,13 +43,21 @@ pub struct Files {
     ratios: Vec<Table>,
     threads: Vec<Table>,
     bound: Vec<Table>,
+    /// Of all maps.
+    pub maps: Vec<Table>,
 }
 
 impl Files {
     /// Names and contents; only those that have any.
     pub fn all(&self) -> Vec<(&'static str, String)> {
-        [("ratios.csv", &self.ratios), ("threads.csv", &self.threads), ("bound.csv", &self.bound)]
-            .into_iter()
+        let files = [
+            ("ratios.csv", &self.ratios),
+            ("threads.csv", &self.threads),
+            ("bound.csv", &self.bound),
+            ("maps.csv", &self.maps),
+        ];
+        let files = files.into_iter();
+        files
             .filter(|(_, tables)| !tables.is_empty())
             .map(|(name, tables)| (name, csv(tables)))
             .collect()

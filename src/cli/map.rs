@@ -1,0 +1,121 @@
+//! `contactbench map`.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use anyhow::{Context, bail, ensure};
+
+use crate::cells;
+use crate::cli::shared::terminal;
+use crate::experiment::{MapAxes, Where, claims};
+use crate::findings::conditions::Conditions;
+use crate::findings::map;
+use crate::io;
+use crate::present::figure::style::Styles;
+use crate::present::table::csv;
+use crate::present::{document, figure, sections, svg};
+use crate::record::merge::{self, Part};
+use crate::record::provenance;
+use crate::record::row::{self, Row};
+
+/// Options of `map`.
+#[derive(clap::Args)]
+pub struct Map {
+    /// Result folders, as `run` and `merge` write them
+    #[arg(required = true)]
+    folders: Vec<PathBuf>,
+    /// Across: n, dim, threads, a parameter of the scenes or of the detectors (size-ratio, speed,
+    /// skin), or what was measured of the scenes (density, coordination)
+    #[arg(long)]
+    x: String,
+    /// Upwards: the same
+    #[arg(long)]
+    y: String,
+    /// Only cells of which this holds: scene=packed,loose or n>=1000; may be given several times
+    #[arg(long = "where", value_name = "EXPR")]
+    filters: Vec<String>,
+    /// Where the map goes: a .svg, .png or .csv file (default: a table on the terminal)
+    #[arg(short, long, value_name = "FILE")]
+    out: Option<PathBuf>,
+}
+
+enum Kind {
+    Svg,
+    Png,
+    Csv,
+}
+
+/// Draws the map, or prints it.
+pub fn map(options: &Map) -> anyhow::Result<ExitCode> {
+    let kind = options.out.as_deref().map(kind).transpose()?;
+    let filter: Where = claims::parse_where(&options.filters)?;
+    let axes = MapAxes::new(&options.x, &options.y);
+    let rows = rows(&options.folders)?;
+    let cells = cells::cells(&rows);
+    let found = map::Map::new(&axes, &filter, &cells)?;
+    let (Some(kind), Some(path)) = (kind, &options.out) else {
+        let blocks = sections::map::blocks(&found);
+        let mut out = std::io::stdout().lock();
+        write!(out, "{}", document::plain(&blocks, terminal::width()))?;
+        return Ok(ExitCode::SUCCESS);
+    };
+    let name = format!("{} x {}", axes.x, axes.y);
+    let picture = || {
+        let [x, y] = axes.labels();
+        let title = format!("Who is the fastest: {y} against {x}");
+        figure::of_map(&title, &axes, &found, &Styles::new(cells.iter()))
+    };
+    let bytes = match kind {
+        Kind::Svg => picture()?.into_bytes(),
+        Kind::Png => svg::png(&picture()?)?,
+        Kind::Csv => csv(&[sections::map::rows(&name, &found)]).into_bytes(),
+    };
+    let place = path.display();
+    io::write::whole(path, |out| out.write_all(&bytes))
+        .with_context(|| format!("cannot write {place}; choose another place with --out"))?;
+    eprintln!("{name}: {place} ({})", crate::cli::bytes(bytes.len() as u64));
+    Ok(ExitCode::SUCCESS)
+}
+
+fn kind(path: &Path) -> anyhow::Result<Kind> {
+    let ending = path.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase());
+    Ok(match ending.as_deref() {
+        Some("svg") => Kind::Svg,
+        Some("png") => Kind::Png,
+        Some("csv") => Kind::Csv,
+        _ => bail!("{}: the ending of a map must be .svg, .png or .csv", path.display()),
+    })
+}
+
+/// The rows of all folders: merged where their experiments are the same, as `merge` does.
+fn rows(folders: &[PathBuf]) -> anyhow::Result<Vec<Row>> {
+    let mut groups: Vec<Vec<Part>> = Vec::new();
+    for folder in folders {
+        ensure!(
+            folder.join(row::FILE).exists(),
+            "{} has no {}, the record of a run; name a result folder, as `contactbench run` \
+             writes them",
+            folder.display(),
+            row::FILE
+        );
+        let part = Part::read(folder)?;
+        let doubts = Conditions::new(&provenance::all(folder), &part.ledger, &part.rows);
+        let said = part.warnings.iter().cloned().chain(sections::conditions::sentence(&doubts));
+        said.for_each(|warning| eprintln!("warning: {}: {warning}", folder.display()));
+        let same = |group: &&mut Vec<Part>| group[0].experiments == part.experiments;
+        match groups.iter_mut().find(same) {
+            Some(group) => group.push(part),
+            None => groups.push(vec![part]),
+        }
+    }
+    let mut rows = Vec::new();
+    for mut group in groups {
+        match &mut *group {
+            [part] => rows.append(&mut part.rows),
+            parts => rows.extend(merge::merge(parts)?.rows),
+        }
+    }
+    ensure!(!rows.is_empty(), "the records hold no rows yet; run the experiment first");
+    Ok(rows)
+}

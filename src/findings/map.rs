@@ -1,0 +1,411 @@
+//! Maps: who is the fastest over two variables of the cells, by how much, and where that is open.
+//!
+//! Each place of a map is a contest ([`crate::findings::winners`]) of the cells that have its two
+//! values, and its answer is that contest's. Besides detectors in their plainest setting, trackers
+//! over different detectors are told apart. A variable may be an axis of the cells (N, a parameter
+//! of the scenes or of the detectors) or what was measured of the scene, such as its density;
+//! measured numbers that are near each other share a place.
+//!
+//! Who has no such axis takes part at every value of it: a detector that is asked in every frame
+//! beside lists with every skin, and one that cannot use threads beside those that use several.
+//! What else varies within a place makes panels.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use anyhow::{bail, ensure};
+
+use crate::cells::{AxisValue, Cell, label, select, variables};
+use crate::experiment::{MapAxes, Where};
+use crate::findings::noise::Noise;
+use crate::findings::winners::{self, Contest, Scene};
+use crate::nearest::hint;
+use crate::record::column::Column;
+use crate::record::id::{Axes, MACHINE, OVER, Projection, THREADS, variable};
+use crate::record::row::{Outcome, Pass};
+use crate::stats::interval::Interval;
+
+/// More panels than this are no answer at a glance.
+pub const MOST_PANELS: usize = 12;
+/// The same of values along an axis: measured numbers are put together until there are no more.
+const MOST_VALUES: usize = 12;
+/// Measured numbers within this factor of the least of them share a place.
+const NEAR: f64 = 1.1;
+/// Where the factor to the next is at least so much, a winner is a step clearer.
+pub const STEPS: [f64; 3] = [1.2, 1.5, 2.5];
+/// What is in a panel's key whether it varies within places or not: these are never mixed.
+const APART: [&str; 5] = ["experiment", "scene", "dim", "path", MACHINE];
+
+/// Who is the fastest over two variables.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Map {
+    /// The variables, across and upwards.
+    pub axes: [Axis; 2],
+    /// One for each combination of what else varies.
+    pub panels: Vec<Panel>,
+    /// All who took part, in the order of their names.
+    pub contenders: Vec<String>,
+}
+
+/// A variable of a map.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Axis {
+    /// Its name as in expressions.
+    pub name: String,
+    /// Its values, ascending, as they are shown; numbers before words.
+    pub values: Vec<String>,
+}
+
+/// A map of one scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Panel {
+    /// The experiment.
+    pub experiment: String,
+    /// `loose, 3D, order = morton`.
+    pub title: String,
+    /// The places in which something was measured, by row, then column.
+    pub spots: Vec<Spot>,
+}
+
+/// A place of a map.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Spot {
+    /// Which of the values across and upwards.
+    pub at: [usize; 2],
+    /// Particles.
+    pub n: u64,
+    /// Who is the fastest; none if nobody has a time.
+    pub contest: Option<Contest>,
+    /// How it ended for those who have none: the first of them.
+    pub outcome: Outcome,
+}
+
+/// What is said of a place.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Answer {
+    /// One is decidedly the fastest, by so many of [`STEPS`].
+    Decided(usize),
+    /// Several may be.
+    Undecided,
+    /// Only one has a time.
+    Alone,
+    /// Nobody has.
+    Nobody,
+}
+
+impl Spot {
+    /// What is said of it.
+    pub fn answer(&self) -> Answer {
+        match &self.contest {
+            None => Answer::Nobody,
+            Some(contest) if contest.others.is_empty() => Answer::Alone,
+            Some(contest) if !contest.decided() => Answer::Undecided,
+            Some(_) => {
+                let factor = self.factor().map_or(1.0, |factor| factor.median);
+                Answer::Decided(STEPS.iter().filter(|step| factor >= **step).count())
+            }
+        }
+    }
+
+    /// The time of the next over that of the fastest.
+    pub fn factor(&self) -> Option<Interval> {
+        self.contest.as_ref()?.others.first()?.ratio
+    }
+
+    /// Those who may be the fastest, the one with the shortest median first.
+    pub fn front(&self) -> Vec<&str> {
+        let Some(contest) = &self.contest else { return Vec::new() };
+        let open = contest.others.iter().filter(|other| !other.slower);
+        std::iter::once(&contest.first).chain(open).map(|it| it.name.as_str()).collect()
+    }
+}
+
+impl Panel {
+    /// The place of these values.
+    pub fn at(&self, at: [usize; 2]) -> Option<&Spot> {
+        self.spots.iter().find(|spot| spot.at == at)
+    }
+}
+
+impl Map {
+    /// From all cells of a record, of which `filter` takes some. An error, in one sentence, if a
+    /// variable is none of theirs, nobody was timed, or more varies than panels can show.
+    pub fn new(axes: &MapAxes, filter: &Where, cells: &[Cell]) -> anyhow::Result<Map> {
+        let chosen = select::select(cells, filter)?;
+        ensure!(!chosen.is_empty(), "no cell is left: none matches all that --where asks for");
+        let [x, y] = [&axes.x, &axes.y].map(|name| Variable::new(name, &chosen));
+        let (x, y) = (x?, y?);
+        ensure!(x.name != y.name, "both axes are {}; a map needs two", x.name);
+        // Twins are no contenders, and may be left out; what they say holds all the same.
+        let mut noises: BTreeMap<&str, Noise> = BTreeMap::new();
+        for cell in &chosen {
+            noises.entry(&cell.id.experiment).or_insert_with_key(|name| {
+                let of = |cell: &&Cell| cell.id.experiment == **name;
+                Noise::new(&cells.iter().filter(of).collect::<Vec<_>>())
+            });
+        }
+        let varied = [&*x.name, &*y.name];
+        let apart = facets(&chosen, [&x, &y]);
+        let key = |cell: &Cell| panel_key(cell, &apart, &varied);
+        let mut panels: BTreeMap<Projection, BTreeMap<[usize; 2], Vec<&Cell>>> = BTreeMap::new();
+        let mut everywhere: Vec<&Cell> = Vec::new();
+        for &cell in &chosen {
+            match (x.place(cell), y.place(cell)) {
+                (Place::At(x), Place::At(y)) => {
+                    panels.entry(key(cell)).or_default().entry([y, x]).or_default().push(cell);
+                }
+                (Place::Nowhere, _) | (_, Place::Nowhere) => {}
+                _ => everywhere.push(cell),
+            }
+        }
+        for cell in everywhere {
+            let fits = |place: &Place, at: usize| !matches!(place, Place::At(k) if *k != at);
+            let (x, y) = (x.place(cell), y.place(cell));
+            for (at, there) in panels.get_mut(&key(cell)).into_iter().flatten() {
+                if fits(&x, at[1]) && fits(&y, at[0]) {
+                    there.push(cell);
+                }
+            }
+        }
+        if panels.len() > MOST_PANELS {
+            bail!(too_many(&chosen, &apart, &varied, panels.len()));
+        }
+        let several = panels.keys().map(|key| key.axis("experiment")).collect::<BTreeSet<_>>();
+        let panel = |(key, spots): (Projection, BTreeMap<[usize; 2], Vec<&Cell>>)| {
+            let text = key.axis("experiment").map(|value| value.to_string()).unwrap_or_default();
+            let title = label::title(&key, &apart);
+            Panel {
+                title: if several.len() > 1 { format!("{text}: {title}") } else { title },
+                spots: spots
+                    .into_iter()
+                    .map(|([y, x], cells)| spot([x, y], &cells, &noises, &varied))
+                    .collect(),
+                experiment: text,
+            }
+        };
+        let panels: Vec<Panel> = panels.into_iter().map(panel).collect();
+        let all = || panels.iter().flat_map(|panel| &panel.spots);
+        let found = all().filter_map(|spot| spot.contest.as_ref());
+        let names: BTreeSet<&String> = found
+            .flat_map(|contest| std::iter::once(&contest.first).chain(&contest.others))
+            .map(|it| &it.name)
+            .collect();
+        ensure!(
+            !names.is_empty(),
+            "nobody has a time in these cells, and a map is one of times; run the experiment with \
+             blocks"
+        );
+        let contenders = names.into_iter().cloned().collect();
+        Ok(Map { axes: [x.axis(), y.axis()], panels, contenders })
+    }
+}
+
+/// Who a contender is on a map: a detector, or a tracker over one; the rest are settings.
+fn who(cell: &Cell, varied: &[&str]) -> String {
+    let id = &cell.id;
+    let settings = id.detector_params.keys().map(String::as_str).filter(|name| *name != OVER);
+    let left_out: Vec<String> = settings.map(variable).collect();
+    let left_out: Vec<&str> =
+        left_out.iter().map(String::as_str).chain(varied.iter().copied()).collect();
+    id.contender_without(&left_out)
+}
+
+fn spot(at: [usize; 2], cells: &[&Cell], noises: &BTreeMap<&str, Noise>, varied: &[&str]) -> Spot {
+    // Of several seeds the first speaks, as where the fastest of a scene is named.
+    let seed = cells.iter().map(|cell| cell.id.seed).min();
+    let own = cells.iter().copied().filter(|cell| Some(cell.id.seed) == seed);
+    let scene = Scene { title: String::new(), n: cells[0].id.n, cells: own.collect() };
+    let named = |cell: &Cell| who(cell, varied);
+    let noise = noises.get(cells[0].id.experiment.as_str());
+    let contest = noise.and_then(|noise| winners::contest(&scene, noise, named, named));
+    let ended = cells.iter().map(|cell| cell.outcome(&[Pass::Time]).0);
+    let outcome = ended.filter(|outcome| !outcome.is_good()).min().unwrap_or(Outcome::Ok);
+    Spot { at, n: scene.n, contest, outcome }
+}
+
+/// What tells panels apart.
+fn panel_key(cell: &Cell, apart: &[String], varied: &[&str]) -> Projection {
+    let id = &cell.id;
+    let kept = |name: &str| apart.iter().any(|known| known == name) || APART.contains(&name);
+    let names: Vec<String> = id.names().filter(|name| !kept(name)).collect();
+    let left_out = names.iter().map(String::as_str).chain(varied.iter().copied());
+    let contender = ["detector", "arithmetic", THREADS];
+    id.scene_id().without(&left_out.chain(contender).collect::<Vec<_>>())
+}
+
+/// The fields and parameters of scenes that differ within a place.
+fn facets(chosen: &[&Cell], [x, y]: [&Variable; 2]) -> Vec<String> {
+    let mut places: BTreeMap<_, Vec<&Cell>> = BTreeMap::new();
+    for &cell in chosen {
+        if let (Place::At(a), Place::At(b)) = (x.place(cell), y.place(cell)) {
+            let key = panel_key(cell, &[], &[&x.name, &y.name]);
+            places.entry((key, a, b)).or_default().push(cell);
+        }
+    }
+    let mut found = BTreeSet::new();
+    for cells in places.values() {
+        let names = cells.iter().flat_map(|cell| cell.id.parameters()).map(|(name, _)| name);
+        let names: BTreeSet<String> = names.chain(["n".into(), "order".into()]).collect();
+        found.extend(names.into_iter().filter(|name| {
+            let own = |cell: &&Cell| cell.id.axis(name);
+            ![&x.name, &y.name].contains(&name)
+                && cells.iter().any(|cell| own(cell) != own(&cells[0]))
+        }));
+    }
+    found.into_iter().collect()
+}
+
+/// What varies, and how to choose.
+fn too_many(chosen: &[&Cell], apart: &[String], varied: &[&str], panels: usize) -> String {
+    let values = |name: &str| -> Vec<String> {
+        let values = chosen.iter().filter_map(|cell| cell.id.axis(name));
+        values.collect::<BTreeSet<_>>().iter().map(AxisValue::to_string).collect()
+    };
+    let names = APART.iter().copied().chain(apart.iter().map(String::as_str));
+    let found = names.filter(|name| !varied.contains(name)).map(|name| (name, values(name)));
+    let found: Vec<_> = found.filter(|(_, values)| values.len() > 1).collect();
+    let said = |(name, values): &(&str, Vec<String>)| {
+        let (first, more) = values.split_at(values.len().min(4));
+        let more = if more.is_empty() { "" } else { ", ..." };
+        format!("{name} ({}{more})", first.join(", "))
+    };
+    let example = found.iter().max_by_key(|(_, values)| values.len());
+    let example = example.map_or(String::new(), |(name, values)| format!("{name}={}", values[0]));
+    format!(
+        "{} x {} makes {panels} panels, and at most {MOST_PANELS} are drawn: there vary {}; \
+         choose some of them, as in --where {example}",
+        varied[0],
+        varied[1],
+        found.iter().map(said).collect::<Vec<_>>().join(", ")
+    )
+}
+
+/// A variable of the cells, with its values in order.
+struct Variable {
+    name: String,
+    values: Values,
+    /// Those who have no such axis, and take part at all values: by name and parameters.
+    free: BTreeSet<String>,
+}
+
+enum Values {
+    /// Of an axis.
+    Known(Vec<AxisValue>),
+    /// The least and the largest of each class of measured numbers.
+    Measured(Vec<(f64, f64)>),
+}
+
+/// Where a cell is along an axis.
+enum Place {
+    At(usize),
+    /// At every value.
+    Everywhere,
+    Nowhere,
+}
+
+impl Variable {
+    fn new(name: &str, cells: &[&Cell]) -> anyhow::Result<Variable> {
+        let name = variable(name);
+        if cells.iter().any(|cell| cell.id.axis(&name).is_some()) {
+            let values: BTreeSet<AxisValue> =
+                cells.iter().filter_map(|cell| cell.id.axis(&name)).collect();
+            let free = free(&name, cells);
+            return Ok(Variable {
+                name,
+                values: Values::Known(values.into_iter().collect()),
+                free,
+            });
+        }
+        let measured = || cells.iter().filter_map(|cell| of_scene(cell, &name));
+        let mut numbers: Vec<f64> = measured().filter(|value| value.is_finite()).collect();
+        if numbers.is_empty() {
+            let owned: Vec<Cell> = cells.iter().map(|&cell| cell.clone()).collect();
+            let mut known = variables(&owned);
+            known.retain(|name| Column::find(name).is_none_or(|column| column.pass.is_none()));
+            known.extend(cells.iter().flat_map(|cell| cell.id.names()));
+            let known: Vec<&str> = known.iter().map(String::as_str).collect();
+            bail!(
+                "these cells have no '{name}' of a scene or a detector{}; there are: {}",
+                hint(&name, known.iter().copied()),
+                known.join(", ")
+            );
+        }
+        numbers.sort_by(f64::total_cmp);
+        Ok(Variable { name, values: Values::Measured(classes(&numbers)), free: BTreeSet::new() })
+    }
+
+    fn place(&self, cell: &Cell) -> Place {
+        if self.free.contains(&cell.id.contender()) {
+            return Place::Everywhere;
+        }
+        let found = match &self.values {
+            Values::Known(values) => {
+                cell.id.axis(&self.name).and_then(|value| values.binary_search(&value).ok())
+            }
+            Values::Measured(classes) => of_scene(cell, &self.name)
+                .and_then(|value| classes.iter().position(|it| (it.0..=it.1).contains(&value))),
+        };
+        found.map_or(Place::Nowhere, Place::At)
+    }
+
+    fn axis(&self) -> Axis {
+        let values = match &self.values {
+            Values::Known(values) => values.iter().map(AxisValue::to_string).collect(),
+            Values::Measured(classes) => classes.iter().map(|&class| shown(class)).collect(),
+        };
+        Axis { name: self.name.clone(), values }
+    }
+}
+
+/// What was measured of a cell's scene: the same whoever looks at it.
+fn of_scene(cell: &Cell, name: &str) -> Option<f64> {
+    Column::find(name).filter(|column| column.pass.is_none())?;
+    cell.variable(name, None)
+}
+
+/// The contenders that do not have this axis of contenders; none if it is one of scenes.
+fn free(name: &str, cells: &[&Cell]) -> BTreeSet<String> {
+    let bound = |cell: &&&Cell| match name {
+        THREADS => cell.id.threads() > 1,
+        _ => cell.id.detector_parameters().any(|(own, _)| own == name),
+    };
+    let all = |cells: &mut dyn Iterator<Item = &&Cell>| -> BTreeSet<String> {
+        cells.map(|cell| cell.id.contender()).collect()
+    };
+    let bound = all(&mut cells.iter().filter(bound));
+    if bound.is_empty() {
+        bound
+    } else {
+        all(&mut cells.iter()).difference(&bound).cloned().collect()
+    }
+}
+
+/// Parts sorted numbers into classes of near ones, at most [`MOST_VALUES`] of them.
+fn classes(sorted: &[f64]) -> Vec<(f64, f64)> {
+    let mut near = NEAR;
+    loop {
+        let mut found: Vec<(f64, f64)> = Vec::new();
+        for &value in sorted {
+            match found.last_mut() {
+                Some(class) if value <= class.0 + (near - 1.0) * class.0.abs() => class.1 = value,
+                _ => found.push((value, value)),
+            }
+        }
+        if found.len() <= MOST_VALUES || near > 1e6 {
+            return found;
+        }
+        near *= 1.2;
+    }
+}
+
+/// `0.52 to 0.56`, with two digits.
+fn shown((low, high): (f64, f64)) -> String {
+    let digits = |value: f64| -> String {
+        let rounded: f64 = format!("{value:.1e}").parse().unwrap_or(value);
+        rounded.to_string()
+    };
+    let (low, high) = (digits(low), digits(high));
+    if low == high { low } else { format!("{low} to {high}") }
+}
+
+#[cfg(test)]
+pub(crate) mod tests;

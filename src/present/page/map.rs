@@ -1,0 +1,138 @@
+//! Maps on a page: tables whose places are coloured, and tell their row on hover, press and focus.
+
+use std::fmt::Write as _;
+
+use crate::findings::map::{Answer, Panel, STEPS, Spot};
+use crate::number::times;
+use crate::present::escape::html as escape;
+use crate::present::figure::style::{Colour, Styles};
+use crate::present::page::marks::{hex, on_dark};
+use crate::present::sections::map::{Drawn, either, sentence};
+
+const SCRIPT: &str = include_str!("../../../assets/report/map.js");
+/// How much of a place is its colour, by how clearly one wins; letters must be read on it.
+const DEPTHS: [u32; STEPS.len() + 1] = [10, 20, 32, 46];
+
+/// The section of these maps.
+pub fn section(maps: &[&Drawn], styles: &Styles) -> String {
+    let mut out = String::from("<section id=\"maps\"><h2>Maps</h2>\n");
+    let _ = writeln!(
+        out,
+        "<p class=\"note\">Who is the fastest in each place, and the time of the next over its \
+         own: the deeper the colour, the farther ahead (from {} on). Striped: undecided.</p>",
+        STEPS.map(|step| step.to_string()).join(", ")
+    );
+    maps.iter().for_each(|drawn| figure(&mut out, drawn, styles));
+    let _ = writeln!(out, "</section>\n<script nonce=\"contactbench\">\n{SCRIPT}</script>\n");
+    out
+}
+
+fn figure(out: &mut String, drawn: &Drawn, styles: &Styles) {
+    let map = &drawn.map;
+    let colours = styles.of_map(&map.contenders);
+    let colour = |name: &str| {
+        let known = map.contenders.iter().position(|known| known == name);
+        known.and_then(|k| colours.get(k).copied()).unwrap_or_default()
+    };
+    let title = escape(&drawn.title);
+    let _ = writeln!(out, "<figure class=\"map\"><figcaption>{title}</figcaption>");
+    for panel in &map.panels {
+        table(out, drawn, panel, &colour);
+    }
+    *out += "<p class=\"said note\" role=\"status\">Point at a place, press it or go there with \
+             the Tab key to read its row.</p></figure>\n";
+}
+
+fn table(out: &mut String, drawn: &Drawn, panel: &Panel, colour: &dyn Fn(&str) -> Colour) {
+    let (map, [across, up]) = (&drawn.map, drawn.labels.each_ref().map(|label| escape(label)));
+    let [x, y] = &map.axes;
+    let _ = write!(
+        out,
+        "<div class=\"scroll\"><table><caption>{}</caption><tbody>\n",
+        escape(&panel.title)
+    );
+    let rows = y.values.len();
+    for (j, value) in y.values.iter().enumerate().rev() {
+        *out += "<tr>";
+        if j + 1 == rows {
+            let _ = write!(out, "<th class=\"name\" rowspan=\"{rows}\">{up}</th>");
+        }
+        let _ = write!(out, "<th scope=\"row\">{}</th>", escape(value));
+        for i in 0..x.values.len() {
+            *out += &panel.at([i, j]).map_or("<td class=\"none\"></td>".into(), |spot| {
+                place(spot, &sentence(map, panel, spot), colour)
+            });
+        }
+        *out += "</tr>\n";
+    }
+    *out += "</tbody><tfoot><tr><th colspan=\"2\"></th>";
+    for value in &x.values {
+        let _ = write!(out, "<th scope=\"col\">{}</th>", escape(value));
+    }
+    let _ = writeln!(
+        out,
+        "</tr><tr><th colspan=\"2\"></th><th class=\"name\" colspan=\"{}\">{across}</th></tr>\
+         </tfoot></table></div>",
+        x.values.len()
+    );
+}
+
+fn place(spot: &Spot, row: &str, colour: &dyn Fn(&str) -> Colour) -> String {
+    let row = escape(row);
+    let front = spot.front();
+    let factor = spot.factor();
+    let said = |words: String| format!("<small>{words}</small>");
+    let ratio = factor.map_or(String::new(), |it| said(times(it.median)));
+    let (class, depth, words) = match spot.answer() {
+        Answer::Nobody => ("none", 0, escape(spot.outcome.name())),
+        Answer::Undecided => {
+            let others = escape(&either(&front[1..]));
+            ("open", 0, format!("<b>{}</b> or <b>{others}</b>{ratio}", escape(front[0])))
+        }
+        Answer::Alone => ("", 8, format!("{}{}", escape(front[0]), said("alone".into()))),
+        Answer::Decided(step) => {
+            let depth = DEPTHS[step.min(DEPTHS.len() - 1)];
+            ("", depth, format!("<b>{}</b>{ratio}", escape(front[0])))
+        }
+    };
+    let mut style = format!("--deep:{depth}%");
+    for (name, which) in front.iter().zip(["", "2"]) {
+        let c = colour(name);
+        let _ = write!(style, ";--light{which}:{};--dark{which}:{}", hex(c), hex(on_dark(c)));
+    }
+    let class = if class.is_empty() { class.into() } else { format!(" class=\"{class}\"") };
+    format!("<td{class} style=\"{style}\" tabindex=\"0\" data-row=\"{row}\">{words}</td>")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::findings::map::Map;
+    use crate::findings::map::tests::made_up;
+
+    #[test]
+    fn places_tell_their_row_and_no_name_becomes_markup() {
+        let map = made_up();
+        let labels = ["N".to_string(), "<fraction>".to_string()];
+        let drawn = Drawn { name: "m".into(), title: "A & B".into(), labels, map };
+        let html = section(&[&drawn], &Styles::default());
+        for part in [
+            "<figcaption>A &amp; B</figcaption>",
+            "&lt;fraction&gt;</th><th scope=\"row\">0.6</th>",
+            "style=\"--deep:32%;--light:#d55e00;--dark:#d55e00\" tabindex=\"0\" \
+             data-row=\"packed, 2D, n = 100, fraction = 0.1: the fastest is nbs",
+            "<td class=\"open\" style=\"--deep:0%;--light:#d55e00;--dark:#d55e00;--light2:#009e73",
+            "<b>nbs</b> or <b>sorting</b><small>1.01</small>",
+            ">timeout</td>",
+        ] {
+            assert!(html.contains(part), "{part} is not in {html}");
+        }
+        assert_eq!(html.matches("data-row=").count(), 4);
+        let table = html.split_once("<figure").unwrap().1.split_once("</figure>").unwrap().0;
+        let whole = format!("<figure{table}</figure>");
+        assert!(roxmltree::Document::parse(&whole).is_ok(), "{whole}");
+        let hostile = Map { contenders: vec!["<b>".into()], ..made_up() };
+        let html = section(&[&Drawn { map: hostile, ..drawn }], &Styles::default());
+        assert!(!html.contains("<fraction>"), "{html}");
+    }
+}
