@@ -15,11 +15,9 @@ use crate::record::value::AxisValue;
 /// The cells that match; an error if an entry names neither a field nor a parameter nor a variable
 /// of any cell.
 pub fn select<'a>(cells: &'a [Cell], filter: &Where) -> anyhow::Result<Vec<&'a Cell>> {
-    let filter: Vec<(String, &[toml::Value])> =
-        filter.iter().map(|(name, values)| (variable(name), &values[..])).collect();
-    for (name, _) in &filter {
-        let known = |cell: &Cell| cell.id.axis(name).is_some();
-        let measured = Column::find(name).is_some() || variables(cells).contains(name);
+    for name in filter.keys().map(|name| variable(name)) {
+        let known = |cell: &Cell| cell.id.axis(&name).is_some();
+        let measured = Column::find(&name).is_some() || variables(cells).contains(&name);
         if !cells.is_empty() && !cells.iter().any(known) && !measured {
             let mut names: Vec<String> = cells.iter().flat_map(|cell| cell.id.names()).collect();
             names.sort_unstable();
@@ -30,14 +28,16 @@ pub fn select<'a>(cells: &'a [Cell], filter: &Where) -> anyhow::Result<Vec<&'a C
             );
         }
     }
-    let matches = |cell: &&Cell| {
-        filter.iter().all(|(name, wanted)| {
-            let found =
-                cell.id.axis(name).or_else(|| cell.variable(name, None).map(AxisValue::from));
-            found.is_some_and(|found| wanted.iter().any(|wanted| equal(&found, wanted)))
-        })
-    };
-    Ok(cells.iter().filter(matches).collect())
+    Ok(cells.iter().filter(|cell| matches(cell, filter)).collect())
+}
+
+/// Does a cell match? It does not if it lacks what is asked for.
+pub fn matches(cell: &Cell, filter: &Where) -> bool {
+    filter.iter().all(|(name, wanted)| {
+        let name = variable(name);
+        let found = cell.id.axis(&name).or_else(|| cell.variable(&name, None).map(AxisValue::from));
+        found.is_some_and(|found| wanted.iter().any(|wanted| equal(&found, wanted)))
+    })
 }
 
 /// May a cell that is planned match? What is measured of it is not known yet.

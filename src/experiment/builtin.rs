@@ -29,6 +29,8 @@ pub const FILES: &[(&str, &str)] = &[
     ("rebuilds", include_str!("../../experiments/rebuilds.toml")),
     ("buffers", include_str!("../../experiments/buffers.toml")),
     ("mended", include_str!("../../experiments/mended.toml")),
+    ("maps", include_str!("../../experiments/maps.toml")),
+    ("maps-motion", include_str!("../../experiments/maps-motion.toml")),
     ("price", include_str!("../../experiments/price.toml")),
     ("scale", include_str!("../../experiments/scale.toml")),
     ("peers", include_str!("../../experiments/peers.toml")),

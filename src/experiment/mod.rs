@@ -63,6 +63,8 @@ pub struct Experiment {
     pub cost_model: bool,
     /// The detector that all others are compared with in a table of ratios.
     pub ratios_to: Option<String>,
+    /// The report says what following printed advice would cost in these scenes.
+    pub advice: bool,
     /// Paired blocks: each runs every detector once, in a fresh random order. 0: no times, only
     /// answers, counts and memory.
     #[serde(deserialize_with = "list::one")]
@@ -110,6 +112,7 @@ impl Default for Experiment {
             bound: false,
             cost_model: false,
             ratios_to: None,
+            advice: false,
             blocks: 15,
             block_budget_s: f64::INFINITY,
             time_limit_s: 30.0,

@@ -42,7 +42,7 @@ pub struct Map {
     pub axes: [Axis; 2],
     /// One for each combination of what else varies.
     pub panels: Vec<Panel>,
-    /// All who took part, in the order of their names.
+    /// All who may be the fastest somewhere, in the order of their names.
     pub contenders: Vec<String>,
 }
 
@@ -120,6 +120,12 @@ impl Spot {
 }
 
 impl Panel {
+    /// Which of the values across (0) or upwards (1) have a place in it.
+    pub fn values(&self, axis: usize) -> Vec<usize> {
+        let used: BTreeSet<usize> = self.spots.iter().map(|spot| spot.at[axis]).collect();
+        used.into_iter().collect()
+    }
+
     /// The place of these values.
     pub fn at(&self, at: [usize; 2]) -> Option<&Spot> {
         self.spots.iter().find(|spot| spot.at == at)
@@ -183,18 +189,14 @@ impl Map {
             }
         };
         let panels: Vec<Panel> = panels.into_iter().map(panel).collect();
-        let all = || panels.iter().flat_map(|panel| &panel.spots);
-        let found = all().filter_map(|spot| spot.contest.as_ref());
-        let names: BTreeSet<&String> = found
-            .flat_map(|contest| std::iter::once(&contest.first).chain(&contest.others))
-            .map(|it| &it.name)
-            .collect();
+        let spots = panels.iter().flat_map(|panel| &panel.spots);
+        let names: BTreeSet<&str> = spots.flat_map(Spot::front).collect();
         ensure!(
             !names.is_empty(),
             "nobody has a time in these cells, and a map is one of times; run the experiment with \
              blocks"
         );
-        let contenders = names.into_iter().cloned().collect();
+        let contenders = names.into_iter().map(String::from).collect();
         Ok(Map { axes: [x.axis(), y.axis()], panels, contenders })
     }
 }

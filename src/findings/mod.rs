@@ -16,6 +16,7 @@ pub mod operations;
 pub mod overhead;
 pub mod price;
 pub mod ratios;
+pub mod regret;
 pub mod scenes;
 pub mod threads;
 pub mod verdicts;

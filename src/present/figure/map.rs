@@ -14,8 +14,11 @@ use crate::present::sections::map::either;
 const MARGIN: f64 = 24.0;
 /// The widest figure, and the narrowest.
 const WIDTH: (f64, f64) = (1400.0, 760.0);
-/// A tile.
-const TILE: (f64, f64) = (122.0, 64.0);
+/// A tile: its height, and how wide it is for short names and for long ones.
+const HIGH: f64 = 64.0;
+const WIDE: (f64, f64) = (112.0, 164.0);
+/// Beside the names in it.
+const ROOM: f64 = 18.0;
 const GAP: f64 = 30.0;
 /// Room for the title of a panel above it, and for values and the name of the axis below.
 const HEADING: f64 = 34.0;
@@ -43,6 +46,8 @@ pub struct Sheet<'a> {
     top: f64,
     /// Room for the values upwards.
     left: f64,
+    /// The width of a tile.
+    tile: f64,
 }
 
 impl<'a> Sheet<'a> {
@@ -57,10 +62,15 @@ impl<'a> Sheet<'a> {
         for value in &map.axes[1].values {
             left = left.max(width(value, SIZE, false)? + 44.0);
         }
-        let tiles = TILE.0 * map.axes[0].values.len() as f64;
-        let mut across = left + tiles;
+        let mut tile = WIDE.0;
+        for name in &map.contenders {
+            tile = tile.max(width(name, SIZE, true)? + ROOM);
+        }
+        let tile = tile.min(WIDE.1);
+        let mut across: f64 = 0.0;
         for panel in &map.panels {
-            across = across.max(left + width(&panel.title, 19.0, true)?);
+            let tiles = tile * panel.values(0).len() as f64;
+            across = across.max(left + tiles.max(width(&panel.title, 19.0, true)?));
         }
         let fit = ((WIDTH.0 - 2.0 * MARGIN + GAP) / (across + GAP)).floor().max(1.0);
         let columns = (fit as usize).min(map.panels.len()).max(1);
@@ -72,8 +82,8 @@ impl<'a> Sheet<'a> {
         let subtitle = wrap(how, (whole / 9.3) as usize);
         let lines = 34.0 * title.len() as f64 + 22.0 * subtitle.len() as f64;
         let top = MARGIN + lines + 62.0;
-        let rows = map.panels.len().div_ceil(columns) as f64;
-        let height = top + rows * row_height(map) + MARGIN - 10.0;
+        let rows = map.panels.chunks(columns).map(row_height);
+        let height = top + rows.sum::<f64>() + MARGIN - 10.0;
         let colours = styles.of_map(&map.contenders);
         let colours = map.contenders.iter().map(String::as_str).zip(colours).collect();
         Ok(Sheet {
@@ -87,6 +97,7 @@ impl<'a> Sheet<'a> {
             across,
             top,
             left,
+            tile,
         })
     }
 
@@ -102,11 +113,12 @@ impl<'a> Sheet<'a> {
             y += 22.0;
         }
         self.legend(canvas, y + 12.0)?;
-        for (k, panel) in self.map.panels.iter().enumerate() {
-            let (row, column) = (k / self.columns, k % self.columns);
-            let left = MARGIN + column as f64 * (self.across + GAP);
-            let top = self.top + row as f64 * row_height(self.map);
-            self.panel(canvas, panel, (left, top))?;
+        let mut top = self.top;
+        for row in self.map.panels.chunks(self.columns) {
+            for (column, panel) in row.iter().enumerate() {
+                self.panel(canvas, panel, (MARGIN + column as f64 * (self.across + GAP), top))?;
+            }
+            top += row_height(row);
         }
         Ok(())
     }
@@ -136,55 +148,48 @@ impl<'a> Sheet<'a> {
 
     fn panel(&self, canvas: &mut Canvas, panel: &Panel, (left, top): Point) -> anyhow::Result<()> {
         let [x, y] = &self.map.axes;
-        let (nx, ny) = (x.values.len(), y.values.len());
-        let (from, first) = (left + self.left, top + HEADING);
-        let last = first + TILE.1 * ny as f64;
-        let corner = |[i, j]: [usize; 2]| -> Point {
-            (from + TILE.0 * i as f64, first + TILE.1 * (ny - 1 - j) as f64)
-        };
+        let (columns, rows) = (panel.values(0), panel.values(1));
+        let (wide, from, first) = (self.tile, left + self.left, top + HEADING);
+        let (right, last) = (from + wide * columns.len() as f64, first + HIGH * rows.len() as f64);
+        let across = |i: usize| from + wide * i as f64;
+        let down = |j: usize| last - HIGH * (j + 1) as f64;
         canvas.text(&panel.title, (from, top + 16.0), Text::new(19.0, INK).bold())?;
-        for (j, value) in y.values.iter().enumerate() {
-            let (_, at) = corner([0, j]);
-            let place = (from - 8.0, at + TILE.1 / 2.0);
-            canvas.text(value, place, Text::new(SIZE, INK).anchor(1))?;
+        for (j, &value) in rows.iter().enumerate() {
+            let place = (from - 8.0, down(j) + HIGH / 2.0);
+            canvas.text(&y.values[value], place, Text::new(SIZE, INK).anchor(1))?;
         }
-        for (i, value) in x.values.iter().enumerate() {
-            let (at, _) = corner([i, 0]);
-            let place = (at + TILE.0 / 2.0, last + 14.0);
-            canvas.text(value, place, Text::new(SIZE, INK).anchor(0))?;
+        for (i, &value) in columns.iter().enumerate() {
+            let place = (across(i) + wide / 2.0, last + 14.0);
+            canvas.text(&x.values[value], place, Text::new(SIZE, INK).anchor(0))?;
         }
-        let middle = from + TILE.0 * nx as f64 / 2.0;
-        canvas.text(self.labels[0], (middle, last + 36.0), Text::new(16.0, FAINT).anchor(0))?;
+        let middle = ((from + right) / 2.0, last + 36.0);
+        canvas.text(self.labels[0], middle, Text::new(16.0, FAINT).anchor(0))?;
         let upright = Text { upright: true, ..Text::new(16.0, FAINT).anchor(0) };
         canvas.text(self.labels[1], (left + 8.0, (first + last) / 2.0), upright)?;
-        for j in 0..ny {
-            for i in 0..nx {
-                self.tile(canvas, panel.at([i, j]), corner([i, j]))?;
-            }
+        let spot = |i: usize, j: usize| panel.at([*columns.get(i)?, *rows.get(j)?]);
+        let all = || (0..rows.len()).flat_map(|j| (0..columns.len()).map(move |i| (i, j)));
+        for (i, j) in all() {
+            self.tile(canvas, spot(i, j), (across(i), down(j)))?;
         }
         // Where another becomes the fastest.
-        let front = |at: [usize; 2]| panel.at(at).map(Spot::front);
-        for j in 0..ny {
-            for i in 0..nx {
-                let (x, y) = corner([i, j]);
-                if i + 1 < nx && front([i, j]) != front([i + 1, j]) {
-                    let x = x + TILE.0;
-                    canvas.line(&[(x, y), (x, y + TILE.1)], INK, 3.0, None)?;
-                }
-                if j + 1 < ny && front([i, j]) != front([i, j + 1]) {
-                    canvas.line(&[(x, y), (x + TILE.0, y)], INK, 3.0, None)?;
-                }
+        let front = |i: usize, j: usize| spot(i, j).map(Spot::front);
+        for (i, j) in all() {
+            let (x, y) = (across(i), down(j));
+            if i + 1 < columns.len() && front(i, j) != front(i + 1, j) {
+                canvas.line(&[(x + wide, y), (x + wide, y + HIGH)], INK, 3.0, None)?;
+            }
+            if j + 1 < rows.len() && front(i, j) != front(i, j + 1) {
+                canvas.line(&[(x, y), (x + wide, y)], INK, 3.0, None)?;
             }
         }
-        let (low, high) = ((from, first), (from + TILE.0 * nx as f64, last));
-        let frame = [low, (high.0, low.1), high, (low.0, high.1), low];
+        let frame = [(from, first), (right, first), (right, last), (from, last), (from, first)];
         canvas.line(&frame, INK, 1.0, None)
     }
 
     fn tile(&self, canvas: &mut Canvas, spot: Option<&Spot>, (x, y): Point) -> anyhow::Result<()> {
-        let (right, low) = (x + TILE.0, y + TILE.1);
+        let (right, low) = (x + self.tile, y + HIGH);
         let frame = [(x, y), (right, y), (right, low), (x, low), (x, y)];
-        let middle = (x + TILE.0 / 2.0, y + TILE.1 / 2.0);
+        let middle = (x + self.tile / 2.0, y + HIGH / 2.0);
         let Some(spot) = spot else {
             canvas.rect((x, y), (right, low), STRIP)?;
             return canvas.line(&frame, GRID, 1.0, None);
@@ -200,7 +205,7 @@ impl<'a> Sheet<'a> {
             Answer::Undecided => {
                 let [first, second] = [0, 1].map(|k| front.get(k).map_or(FAINT, |it| colour(it)));
                 canvas.rect((x, y), (right, low), lightened(first, 0.45))?;
-                stripes(canvas, (x, y), lightened(second, 0.45))?;
+                stripes(canvas, (x, y), self.tile, lightened(second, 0.45))?;
                 canvas.rect((x + 7.0, y + 7.0), (right - 7.0, low - 7.0), (255, 255, 255))?;
                 let ratio = factor.map(|it| times(it.median));
                 let mut lines = vec![front[0].to_string(), format!("or {}", either(&front[1..]))];
@@ -228,7 +233,8 @@ impl<'a> Sheet<'a> {
         let top = middle.1 - step * (lines.len() as f64 - 1.0) / 2.0;
         for (k, line) in lines.iter().enumerate() {
             let named = k == 0 || (k == 1 && spot.answer() == Answer::Undecided);
-            let size = fitted(line, if k == 2 { 13.0 } else { SIZE }, named)?;
+            let size = if k == 2 { 13.0 } else { SIZE };
+            let size = fitted(line, self.tile - ROOM, size, named)?;
             let text = Text { bold: named, ..Text::new(size, ink).anchor(0) };
             canvas.text(line, (middle.0, top + step * k as f64), text)?;
         }
@@ -236,32 +242,30 @@ impl<'a> Sheet<'a> {
     }
 }
 
-/// The size at which a line fits into a tile.
-fn fitted(line: &str, size: f64, bold: bool) -> anyhow::Result<f64> {
-    let room = TILE.0 - 18.0;
+/// The size at which a line fits into so much room.
+fn fitted(line: &str, room: f64, size: f64, bold: bool) -> anyhow::Result<f64> {
     Ok((size * room / width(line, size, bold)?.max(room)).max(7.0))
 }
 
-/// Slanted stripes over a tile.
-fn stripes(canvas: &mut Canvas, (x, y): Point, colour: Colour) -> anyhow::Result<()> {
-    let (wide, high) = TILE;
-    let mut start = -high;
+/// Slanted stripes over a tile so wide.
+fn stripes(canvas: &mut Canvas, (x, y): Point, wide: f64, colour: Colour) -> anyhow::Result<()> {
+    let mut start = -HIGH;
     while start < wide {
-        // A stripe's lower edge is from `start` to `start + half`, and it leans by the height.
-        let half = STRIPE / 2.0;
-        let cut = |at: f64, t: f64| (x + at + t, y + high - t);
-        let inside = |at: f64| (f64::max(0.0, -at), f64::min(high, wide - at));
-        let ((a, b), (c, d)) = (inside(start), inside(start + half));
+        // A stripe begins at the lower edge from `start` to half a step further, and leans right.
+        let end = start + STRIPE / 2.0;
+        let cut = |at: f64, t: f64| (x + at + t, y + HIGH - t);
+        let inside = |at: f64| (f64::max(0.0, -at), f64::min(HIGH, wide - at));
+        let ((a, b), (c, d)) = (inside(start), inside(end));
         if a < b && c < d {
-            let points = [cut(start, a), cut(start, b), cut(start + half, d), cut(start + half, c)];
-            canvas.fill(&points, colour)?;
+            canvas.fill(&[cut(start, a), cut(start, b), cut(end, d), cut(end, c)], colour)?;
         }
         start += STRIPE;
     }
     Ok(())
 }
 
-/// As high as all its tiles and what stands above and below them.
-fn row_height(map: &Map) -> f64 {
-    HEADING + TILE.1 * map.axes[1].values.len() as f64 + BELOW + 10.0
+/// As high as the highest panel of a row, with what stands above and below its tiles.
+fn row_height(row: &[Panel]) -> f64 {
+    let most = row.iter().map(|panel| panel.values(1).len()).max().unwrap_or(0);
+    HEADING + HIGH * most as f64 + BELOW + 10.0
 }

@@ -130,21 +130,24 @@ impl Styles {
         Styles(styles)
     }
 
-    /// Colours for the contenders of a map, all different as long as there are any left: first their
-    /// own, then of those that nobody here has.
+    /// Colours for the contenders of a map: first their own, then of all others those that are
+    /// farthest from the ones before.
     pub fn of_map(&self, names: &[String]) -> Vec<Colour> {
         let mut taken: Vec<Colour> = Vec::new();
-        let mut found: Vec<Option<Colour>> = Vec::new();
-        for name in names {
-            let own = Some(self.get(name)).filter(|style| !style.control);
-            let own = own.map(|style| style.colour).filter(|colour| !taken.contains(colour));
-            taken.extend(own);
-            found.push(own);
-        }
-        let all = KNOWN.iter().map(|known| known.1);
-        let rest: Vec<Colour> = REST.into_iter().chain(all).collect();
-        let mut free = rest.iter().filter(|colour| !taken.contains(colour)).cycle();
-        found.into_iter().map(|own| own.or_else(|| free.next().copied()).unwrap_or(INK)).collect()
+        let mut own = |name: &String| {
+            let style = Some(self.get(name)).filter(|style| !style.control)?;
+            let free = !taken.contains(&style.colour);
+            free.then(|| taken.push(style.colour)).map(|()| style.colour)
+        };
+        let found: Vec<Option<Colour>> = names.iter().map(&mut own).collect();
+        let all: Vec<Colour> = KNOWN.iter().skip(1).map(|it| it.1).chain(REST).collect();
+        let mut farthest = || {
+            let room = |a: &&Colour| taken.iter().map(|b| apart(**a, *b)).min().unwrap_or(255);
+            let colour = all.iter().max_by_key(room).copied().unwrap_or(INK);
+            taken.push(colour);
+            colour
+        };
+        found.into_iter().map(|own| own.unwrap_or_else(&mut farthest)).collect()
     }
 
     /// The style of a detector; grey for names that were not announced.
@@ -152,6 +155,11 @@ impl Styles {
         let known = self.0.get(name).copied().or_else(|| kept_for(name));
         known.unwrap_or(Style { colour: CONTROL, marker: Marker::Plus, control: true })
     }
+}
+
+/// How far two colours are from each other: the largest of three differences.
+fn apart(a: Colour, b: Colour) -> u8 {
+    a.0.abs_diff(b.0).max(a.1.abs_diff(b.1)).max(a.2.abs_diff(b.2))
 }
 
 /// The style that is kept for a detector, or for the rule of a tracker where its skin does not
@@ -193,6 +201,16 @@ mod tests {
     use crate::detect::table::{Role, TABLE};
 
     #[test]
+    fn trackers_over_one_detector_are_told_apart_on_a_map() {
+        let names = ["every-step(nbs)", "nbs", "verlet(bvh)", "verlet(nbs)"].map(String::from);
+        let colours = Styles::default().of_map(&names);
+        assert_eq!((colours[0], colours[2]), ((213, 94, 0), (140, 110, 70)));
+        for (k, &a) in colours.iter().enumerate() {
+            assert!(colours[..k].iter().all(|&b| apart(a, b) >= 60), "{colours:?}");
+        }
+    }
+
+    #[test]
     fn every_detector_has_a_style_of_its_own() {
         // New detectors have one of the rest, until they are given one that is kept for them.
         let detectors: Vec<&str> = TABLE
@@ -213,12 +231,9 @@ mod tests {
                 "{name}"
             );
         }
-        let apart = |a: Colour, b: Colour| {
-            [a.0.abs_diff(b.0), a.1.abs_diff(b.1), a.2.abs_diff(b.2)].into_iter().max()
-        };
         for (k, a) in KNOWN.iter().enumerate() {
-            assert!(KNOWN[..k].iter().all(|b| apart(a.1, b.1) >= Some(45)), "{}", a.0);
-            assert!(REST.iter().all(|&b| apart(a.1, b) >= Some(30)), "{}", a.0);
+            assert!(KNOWN[..k].iter().all(|b| apart(a.1, b.1) >= 45), "{}", a.0);
+            assert!(REST.iter().all(|&b| apart(a.1, b) >= 30), "{}", a.0);
         }
     }
 }

@@ -51,14 +51,14 @@ fn table(out: &mut String, drawn: &Drawn, panel: &Panel, colour: &dyn Fn(&str) -
         "<div class=\"scroll\"><table><caption>{}</caption><tbody>\n",
         escape(&panel.title)
     );
-    let rows = y.values.len();
-    for (j, value) in y.values.iter().enumerate().rev() {
+    let (columns, rows) = (panel.values(0), panel.values(1));
+    for (k, &j) in rows.iter().rev().enumerate() {
         *out += "<tr>";
-        if j + 1 == rows {
-            let _ = write!(out, "<th class=\"name\" rowspan=\"{rows}\">{up}</th>");
+        if k == 0 {
+            let _ = write!(out, "<th class=\"name\" rowspan=\"{}\">{up}</th>", rows.len());
         }
-        let _ = write!(out, "<th scope=\"row\">{}</th>", escape(value));
-        for i in 0..x.values.len() {
+        let _ = write!(out, "<th scope=\"row\">{}</th>", escape(&y.values[j]));
+        for &i in &columns {
             *out += &panel.at([i, j]).map_or("<td class=\"none\"></td>".into(), |spot| {
                 place(spot, &sentence(map, panel, spot), colour)
             });
@@ -66,14 +66,14 @@ fn table(out: &mut String, drawn: &Drawn, panel: &Panel, colour: &dyn Fn(&str) -
         *out += "</tr>\n";
     }
     *out += "</tbody><tfoot><tr><th colspan=\"2\"></th>";
-    for value in &x.values {
-        let _ = write!(out, "<th scope=\"col\">{}</th>", escape(value));
+    for &i in &columns {
+        let _ = write!(out, "<th scope=\"col\">{}</th>", escape(&x.values[i]));
     }
     let _ = writeln!(
         out,
         "</tr><tr><th colspan=\"2\"></th><th class=\"name\" colspan=\"{}\">{across}</th></tr>\
          </tfoot></table></div>",
-        x.values.len()
+        columns.len()
     );
 }
 

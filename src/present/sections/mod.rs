@@ -20,6 +20,7 @@ pub mod operations;
 pub mod overhead;
 pub mod price;
 pub mod ratios;
+pub mod regret;
 pub mod scenes;
 pub mod threads;
 pub mod verdicts;
@@ -43,6 +44,7 @@ pub struct Files {
     ratios: Vec<Table>,
     threads: Vec<Table>,
     bound: Vec<Table>,
+    regret: Vec<Table>,
     /// Of all maps.
     pub maps: Vec<Table>,
 }
@@ -54,6 +56,7 @@ impl Files {
             ("ratios.csv", &self.ratios),
             ("threads.csv", &self.threads),
             ("bound.csv", &self.bound),
+            ("regret.csv", &self.regret),
             ("maps.csv", &self.maps),
         ];
         let files = files.into_iter();
@@ -98,6 +101,13 @@ pub fn sections(
             }
             None => out.push(Block::paragraph("The reference has no time in this record.")),
         }
+    }
+    let advice =
+        if experiment.advice { crate::findings::regret::followed(own) } else { Vec::new() };
+    if !advice.is_empty() {
+        out.push(Block::heading(3, "What printed advice costs"));
+        out.extend(regret::blocks(&advice));
+        files.regret.push(regret::rows(&advice));
     }
     if let Some(found) = Threads::new(own) {
         out.push(Block::heading(3, "What threads gain"));
