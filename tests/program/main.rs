@@ -14,6 +14,7 @@ mod harness;
 mod hidden;
 mod integrity;
 mod limits;
+mod maps;
 mod new_detector;
 mod origins;
 mod page;

@@ -365,3 +365,46 @@ fn bars_are_the_fastest_first_and_nothing_stands_at_an_edge() {
         assert!(texts.contains(&said), "{said} is not in {texts:?}");
     }
 }
+
+#[test]
+fn a_map_names_the_fastest_and_stripes_what_is_undecided() {
+    let mut lab = Lab::new("e", "packed");
+    for (n, fraction, nbs) in [(100, 0.1, 1000), (100, 0.6, 2000), (1000, 0.6, 3000)] {
+        lab.n(n).param("fraction", fraction).detector("nbs").time(&[nbs; 15]);
+        lab.detector("sorting").time(&[2000; 15]);
+    }
+    let figure = "
+[[figure]]
+name = 'map'
+title = 'Who <is> the fastest'
+kind = 'map'
+x = 'n'
+x-label = 'particles N'
+y = 'fraction'
+";
+    let drawn = drawn(&lab.rows(), figure);
+    let found = texts(&drawn[0]);
+    for text in [
+        "Who &lt;is&gt; the fastest",
+        "packed, 2D",
+        "particles N",
+        "fraction",
+        "nbs",
+        "2.00",
+        "2.00 to 2.00",
+        "or sorting",
+        "sorting",
+        "1.50",
+        "1.5 to 2.5",
+    ] {
+        assert!(found.contains(&text), "{text} is not in {found:?}");
+    }
+    // Only the tile in which both take as long is striped; the place without cells is empty.
+    let striped = |svg: &str| svg.matches("<polygon").count();
+    let decided = drawn[0].replace("or sorting", "");
+    assert!(striped(&decided) > 20, "{}", striped(&decided));
+    lab.n(100).param("fraction", 0.6).detector("nbs").time(&[1500; 15]);
+    let clear = self::drawn(&lab.rows(), figure);
+    assert!(striped(&clear[0]) < striped(&drawn[0]) - 10);
+    assert!(!texts(&clear[0]).contains(&"or sorting"));
+}

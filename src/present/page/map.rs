@@ -77,6 +77,11 @@ fn table(out: &mut String, drawn: &Drawn, panel: &Panel, colour: &dyn Fn(&str) -
     );
 }
 
+/// A name that may be broken before its parenthesis.
+fn broken(name: &str) -> String {
+    escape(name).replace('(', "<wbr/>(")
+}
+
 fn place(spot: &Spot, row: &str, colour: &dyn Fn(&str) -> Colour) -> String {
     let row = escape(row);
     let front = spot.front();
@@ -86,13 +91,14 @@ fn place(spot: &Spot, row: &str, colour: &dyn Fn(&str) -> Colour) -> String {
     let (class, depth, words) = match spot.answer() {
         Answer::Nobody => ("none", 0, escape(spot.outcome.name())),
         Answer::Undecided => {
-            let others = escape(&either(&front[1..]));
-            ("open", 0, format!("<b>{}</b> or <b>{others}</b>{ratio}", escape(front[0])))
+            let others = broken(&either(&front[1..]));
+            let names = format!("<b>{}</b> or <b>{others}</b>", broken(front[0]));
+            ("open", 0, format!("<span>{names}{ratio}</span>"))
         }
-        Answer::Alone => ("", 8, format!("{}{}", escape(front[0]), said("alone".into()))),
+        Answer::Alone => ("", 8, format!("{}{}", broken(front[0]), said("alone".into()))),
         Answer::Decided(step) => {
             let depth = DEPTHS[step.min(DEPTHS.len() - 1)];
-            ("", depth, format!("<b>{}</b>{ratio}", escape(front[0])))
+            ("", depth, format!("<b>{}</b>{ratio}", broken(front[0])))
         }
     };
     let mut style = format!("--deep:{depth}%");
@@ -122,7 +128,7 @@ mod tests {
             "style=\"--deep:32%;--light:#d55e00;--dark:#d55e00\" tabindex=\"0\" \
              data-row=\"packed, 2D, n = 100, fraction = 0.1: the fastest is nbs",
             "<td class=\"open\" style=\"--deep:0%;--light:#d55e00;--dark:#d55e00;--light2:#009e73",
-            "<b>nbs</b> or <b>sorting</b><small>1.01</small>",
+            "<span><b>nbs</b> or <b>sorting</b><small>1.01</small></span>",
             ">timeout</td>",
         ] {
             assert!(html.contains(part), "{part} is not in {html}");
