@@ -6,7 +6,8 @@
 //! more, is the judge: regret is the time of the recommended detector over that of the fastest
 //! there, within its blocks. With `--model DIR`, a result folder whose experiment asks for a cost
 //! model, a detector is also chosen without a clock: its operations are counted, and priced by that
-//! model. Scenes are files (`FILE@R` gives them the radius R), folders of files, of which those
+//! model. A ~ marks a regret of single samples: the detector fell out of the race that judges.
+//! Scenes are files (`FILE@R` gives them the radius R), folders of files, of which those
 //! that are no particles or have no radii are left out, and generators with their parameters.
 
 use std::path::{Path, PathBuf};
@@ -82,9 +83,11 @@ fn main() -> anyhow::Result<ExitCode> {
             let mut line = format!("{name:44} {:8}", given.scene.len());
             for (choice, all) in [choice, counted].iter().zip(&mut regrets) {
                 let regret = choice.as_deref().map(|choice| regret(&judge, best, choice));
-                let shown = regret.map_or(String::new(), |it| format!("{it:.2}"));
+                let shown = regret.map_or(String::new(), |(it, paired)| {
+                    format!("{}{it:.2}", if paired { "" } else { "~" })
+                });
                 line += &format!(" {:14} {shown:>7}", choice.as_deref().unwrap_or("-"));
-                all.extend(regret);
+                all.extend(regret.map(|it| it.0));
             }
             println!("{line} {}", judge.standings[best].who.name);
         }
@@ -123,16 +126,18 @@ fn told(given: &Given, seconds: f64, program: &Path) -> anyhow::Result<Race> {
     race::run(&question, &mut |_| {})
 }
 
-/// The time of a detector over that of the fastest: within blocks, or in the probes if it was left
-/// behind there; infinite if it has none.
-fn regret(judge: &Race, best: usize, name: &str) -> f64 {
+/// The time of a detector over that of the fastest, and whether it is that within blocks: in the
+/// probes if it was left behind there; infinite if it has none.
+fn regret(judge: &Race, best: usize, name: &str) -> (f64, bool) {
     let best = &judge.standings[best];
     let Some(own) = judge.standings.iter().find(|it| it.who.name == name) else {
-        return f64::INFINITY;
+        return (f64::INFINITY, false);
     };
     let probes = || Some(own.probe_ns? as f64 / best.probe_ns?.max(1) as f64);
-    let within = ratio(&own.times, &best.times).map(|ratio| ratio.median);
-    within.or_else(probes).unwrap_or(f64::INFINITY)
+    match ratio(&own.times, &best.times) {
+        Some(within) => (within.median, true),
+        None => (probes().unwrap_or(f64::INFINITY), false),
+    }
 }
 
 /// The costs that a record's times are explained by.

@@ -68,7 +68,7 @@ mod tests {
     fn counts_times_costs_name_the_fastest() {
         // Two nanoseconds for a test of direct, a thousand for a particle of nbs.
         let mut lab = Lab::new("e", "packed");
-        for n in [50_u64, 100, 200, 400, 800] {
+        for n in [50_u64, 70, 100, 140, 200, 280, 400, 560, 800, 1120] {
             let tests = n * (n - 1) / 2;
             lab.n(n).detector("direct").time(&[2 * tests; 5]).count(&[("contact_test", tests)]);
             lab.detector("nbs").time(&[1000 * n; 5]).count(&[("list_push", n)]);

@@ -1,9 +1,9 @@
 //! Figures from the record: one image per figure of an experiment, as SVG (its text stays text) and
 //! as PNG, made from it.
 //!
-//! `lines`, `bars`, `speed_error` and `map` are the kinds: each turns cells into data, and lays them out.
-//! `axis` chooses ranges and ticks, `style` fixes colour and marker per detector, `outcome` marks
-//! what has no value, `canvas` is the thin layer over plotters.
+//! `lines`, `bars`, `speed_error` and `map` are the kinds: each turns cells into data, and lays
+//! them out. `axis` chooses ranges and ticks, `style` fixes colour and marker per detector,
+//! `outcome` marks what has no value, `canvas` is the thin layer over plotters.
 
 pub mod axis;
 pub mod bars;
