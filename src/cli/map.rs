@@ -51,9 +51,10 @@ pub fn map(options: &Map) -> anyhow::Result<ExitCode> {
     let kind = options.out.as_deref().map(kind).transpose()?;
     let filter: Where = claims::parse_where(&options.filters)?;
     let axes = MapAxes::new(&options.x, &options.y);
-    let rows = rows(&options.folders)?;
+    let (rows, warnings) = rows(&options.folders)?;
     let cells = cells::cells(&rows);
     let found = map::Map::new(&axes, &filter, &cells)?;
+    warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
     let (Some(kind), Some(path)) = (kind, &options.out) else {
         let blocks = sections::map::blocks(&found);
         let mut out = std::io::stdout().lock();
@@ -88,8 +89,10 @@ fn kind(path: &Path) -> anyhow::Result<Kind> {
     })
 }
 
-/// The rows of all folders: merged where their experiments are the same, as `merge` does.
-fn rows(folders: &[PathBuf]) -> anyhow::Result<Vec<Row>> {
+/// The rows of all folders, merged where their experiments are the same, as `merge` does; and what
+/// is doubtful about them.
+fn rows(folders: &[PathBuf]) -> anyhow::Result<(Vec<Row>, Vec<String>)> {
+    let mut warnings = Vec::new();
     let mut groups: Vec<Vec<Part>> = Vec::new();
     for folder in folders {
         ensure!(
@@ -102,7 +105,7 @@ fn rows(folders: &[PathBuf]) -> anyhow::Result<Vec<Row>> {
         let part = Part::read(folder)?;
         let doubts = Conditions::new(&provenance::all(folder), &part.ledger, &part.rows);
         let said = part.warnings.iter().cloned().chain(sections::conditions::sentence(&doubts));
-        said.for_each(|warning| eprintln!("warning: {}: {warning}", folder.display()));
+        warnings.extend(said.map(|warning| format!("{}: {warning}", folder.display())));
         let same = |group: &&mut Vec<Part>| group[0].experiments == part.experiments;
         match groups.iter_mut().find(same) {
             Some(group) => group.push(part),
@@ -117,5 +120,5 @@ fn rows(folders: &[PathBuf]) -> anyhow::Result<Vec<Row>> {
         }
     }
     ensure!(!rows.is_empty(), "the records hold no rows yet; run the experiment first");
-    Ok(rows)
+    Ok((rows, warnings))
 }

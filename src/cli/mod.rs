@@ -61,8 +61,8 @@ pub enum Verb {
     Merge(merge::Merge),
     /// Draws who is the fastest over two variables, from result folders
     #[command(after_help = "Example: contactbench map results/reference-sizes --x size-ratio --y \
-                            exponent --where sizes=power,dim=3\nExample: contactbench map laptop \
-                            server --x n --y density --out map.svg")]
+                            n\nExample: contactbench map laptop server --x n --y density --where \
+                            dim=3 --out map.svg")]
     Map(map::Map),
     /// Lists detectors with cost, memory and limits; scenes; experiments; hard cases
     #[command(after_help = "Example: contactbench list detectors")]

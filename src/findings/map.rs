@@ -14,12 +14,11 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use anyhow::{bail, ensure};
 
-use crate::cells::{AxisValue, Cell, label, select, variables};
+use crate::cells::{AxisValue, Cell, label, select};
 use crate::experiment::{MapAxes, Where};
 use crate::findings::noise::Noise;
 use crate::findings::winners::{self, Contest, Scene};
 use crate::nearest::hint;
-use crate::record::column::Column;
 use crate::record::id::{Axes, MACHINE, OVER, Projection, THREADS, variable};
 use crate::record::row::{Outcome, Pass};
 use crate::stats::interval::Interval;
@@ -32,6 +31,17 @@ const MOST_VALUES: usize = 12;
 const NEAR: f64 = 1.1;
 /// Where the factor to the next is at least so much, a winner is a step clearer.
 pub const STEPS: [f64; 3] = [1.2, 1.5, 2.5];
+/// Columns that say what a scene is like, the same whoever looks at it.
+const OF_SCENES: [&str; 8] = [
+    "packing_fraction",
+    "coordination",
+    "radius_ratio",
+    "mean_way",
+    "longest_way",
+    "born",
+    "ended",
+    "at_rest",
+];
 /// What is in a panel's key whether it varies within places or not: these are never mixed.
 const APART: [&str; 5] = ["experiment", "scene", "dim", "path", MACHINE];
 
@@ -320,10 +330,10 @@ impl Variable {
         let measured = || cells.iter().filter_map(|cell| of_scene(cell, &name));
         let mut numbers: Vec<f64> = measured().filter(|value| value.is_finite()).collect();
         if numbers.is_empty() {
-            let owned: Vec<Cell> = cells.iter().map(|&cell| cell.clone()).collect();
-            let mut known = variables(&owned);
-            known.retain(|name| Column::find(name).is_none_or(|column| column.pass.is_none()));
-            known.extend(cells.iter().flat_map(|cell| cell.id.names()));
+            let named = cells.iter().flat_map(|cell| cell.id.names());
+            let has = |name: &&str| cells.iter().any(|cell| of_scene(cell, name).is_some());
+            let measured = OF_SCENES.iter().copied().filter(has).map(String::from);
+            let known: BTreeSet<String> = named.chain(measured).collect();
             let known: Vec<&str> = known.iter().map(String::as_str).collect();
             bail!(
                 "these cells have no '{name}' of a scene or a detector{}; there are: {}",
@@ -358,10 +368,9 @@ impl Variable {
     }
 }
 
-/// What was measured of a cell's scene: the same whoever looks at it.
+/// What was measured of a cell's scene.
 fn of_scene(cell: &Cell, name: &str) -> Option<f64> {
-    Column::find(name).filter(|column| column.pass.is_none())?;
-    cell.variable(name, None)
+    OF_SCENES.contains(&name).then(|| cell.variable(name, None)).flatten()
 }
 
 /// The contenders that do not have this axis of contenders; none if it is one of scenes.
