@@ -18,8 +18,8 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 
-use crate::cells::Cell;
 use crate::cells::machine::Machine;
+use crate::cells::{Cell, select};
 use crate::experiment::{Experiment, Figure, FigureKind, MapAxes};
 use crate::findings::map::Map;
 
@@ -82,6 +82,10 @@ fn svg(
             canvas::svg(sheet.size, |canvas| sheet.draw(canvas)).map(Some)
         }
         FigureKind::Map(axes) => {
+            // Of a shard, say, there may be nothing to see.
+            if select::select(&own, &figure.filter)?.iter().all(|cell| cell.time().is_none()) {
+                return Ok(None);
+            }
             let found = Map::new(axes, &figure.filter, &own)?;
             of_map(&figure.title, axes, &found, style).map(Some)
         }

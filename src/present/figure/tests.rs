@@ -403,6 +403,10 @@ y = 'fraction'
     let striped = |svg: &str| svg.matches("<polygon").count();
     let decided = drawn[0].replace("or sorting", "");
     assert!(striped(&decided) > 20, "{}", striped(&decided));
+    let (experiment, cells) = (testing::experiment(figure), cells::cells(&lab.rows()[..0]));
+    let (styles, machine) = (style::Styles::default(), Machine::default());
+    let nothing = svg(&experiment, &experiment.figures[0], &cells, &styles, &machine);
+    assert!(nothing.unwrap().is_none());
     lab.n(100).param("fraction", 0.6).detector("nbs").time(&[1500; 15]);
     let clear = self::drawn(&lab.rows(), figure);
     assert!(striped(&clear[0]) < striped(&drawn[0]) - 10);
