@@ -46,9 +46,9 @@ fn figure(out: &mut String, drawn: &Drawn, styles: &Styles) {
 fn table(out: &mut String, drawn: &Drawn, panel: &Panel, colour: &dyn Fn(&str) -> Colour) {
     let (map, [across, up]) = (&drawn.map, drawn.labels.each_ref().map(|label| escape(label)));
     let [x, y] = &map.axes;
-    let _ = write!(
+    let _ = writeln!(
         out,
-        "<div class=\"scroll\"><table><caption>{}</caption><tbody>\n",
+        "<div class=\"scroll\"><table><caption>{}</caption><tbody>",
         escape(&panel.title)
     );
     let (columns, rows) = (panel.values(0), panel.values(1));
