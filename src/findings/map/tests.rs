@@ -1,5 +1,6 @@
 //! Maps of made-up rows, whose answers are known.
 
+use super::variable::*;
 use super::*;
 use crate::cells;
 use crate::cells::testing;
