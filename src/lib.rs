@@ -40,8 +40,8 @@
 //! ```
 
 pub use contactbench_core::{
-    contact, crowd, detect, event, filter, memory, oracle, pair_list, periodic, probe, sink, track,
-    wide, with_scene,
+    contact, crowd, detect, event, filter, memory, oracle, pair_list, periodic, probe, searcher,
+    sink, track, wide, with_scene,
 };
 
 pub mod cells;

@@ -2,13 +2,12 @@
 
 use std::borrow::Cow;
 
-use nalgebra::Point;
-
 use crate::contact::Test;
 use crate::detect::any::AnyDetector;
 use crate::detect::{Options, table};
 use crate::refusal::Refusal;
-use crate::scene::{AnyScene, Radii, Scene, SceneError};
+use crate::scene::{AnyScene, Radii, Scene, SceneError, points};
+use crate::sink::smaller_first;
 
 /// Why there are no contacts.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -46,7 +45,6 @@ where
 /// allocates next to nothing.
 pub struct Contacts<const D: usize> {
     detector: Box<dyn AnyDetector>,
-    centres: Vec<Point<f64, D>>,
     pairs: Vec<[u32; 2]>,
 }
 
@@ -54,8 +52,7 @@ impl<const D: usize> Contacts<D> {
     /// With these limits: memory, and threads of rayon's global pool to be used from 30,000
     /// particles on.
     pub fn new(options: Options) -> Contacts<D> {
-        let detector = table::streamed_nbs(options);
-        Contacts { detector, centres: Vec::new(), pairs: Vec::new() }
+        Contacts { detector: table::streamed_nbs(options), pairs: Vec::new() }
     }
 
     /// The touching pairs; see [`contacts`]. They are valid until the next call.
@@ -66,18 +63,14 @@ impl<const D: usize> Contacts<D> {
     where
         for<'a> AnyScene<'a>: From<Scene<'a, f64, D>>,
     {
-        self.centres.clear();
-        self.centres.extend(centres.iter().copied().map(Point::from));
         let radii = match *radii {
             [radius] => Radii::Uniform(radius),
             _ => Radii::Each(Cow::Borrowed(radii)),
         };
-        let scene = AnyScene::from(Scene::new(&self.centres[..], radii)?);
+        let scene = AnyScene::from(Scene::new(points(centres), radii)?);
         self.pairs.clear();
         self.detector.list(&scene, Test::Exact, &mut self.pairs)?;
-        for pair in &mut self.pairs {
-            pair.sort_unstable();
-        }
+        smaller_first(&mut self.pairs);
         Ok(&self.pairs)
     }
 }

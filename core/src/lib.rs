@@ -14,6 +14,42 @@
 //! # Ok::<(), contactbench_core::Error>(())
 //! ```
 //!
+//! Where bodies move little from step to step, as in the discrete element method, a list of near
+//! pairs is kept and looked at, until it has to be built again ([`track`]):
+//!
+//! ```
+//! use contactbench_core::contact::Test;
+//! use contactbench_core::detect::Options;
+//! use contactbench_core::scene::{AnyScene, Radii, Scene, points};
+//! use contactbench_core::track;
+//!
+//! // Two discs of mass 1 fly at each other, and push each other away where they overlap.
+//! let (mut x, mut v) = ([[0.0, 0.0], [1.25, 0.0]], [[0.5, 0.0], [-0.5, 0.0]]);
+//! let (radius, stiffness, dt) = (0.5, 100.0, 0.01);
+//! let mut tracker = track::parse("verlet(streamed-nbs,skin=0.2)")?.make(Options::default());
+//! let (mut pairs, mut built) = (Vec::new(), 0);
+//! for _ in 0..100 {
+//!     let frame: AnyScene<'_> = Scene::new(points(&x), Radii::Uniform(radius))?.into();
+//!     pairs.clear();
+//!     built += u32::from(tracker.step(&frame, Test::Exact, None, &mut pairs)?.built);
+//!     for [i, j] in pairs.iter().map(|pair| pair.map(|k| k as usize)) {
+//!         let away: [f64; 2] = std::array::from_fn(|k| x[i][k] - x[j][k]);
+//!         let distance = away[0].hypot(away[1]);
+//!         let push = stiffness * (2.0 * radius - distance) / distance * dt;
+//!         for k in 0..2 {
+//!             v[i][k] += push * away[k];
+//!             v[j][k] -= push * away[k];
+//!         }
+//!     }
+//!     for (x, v) in x.iter_mut().zip(&v) {
+//!         (0..2).for_each(|k| x[k] += v[k] * dt);
+//!     }
+//! }
+//! assert!(v[0][0] < 0.0 && v[1][0] > 0.0, "they have met");
+//! assert!(built < 20, "in most steps the list was looked at, and nothing else");
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
 //! [`contacts()`] takes plain slices and finds the pairs by `streamed-nbs`.
 //! Behind it are all detectors of [`detect::table`], in every arithmetic, with counts of what they
 //! do:
@@ -30,7 +66,8 @@
 //! 6. [`oracle`]: the true contacts, by testing all pairs, and what an answer got wrong.
 //! 7. [`periodic`]: scenes that repeat, found by the same detectors, and their truth.
 //! 8. [`track`]: frames of bodies that move, and lists that are kept between them.
-//! 9. [`wide`]: sixteen floats at a time.
+//! 9. [`searcher`]: any detector, in boxes or without.
+//! 10. [`wide`]: sixteen floats at a time.
 //!
 //! Each imports only those before it (detectors use [`wide`], the oracle uses detectors). There is
 //! no file (but for the system's word on its memory), process, figure or command line here; those
@@ -53,6 +90,7 @@ pub mod probe;
 mod radix;
 pub mod refusal;
 pub mod scene;
+pub mod searcher;
 pub mod sink;
 pub mod track;
 pub mod wide;

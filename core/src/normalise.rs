@@ -62,6 +62,11 @@ fn sort_in(room: &mut Room, pairs: &mut [[u32; 2]], bits: u32) {
     }
 }
 
+/// Each pair with the smaller index first; the pairs stay in their order.
+pub fn smaller_first(pairs: &mut [[u32; 2]]) {
+    Level::best().run(Turn(pairs));
+}
+
 /// Puts the smaller index of each pair first; tells the largest of those.
 struct Turn<'a>(&'a mut [[u32; 2]]);
 

@@ -131,6 +131,19 @@ impl Refusal {
         }
     }
 
+    /// It would take more memory than there is, or than may be used.
+    pub fn is_of_memory(&self) -> bool {
+        matches!(
+            self,
+            Refusal::Memory { .. }
+                | Refusal::Pairs { .. }
+                | Refusal::Crowd { .. }
+                | Refusal::Images { .. }
+                | Refusal::Listed { .. }
+                | Refusal::Exhausted { .. }
+        )
+    }
+
     /// It is the scene's fault, for every detector alike: too many pairs, a box without meaning.
     pub fn is_of_scene(&self) -> bool {
         matches!(

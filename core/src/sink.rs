@@ -4,7 +4,7 @@
 //! not depend on the order of the pairs nor on the order within a pair, so that two detectors agree
 //! exactly when count and digest agree (up to a collision of 64-bit sums).
 
-pub use crate::normalise::{normalise, normalise_by};
+pub use crate::normalise::{normalise, normalise_by, smaller_first};
 use crate::pair_list::append;
 
 /// Takes the contacts that a detector finds.

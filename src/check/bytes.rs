@@ -24,8 +24,8 @@ use crate::detect::spec::DetectorSpec;
 use crate::detect::table::TABLE;
 use crate::detect::{Options, Refusal};
 use crate::oracle::NoTruth;
-use crate::run::searcher::{Loaded, Searcher};
 use crate::scene::{AnyScene, Given, Lattice, Radii, Scene, SceneError};
+use crate::searcher::Searcher;
 use crate::{io, oracle};
 
 /// Particles at most.
@@ -286,7 +286,7 @@ fn hold(scenes: &[Given], keep: bool) {
             None => as_csv(&given.scene),
         };
         for arithmetic in Arithmetic::ALL {
-            let Ok(stored) = Loaded::new(given, arithmetic) else { continue };
+            let Ok(stored) = given.loaded(arithmetic) else { continue };
             let truth = truth(&stored, arithmetic, OPTIONS.memory_limit);
             for (spec, searcher) in &mut detectors {
                 let entry = spec.entry;

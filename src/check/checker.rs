@@ -17,8 +17,8 @@ use crate::detect::Options;
 use crate::io;
 use crate::oracle::{self, NoTruth};
 use crate::periodic::{self, Truth, without_shift};
-use crate::run::searcher::Loaded;
 use crate::scene::{AnyScene, Given, hard};
+use crate::searcher::Loaded;
 
 /// Scenes that were once got wrong: see `tests/regressions`.
 const REGRESSIONS: [(&str, &str); 5] = [
@@ -177,7 +177,7 @@ impl<'a> Checker<'a> {
         *self.report.scenes.entry(source).or_default() += 1;
         for &arithmetic in arithmetics {
             let limit = self.limits.options.memory_limit;
-            let known = match Loaded::new(given, arithmetic) {
+            let known = match given.loaded(arithmetic) {
                 Err(error) => Err(format!("{error:#}")),
                 Ok(stored) => match truth(&stored, arithmetic, limit) {
                     Ok(truth) => Ok((Arc::new(stored), truth)),
@@ -232,7 +232,11 @@ impl<'a> Checker<'a> {
 }
 
 /// The contacts to be found.
-pub(super) fn truth(scene: &Loaded, arithmetic: Arithmetic, limit: u64) -> Result<Truth, NoTruth> {
+pub(super) fn truth(
+    scene: &Loaded<'_>,
+    arithmetic: Arithmetic,
+    limit: u64,
+) -> Result<Truth, NoTruth> {
     match scene {
         Loaded::InBox(periodic) => periodic::truth(periodic, arithmetic, limit),
         Loaded::Open(stored) => {
@@ -265,7 +269,7 @@ fn simplest(
                  given: &Given,
                  fresh: bool|
      -> anyhow::Result<Option<Wrong>> {
-        let Ok(stored) = Loaded::new(given, arithmetic) else { return Ok(None) };
+        let Ok(stored) = given.loaded(arithmetic) else { return Ok(None) };
         let limit = limits.options.memory_limit;
         let Ok(truth) = truth(&stored, arithmetic, limit) else { return Ok(None) };
         let stored = Arc::new(stored);

@@ -1,4 +1,5 @@
-//! Who is checked: a detector in a thread of its own, or a runner (see [`crate::check::process`]).
+//! Who is checked: a detector in a thread of its own, a runner (see [`crate::check::process`]), or a
+//! function of the program around this crate.
 //!
 //! A detector under test works in a thread: one that panics or hangs ends neither the check nor the
 //! program.
@@ -19,9 +20,11 @@ use crate::check::{Differences, Wrong};
 use crate::contact::Arithmetic;
 use crate::detect::table::DetectorSpec;
 use crate::detect::{Options, Refusal};
+use crate::oracle;
 use crate::periodic::{Contacts, ImagePair, Truth};
-use crate::run::searcher::{Loaded, Searcher};
-use crate::scene::Given;
+use crate::run::judge::outcome;
+use crate::scene::{AnyScene, Given};
+use crate::searcher::{Loaded, Searcher};
 use crate::sink::{Digest, Sink};
 
 /// The name of the threads: panics in them are findings, not defects of the check.
@@ -38,7 +41,18 @@ pub enum Contender {
     },
     /// A runner.
     Runner(Foreign),
+    /// A function.
+    Function {
+        /// What it is called.
+        name: String,
+        /// It is called in the thread that checks: what hangs there is not noticed.
+        ask: Arc<Function>,
+    },
 }
+
+/// Answers for the particles of an open scene: pairs with whatever names it gives them. An error
+/// ends the check.
+pub type Function = dyn Fn(&AnyScene<'static>) -> anyhow::Result<Answer> + Send + Sync;
 
 impl<S: Into<DetectorSpec>> From<S> for Contender {
     fn from(spec: S) -> Contender {
@@ -51,7 +65,7 @@ impl Contender {
     /// The detector's name.
     pub fn name(&self) -> &str {
         match self {
-            Contender::Detector { name, .. } => name,
+            Contender::Detector { name, .. } | Contender::Function { name, .. } => name,
             Contender::Runner(foreign) => &foreign.name,
         }
     }
@@ -67,6 +81,7 @@ impl Contender {
                 Box::new(Thread::new(spec.clone(), options, deadline)?)
             }
             Contender::Runner(foreign) => Box::new(Process::new(foreign, deadline)?),
+            Contender::Function { ask, .. } => Box::new(Called(ask.clone())),
         })
     }
 
@@ -81,7 +96,7 @@ pub struct Question<'a> {
     /// The scene.
     pub given: &'a Given,
     /// The same as the arithmetic stores it.
-    pub stored: &'a Arc<Loaded>,
+    pub stored: &'a Arc<Loaded<'static>>,
     /// How contacts are decided.
     pub arithmetic: Arithmetic,
     /// Asked of a detector without a history.
@@ -115,6 +130,15 @@ pub enum Answer {
 }
 
 impl Answer {
+    /// Pairs in ascending order, held to the truth.
+    pub(super) fn of(pairs: Vec<ImagePair>, truth: &Truth, arithmetic: Arithmetic) -> Answer {
+        let of_itself = |pair: ImagePair| pair.i == pair.j && pair.image == [0; 3];
+        // How deep they are is nobody's question here.
+        let errors = oracle::compare_by(&pairs, &truth.pairs, of_itself, |_| 0.0);
+        let good = outcome(&errors, arithmetic).is_good();
+        if good { Answer::Right } else { Answer::Pairs(pairs) }
+    }
+
     /// Why the scene was refused, if it was, as it may be.
     pub fn refusal(&self) -> Option<String> {
         match self {
@@ -163,7 +187,7 @@ impl Sink for Kept {
 /// end does no harm, and if that is right, as it is timed, which is other code to the compiler.
 pub fn answer(
     searcher: &mut Searcher,
-    scene: &Loaded,
+    scene: &Loaded<'_>,
     arithmetic: Arithmetic,
     expected: Expected,
 ) -> Answer {
@@ -223,8 +247,27 @@ impl From<&Truth> for Expected {
     }
 }
 
+/// A function.
+struct Called(Arc<Function>);
+
+impl Respondent for Called {
+    fn ask(&mut self, question: &Question<'_>) -> anyhow::Result<Answer> {
+        let Question { given, truth, arithmetic, .. } = *question;
+        if given.lattice.is_some() {
+            return Ok(Answer::Declined("it is asked about open scenes alone".into()));
+        }
+        Ok(match (self.0)(&given.scene)? {
+            Answer::Pairs(mut pairs) => {
+                pairs.sort_unstable();
+                Answer::of(pairs, truth, arithmetic)
+            }
+            other => other,
+        })
+    }
+}
+
 struct Job {
-    scene: Arc<Loaded>,
+    scene: Arc<Loaded<'static>>,
     arithmetic: Arithmetic,
     fresh: bool,
     expected: Expected,

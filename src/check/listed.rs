@@ -9,9 +9,10 @@ use crate::check::reading::{self, Reading};
 use crate::contact::Arithmetic;
 use crate::contact::depth::depth;
 use crate::io::{self, Groups};
-use crate::oracle::{self, Errors};
-use crate::periodic::ImagePair;
-use crate::scene::{AnyScene, Real, array};
+use crate::oracle::{self, Causes, Errors};
+use crate::periodic::{Contacts, ImagePair};
+use crate::run::judge::Judge;
+use crate::scene::{AnyScene, Given, Real, array};
 use crate::sink::normalise;
 use crate::with_scene;
 
@@ -280,6 +281,23 @@ impl Verification {
     pub fn is_same(&self) -> bool {
         self.errors == Errors::default() && self.unknown.is_empty() && self.one_sided.is_empty()
     }
+}
+
+/// The errors of a list by cause, whose contacts were decided in an arithmetic; none where no truth
+/// is known. A list of contacts may take so many bytes.
+///
+/// # Errors
+/// A box that does not suit the scene.
+pub fn causes(
+    given: &Given,
+    contacts: &Contacts,
+    arithmetic: Arithmetic,
+    memory_limit: u64,
+) -> anyhow::Result<Option<Causes>> {
+    let (digest, fetch) = (contacts.digest(), || Ok(contacts.clone()));
+    let said = (digest.contacts, &*digest.hex());
+    let mut judge = Judge::new(given, memory_limit)?;
+    Ok(judge.judge("list", arithmetic, said, fetch)?.causes)
 }
 
 /// An empty list with room for so many.

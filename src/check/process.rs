@@ -16,11 +16,9 @@ use crate::check::{Differences, Wrong};
 use crate::contact::Arithmetic;
 use crate::io::exchange;
 use crate::memory::most_of_one;
-use crate::oracle;
-use crate::periodic::{Contacts, ImagePair};
+use crate::periodic::Contacts;
 use crate::record::row::Outcome;
 use crate::run::client::{self, Client, NO_REPLY, Start};
-use crate::run::judge::outcome;
 use crate::run::protocol::{self, Reply, Request};
 use crate::run::trajectory::Trajectory;
 use crate::scene::Given;
@@ -278,11 +276,7 @@ impl Process {
                 "its sample is right, but not the pairs that it writes: {differences}"
             )));
         }
-        let of_itself = |pair: ImagePair| pair.i == pair.j && pair.image == [0; 3];
-        // How deep they are is nobody's question here.
-        let errors = oracle::compare_by(&pairs, &truth.pairs, of_itself, |_| 0.0);
-        let good = outcome(&errors, *arithmetic).is_good();
-        Ok(if good { Answer::Right } else { Answer::Pairs(pairs) })
+        Ok(Answer::of(pairs, truth, *arithmetic))
     }
 }
 

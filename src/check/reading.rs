@@ -1,6 +1,8 @@
 //! How a contact list that differs from the truth may be meant, so that it agrees: other numbers,
 //! pairs from both sides, rounding, a skin, other radii, a periodic box.
 
+pub mod words;
+
 use crate::check::listed::{Meaning, Naming, pair_depth, pair_gap, particle};
 use crate::contact::{Arithmetic, Test};
 use crate::detect::{Options, table};

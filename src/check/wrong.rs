@@ -26,6 +26,8 @@ pub enum Wrong {
     },
     /// A runner broke the protocol: what it should have done, and what it did.
     Breaks(String),
+    /// A function does something else than answering: what, as in `raises an error`.
+    Fails(String),
     /// Pairs that nobody can see, of a runner that does not give them or too many for a list, are
     /// others than the truth.
     Counts {
@@ -119,6 +121,7 @@ impl fmt::Display for Wrong {
                 write!(f, "it hangs: not ready after {} s", deadline.as_secs_f64())
             }
             Wrong::Dies { how, .. } => write!(f, "it dies: {how}"),
+            Wrong::Fails(what) => write!(f, "it {what}"),
             Wrong::Breaks(what) => write!(f, "it breaks the protocol: {what}"),
             Wrong::Counts { said, truth } if said.contacts == truth.contacts => {
                 write!(

@@ -15,8 +15,8 @@ use crate::cli::shared::scene::Source;
 use crate::cli::shared::values;
 use crate::contact::Arithmetic;
 use crate::crowd;
-use crate::detect::Options;
 use crate::detect::spec::DetectorSpec;
+use crate::detect::{Options, table};
 use crate::experiment::detectors;
 use crate::io;
 use crate::io::Frame;
@@ -36,7 +36,7 @@ pub struct Detect {
     /// The detector, with parameters as in streamed-nbs:level=avx2
     #[arg(
         long,
-        default_value = "streamed-nbs",
+        default_value = table::DEFAULT,
         value_parser = values::DETECTOR,
         hide_possible_values = true
     )]

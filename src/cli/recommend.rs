@@ -1,7 +1,7 @@
 //! `contactbench recommend`.
 
 use std::io::{IsTerminal, Write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::ExitCode;
 use std::time::Duration;
 
@@ -163,9 +163,11 @@ fn code(race: &Race, verdict: Option<&Verdict>) -> ExitCode {
 }
 
 /// This program, to be started as runner.
-fn program() -> anyhow::Result<PathBuf> {
+fn program() -> anyhow::Result<Vec<String>> {
     interrupt::end_runners_too().context("cannot listen to Ctrl-C")?;
-    std::env::current_exe().context("cannot find this program to start it as runner")
+    let program = std::env::current_exe();
+    let program = program.context("cannot find this program to start it as runner")?;
+    Ok(vec![program.display().to_string()])
 }
 
 /// Says on a terminal what is being done.

@@ -12,6 +12,7 @@ use anyhow::ensure;
 use serde_json::{Value, json};
 
 use crate::check::listed::{Meaning, Taken, Verification, WORST, particle};
+use crate::check::reading::words::counted;
 use crate::cli::shared::arithmetic::arithmetic;
 use crate::cli::shared::input::{self, Input};
 use crate::cli::shared::limit::Limit;
@@ -142,10 +143,6 @@ fn words(meaning: Meaning) -> String {
 
 fn numbers(numbers: &[i32], between: &str) -> String {
     numbers.iter().map(i32::to_string).collect::<Vec<_>>().join(between)
-}
-
-fn counted(count: u64, what: &str) -> String {
-    plural(usize::try_from(count).unwrap_or(usize::MAX), what)
 }
 
 impl Verified<'_> {

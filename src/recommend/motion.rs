@@ -1,11 +1,12 @@
 //! Which tracker for these frames: a race of safe ones, and what popular settings would miss.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, bail, ensure};
 
 use crate::contact::Arithmetic;
+use crate::detect::table;
 use crate::experiment::detectors;
 use crate::moving::{self, Moved, Tracked, follow};
 use crate::recommend::race::{self, Ground, Question};
@@ -35,7 +36,7 @@ pub const POPULAR: [Popular; 5] = [
     Popular { setting: "rule=every-10,skin=0.1", origin: "GROMACS's nstlist=10" },
 ];
 /// Who builds their lists, of which what they miss does not depend.
-const OVER: &str = "streamed-nbs";
+const OVER: &str = table::DEFAULT;
 /// Of the time, for the race of detectors on the first frame.
 const AT_REST: f64 = 0.2;
 /// Skins beside the one that is found while steps go on.
@@ -57,8 +58,8 @@ pub struct Frames<'a> {
     pub memory_limit: u64,
     /// For the race.
     pub time: Duration,
-    /// This program, to be started as runner.
-    pub program: PathBuf,
+    /// This program and its first arguments, to be started as runner.
+    pub program: Vec<String>,
 }
 
 /// What was found.

@@ -9,7 +9,7 @@
 //!    whose interval is above `BEHIND` times the fastest are out; two remain, so that the margin
 //!    between them is measured.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, bail};
@@ -18,7 +18,7 @@ use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
 
 use crate::contact::Arithmetic;
-use crate::detect::table::{Role, TABLE};
+use crate::detect::table::{self, Role, TABLE};
 use crate::recommend::standing::{Contender, FAR, Race, Standing, drop_behind, drop_far};
 use crate::record::row::Outcome;
 use crate::run::client::{Client, Failure, Start};
@@ -47,7 +47,7 @@ const BEYOND: f64 = 1.5;
 const SHORTEST_PROBE: Duration = Duration::from_millis(100);
 /// Those that are mostly fast are probed first, so that the others need not be waited for.
 const FIRST: [&str; 9] = [
-    "streamed-nbs",
+    table::DEFAULT,
     "cell-grid",
     "hash-grid",
     "hgrid",
@@ -72,8 +72,8 @@ pub struct Question<'a> {
     pub memory_limit: u64,
     /// For the race.
     pub time: Duration,
-    /// This program, to be started as runner.
-    pub program: PathBuf,
+    /// This program and its first arguments, to be started as runner.
+    pub program: Vec<String>,
 }
 
 /// Runs the race. `note` hears what is being done.
@@ -139,7 +139,7 @@ pub(super) struct Ground<'a> {
     /// Bytes for the scene and its pairs.
     pub room: u64,
     pub time: Duration,
-    pub program: &'a Path,
+    pub program: &'a [String],
     pub started: Instant,
 }
 

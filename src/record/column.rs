@@ -174,6 +174,12 @@ impl Column {
         self.pass != Some(Pass::Time)
     }
 
+    /// Is it a whole number in every row?
+    pub fn is_whole(&self) -> bool {
+        // Of what every pass knows, what has no unit is a ratio.
+        self.pass.is_some() || !matches!(self.unit, "" | "mean radii" | "diameters")
+    }
+
     /// The columns that this pass measures.
     pub fn measured_by(pass: Pass) -> impl Iterator<Item = &'static Column> {
         COLUMNS.iter().filter(move |column| column.pass == Some(pass))
@@ -216,6 +222,16 @@ mod tests {
             assert_eq!(Column::find(old).unwrap().name, new);
         }
         assert!(Column::find("storage_missed").is_none() && Column::find("wron").is_none());
+    }
+
+    #[test]
+    fn whole_numbers_are_told_from_others() {
+        let is_whole = |name: &&str| Column::find(name).unwrap().is_whole();
+        let whole =
+            ["time_ns", "contact_test", "peak_bytes", "allocations", "first_wrong", "wrong"];
+        assert!(whole.iter().all(is_whole));
+        let others = ["coordination", "deepest_late", "search_widest_false", "mean_way", "at_rest"];
+        assert!(!others.iter().any(|name| is_whole(name)));
     }
 
     /// docs/RECORD.md lists every column with its unit and its pass, and no other.

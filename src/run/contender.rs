@@ -48,20 +48,17 @@ pub(crate) const BASE: &str = "@base";
 /// The same of a control that is the same code once more.
 const TWIN: &str = "-twin";
 
-/// The command that starts this program as a runner of one of its detectors; `limit` is in bytes.
+/// The command that starts this program, whose name may be followed by arguments of its own, as a
+/// runner of one of its detectors; `limit` is in bytes.
 pub(crate) fn own(
-    program: &Path,
+    program: &[String],
     detector: &str,
     arithmetic: Arithmetic,
     threads: usize,
     limit: u64,
 ) -> Vec<String> {
-    let mut command = vec![
-        program.display().to_string(),
-        "runner".into(),
-        "--detector".into(),
-        detector.to_string(),
-    ];
+    let mut command = program.to_vec();
+    command.extend(["runner".into(), "--detector".into(), detector.to_string()]);
     command.extend([
         "--arithmetic".into(),
         arithmetic.name().into(),
@@ -76,7 +73,7 @@ pub(crate) fn own(
 pub(crate) fn is_build(program: &Path) -> Result<(), Failure> {
     let limit = 1 << 28;
     let start = Start {
-        command: own(program, "nothing", Arithmetic::default(), 1, limit),
+        command: own(&[program.display().to_string()], "nothing", Arithmetic::default(), 1, limit),
         install: String::new(),
         time_limit: Duration::from_secs(10),
         memory_limit: address_space(limit, 1),
@@ -136,6 +133,7 @@ fn asked(experiment: &Experiment, path: &Path, beside: bool) -> Vec<Contender> {
         memory_limit: address_space(limit, threads),
         processor: None,
     };
+    let path = [path.display().to_string()];
     let contender = |Entrant { name, program, threads }: Entrant<'_>| match program {
         Program::Own(arithmetic) => {
             // The names were checked when the experiment was read: what is left is a peer that
@@ -147,7 +145,7 @@ fn asked(experiment: &Experiment, path: &Path, beside: bool) -> Vec<Contender> {
                 Err(reason) => (Role::Peer, Some(reason.to_string())),
             };
             let with = |threads| {
-                let mut start = start(own(path, name, arithmetic, threads, limit), "", threads);
+                let mut start = start(own(&path, name, arithmetic, threads, limit), "", threads);
                 // A tracker may take the limit for its lists beside its detector's arrays.
                 if detectors::is_tracker(name) {
                     start.memory_limit = start.memory_limit.saturating_add(limit);

@@ -20,7 +20,6 @@ pub mod possible;
 pub(crate) mod processors;
 pub mod protocol;
 mod pulse;
-pub mod searcher;
 pub mod server;
 pub mod stage;
 pub mod trajectory;

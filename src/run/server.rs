@@ -22,9 +22,9 @@ use crate::record::provenance;
 use crate::run::alloc;
 use crate::run::possible::MOST_CALLS;
 use crate::run::protocol::{Reply, Request, VERSION};
-use crate::run::searcher::{Loaded, Searcher};
 use crate::run::trajectory::Trajectory;
 use crate::run::walk::Walk;
+use crate::searcher::{LoadError, Loaded, Searcher};
 use crate::track::TrackerSpec;
 
 /// A detector, its scene and its buffers.
@@ -37,7 +37,7 @@ pub struct Server {
     arithmetic: Arithmetic,
     options: Options,
     searcher: Searcher,
-    scene: Option<Loaded>,
+    scene: Option<Loaded<'static>>,
     contacts: Contacts,
     calls: Option<u64>,
 }
@@ -159,10 +159,9 @@ impl Server {
             return Ok(Reply::Loaded);
         }
         let given = trajectory.read_frame(0).map_err(error)?;
-        let refused = |e: anyhow::Error| Reply::Refused {
-            reason: format!("in {}: {e}", self.arithmetic.name()),
-        };
-        self.scene = Some(Loaded::new(&given, self.arithmetic).map_err(refused)?);
+        let refused =
+            |e: LoadError| Reply::Refused { reason: format!("in {}: {e}", self.arithmetic.name()) };
+        self.scene = Some(given.loaded(self.arithmetic).map_err(refused)?);
         Ok(Reply::Loaded)
     }
 
@@ -277,7 +276,7 @@ fn more(min_ns: u64, calls: u64, elapsed: u64) -> u64 {
 }
 
 /// Writes the contacts of a scene; those in a box in order, in a list of at most `limit` bytes.
-pub(super) fn write(path: &Path, scene: &Loaded, contacts: &Contacts, limit: u64) -> Answer {
+pub(super) fn write(path: &Path, scene: &Loaded<'_>, contacts: &Contacts, limit: u64) -> Answer {
     match scene {
         Loaded::Open(_) => io::write::pairs(path, &contacts.plain),
         Loaded::InBox(periodic) => {
@@ -290,7 +289,7 @@ pub(super) fn write(path: &Path, scene: &Loaded, contacts: &Contacts, limit: u64
     Ok(Reply::Pairs { contacts: contacts.len() })
 }
 
-fn loaded(scene: &Option<Loaded>) -> Result<&Loaded, Reply> {
+fn loaded<'a>(scene: &'a Option<Loaded<'static>>) -> Result<&'a Loaded<'static>, Reply> {
     scene
         .as_ref()
         .ok_or_else(|| Reply::Error { reason: "no scene is loaded; send load first".into() })

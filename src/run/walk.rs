@@ -13,9 +13,9 @@ use crate::probe::Tally;
 use crate::run::alloc::Meter;
 use crate::run::possible::MOST_CALLS;
 use crate::run::protocol::{Reply, Steps};
-use crate::run::searcher::Loaded;
 use crate::run::server::{self, Answer, error};
 use crate::run::trajectory::Trajectory;
+use crate::searcher::Loaded;
 use crate::track::{Step, Tracker, TrackerSpec};
 
 /// Each reads all frames from their files.
@@ -69,15 +69,20 @@ impl Walk {
         Ok(walk)
     }
 
-    fn frame(&self, k: usize) -> Result<Loaded, Reply> {
+    fn frame(&self, k: usize) -> Result<Loaded<'static>, Reply> {
         let given = self.trajectory.read_frame(k).map_err(error)?;
-        Loaded::new(&given, self.arithmetic).map_err(|e| Reply::Refused {
+        given.loaded(self.arithmetic).map_err(|e| Reply::Refused {
             reason: format!("frame {k} in {}: {e}", self.arithmetic.name()),
         })
     }
 
     /// One frame, in the place of what is in the list.
-    fn step(&mut self, scene: &Loaded, k: usize, tally: Option<&mut Tally>) -> Result<Seen, Reply> {
+    fn step(
+        &mut self,
+        scene: &Loaded<'_>,
+        k: usize,
+        tally: Option<&mut Tally>,
+    ) -> Result<Seen, Reply> {
         let Walk { tracker, arithmetic, contacts, .. } = self;
         contacts.clear();
         let start = Instant::now();

@@ -2,10 +2,12 @@
 
 use anyhow::bail;
 
+use crate::contact::Arithmetic;
 use crate::io::Notice;
 use crate::io::boxes::{KNOWN_TO, along};
 use crate::periodic::Periodic;
 use crate::scene::{AnyScene, Lattice};
+use crate::searcher::{LoadError, Loaded};
 
 /// A scene with its boundaries.
 #[derive(Clone, Debug, PartialEq)]
@@ -58,5 +60,13 @@ impl Given {
     pub fn periodic(&self) -> anyhow::Result<Option<Periodic<'static>>> {
         let periodic = |lattice: Lattice| Periodic::new(self.scene.clone(), lattice);
         Ok(self.lattice.map(periodic).transpose()?)
+    }
+
+    /// As detectors get it in an arithmetic.
+    ///
+    /// # Errors
+    /// What the arithmetic cannot store; a box that does not suit the scene.
+    pub fn loaded(&self, arithmetic: Arithmetic) -> Result<Loaded<'static>, LoadError> {
+        Loaded::new(&self.scene, self.lattice, arithmetic)
     }
 }

@@ -377,7 +377,10 @@ pub static TABLE: &[Entry] = &[
     peer(&peers::ZELLL, Both::<peers::zelll::Zelll<2>, peers::zelll::Zelll<3>>::boxed),
 ];
 
-/// The detector to take without a reason for another.
+/// The name of the detector to take without a reason for another.
+pub const DEFAULT: &str = "streamed-nbs";
+
+/// This detector.
 pub(crate) fn streamed_nbs(options: Options) -> Box<dyn AnyDetector> {
     streamed(&Params::new(), options)
 }

@@ -22,6 +22,15 @@ pub fn array<T: nalgebra::Scalar, const D: usize>(p: &Point<T, D>) -> &[T; D] {
     &p.coords.data.0[0]
 }
 
+/// Rows of coordinates as points: the same memory.
+pub fn points<const D: usize>(rows: &[[f64; D]]) -> &[Point<f64, D>] {
+    const { assert!(size_of::<Point<f64, D>>() == size_of::<[f64; D]>()) };
+    const { assert!(align_of::<Point<f64, D>>() == align_of::<[f64; D]>()) };
+    // SAFETY: a point is `repr(C)` around one array of its coordinates and a marker without size;
+    // so it has the size and the alignment of that array, as asserted, and any doubles are a point.
+    unsafe { std::slice::from_raw_parts(rows.as_ptr().cast(), rows.len()) }
+}
+
 /// Discs (`D` = 2) or spheres (`D` = 3), borrowed or owned.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scene<'a, T: Real, const D: usize> {
@@ -298,6 +307,16 @@ fn power_of_two(x: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn rows_are_points_in_place() {
+        let rows = [[1.0, 2.0, 3.0], [4.0, -0.0, f64::NAN]];
+        let same = |(point, row): (&Point<f64, 3>, &[f64; 3])| {
+            array(point).map(f64::to_bits) == row.map(f64::to_bits)
+        };
+        assert!(points(&rows).len() == 2 && points(&rows).iter().zip(&rows).all(same));
+        assert_eq!(points::<2>(&[]).len(), 0);
+    }
 
     /// Wherever they are: in any turn, and in what is left.
     #[test]

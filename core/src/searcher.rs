@@ -1,24 +1,36 @@
-//! A detector at work on scenes with boundaries of either kind.
+//! A detector at work on scenes with boundaries of either kind: what programs in other languages are
+//! given.
 
 use crate::contact::Arithmetic;
 use crate::detect::any::AnyDetector;
-use crate::detect::table::DetectorSpec;
+use crate::detect::spec::DetectorSpec;
 use crate::detect::{Options, Refusal};
 use crate::pair_list::{Allowance, PairList};
-use crate::periodic::{Contacts, Finder, Periodic};
+use crate::periodic::{Contacts, Finder, Periodic, PeriodicError};
 use crate::probe::Tally;
-use crate::scene::{AnyScene, Given};
+use crate::scene::{AnyScene, Lattice, SceneError};
 
 /// A scene as detectors get it.
 #[derive(Debug)]
-pub enum Loaded {
+pub enum Loaded<'a> {
     /// As the arithmetic stores it.
-    Open(AnyScene<'static>),
+    Open(AnyScene<'a>),
     /// As given.
-    InBox(Periodic<'static>),
+    InBox(Periodic<'a>),
 }
 
-impl Loaded {
+/// Why a scene cannot be searched.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum LoadError {
+    /// The arithmetic cannot store it.
+    #[error(transparent)]
+    Stored(#[from] SceneError),
+    /// Its box does not suit it.
+    #[error(transparent)]
+    Boxed(#[from] PeriodicError),
+}
+
+impl<'a> Loaded<'a> {
     /// How many particles there are.
     pub fn particles(&self) -> usize {
         match self {
@@ -31,10 +43,14 @@ impl Loaded {
     ///
     /// # Errors
     /// What the arithmetic cannot store; a box that does not suit the scene.
-    pub fn new(given: &Given, arithmetic: Arithmetic) -> anyhow::Result<Loaded> {
-        Ok(match given.periodic()? {
-            Some(periodic) => Loaded::InBox(periodic),
-            None => Loaded::Open(given.scene.stored(arithmetic)?),
+    pub fn new(
+        scene: &AnyScene<'a>,
+        lattice: Option<Lattice>,
+        arithmetic: Arithmetic,
+    ) -> Result<Loaded<'a>, LoadError> {
+        Ok(match lattice {
+            Some(lattice) => Loaded::InBox(Periodic::new(scene.clone(), lattice)?),
+            None => Loaded::Open(scene.as_stored(arithmetic)?.into_owned()),
         })
     }
 }
@@ -80,7 +96,7 @@ impl Searcher {
     /// What the detector refuses; the lists are empty then, or hold what was reported before.
     pub fn list(
         &mut self,
-        scene: &Loaded,
+        scene: &Loaded<'_>,
         arithmetic: Arithmetic,
         contacts: &mut Contacts,
     ) -> Result<(), Refusal> {
@@ -101,7 +117,7 @@ impl Searcher {
     /// As [`Searcher::list`].
     pub fn count(
         &mut self,
-        scene: &Loaded,
+        scene: &Loaded<'_>,
         arithmetic: Arithmetic,
         contacts: &mut Contacts,
     ) -> Result<Tally, Refusal> {
@@ -123,7 +139,7 @@ impl Searcher {
     }
 
     /// The bytes of the last detection by the formulas of detector and images.
-    pub fn formula_bytes(&self, scene: &Loaded) -> u64 {
+    pub fn formula_bytes(&self, scene: &Loaded<'_>) -> u64 {
         let images = match scene {
             Loaded::Open(_) => 0,
             Loaded::InBox(_) => self.finder.formula_bytes(),
