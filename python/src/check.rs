@@ -1,0 +1,111 @@
+//! Functions of Python on the battery of small scenes.
+
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
+
+use contactbench::check::contender::{Answer, Contender};
+use contactbench::check::{Failure as Found, Limits, Report, Wrong, battery};
+use contactbench_core::periodic::ImagePair;
+use contactbench_core::scene::AnyScene;
+use numpy::{PyArray2, PyArrayMethods, PyReadonlyArray2};
+use pyo3::exceptions::{PyException, PyNotImplementedError};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::failure::{Failure, by_threads, work};
+use crate::given::{arithmetic, made};
+
+/// Asks `function(x, r)`, which gives an array of whole numbers (M, 2), about every open scene of
+/// the battery. What is found is a dictionary, whose keys are the fields of the class of the
+/// package.
+#[pyfunction]
+pub fn check<'py>(
+    py: Python<'py>,
+    function: Py<PyAny>,
+    name: String,
+    arithmetic: &str,
+    seconds: f64,
+) -> PyResult<Bound<'py, PyDict>> {
+    let arithmetic = self::arithmetic(arithmetic)?;
+    if !(0.0..1e6).contains(&seconds) {
+        return Err(
+            Failure::value(format!("seconds is {seconds}; give a number from 0 to 10^6")).into()
+        );
+    }
+    let limits = Limits { time: Duration::from_secs_f64(seconds), ..Limits::default() };
+    let stopped = Arc::new(Mutex::new(None));
+    let stop = stopped.clone();
+    let ask = move |scene: &AnyScene<'static>| {
+        let answered = Python::attach(|py| answer(py, &function, scene));
+        let mut stop = stop.lock().unwrap_or_else(PoisonError::into_inner);
+        // Once stopped it is not asked again.
+        anyhow::ensure!(stop.is_none(), "stopped");
+        answered.map_err(|error| {
+            *stop = Some(error);
+            anyhow::anyhow!("stopped")
+        })
+    };
+    let contenders = [Contender::Function { name, ask: Arc::new(ask) }];
+    let report = work(py, || {
+        by_threads(1, || {
+            let report = battery(&contenders, &[arithmetic], &limits);
+            match stopped.lock().unwrap_or_else(PoisonError::into_inner).take() {
+                Some(error) => Err(Failure::Raised(error)),
+                None => Ok(report?),
+            }
+        })
+    })?;
+    let Report { cases, scenes, cut, refused, failures } = report;
+    let out = PyDict::new(py);
+    out.set_item("cases", cases)?;
+    out.set_item("scenes", scenes)?;
+    out.set_item("cut", cut)?;
+    out.set_item("refused", refused.into_iter().collect::<BTreeMap<_, _>>())?;
+    let failures = failures.iter().map(|failure| found(py, failure));
+    out.set_item("failures", failures.collect::<PyResult<Vec<_>>>()?)?;
+    Ok(out)
+}
+
+/// What the function says; an error if it is to stop.
+fn answer(py: Python<'_>, function: &Py<PyAny>, scene: &AnyScene<'static>) -> PyResult<Answer> {
+    let (x, r, _) = made(py, scene)?;
+    let pairs = match function.call1(py, (x, r)) {
+        Ok(pairs) => pairs,
+        Err(error) if error.is_instance_of::<PyNotImplementedError>(py) => {
+            return Ok(Answer::Declined(error.value(py).to_string()));
+        }
+        Err(error) if error.is_instance_of::<PyException>(py) => {
+            return Ok(Answer::Wrong(Wrong::Fails(format!("raises {error}"))));
+        }
+        Err(error) => return Err(error),
+    };
+    let pairs = pairs.bind(py).cast::<PyArray2<i64>>()?;
+    let pairs: PyReadonlyArray2<'_, i64> = pairs.readonly();
+    let mut named = Vec::new();
+    for row in pairs.as_array().rows() {
+        let place = |name: i64| u32::try_from(name).ok().filter(|&k| (k as usize) < scene.len());
+        let (Some(i), Some(j)) = (place(row[0]), place(row[1])) else {
+            return Ok(Answer::Wrong(Wrong::Fails(format!(
+                "reports the pair {},{} in a scene of {} particles",
+                row[0],
+                row[1],
+                scene.len()
+            ))));
+        };
+        named.push(ImagePair::new(i, j, [0; 3]));
+    }
+    Ok(Answer::Pairs(named))
+}
+
+fn found<'py>(py: Python<'py>, failure: &Found) -> PyResult<Bound<'py, PyDict>> {
+    let out = PyDict::new(py);
+    out.set_item("found_on", &failure.found_on)?;
+    out.set_item("found", failure.found.to_string())?;
+    let (x, r, _) = made(py, &failure.given.scene)?;
+    out.set_item("given", (x, r))?;
+    out.set_item("wrong", failure.wrong.as_ref().map(Wrong::to_string))?;
+    let (x, r, _) = made(py, &failure.smallest.scene)?;
+    out.set_item("smallest", (x, r))?;
+    Ok(out)
+}

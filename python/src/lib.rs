@@ -1,0 +1,42 @@
+//! The native half of the package `contactbench` for Python: arrays in, arrays out. What its users
+//! see, and its documentation, is in `contactbench/__init__.py`.
+#![allow(clippy::type_complexity)]
+
+mod check;
+mod failure;
+mod given;
+mod recommend;
+mod record;
+mod search;
+mod verify;
+
+use contactbench::run::alloc::Counting;
+
+/// Runners measure memory.
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+/// Native functions; see the package `contactbench`.
+#[pyo3::pymodule]
+mod _contactbench {
+    #[pymodule_export]
+    use super::check::check;
+    #[pymodule_export]
+    use super::recommend::{recommend, serve};
+    #[pymodule_export]
+    use super::record::{load, scene};
+    #[pymodule_export]
+    use super::search::{Detector, Verlet, limit_for};
+    #[pymodule_export]
+    use super::verify::verify;
+    use pyo3::prelude::*;
+
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        use contactbench_core::detect::table::{DEFAULT, Role, TABLE};
+        let detectors = TABLE.iter().filter(|entry| entry.role == Role::Detector);
+        module.add("DEFAULT", DEFAULT)?;
+        module.add("DETECTORS", detectors.map(|entry| entry.name).collect::<Vec<_>>())?;
+        module.add("__version__", env!("CARGO_PKG_VERSION"))
+    }
+}

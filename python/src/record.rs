@@ -1,0 +1,151 @@
+//! Records as columns; and scenes of generators.
+
+use std::collections::BTreeSet;
+use std::path::PathBuf;
+
+use contactbench::record::column::COLUMNS;
+use contactbench::record::folder;
+use contactbench::record::provenance;
+use contactbench::record::role::Role;
+use contactbench::record::row::{self, Record, Row};
+use contactbench::record::value::AxisValue;
+use contactbench::scene::Given;
+use contactbench::scene::spec::Spec;
+use pyo3::prelude::*;
+
+use crate::failure::{Failure, by_threads, work};
+use crate::given::{Edges, Made, made};
+
+/// A column: its name and its values, with `None` where there is none.
+#[derive(IntoPyObject)]
+pub enum Values {
+    /// Text.
+    Text(Vec<Option<String>>),
+    /// Whole numbers.
+    Whole(Vec<Option<i64>>),
+    /// Numbers.
+    Number(Vec<Option<f64>>),
+    /// True or false.
+    Flag(Vec<Option<bool>>),
+}
+
+/// The columns of a record, each with its kind (`text`, `whole`, `number` or `flag`); sentences
+/// about lines that were left out; and the provenance as JSON. `path` is a result folder, or its
+/// record.
+#[pyfunction]
+pub fn load(
+    py: Python<'_>,
+    path: PathBuf,
+) -> PyResult<(Vec<(String, &'static str, Values)>, Vec<String>, Vec<String>)> {
+    work(py, || {
+        let file = if path.is_dir() { path.join(row::FILE) } else { path };
+        let around = file.parent().unwrap_or(&file).to_path_buf();
+        folder::sound(&around).map_err(Failure::value)?;
+        let Record { rows, warnings } = row::read(&file)?;
+        let provenance = provenance::all(&around).iter().map(ToString::to_string).collect();
+        Ok((columns(&rows), warnings, provenance))
+    })
+}
+
+fn columns(rows: &[Row]) -> Vec<(String, &'static str, Values)> {
+    let text = |name: &str, of: fn(&Row) -> Option<&str>| {
+        let values = rows.iter().map(|row| of(row).map(str::to_string)).collect();
+        (name.to_string(), "text", Values::Text(values))
+    };
+    let whole = |name: &str, of: fn(&Row) -> Option<u64>| {
+        let values = rows.iter().map(|row| of(row).map(|x| x as i64)).collect();
+        (name.to_string(), "whole", Values::Whole(values))
+    };
+    let mut columns = vec![
+        text("experiment", |row| Some(&row.id.experiment)),
+        text("scene", |row| Some(&row.id.scene)),
+        whole("dim", |row| Some(row.id.dim.into())),
+        text("order", |row| Some(&row.id.order)),
+        whole("n", |row| Some(row.id.n)),
+        whole("seed", |row| Some(row.id.seed)),
+        text("arithmetic", |row| Some(&row.id.arithmetic)),
+        whole("threads", |row| Some(row.id.threads().into())),
+        text("detector", |row| Some(&row.id.detector)),
+        text("machine", |row| row.id.machine.as_deref()),
+    ];
+    let known: BTreeSet<String> = columns.iter().map(|(name, ..)| name.clone()).collect();
+    let scenes = rows.iter().flat_map(|row| row.id.parameters());
+    let detectors = rows
+        .iter()
+        .flat_map(|row| row.id.detector_parameters().map(|(name, value)| (name, value.clone())));
+    let names: BTreeSet<String> = scenes.chain(detectors).map(|(name, _)| name).collect();
+    for name in names.difference(&known) {
+        let values = rows.iter().map(|row| row.id.axis(name)).collect();
+        columns.push(parameter(name, values));
+    }
+    let contender = rows.iter().map(|row| row.id.contender()).map(Some).collect();
+    columns.push(("contender".into(), "text", Values::Text(contender)));
+    let role = rows.iter().map(|row| Some(role_of(&row.role))).collect();
+    columns.push(("role".into(), "text", Values::Text(role)));
+    columns.extend([
+        text("pass", |row| Some(row.pass.name())),
+        whole("block", |row| Some(row.block.into())),
+        text("outcome", |row| Some(row.outcome.name())),
+        text("reason", |row| Some(&row.reason)),
+        text("digest", |row| row.digest.as_deref()),
+        whole("calls", |row| row.calls),
+        whole("elapsed_ns", |row| row.elapsed_ns),
+    ]);
+    for column in COLUMNS.iter() {
+        let name = column.name.to_string();
+        let numbers = rows.iter().map(|row| column.read(row));
+        columns.push(match column.is_whole() {
+            // Every one is below 2^53, or was rounded when it was read.
+            true => {
+                let values = numbers.map(|x| x.map(|x| x as i64)).collect();
+                (name, "whole", Values::Whole(values))
+            }
+            false => (name, "number", Values::Number(numbers.collect())),
+        });
+    }
+    columns.extend([
+        text("scene_hash", |row| Some(&row.stats.scene_hash)),
+        text("process", |row| row.process.as_deref()),
+        text("span", |row| row.span.as_deref()),
+    ]);
+    columns
+}
+
+/// `detector`, `peer`, `runner`, `nothing`, `twin of NAME` or `base of NAME`.
+fn role_of(role: &Role) -> String {
+    match role {
+        Role::Detector => "detector".into(),
+        Role::Peer => "peer".into(),
+        Role::Runner => "runner".into(),
+        Role::Nothing => "nothing".into(),
+        Role::Twin(name) => format!("twin of {name}"),
+        Role::Base(name) => format!("base of {name}"),
+    }
+}
+
+/// Values of a parameter, of the plainest kind that holds them all.
+fn parameter(name: &str, values: Vec<Option<AxisValue>>) -> (String, &'static str, Values) {
+    let name = name.to_string();
+    let all = |is: fn(&AxisValue) -> bool| values.iter().flatten().all(is);
+    if all(|value| matches!(value, AxisValue::Bool(_))) {
+        let flag = |value: &AxisValue| matches!(value, AxisValue::Bool(true));
+        let values = values.iter().map(|value| value.as_ref().map(flag)).collect();
+        return (name, "flag", Values::Flag(values));
+    }
+    if all(|value| value.number().is_some()) {
+        let numbers: Vec<Option<f64>> =
+            values.iter().map(|value| value.as_ref().and_then(AxisValue::number)).collect();
+        return (name, "number", Values::Number(numbers));
+    }
+    let values = values.iter().map(|value| value.as_ref().map(ToString::to_string)).collect();
+    (name, "text", Values::Text(values))
+}
+
+/// The arrays of a scene that a text asks for, as in `packed:dim=3,n=1000`, and its box.
+#[pyfunction]
+pub fn scene(py: Python<'_>, text: &str) -> PyResult<(Made, Option<Edges>)> {
+    let given = work(py, || by_threads(1, || Ok(Spec::parse(text)?.given()?)))?;
+    let Given { scene, lattice, .. } = given;
+    let edges = lattice.map(|lattice| (*lattice.vectors(), lattice.periodic(), lattice.origin()));
+    Ok((made(py, &scene)?, edges))
+}
