@@ -1,0 +1,67 @@
+/* Three discs, a box, and a list that is held to the truth. */
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "contactbench.h"
+
+static void check(int code) {
+    if (code != CONTACTBENCH_OK) {
+        fprintf(stderr, "%s\n", contactbench_last_error());
+        exit(1);
+    }
+}
+
+int main(void) {
+    double x[] = {0.25, 0.5, 1.0, 0.5, 3.75, 0.5};
+    double r = 0.375;
+    contactbench_scene scene = {.n = 3, .dim = 2, .x = x, .radii = 1, .r = &r, .bounds = NULL};
+
+    contactbench_detector *detector;
+    check(contactbench_new(NULL, "exact", 1, 0, &detector));
+
+    /* In open space the first two touch; as in a simulation, the detector is kept. */
+    for (int step = 0; step < 2; step++) {
+        check(contactbench_contacts(detector, &scene));
+        printf("step %d:", step);
+        const uint32_t *pairs = contactbench_pairs(detector);
+        for (size_t k = 0; k < contactbench_count(detector); k++)
+            printf(" (%u,%u)", (unsigned)pairs[2 * k], (unsigned)pairs[2 * k + 1]);
+        printf("\n");
+        x[2] += 0.25;
+    }
+    x[2] = 1.0;
+
+    /* In a channel of length 4 the last one meets the first, too. */
+    contactbench_box channel = {
+        .vectors = {4.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0},
+        .periodic = {1, 0, 0},
+    };
+    scene.bounds = &channel;
+    check(contactbench_contacts(detector, &scene));
+    const uint32_t *pairs = contactbench_pairs(detector);
+    const int32_t *images = contactbench_images(detector);
+    printf("channel:");
+    for (size_t k = 0; k < contactbench_count(detector); k++)
+        printf(" (%u,%u) image (%d,%d)", (unsigned)pairs[2 * k], (unsigned)pairs[2 * k + 1],
+               (int)images[2 * k], (int)images[2 * k + 1]);
+    printf("\n");
+
+    /* A list that misses it. */
+    contactbench_errors errors;
+    uint32_t listed[] = {1, 0};
+    int32_t none[] = {0, 0};
+    check(contactbench_verify(&scene, 1, listed, none, &errors));
+    printf("list: %u of %u missed, by %g mean radii\n", (unsigned)errors.missed,
+           (unsigned)errors.contacts, errors.deepest_miss);
+
+    /* What is wrong is said. */
+    x[1] = NAN;
+    if (contactbench_contacts(detector, &scene) != CONTACTBENCH_INVALID) return 1;
+    printf("error: %s\n", contactbench_last_error());
+    contactbench_free(detector);
+    if (contactbench_new("nsb", NULL, 1, 0, &detector) != CONTACTBENCH_INVALID) return 1;
+    contactbench_free(detector);
+    return 0;
+}

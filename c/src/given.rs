@@ -1,0 +1,148 @@
+//! What callers give, and why it cannot be used.
+
+use std::any::Any;
+use std::borrow::Cow;
+
+use contactbench_core::Refusal;
+use contactbench_core::oracle::NoTruth;
+use contactbench_core::scene::{AnyScene, Lattice, LatticeError, Radii, Scene, SceneError, points};
+use contactbench_core::searcher::LoadError;
+
+use crate::contactbench_scene;
+
+/// Why there is no answer, in one sentence.
+pub enum Failure {
+    /// What was given.
+    Invalid(String),
+    /// Too little memory.
+    Memory(String),
+    /// A defect of this library.
+    Defect(String),
+}
+
+impl Failure {
+    pub fn invalid(what: impl ToString) -> Failure {
+        Failure::Invalid(what.to_string())
+    }
+
+    /// Of a panic.
+    pub fn defect(cause: &(dyn Any + Send)) -> Failure {
+        let said = match (cause.downcast_ref::<&str>(), cause.downcast_ref::<String>()) {
+            (Some(text), _) => text,
+            (_, Some(text)) => &**text,
+            _ => "panic",
+        };
+        Failure::Defect(format!("{said}; this is a defect of contactbench: report it"))
+    }
+}
+
+impl From<Refusal> for Failure {
+    fn from(refusal: Refusal) -> Failure {
+        match refusal.is_of_memory() {
+            true => Failure::Memory(refusal.to_string()),
+            false => Failure::invalid(refusal),
+        }
+    }
+}
+
+impl From<SceneError> for Failure {
+    fn from(error: SceneError) -> Failure {
+        Failure::invalid(error)
+    }
+}
+
+impl From<LatticeError> for Failure {
+    fn from(error: LatticeError) -> Failure {
+        Failure::invalid(error)
+    }
+}
+
+impl From<LoadError> for Failure {
+    fn from(error: LoadError) -> Failure {
+        Failure::invalid(error)
+    }
+}
+
+impl From<NoTruth> for Failure {
+    fn from(error: NoTruth) -> Failure {
+        match error {
+            NoTruth::Refused(refusal) => refusal.into(),
+            NoTruth::Disagree { .. } | NoTruth::Sample { .. } => Failure::Defect(error.to_string()),
+            _ => Failure::invalid(error),
+        }
+    }
+}
+
+/// A scene: the caller's memory.
+pub struct Given<'a> {
+    pub scene: AnyScene<'a>,
+    pub lattice: Option<Lattice>,
+    pub dim: usize,
+}
+
+impl Given<'_> {
+    /// # Safety
+    /// It is null, or there, with numbers that can be read as long as this lives.
+    pub unsafe fn new(scene: *const contactbench_scene) -> Result<Self, Failure> {
+        // SAFETY: the caller's promise.
+        let Some(scene) = (unsafe { scene.as_ref() }) else {
+            return Err(Failure::invalid("the scene is NULL"));
+        };
+        let dim = match scene.dim {
+            2 => 2,
+            3 => 3,
+            dim => {
+                return Err(Failure::invalid(format!(
+                    "dim is {dim}; it is 2 for discs and 3 for spheres"
+                )));
+            }
+        };
+        // SAFETY: the caller's promise.
+        let x = unsafe { rows(scene.x, scene.n, dim, "x") }?;
+        // SAFETY: the caller's promise.
+        let r = unsafe { rows(scene.r, scene.radii, 1, "r") }?;
+        let radii = match *r {
+            [r] => Radii::Uniform(r),
+            _ => Radii::Each(Cow::Borrowed(r)),
+        };
+        // SAFETY: the caller's promise.
+        let lattice = match unsafe { scene.bounds.as_ref() } {
+            Some(bounds) => {
+                let vector = |k: usize| std::array::from_fn(|axis| bounds.vectors[3 * k + axis]);
+                let periodic = bounds.periodic.map(|flag| flag != 0);
+                Some(Lattice::new([0, 1, 2].map(vector), periodic, bounds.origin)?)
+            }
+            None => None,
+        };
+        let scene = match dim {
+            2 => Scene::new(points::<2>(x.as_chunks().0), radii)?.into(),
+            _ => Scene::new(points::<3>(x.as_chunks().0), radii)?.into(),
+        };
+        Ok(Given { scene, lattice, dim })
+    }
+}
+
+/// So many rows of numbers.
+///
+/// # Safety
+/// The pointer is null, or so many can be read behind it as long as they are used.
+pub unsafe fn rows<'a, T>(
+    numbers: *const T,
+    count: usize,
+    width: usize,
+    name: &str,
+) -> Result<&'a [T], Failure> {
+    let most = isize::MAX as usize / size_of::<T>();
+    let Some(len) = count.checked_mul(width).filter(|&len| len <= most) else {
+        return Err(Failure::invalid(format!("{name}: {count} rows are more than memory holds")));
+    };
+    if len == 0 {
+        return Ok(&[]);
+    }
+    if numbers.is_null() || !numbers.is_aligned() {
+        return Err(Failure::invalid(format!("{name} is NULL, or not aligned")));
+    }
+    // SAFETY: it is aligned and not null, and the length is one that there may be; that they can be
+    // read is the caller's promise.
+    Ok(unsafe { std::slice::from_raw_parts(numbers, len) })
+}

@@ -1,0 +1,366 @@
+//! Contacts for programs in C, and in languages that can call it. What its users read is
+//! `include/contactbench.h`, which is made from this file; a test holds them equal.
+#![allow(non_camel_case_types)]
+
+mod given;
+
+use std::cell::RefCell;
+use std::ffi::{CStr, CString, c_char, c_int};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::ptr;
+
+use contactbench_core::contact::Arithmetic;
+use contactbench_core::detect::spec::{self, DetectorSpec};
+use contactbench_core::detect::{Options, table};
+use contactbench_core::oracle::{self, Errors};
+use contactbench_core::periodic::{self, Contacts, ImagePair};
+use contactbench_core::searcher::{Loaded, Searcher};
+use contactbench_core::sink::smaller_first;
+use contactbench_core::{crowd, memory};
+use given::{Failure, Given, rows};
+use rayon::{ThreadPool, ThreadPoolBuilder};
+
+/// All is well.
+pub const CONTACTBENCH_OK: c_int = 0;
+/// Something is wrong with what was given.
+pub const CONTACTBENCH_INVALID: c_int = 1;
+/// It would take more memory than there is, or than may be used.
+pub const CONTACTBENCH_MEMORY: c_int = 2;
+/// A defect of this library.
+pub const CONTACTBENCH_DEFECT: c_int = 3;
+
+/// A box in which a scene repeats. Discs use the first two vectors.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct contactbench_box {
+    /// Three vectors, one after the other, of any direction.
+    pub vectors: [f64; 9],
+    /// Along which of them the scene repeats, if not 0. The others decide nothing.
+    pub periodic: [c_int; 3],
+    /// The corner from which they start. It decides no exact contact.
+    pub origin: [f64; 3],
+}
+
+/// A scene. Nobody may write to its numbers while a call reads them.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct contactbench_scene {
+    /// How many particles there are.
+    pub n: usize,
+    /// 2 for discs, 3 for spheres.
+    pub dim: c_int,
+    /// Coordinates of the first centre, then of the next: n times dim numbers.
+    pub x: *const f64,
+    /// How many radii there are: 1 for all particles, or n.
+    pub radii: usize,
+    /// The radii, in the unit of the coordinates.
+    pub r: *const f64,
+    /// The box; NULL for open space.
+    pub bounds: *const contactbench_box,
+}
+
+/// What a list of pairs misses and adds, against the truth.
+#[repr(C)]
+#[derive(Clone, Copy, Default)]
+pub struct contactbench_errors {
+    /// Pairs that touch.
+    pub contacts: u64,
+    /// Of them, those that are not listed.
+    pub missed: u64,
+    /// Listed pairs that do not touch.
+    pub spurious: u64,
+    /// Pairs that are listed again.
+    pub duplicate: u64,
+    /// Particles that are listed with themselves.
+    pub self_pairs: u64,
+    /// The largest overlap among those missed, in mean radii of the two.
+    pub deepest_miss: f64,
+    /// The widest gap among the spurious ones, in mean radii of the two.
+    pub widest_false: f64,
+}
+
+/// A detector that keeps its buffers, and the contacts of its last scene. By one thread at a time.
+pub struct contactbench_detector {
+    arithmetic: Arithmetic,
+    limit: u64,
+    searcher: Searcher,
+    crew: Option<ThreadPool>,
+    contacts: Contacts,
+    /// So many numbers for each pair, in a box.
+    images: Vec<i32>,
+}
+
+thread_local! {
+    static LAST: RefCell<CString> = RefCell::default();
+}
+
+/// Does it, and keeps why not.
+fn done(work: impl FnOnce() -> Result<(), Failure>) -> c_int {
+    let failed = match catch_unwind(AssertUnwindSafe(work)) {
+        Ok(Ok(())) => return CONTACTBENCH_OK,
+        Ok(Err(failure)) => failure,
+        Err(cause) => Failure::defect(cause.as_ref()),
+    };
+    let (code, what) = match failed {
+        Failure::Invalid(what) => (CONTACTBENCH_INVALID, what),
+        Failure::Memory(what) => (CONTACTBENCH_MEMORY, what),
+        Failure::Defect(what) => (CONTACTBENCH_DEFECT, what),
+    };
+    // Messages have no NUL; what is given in them may.
+    let what = CString::new(what.replace('\0', " ")).unwrap_or_default();
+    LAST.with(|last| *last.borrow_mut() = what);
+    code
+}
+
+/// Why the last call of this thread that failed did so, in one sentence; until the next that fails.
+#[unsafe(no_mangle)]
+pub extern "C" fn contactbench_last_error() -> *const c_char {
+    LAST.with(|last| last.borrow().as_ptr())
+}
+
+/// Makes a detector, to be freed by contactbench_free, and puts it into `made`; NULL where it fails.
+///
+/// `detector` is a name with parameters, as in "streamed-nbs:level=avx2", and NULL for the one to
+/// take without a reason for another. `arithmetic` is "exact", "f64", "f32", "f32-cell" or
+/// "textbook", and NULL for "exact". `memory_limit` is in bytes, for its arrays and as many for
+/// pairs; 0 for 4 GiB, or a quarter of the machine's memory if that is less.
+///
+/// # Safety
+/// Texts end with a NUL; `made` can be written to.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn contactbench_new(
+    detector: *const c_char,
+    arithmetic: *const c_char,
+    threads: usize,
+    memory_limit: u64,
+    made: *mut *mut contactbench_detector,
+) -> c_int {
+    done(|| {
+        if made.is_null() {
+            return Err(Failure::invalid("made is NULL; give a place for the detector"));
+        }
+        // SAFETY: it is not null, and the caller's to be written to.
+        unsafe { made.write(ptr::null_mut()) };
+        // SAFETY: the caller promises that texts end.
+        let (detector, arithmetic) = unsafe { (text(detector)?, text(arithmetic)?) };
+        let spec = spec::parse(detector.unwrap_or(table::DEFAULT)).map_err(Failure::invalid)?;
+        let arithmetic: Arithmetic =
+            arithmetic.unwrap_or("exact").parse().map_err(Failure::invalid)?;
+        let new = Box::new(detector_of(&spec, arithmetic, threads, memory_limit)?);
+        // SAFETY: as above.
+        unsafe { made.write(Box::into_raw(new)) };
+        Ok(())
+    })
+}
+
+fn detector_of(
+    spec: &DetectorSpec,
+    arithmetic: Arithmetic,
+    threads: usize,
+    memory_limit: u64,
+) -> Result<contactbench_detector, Failure> {
+    if threads > 1 && !spec.entry.threads || !(1..=1024).contains(&threads) {
+        return Err(Failure::invalid(format!(
+            "{} cannot use {threads} threads; give 1, or with streamed-nbs, cell-grid and direct \
+             up to 1024",
+            spec.entry.name
+        )));
+    }
+    let limit = if memory_limit == 0 { memory::default_limit() } else { memory_limit };
+    let searcher = Searcher::new(spec, Options { memory_limit: limit, threads });
+    let crew = if threads > 1 { Some(crew(threads)?) } else { None };
+    let contacts = Contacts::default();
+    Ok(contactbench_detector { arithmetic, limit, searcher, crew, contacts, images: Vec::new() })
+}
+
+fn crew(threads: usize) -> Result<ThreadPool, Failure> {
+    let made = ThreadPoolBuilder::new().num_threads(threads).build();
+    made.map_err(|error| Failure::invalid(format!("threads could not be started: {error}")))
+}
+
+/// # Safety
+/// It is null, or ends with a NUL.
+unsafe fn text<'a>(text: *const c_char) -> Result<Option<&'a str>, Failure> {
+    if text.is_null() {
+        return Ok(None);
+    }
+    // SAFETY: it is not null, and the caller promises that it ends.
+    let text = unsafe { CStr::from_ptr(text) };
+    text.to_str().map(Some).map_err(|_| Failure::invalid("a name is not of UTF-8"))
+}
+
+/// Frees a detector with its buffers and contacts; nothing if it is NULL.
+///
+/// # Safety
+/// It is NULL, or was made by contactbench_new and is not used any more.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn contactbench_free(detector: *mut contactbench_detector) {
+    if !detector.is_null() {
+        // SAFETY: it was made by `Box::into_raw`, and the caller gives it up.
+        drop(unsafe { Box::from_raw(detector) });
+    }
+}
+
+/// Finds the contacts of a scene: the pairs with |xi - xj| <= ri + rj, and in a box those of
+/// particles with images. The numbers are read in place. A call for a scene like the one before
+/// allocates next to nothing.
+///
+/// # Safety
+/// Detector and scene are there, and the scene's numbers can be read.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn contactbench_contacts(
+    detector: *mut contactbench_detector,
+    scene: *const contactbench_scene,
+) -> c_int {
+    done(|| {
+        // SAFETY: null, or the caller's to be used by this thread alone.
+        let Some(detector) = (unsafe { detector.as_mut() }) else {
+            return Err(Failure::invalid("the detector is NULL; make one by contactbench_new"));
+        };
+        detector.contacts.clear();
+        detector.images.clear();
+        // SAFETY: what the caller promises of the scene.
+        let given = unsafe { Given::new(scene) }?;
+        let loaded = Loaded::new(&given.scene, given.lattice, detector.arithmetic)?;
+        if let Loaded::Open(scene) = &loaded {
+            crowd::within(scene, detector.limit)?;
+        }
+        let contactbench_detector { searcher, contacts, arithmetic, crew, images, .. } = detector;
+        let mut list = || searcher.list(&loaded, *arithmetic, contacts);
+        match crew {
+            Some(crew) => crew.install(list),
+            None => list(),
+        }?;
+        smaller_first(&mut contacts.plain);
+        if given.lattice.is_some() {
+            let Contacts { plain, shifted } = contacts;
+            images.resize(plain.len() * given.dim, 0);
+            images.extend(shifted.iter().flat_map(|pair| pair.image[..given.dim].iter()));
+            plain.extend(shifted.iter().map(|pair| [pair.i, pair.j]));
+            shifted.clear();
+        }
+        Ok(())
+    })
+}
+
+/// How many contacts the last scene has; 0 where the call failed.
+///
+/// # Safety
+/// The detector is there, or NULL.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn contactbench_count(detector: *const contactbench_detector) -> usize {
+    // SAFETY: null, or the caller's to be read.
+    unsafe { detector.as_ref() }.map_or(0, |detector| detector.contacts.plain.len())
+}
+
+/// The pairs of the last scene: two numbers of particles for each, from 0, the smaller first; each
+/// pair once (in a box once for each image), in no particular order. Until the next call.
+///
+/// # Safety
+/// The detector is there, or NULL.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn contactbench_pairs(detector: *const contactbench_detector) -> *const u32 {
+    // SAFETY: null, or the caller's to be read.
+    let detector = unsafe { detector.as_ref() };
+    detector.map_or(ptr::null(), |detector| detector.contacts.plain.as_flattened().as_ptr())
+}
+
+/// In a box the images of the pairs: dim whole numbers for each, so that the first particle touches
+/// the second one moved by so many vectors of the box. NULL in open space. Until the next call.
+///
+/// # Safety
+/// The detector is there, or NULL.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn contactbench_images(detector: *const contactbench_detector) -> *const i32 {
+    // SAFETY: null, or the caller's to be read.
+    let images = unsafe { detector.as_ref() }.map(|detector| &detector.images);
+    images.filter(|images| !images.is_empty()).map_or(ptr::null(), |images| images.as_ptr())
+}
+
+/// Holds a list of `count` pairs, of particles numbered from 0, to the exact truth, which is found
+/// by testing all pairs, or, of many particles, by detectors that agree. In a box `images` has dim
+/// numbers for each pair, as contactbench_images gives them; in open space it is NULL.
+///
+/// # Safety
+/// Scene and lists can be read, `errors` can be written to.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn contactbench_verify(
+    scene: *const contactbench_scene,
+    count: usize,
+    pairs: *const u32,
+    images: *const i32,
+    errors: *mut contactbench_errors,
+) -> c_int {
+    done(|| {
+        if errors.is_null() {
+            return Err(Failure::invalid("errors is NULL; give a place for them"));
+        }
+        // SAFETY: what the caller promises of the scene.
+        let given = unsafe { Given::new(scene) }?;
+        if given.lattice.is_some() == images.is_null() && count > 0 {
+            return Err(Failure::invalid(
+                "images are given for scenes in boxes, and for no others",
+            ));
+        }
+        // SAFETY: what the caller promises of the lists.
+        let pairs: &[[u32; 2]] = unsafe { rows(pairs, count, 2, "pairs") }?.as_chunks().0;
+        let n = given.scene.len();
+        if let Some([i, j]) = pairs.iter().find(|pair| pair[0].max(pair[1]) as usize >= n) {
+            return Err(Failure::invalid(format!(
+                "the list has the pair {i},{j}, and there are {n} particles, numbered from 0"
+            )));
+        }
+        let images = match given.lattice {
+            // SAFETY: as above.
+            Some(_) => unsafe { rows(images, count, given.dim, "images") }?,
+            None => &[],
+        };
+        // On this thread: others are the caller's to start.
+        let found = crew(1)?.install(|| held(&given, pairs, images))?;
+        // SAFETY: it is not null, and the caller's to be written to.
+        unsafe { errors.write(found) };
+        Ok(())
+    })
+}
+
+fn held(
+    given: &Given<'_>,
+    pairs: &[[u32; 2]],
+    images: &[i32],
+) -> Result<contactbench_errors, Failure> {
+    let limit = memory::limit_for(given.scene.len());
+    let loaded = Loaded::new(&given.scene, given.lattice, Arithmetic::Exact)?;
+    let (contacts, found) = match &loaded {
+        Loaded::Open(scene) => {
+            let truth = oracle::truth_as_stored(scene, Arithmetic::Exact.test(), limit)?.pairs;
+            let mut pairs = pairs.to_vec();
+            contactbench_core::sink::normalise(&mut pairs);
+            (truth.len(), oracle::compare(&pairs, &truth, scene))
+        }
+        Loaded::InBox(scene) => {
+            let truth = periodic::truth(scene, Arithmetic::Exact, limit)?.pairs;
+            let named = pairs.iter().zip(images.chunks(given.dim));
+            let mut pairs: Vec<ImagePair> = named
+                .map(|(&[i, j], image)| {
+                    let at = |k| image.get(k).copied().unwrap_or(0);
+                    ImagePair::new(i, j, std::array::from_fn(at))
+                })
+                .collect();
+            pairs.sort_unstable();
+            let of_itself = |pair: ImagePair| pair.i == pair.j && pair.image == [0; 3];
+            let depth = |pair| periodic::depth(scene, pair);
+            (truth.len(), oracle::compare_by(&pairs, &truth, of_itself, depth))
+        }
+    };
+    let Errors { missed, spurious, duplicate, self_pairs, deepest_miss, widest_false } = found;
+    let contacts = contacts as u64;
+    Ok(contactbench_errors {
+        contacts,
+        missed,
+        spurious,
+        duplicate,
+        self_pairs,
+        deepest_miss,
+        widest_false,
+    })
+}
