@@ -184,7 +184,7 @@ def test_refusals_are_exceptions():
     with pytest.raises(MemoryError, match="nbs needs .* the limit is 1000 bytes"):
         contactbench.Detector("nbs", memory_limit=1000).contacts(np.random.rand(1000, 2), 1e-4)
     # 20,000 in one point have 2e8 pairs: 1.6 GB, where 312 MiB are the limit.
-    with pytest.raises(MemoryError, match="are the radii in another unit"):
+    with pytest.raises(MemoryError, match="each of the 20000 particles touches about 19999 others"):
         contactbench.contacts(np.zeros((20_000, 3)), 1.0)
 
 

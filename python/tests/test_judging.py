@@ -66,6 +66,10 @@ def test_boxes_are_compared_with_their_images():
     through = images.any(axis=1)
     lost = contactbench.verify(x, 0.05, pairs[~through], images[~through], box=box)
     assert lost.errors["missed"] == through.sum() and lost.missed.images.any(axis=1).all()
+    elsewhere = images.copy()
+    elsewhere[0] += 1
+    wrong = contactbench.verify(x, 0.05, pairs, elsewhere, box=box)
+    assert (wrong.errors["missed"], wrong.errors["spurious"]) == (1, 1)
     with pytest.raises(ValueError, match="images are given, and no box"):
         contactbench.verify(x, 0.05, pairs, images)
     with pytest.raises(ValueError, match="pairs but"):

@@ -231,7 +231,7 @@ mod tests {
             ["time_ns", "contact_test", "peak_bytes", "allocations", "first_wrong", "wrong"];
         assert!(whole.iter().all(is_whole));
         let others = ["coordination", "deepest_late", "search_widest_false", "mean_way", "at_rest"];
-        assert!(!others.iter().any(|name| is_whole(name)));
+        assert!(!others.iter().any(is_whole));
     }
 
     /// docs/RECORD.md lists every column with its unit and its pass, and no other.
