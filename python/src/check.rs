@@ -13,7 +13,7 @@ use pyo3::exceptions::{PyException, PyNotImplementedError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::failure::{Failure, by_threads, work};
+use crate::failure::{Failure, work};
 use crate::given::{arithmetic, made};
 
 /// Asks `function(x, r)`, which gives an array of whole numbers (M, 2), about every open scene of
@@ -47,14 +47,13 @@ pub fn check<'py>(
         })
     };
     let contenders = [Contender::Function { name, ask: Arc::new(ask) }];
+    // On the caller's thread: there the function can be interrupted.
     let report = work(py, || {
-        by_threads(1, || {
-            let report = battery(&contenders, &[arithmetic], &limits);
-            match stopped.lock().unwrap_or_else(PoisonError::into_inner).take() {
-                Some(error) => Err(Failure::Raised(error)),
-                None => Ok(report?),
-            }
-        })
+        let report = battery(&contenders, &[arithmetic], &limits);
+        match stopped.lock().unwrap_or_else(PoisonError::into_inner).take() {
+            Some(error) => Err(Failure::Raised(error)),
+            None => Ok(report?),
+        }
     })?;
     let Report { cases, scenes, cut, refused, failures } = report;
     let out = PyDict::new(py);

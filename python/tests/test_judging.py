@@ -1,5 +1,7 @@
 """Lists held to the truth, detectors in Python checked, and detectors recommended."""
 
+import signal
+
 import numpy as np
 import pytest
 
@@ -161,6 +163,18 @@ def test_a_check_can_be_interrupted():
 
     with pytest.raises(KeyboardInterrupt):
         contactbench.check(interrupted)
+    # At once, wherever the signal is from.
+    calls = []
+
+    def signalled(x, r):
+        calls.append(len(x))
+        if len(calls) == 3:
+            signal.raise_signal(signal.SIGINT)
+        return contactbench.contacts(x, r, detector="kd-tree")[0]
+
+    with pytest.raises(KeyboardInterrupt):
+        contactbench.check(signalled)
+    assert len(calls) == 3
     # Also while a scene is made small: with the last but one of its calls.
     calls = []
 
