@@ -7,8 +7,8 @@
 //! is still wrong, and written as a [`regression`] file.
 //!
 //! A detector in another language is a [`process`], which is asked the same questions over the
-//! runner protocol. A contact list of another code is compared with the
-//! truth in [`listed`].
+//! runner protocol, or, where that language calls this crate, a function. A contact list of another
+//! code is compared with the truth in [`listed`].
 
 pub mod bytes;
 mod cases;
