@@ -123,12 +123,14 @@ extern "C" {
 #endif // __cplusplus
 
 /**
- * Why the last call of this thread that failed did so, in one sentence; until the next that fails.
+ * Why the last call of this thread that failed did so, in one sentence; until the next that
+ * fails.
  */
 const char *contactbench_last_error(void);
 
 /**
- * Makes a detector, to be freed by contactbench_free, and puts it into `made`; NULL where it fails.
+ * Makes a detector, to be freed by contactbench_free, and puts it into `made`; NULL where it
+ * fails.
  *
  * `detector` is a name with parameters, as in "streamed-nbs:level=avx2", and NULL for the one to
  * take without a reason for another. `arithmetic` is "exact", "f64", "f32", "f32-cell" or
