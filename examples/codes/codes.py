@@ -1,0 +1,430 @@
+#!/usr/bin/env python3
+"""What the neighbour settings of LAMMPS, LIGGGHTS and YADE cost and miss, as these codes run them.
+
+Spheres flow down a rough floor (chute.lammps, chute.liggghts, chute_yade.py). Each code prepares the
+flow from the same loose layers, then goes on from there with each setting: once writing positions and
+its own contact list every few steps, which `contactbench verify --frame all` holds to the exact truth
+about these very positions, and in several blocks, in random order and on one processor each, to
+take the time. Needs Python alone, a built contactbench, and the codes; one that is not installed has
+rows that say how to get it.
+
+    cargo build --release
+    python3 examples/codes/codes.py --out results/codes
+"""
+
+import argparse
+import csv
+import datetime
+import json
+import math
+import os
+import pathlib
+import platform
+import random
+import re
+import shutil
+import statistics
+import subprocess
+import sys
+import tempfile
+from concurrent.futures import ThreadPoolExecutor
+
+HERE = pathlib.Path(__file__).resolve().parent
+# Positions and lists are written every so many steps: prime, so that it divides no period of a
+# setting, or only lists that were just built would be seen.
+PERIOD = 7
+
+
+class Failure(Exception):
+    """A code ended otherwise than it should: one sentence."""
+
+
+def started(command, folder, processor=None, good=(0,)):
+    """What a program printed."""
+    keep = (lambda: os.sched_setaffinity(0, {processor})) if processor is not None else None
+    environment = {**os.environ, "OMP_NUM_THREADS": "1"}
+    ended = subprocess.run(
+        command, cwd=folder, env=environment, preexec_fn=keep, stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace",
+    )
+    if ended.returncode not in good:
+        last = " | ".join(ended.stdout.strip().splitlines()[-12:])
+        raise Failure(f"{command[0]} ended with {ended.returncode}: {last}")
+    return ended.stdout
+
+
+def number(pattern, text, what):
+    found = re.findall(pattern, text)
+    if not found:
+        raise Failure(f"the log does not say {what}")
+    return found[-1]
+
+
+class Lammps:
+    name, install = "LAMMPS", "apt-get install lammps"
+    programs = ["lmp", "lmp_mpi", "lmp_serial"]
+    script, files = "chute.lammps", ["where.dump", "who.dump"]
+    # Blocks of LAMMPS's timing table.
+    loop, search = r"Loop time of (\S+)", r"Neigh +\| \S+ +\| (\S+)"
+    stable = {"skin": 0.1, "every": 1, "delay": 0, "check": "yes"}
+
+    def version(self, program):
+        return re.search(r"- (\d+ \w+ \d+[^\n]*)", started([program, "-h"], tempfile.gettempdir())).group(1)
+
+    def run(self, program, folder, settings, processor=None):
+        values = [text for key, value in settings.items() for text in ("-var", key, str(value))]
+        command = [program, "-in", str(HERE / self.script), "-log", "log", *values]
+        printed = started(command, folder, processor)
+        log = (folder / "log").read_text() + printed
+        dangerous = number(r"Dangerous builds (?:= )?(\d+|not checked)", log, "Dangerous builds")
+        return {
+            "loop_s": float(number(self.loop, log, "its time")),
+            "search_s": float(number(self.search, log, "the time of Neigh")),
+            "builds": int(number(r"Neighbor list builds = (\d+)", log, "its builds")),
+            "dangerous": dangerous,
+        }
+
+
+class Liggghts(Lammps):
+    name, install = "LIGGGHTS", "apt-get install liggghts"
+    programs = ["liggghts"]
+    script = "chute.liggghts"
+    search = r"Neigh time \(%\) = (\S+)"
+
+    def version(self, program):
+        # It prints its help and ends with 1.
+        return re.search(r"\(Version ([^,]+)", started([program, "-h"], tempfile.gettempdir(), good=(0, 1))).group(1)
+
+
+class Yade:
+    name, install = "YADE", "apt-get install yade"
+    programs = ["yade"]
+    script, files = "chute_yade.py", ["where.xyz", "who.csv"]
+    stable = {"verletDist": -0.2}
+
+    def version(self, program):
+        return re.search(r"[Vv]ersion:? (\S+)", started([program, "--version"], None)).group(1)
+
+    def run(self, program, folder, settings, processor=None):
+        report = folder / "report.json"
+        report.unlink(missing_ok=True)
+        command = [program, "-x", "-n", "-j1", str(HERE / self.script), json.dumps(settings)]
+        printed = started(command, folder, processor)
+        if not report.exists():
+            raise Failure(f"yade wrote no report: {printed.strip().splitlines()[-1:]}")
+        said = json.loads(report.read_text())
+        scale = 1e-9 * settings["steps"] / said["steps"]
+        return {
+            "loop_s": said["loop_ns"] * scale,
+            "search_s": said["search_ns"] * scale,
+            "builds": said["builds"],
+            "dangerous": "",
+        }
+
+
+def lammps(skin, every, delay, check, style="bin"):
+    return {"skin": skin, "style": style, "every": every, "delay": delay, "check": check}
+
+
+# A flow: cells along the flow, across, and high; the ratio of sizes; steps of preparation.
+CHUTE, SIZES, SMALL = ((40, 20, 39), 1, 6000), ((10, 5, 9), 4, 4000), ((20, 20, 20), 1, 2000)
+# The first setting of a flow is what the others are compared with.
+PLAN = [
+    (Lammps(), "chute", CHUTE, [
+        ("neighbor 0.3 bin, every 1 delay 0 check yes (default)", lammps(0.3, 1, 0, "yes")),
+        ("neighbor 0.3 bin, every 1 delay 10 check yes (default until 2022)", lammps(0.3, 1, 10, "yes")),
+        ("neighbor 0.1 bin, every 1 delay 0 check yes (bench/in.chute)", lammps(0.1, 1, 0, "yes")),
+        ("neighbor 0.1 bin, every 1 delay 10 check yes", lammps(0.1, 1, 10, "yes")),
+        ("neighbor 0.05 bin, every 1 delay 10 check yes", lammps(0.05, 1, 10, "yes")),
+        ("neighbor 0.02 bin, every 1 delay 10 check yes", lammps(0.02, 1, 10, "yes")),
+        ("neighbor 0.3 bin, every 20 delay 0 check no (bench/in.lj)", lammps(0.3, 20, 0, "no")),
+        ("neighbor 0.1 bin, every 20 delay 0 check no", lammps(0.1, 20, 0, "no")),
+        ("neighbor 0.05 bin, every 20 delay 0 check no", lammps(0.05, 20, 0, "no")),
+        ("neighbor 0.1 bin, every 50 delay 0 check no", lammps(0.1, 50, 0, "no")),
+        ("neighbor 0.3 bin, every 100 delay 0 check no", lammps(0.3, 100, 0, "no")),
+        ("neighbor 0.1 bin, every 100 delay 0 check no", lammps(0.1, 100, 0, "no")),
+        ("neighbor 0.3 multi, every 1 delay 0 check yes", lammps(0.3, 1, 0, "yes", "multi")),
+    ]),
+    (Lammps(), "chute, sizes 1 and 4", SIZES, [
+        ("neighbor 0.3 bin, every 1 delay 0 check yes (default)", lammps(0.3, 1, 0, "yes")),
+        ("neighbor 0.3 multi, every 1 delay 0 check yes", lammps(0.3, 1, 0, "yes", "multi")),
+        ("neighbor 0.1 bin, every 1 delay 0 check yes", lammps(0.1, 1, 0, "yes")),
+        ("neighbor 0.1 multi, every 1 delay 0 check yes", lammps(0.1, 1, 0, "yes", "multi")),
+        ("neighbor 0.1 bin, every 20 delay 0 check no", lammps(0.1, 20, 0, "no")),
+        ("neighbor 0.1 multi, every 20 delay 0 check no", lammps(0.1, 20, 0, "no", "multi")),
+    ]),
+    (Liggghts(), "chute", CHUTE, [
+        ("neighbor 0.3 bin, every 1 delay 10 check yes (default)", lammps(0.3, 1, 10, "yes")),
+        ("neighbor 0.1 bin, every 1 delay 0 check yes", lammps(0.1, 1, 0, "yes")),
+        ("neighbor 0.05 bin, every 20 delay 0 check no", lammps(0.05, 20, 0, "no")),
+        ("neighbor 0.1 bin, every 50 delay 0 check no", lammps(0.1, 50, 0, "no")),
+    ]),
+    (Yade(), "chute of 8,000", SMALL, [
+        ("verletDist -0.5 (default)", {"verletDist": -0.5}),
+        ("verletDist -0.2", {"verletDist": -0.2}),
+        ("verletDist -0.05", {"verletDist": -0.05}),
+        ("verletDist 0", {"verletDist": 0}),
+    ]),
+]
+
+
+def bodies(cells, ratio, seed=1):
+    """The box, and (kind, diameter, x, y, z, velocity) of each body: a floor of frozen spheres, and
+    above it loose cells that hold one body, or, with a ratio, one large body or small ones."""
+    draw = random.Random(seed)
+    gap = 1.05
+    edge = ratio * gap
+    length, width, height = (edge * count for count in cells)
+    # Spheres of the floor do not touch each other: codes leave out couples that are both frozen.
+    rows, columns = (max(1, int(extent / 1.1)) for extent in (length, width))
+    found = []
+    for i in range(rows):
+        for j in range(columns):
+            x, y = (k + 0.5 + draw.uniform(-0.04, 0.04) for k in (i, j))
+            z = draw.uniform(0.5, 1.0)
+            found.append((1, 1.0, x * length / rows, y * width / columns, z, 0.0))
+    small = [(k + 0.5) / ratio for k in range(ratio)]
+    for k in range(cells[2]):
+        for i in range(cells[0]):
+            for j in range(cells[1]):
+                large = ratio > 1 and draw.random() < 0.5
+                places = [(0.5, 0.5, 0.5)] if large else [(a, b, c) for a in small for b in small for c in small]
+                for a, b, c in places:
+                    x, y, z = (draw.uniform(-0.02, 0.02) + place * edge for place in (i + a, j + b, k + c))
+                    # Nearly the profile of a steady flow (Bagnold's), or it would take long to come; a
+                    # low flow is as fast as a high one, so that its lists are put to the test.
+                    fall = 0.07 * max(height, 25.0) ** 1.5 * (1 - max(0.0, 1 - z / height) ** 1.5)
+                    found.append((3 if large else 2, float(ratio if large else 1), x, y, z + 1.55, fall))
+    return (length, width, height + 10.0 + ratio), found
+
+
+def write_start(path, cells, ratio):
+    """The start as a LAMMPS data file; how many bodies there are."""
+    box, found = bodies(cells, ratio)
+    with open(path, "w") as file:
+        file.write(f"chute\n\n{len(found)} atoms\n3 atom types\n\n")
+        for extent, axis in zip(box, "xyz"):
+            file.write(f"0 {extent!r} {axis}lo {axis}hi\n")
+        file.write("\nAtoms # sphere\n\n")
+        for at, (kind, diameter, x, y, z, _) in enumerate(found, 1):
+            file.write(f"{at} {kind} {diameter!r} {6 / math.pi!r} {x!r} {y!r} {z!r}\n")
+        file.write("\nVelocities\n\n")
+        for at, body in enumerate(found, 1):
+            file.write(f"{at} {body[5]!r} 0 0 0 0 0\n")
+    return len(found)
+
+
+def median(values):
+    """Median, and the two values between which the true one lies in at least 95% of samples, or the
+    whole range where there are too few."""
+    values, n = sorted(values), len(values)
+    outside = lambda rank: 2 * sum(math.comb(n, k) for k in range(rank)) / 2**n
+    rank = max((k for k in range(1, n // 2 + 1) if outside(k) <= 0.05), default=1)
+    return statistics.median(values), values[rank - 1], values[n - rank]
+
+
+def misses(code, program, contactbench, settings, folder):
+    """What the lists of one run miss, by the exact truth about its own positions."""
+    folder.mkdir()
+    report = code.run(program, folder, {**settings, "dump": PERIOD})
+    where, who = code.files
+    command = [contactbench, "verify", where, "--pairs", who, "--frame", "all", "--json"]
+    said = json.loads(started(command, folder, good=(0, 1)))
+    shutil.rmtree(folder)
+    frames, errors = said["frames"], said["errors"]
+    return {
+        "builds": report["builds"],
+        "dangerous": report["dangerous"],
+        "frames": len(frames),
+        "contacts": sum(frame["contacts"] for frame in frames),
+        "frames_missed": said["frames_missed"],
+        "missed": errors["missed"],
+        "missed_at_most": max(frame["errors"]["missed"] for frame in frames),
+        "deepest_radii": errors["deepest_miss"] if errors["missed"] else "",
+        "late_steps": said["latest"] * PERIOD if errors["missed"] else "",
+        "never_listed": said["never_reported"],
+        "spurious": errors["spurious"],
+    }
+
+
+def measured(code, program, contactbench, flow, settings, options, samples):
+    """The rows of one code and flow."""
+    name, (cells, ratio, settle) = flow
+    steps = options.steps
+    if options.quick:
+        cells, settle = tuple(max(2, 6 // ratio) for _ in cells), 200
+    with tempfile.TemporaryDirectory() as place:
+        place = pathlib.Path(place)
+        n = write_start(place / "loose.data", cells, ratio)
+        prepared = {"start": place / "loose.data", "steps": settle, "keep": 1}
+        if ratio > 1:
+            prepared["style"] = "multi"
+        say(f"{code.name}, {name}: {n} bodies, {settle} steps of preparation")
+        code.run(program, place, {key: str(value) if key == "start" else value
+                                  for key, value in {**code.stable, **prepared}.items()})
+        common = {"start": str(place / "end.data"), "steps": steps}
+        rows = [{"code": code.name, "flow": name, "setting": title, "outcome": "ok", "n": n, "steps": steps}
+                for title, _ in settings]
+
+        def one(at):
+            try:
+                return misses(code, program, contactbench, {**common, **settings[at][1]}, place / str(at))
+            except Failure as failure:
+                return {"outcome": "failed", "reason": str(failure)}
+
+        with ThreadPoolExecutor(len(os.sched_getaffinity(0))) as pool:
+            for row, found in zip(rows, pool.map(one, range(len(settings)))):
+                row.update(found)
+                say(f"  {row['setting']}: {row.get('missed', row.get('reason'))} missed")
+        timed(code, program, rows, settings, common, place, options, samples)
+    return rows
+
+
+def timed(code, program, rows, settings, common, place, options, samples):
+    """Times of each setting that did not fail, in blocks."""
+    draw = random.Random(1)
+    processors = sorted(os.sched_getaffinity(0))
+    good = [at for at, row in enumerate(rows) if row["outcome"] == "ok"]
+    for block in range(options.blocks):
+        for at in draw.sample(good, len(good)):
+            processor = processors[block % len(processors)]
+            report = code.run(program, place, {**common, **settings[at][1]}, processor)
+            per = 1e9 / (rows[at]["n"] * common["steps"])
+            samples.append({
+                "code": code.name, "flow": rows[at]["flow"], "setting": rows[at]["setting"], "block": block + 1,
+                "step_ns": report["loop_s"] * per, "search_ns": report["search_s"] * per,
+                "builds": report["builds"],
+            })
+    for at in good:
+        row = rows[at]
+        mine, first = (
+            {s["block"]: s for s in samples if all(s[key] == other[key] for key in ("code", "flow", "setting"))}
+            for other in (row, rows[good[0]])
+        )
+        for key in ("step_ns", "search_ns"):
+            row[key], row[f"{key}_low"], row[f"{key}_high"] = median([s[key] for s in mine.values()])
+        row["ratio"], row["ratio_low"], row["ratio_high"] = median(
+            [sample["step_ns"] / first[block]["step_ns"] for block, sample in mine.items()]
+        )
+        row["blocks"] = len(mine)
+
+
+def say(text):
+    print(text, file=sys.stderr, flush=True)
+
+
+COLUMNS = [
+    "code", "flow", "setting", "outcome", "reason", "n", "steps", "blocks",
+    "step_ns", "step_ns_low", "step_ns_high", "search_ns", "search_ns_low", "search_ns_high",
+    "ratio", "ratio_low", "ratio_high", "builds", "dangerous", "frames", "contacts", "frames_missed", "missed",
+    "missed_at_most", "deepest_radii", "late_steps", "never_listed", "spurious",
+]
+
+
+def write_csv(path, columns, rows):
+    with open(path, "w", newline="") as file:
+        writer = csv.DictWriter(file, columns, lineterminator="\n")
+        writer.writeheader()
+        short = lambda value: f"{value:.5g}" if isinstance(value, float) else value
+        writer.writerows({key: short(value) for key, value in row.items()} for row in rows)
+
+
+def between(row, key, digits):
+    value, low, high = (f"{row[name]:.{digits}f}" for name in (key, f"{key}_low", f"{key}_high"))
+    return f"{value} ({low} to {high})"
+
+
+def page(rows, about):
+    """The tables, in Markdown."""
+    lines = [
+        "# Neighbour settings of codes, as they run",
+        "",
+        "Spheres flow down a rough floor ([how](../../examples/codes/codes.py)). Times are what each code reports, in ns per"
+        " particle and step (median of the blocks, with its interval): the whole step with its forces, and of that the"
+        " neighbour search. Misses are contacts, strictly or closely in touch, that are absent from the code's own list in a"
+        f" frame, by the exact truth about the positions of that frame; every {PERIOD}th step is a frame. Depth is in mean"
+        " radii of the couple.",
+    ]
+    flows = dict.fromkeys((row["code"], row["flow"]) for row in rows)
+    for code, flow in flows:
+        mine = [row for row in rows if (row["code"], row["flow"]) == (code, flow)]
+        lines += ["", f"## {code}, {flow}", ""]
+        bad = [row for row in mine if row["outcome"] != "ok"]
+        lines += [f"{row['setting']}: {row['outcome']}, {row['reason']}\n" for row in bad]
+        mine = [row for row in mine if row["outcome"] == "ok"]
+        if not mine:
+            continue
+        lines += [
+            f"{mine[0]['n']} bodies, {mine[0]['steps']} steps, {mine[0]['frames']} frames,"
+            f" {mine[0]['blocks']} blocks.",
+            "",
+            "| setting | ns per step | of that search | against the first | builds | dangerous | frames with misses"
+            " | missed | most in a frame | deepest | latest, steps |",
+            "|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|",
+        ]
+        for row in mine:
+            deep, late = row["deepest_radii"], row["late_steps"]
+            cells = [
+                row["setting"], between(row, "step_ns", 1), between(row, "search_ns", 1), between(row, "ratio", 2),
+                row["builds"], row["dangerous"] or "–", f"{row['frames_missed']} of {row['frames']}", row["missed"],
+                row["missed_at_most"], "–" if deep == "" else f"{deep:.3f}", "–" if late == "" else late,
+            ]
+            lines.append("| " + " | ".join(str(cell) for cell in cells) + " |")
+        wrong = sum(row["spurious"] for row in mine)
+        lines += ["", f"Spurious pairs in all frames: {wrong}."]
+    lines += ["", "## Where it comes from", ""]
+    lines += [f"* {key}: {value}" for key, value in about.items()]
+    return "\n".join(lines) + "\n"
+
+
+def machine():
+    try:
+        text = pathlib.Path("/proc/cpuinfo").read_text()
+        return re.search(r"model name\s*: (.*)", text).group(1)
+    except (OSError, AttributeError):
+        return platform.machine()
+
+
+def main():
+    options = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    options.add_argument("--out", required=True, type=pathlib.Path, help="a new folder for the tables")
+    options.add_argument("--contactbench", default=shutil.which("contactbench") or "target/release/contactbench")
+    options.add_argument("--codes", default="lammps,liggghts,yade", help="which, separated by commas")
+    options.add_argument("--blocks", type=int, default=9, help="timed runs of each setting")
+    options.add_argument("--steps", type=int, default=420, help="of each run")
+    options.add_argument("--quick", action="store_true", help="a few hundred bodies: does everything work?")
+    options = options.parse_args()
+    contactbench = shutil.which(options.contactbench)
+    if not contactbench:
+        sys.exit(f"{options.contactbench} is not there: cargo build --release, or --contactbench PROGRAM")
+    contactbench = str(pathlib.Path(contactbench).resolve())
+    if options.out.exists():
+        sys.exit(f"{options.out} is there already: name a new folder")
+    wanted = options.codes.split(",")
+    if unknown := set(wanted) - {code.name.lower() for code, *_ in PLAN}:
+        sys.exit(f"--codes {options.codes}: there is no {', '.join(sorted(unknown))}; there are lammps, liggghts, yade")
+    options.out.mkdir(parents=True)
+    rows, samples = [], []
+    about = {"date": datetime.datetime.now(datetime.timezone.utc).strftime("%Y-%m-%d %H:%M UTC"),
+             "machine": f"{machine()}, {len(os.sched_getaffinity(0))} processors",
+             "contactbench": json.loads(started([contactbench, "runner", "--detector", "nbs"], None).splitlines()[0])
+             ["build"].get("revision", "?")}
+    for code, flow, shape, settings in PLAN:
+        if code.name.lower() not in wanted:
+            continue
+        program = next(filter(None, map(shutil.which, code.programs)), None)
+        if program:
+            about[code.name] = code.version(program)
+            rows += measured(code, program, contactbench, (flow, shape), settings, options, samples)
+        else:
+            rows += [{"code": code.name, "flow": flow, "setting": title, "outcome": "unavailable",
+                      "reason": f"it is not installed: {code.install}"} for title, _ in settings]
+        write_csv(options.out / "settings.csv", COLUMNS, rows)
+        write_csv(options.out / "samples.csv",
+                  ["code", "flow", "setting", "block", "step_ns", "search_ns", "builds"], samples)
+        (options.out / "README.md").write_text(page(rows, about))
+    print(page(rows, about))
+
+
+if __name__ == "__main__":
+    main()
