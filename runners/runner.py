@@ -4,7 +4,9 @@ A library is a function that is given a scene and returns a function without arg
 detection, from raw coordinates to the array of pairs. That array is one of shape (pairs, 2) or two
 of indices; i and j of a pair stand in any order, each pair once. A detection that keeps more than
 buffers for the next one has an attribute `reset`, a function that drops it: a sample is passes over
-the trajectory, and each pass begins with a reset. These runners take scenes at rest, trajectories
+the trajectory, and each pass begins with a reset. One whose time another program takes has an
+attribute `report`, a function that is given the least nanoseconds of a sample and returns detections,
+their nanoseconds and the pairs; `build` of `serve` then names that clock. These runners take scenes at rest, trajectories
 of one frame, and say so (`at_rest`): of a motion they are given one frame after the other.
 
 In a box that repeats (`serve(..., boxes=True)`) a detection returns three arrays, i, j and the images
@@ -185,10 +187,10 @@ def at_rest(frames, dim, n, radius, box, boxes):
     return Scene(frames[0], dim, n, radius, box)
 
 
-def serve(name, version, prepare, arithmetic="exact", boxes=False):
+def serve(name, version, prepare, arithmetic="exact", boxes=False, build=None):
     """Answers requests until `quit`. `prepare(scene)` is outside the clock: for what does not depend
-    on coordinates, and for conversions."""
-    build = {"python": platform.python_version(), "numpy": np.__version__}
+    on coordinates, and for conversions. `build` says what else may change the times."""
+    build = {"python": platform.python_version(), "numpy": np.__version__, **(build or {})}
     say("hello", protocol=3, detector=name, arithmetic=arithmetic, version=version, build=build, at_rest=True)
     scene, detect, calls = None, None, None
     for line in sys.stdin:
@@ -206,6 +208,10 @@ def serve(name, version, prepare, arithmetic="exact", boxes=False):
                 say("unsupported")
             elif detect is None:
                 say("error", reason="no scene is loaded; send load first")
+            elif asked == "sample" and hasattr(detect, "report"):
+                calls, elapsed, pairs = detect.report(request["min_ns"])
+                each = (elapsed + calls // 2) // calls
+                say("sample", time_ns=each, calls=calls, elapsed_ns=elapsed, **digest(*scene.columns(pairs)))
             elif asked == "sample":
                 first = max(timed(detect, 1)[0], 1)
                 fresh = calls is None
