@@ -96,7 +96,7 @@ def prepare(scene):
     ones = " ".join(["1.0"] * types * types)
 
     def run(builds):
-        """Nanoseconds of so many builds, and the pairs."""
+        """So many builds, their nanoseconds, those of the first (not known), and the pairs."""
         text = INPUT.format(
             units={"lammps": "lj", "liggghts": "si"}[code], dim=scene.dim, last="fp"[scene.dim == 2],
             newton=newton, own=OWN[code].format(types=types, ones=ones), skin=float(skin) * scene.reach,
@@ -120,11 +120,11 @@ def prepare(scene):
             raise RuntimeError(f"{code} did not say how long {builds} builds took")
         found = (place / "pairs.dump").read_text().rpartition("ITEM: ENTRIES")[2].partition("\n")[2]
         pairs = np.array(found.split(), "f8").astype(np.int64).reshape(-1, 2) - 1
-        return round(1e9 * float("".join(times[1]))), pairs
+        return builds, round(1e9 * float("".join(times[1]))), 0, pairs
 
-    detect = lambda: run(1)[1]
+    detect = lambda: run(1)[-1]
     # A build takes no less than this, so that the sample is long enough.
-    detect.report = lambda least: (builds := max(5, 2 * least // (50 * scene.n)), *run(builds))
+    detect.report = lambda least: run(max(5, 2 * least // (50 * scene.n)))
     detect.folder = folder
     return detect
 

@@ -6,7 +6,7 @@ of indices; i and j of a pair stand in any order, each pair once. A detection th
 buffers for the next one has an attribute `reset`, a function that drops it: a sample is passes over
 the trajectory, and each pass begins with a reset. One whose time another program takes has an
 attribute `report`, a function that is given the least nanoseconds of a sample and returns detections,
-their nanoseconds and the pairs; `build` of `serve` then names that clock. These runners take scenes at rest, trajectories
+their nanoseconds, those of the first (or 0) and the pairs; `build` of `serve` then names that clock. These runners take scenes at rest, trajectories
 of one frame, and say so (`at_rest`): of a motion they are given one frame after the other.
 
 In a box that repeats (`serve(..., boxes=True)`) a detection returns three arrays, i, j and the images
@@ -209,9 +209,10 @@ def serve(name, version, prepare, arithmetic="exact", boxes=False, build=None):
             elif detect is None:
                 say("error", reason="no scene is loaded; send load first")
             elif asked == "sample" and hasattr(detect, "report"):
-                calls, elapsed, pairs = detect.report(request["min_ns"])
+                calls, elapsed, first, pairs = detect.report(request["min_ns"])
                 each = (elapsed + calls // 2) // calls
-                say("sample", time_ns=each, calls=calls, elapsed_ns=elapsed, **digest(*scene.columns(pairs)))
+                first = {"first_ns": first} if first else {}
+                say("sample", time_ns=each, calls=calls, elapsed_ns=elapsed, **first, **digest(*scene.columns(pairs)))
             elif asked == "sample":
                 first = max(timed(detect, 1)[0], 1)
                 fresh = calls is None
