@@ -252,7 +252,7 @@ def measured(code, program, contactbench, flow, settings, options, samples):
     name, (cells, ratio, settle) = flow
     steps = options.steps
     if options.quick:
-        cells, settle = tuple(max(2, 6 // ratio) for _ in cells), 200
+        cells, settle = tuple(max(2, 6 // ratio) for _ in cells), 500
     with tempfile.TemporaryDirectory() as place:
         place = pathlib.Path(place)
         n = write_start(place / "loose.data", cells, ratio)
@@ -391,9 +391,10 @@ def main():
     options.add_argument("--contactbench", default=shutil.which("contactbench") or "target/release/contactbench")
     options.add_argument("--codes", default="lammps,liggghts,yade", help="which, separated by commas")
     options.add_argument("--blocks", type=int, default=9, help="timed runs of each setting")
-    options.add_argument("--steps", type=int, default=420, help="of each run")
+    options.add_argument("--steps", type=int, help="of each run (300; with --quick 2100)")
     options.add_argument("--quick", action="store_true", help="a few hundred bodies: does everything work?")
     options = options.parse_args()
+    options.steps = options.steps or (2100 if options.quick else 300)
     contactbench = shutil.which(options.contactbench)
     if not contactbench:
         sys.exit(f"{options.contactbench} is not there: cargo build --release, or --contactbench PROGRAM")

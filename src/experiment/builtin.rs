@@ -34,6 +34,7 @@ pub const FILES: &[(&str, &str)] = &[
     ("price", include_str!("../../experiments/price.toml")),
     ("scale", include_str!("../../experiments/scale.toml")),
     ("peers", include_str!("../../experiments/peers.toml")),
+    ("codes", include_str!("../../experiments/codes.toml")),
 ];
 
 /// Their names.
