@@ -121,7 +121,7 @@ fn told(given: &Given, seconds: f64, program: &Path) -> anyhow::Result<Race> {
         threads: 1,
         memory_limit: default_limit(),
         time: Duration::from_secs_f64(seconds),
-        program: program.to_path_buf(),
+        program: vec![program.display().to_string()],
     };
     race::run(&question, &mut |_| {})
 }

@@ -4,6 +4,7 @@ mod boxes;
 mod browser;
 mod check_finds;
 mod cli;
+mod codes;
 mod common;
 mod compare;
 mod errors;

@@ -1,6 +1,6 @@
 //! Libraries beside our detectors: the crates behind the feature `peers`, and the runners of
-//! `runners/`. What is not there is unavailable, and says how to get it; what is there is right,
-//! but for those that compute in single precision.
+//! `runners/`, those of simulation codes among them. What is not there is unavailable, and says how
+//! to get it; what is there is right, but for those that compute in single precision.
 
 use std::io::Write;
 use std::path::Path;
@@ -11,16 +11,19 @@ use contactbench::detect::table::{self, Role};
 use contactbench::record::row::{Outcome, Row};
 use contactbench::record::{role, row};
 
-const PEERS_TOML: &str = include_str!("../../experiments/peers.toml");
+const EXPERIMENTS: [&str; 2] =
+    [include_str!("../../experiments/peers.toml"), include_str!("../../experiments/codes.toml")];
 const HEAD: &str = "name = \"t\"\ntitle = \"t\"\nquestion = \"?\"\nreading = \"-\"\nblocks = \
                     1\ntime-limit-s = 60\n";
 /// Runners of libraries that compute in single precision.
 const SINGLE: [&str; 2] = ["mdanalysis-nsgrid", "freud-aabb"];
 
-/// The tables of runners in the experiment.
-fn runners() -> &'static str {
-    let from = PEERS_TOML.find("[[runner]]").unwrap();
-    &PEERS_TOML[from..PEERS_TOML.find("[[claim]]").unwrap()]
+/// The tables of runners in the experiments.
+fn runners() -> String {
+    let tables = |text: &'static str| {
+        &text[text.find("[[runner]]").unwrap()..text.find("[[claim]]").unwrap()]
+    };
+    EXPERIMENTS.map(tables).concat()
 }
 
 /// The rows of an experiment that is run in `place`.

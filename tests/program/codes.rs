@@ -1,0 +1,129 @@
+//! Simulation codes with their own lists: the lines and commands of docs/YOUR-CODE.md, and the table
+//! of settings. Where a code is not installed, its test says so and passes.
+
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+use crate::common::{self, file, good, untested};
+
+const PAGE: &str = include_str!("../../docs/YOUR-CODE.md");
+const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/codes");
+
+/// The block of a language in the section of a code.
+fn block(section: &str, language: &str) -> &'static str {
+    let section = PAGE.split_once(&format!("\n## {section}\n")).unwrap().1;
+    let block = section.split_once(&format!("```{language}\n")).unwrap().1;
+    block.split_once("```").unwrap().0
+}
+
+/// Does a program start?
+fn starts(program: &str) -> bool {
+    let mut command = Command::new(program);
+    command.arg("-h").current_dir(std::env::temp_dir());
+    command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok()
+}
+
+/// A program that ends well in `folder`.
+fn ends(folder: &Path, command: &[&str]) {
+    let mut started = Command::new(command[0]);
+    let ended = started.args(&command[1..]).current_dir(folder).stdin(Stdio::null()).output();
+    let ended = common::ended(ended.unwrap());
+    assert_eq!(ended.code, Some(0), "{command:?}: {}{}", ended.stdout, ended.stderr);
+}
+
+/// Puts the lines of the page before the line `before` of the example, runs that in the code, and
+/// asks for the commands of the page: the lists of a careful setting miss nothing.
+fn the_page_holds(section: &str, language: &str, script: &str, before: &str, command: &[&str]) {
+    if !starts(command[0]) {
+        return untested(&format!("docs/YOUR-CODE.md, {section}"), "installation of it");
+    }
+    if !starts("python3") {
+        return untested(&format!("docs/YOUR-CODE.md, {section}"), "python3");
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let text = std::fs::read_to_string(Path::new(FOLDER).join(script)).unwrap();
+    let (above, below) = text.split_once(before).unwrap();
+    file(folder, script, format!("{above}{}{before}{below}", block(section, language)));
+    let start = format!(
+        "import sys; sys.path.insert(0, '{FOLDER}'); sys.dont_write_bytecode = True; import codes; \
+         codes.write_start('start.data', (6, 6, 6), 1)"
+    );
+    ends(folder, &["python3", "-c", &start]);
+    ends(folder, command);
+    let mut commands = 0;
+    for line in block(section, "text").lines() {
+        let words: Vec<&str> = line.split(' ').collect();
+        assert_eq!(words[0], "contactbench");
+        let said = good(folder, &words[1..]).stdout;
+        let expected = if words[1] == "verify" { "the same in " } else { "\nuse " };
+        assert!(said.contains(expected), "{line}: {said}");
+        commands += 1;
+    }
+    assert_eq!(commands, 2);
+}
+
+#[test]
+fn the_page_holds_for_lammps() {
+    let command = ["lmp", "-in", "chute.lammps", "-var", "steps", "140"];
+    the_page_holds("LAMMPS", "lammps", "chute.lammps", "thermo ${steps}", &command);
+}
+
+#[test]
+fn the_page_holds_for_liggghts() {
+    let command = ["liggghts", "-in", "chute.liggghts", "-var", "steps", "140"];
+    the_page_holds("LIGGGHTS", "liggghts", "chute.liggghts", "thermo ${steps}", &command);
+}
+
+#[test]
+fn the_page_holds_for_yade() {
+    let command = ["yade", "-x", "-n", "-j1", "chute_yade.py", "{\"steps\": 140}"];
+    the_page_holds("YADE", "python", "chute_yade.py", "O.dt = ", &command);
+}
+
+/// The driver makes a row for each setting: a list that is built when something has moved half of
+/// the skin misses nothing, one that is built every hundred steps does.
+#[test]
+fn settings_are_told_apart_or_say_how_to_get_the_code() {
+    if !starts("python3") {
+        return untested("examples/codes", "python3");
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let driver = format!("{FOLDER}/codes.py");
+    let quick = ["--quick", "--blocks", "1", "--codes", "lammps"];
+    let place = ["--contactbench", common::PROGRAM, "--out", "out"];
+    ends(folder, &[&["python3", &driver], &quick[..], &place].concat());
+    let table = std::fs::read_to_string(folder.join("out/settings.csv")).unwrap();
+    let page = std::fs::read_to_string(folder.join("out/README.md")).unwrap();
+    let mut table = csv::Reader::from_reader(table.as_bytes());
+    let head = table.headers().unwrap().clone();
+    let rows: Vec<csv::StringRecord> = table.records().map(Result::unwrap).collect();
+    let of = |row: usize, name: &str| &rows[row][head.iter().position(|it| it == name).unwrap()];
+    assert!(rows.len() >= 19);
+    if !starts("lmp") {
+        untested("examples/codes", "installation of LAMMPS");
+        for row in 0..rows.len() {
+            assert_eq!(of(row, "outcome"), "unavailable");
+            assert!(of(row, "reason").contains("apt-get install lammps"));
+        }
+        return assert!(page.contains("apt-get install lammps"));
+    }
+    let mut missed = 0;
+    for row in 0..rows.len() {
+        let setting = of(row, "setting");
+        let said = of(row, "missed").parse::<u64>();
+        let said = said.unwrap_or_else(|_| panic!("{setting}: {}", of(row, "reason")));
+        assert_eq!((of(row, "outcome"), of(row, "spurious")), ("ok", "0"), "{setting}");
+        assert!(of(row, "step_ns").parse::<f64>().unwrap() > 0.0, "{setting}");
+        assert!(page.contains(setting));
+        if setting.contains("every 1 delay 0 check yes") {
+            assert_eq!(said, 0, "{setting}");
+        }
+        if setting.contains("check no") {
+            assert_eq!(of(row, "dangerous"), "not checked");
+            missed += said;
+        }
+    }
+    assert!(missed > 0);
+}
