@@ -32,7 +32,7 @@ from concurrent.futures import ThreadPoolExecutor
 HERE = pathlib.Path(__file__).resolve().parent
 # Positions and lists are written every so many steps: prime, so that it divides no period of a
 # setting, or only lists that were just built would be seen.
-PERIOD = 7
+PERIOD = 11
 
 
 class Failure(Exception):

@@ -58,6 +58,7 @@ fn the_page_holds(section: &str, language: &str, script: &str, before: &str, com
         let said = good(folder, &words[1..]).stdout;
         let expected = if words[1] == "verify" { "the same in " } else { "\nuse " };
         assert!(said.contains(expected), "{line}: {said}");
+        assert!(!said.contains(" 0 touching pairs"), "{line}: {said}");
         commands += 1;
     }
     assert_eq!(commands, 2);
@@ -65,19 +66,19 @@ fn the_page_holds(section: &str, language: &str, script: &str, before: &str, com
 
 #[test]
 fn the_page_holds_for_lammps() {
-    let command = ["lmp", "-in", "chute.lammps", "-var", "steps", "140"];
+    let command = ["lmp", "-in", "chute.lammps", "-var", "steps", "2100"];
     the_page_holds("LAMMPS", "lammps", "chute.lammps", "thermo ${steps}", &command);
 }
 
 #[test]
 fn the_page_holds_for_liggghts() {
-    let command = ["liggghts", "-in", "chute.liggghts", "-var", "steps", "140"];
+    let command = ["liggghts", "-in", "chute.liggghts", "-var", "steps", "2100"];
     the_page_holds("LIGGGHTS", "liggghts", "chute.liggghts", "thermo ${steps}", &command);
 }
 
 #[test]
 fn the_page_holds_for_yade() {
-    let command = ["yade", "-x", "-n", "-j1", "chute_yade.py", "{\"steps\": 140}"];
+    let command = ["yade", "-x", "-n", "-j1", "chute_yade.py", "{\"steps\": 2100}"];
     the_page_holds("YADE", "python", "chute_yade.py", "O.dt = ", &command);
 }
 
