@@ -6,7 +6,8 @@ each octave of radii); the skin in diameters of the largest particle; `newton` o
 The program is given the scene as a data file, and lists are built in every step while nothing moves.
 The time is what its timing table calls Neigh, over the builds: binning, and a half list of the pairs
 within the sum of the radii and the skin. It has neither the contact test of each step, nor the sort
-in space at the start. The pairs are those of that list that its own test finds in touch.
+in space at the start. The pairs are those of that list that its own test finds in touch; it is < and
+not <=, so on lattices whose neighbours touch exactly its answers are wrong.
 """
 
 import pathlib
