@@ -341,7 +341,7 @@ def page(rows, about):
         "",
         "Spheres flow down a rough floor ([how](../../examples/codes/codes.py)). Times are what each code reports, in ns per"
         " particle and step (median of the blocks, with its interval): the whole step with its forces, and of that the"
-        " neighbour search. Misses are contacts, strictly or closely in touch, that are absent from the code's own list in a"
+        " neighbour search. Misses are contacts that are absent from the code's own list in a"
         f" frame, by the exact truth about the positions of that frame; every {PERIOD}th step is a frame. Depth is in mean"
         " radii of the couple.",
     ]
