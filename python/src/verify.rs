@@ -55,6 +55,7 @@ pub fn verify<'py>(
         memory_limit: memory_limit.unwrap_or_else(|| limit_for(arrays.len())),
         kept: most,
         explain: true,
+        without: None,
     };
     let listed = Listed { pairs: list, images: images.as_deref() };
     let (found, causes) = work(py, || by_threads(threads, || held(&arrays, listed, base, terms)))?;

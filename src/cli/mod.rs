@@ -84,7 +84,7 @@ pub enum Verb {
     #[command(after_help = "Example: contactbench verify packing.csv --pairs theirs.csv --base \
                             1\nExample: contactbench verify flow.dump --pairs lists.dump --frame \
                             all\nExit code 1 if the lists differ.")]
-    Verify(verify::Verify),
+    Verify(Box<verify::Verify>),
     /// Writes a scene to a file, for use in your own code
     #[command(after_help = "Example: contactbench scene packed:dim=3,n=1000,seed=1 -o \
                             packed.csv\nExample: contactbench scene packing.dump --frame last -o \

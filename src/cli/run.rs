@@ -10,7 +10,7 @@ use crate::cli::report::finish;
 use crate::cli::shared::ci::Outputs;
 use crate::cli::shared::progress::Terminal;
 use crate::cli::shared::values;
-use crate::experiment::shard::Shard;
+use crate::experiment::shard::Part;
 use crate::experiment::{Experiment, builtin, detectors};
 use crate::record::row::{Record, Row, WriteError, Writer};
 use crate::record::{folder, ledger, machines, provenance, row};
@@ -39,10 +39,11 @@ pub struct Run {
     /// turns in fresh processes on one processor; `contactbench compare FOLDER` says what differs
     #[arg(long, value_name = "PROGRAM", conflicts_with = "shard")]
     against: Option<PathBuf>,
-    /// Only part k of n of the scenes, as in 2/8: for the jobs of an array; `contactbench merge`
-    /// puts the parts together
+    /// Only part k of n of the scenes, as in 2/8, or auto: the part that the job array (Slurm, PBS,
+    /// Grid Engine, LSF) or MPI gives to this process, in a folder of its own below --out (auto/8
+    /// where the array does not say how long it is); `contactbench merge` puts the parts together
     #[arg(long, value_name = "K/N")]
-    shard: Option<Shard>,
+    shard: Option<Part>,
     #[command(flatten)]
     ci: Outputs,
 }
@@ -129,7 +130,7 @@ fn run_named(options: &Run, name: &str) -> anyhow::Result<ExitCode> {
         quick: options.quick,
         program,
         against,
-        shard: options.shard,
+        shard: options.shard.map(|part| part.shard),
         done: &done.rows,
         machine: label.clone(),
     };
@@ -165,7 +166,7 @@ fn run_named(options: &Run, name: &str) -> anyhow::Result<ExitCode> {
     } else {
         format!("provenance-resumed-{}.json", provenance::date())
     };
-    let shard = options.shard.map(|shard| shard.to_string());
+    let shard = options.shard.map(|part| part.shard.to_string());
     let mut provenance = provenance::gather(&names, options.quick, shard, &bandwidth, &label);
     if let Some(base) = base {
         provenance[BASE] = base.into();
@@ -272,7 +273,7 @@ fn again(options: &Run, folder: &Path) -> String {
     words.extend(
         options.against.iter().flat_map(|path| ["--against".into(), path.display().to_string()]),
     );
-    words.extend(options.shard.iter().flat_map(|shard| ["--shard".into(), shard.to_string()]));
+    words.extend(options.shard.iter().flat_map(|part| ["--shard".into(), part.shard.to_string()]));
     words.extend(["--resume".into(), "--out".into(), folder.display().to_string()]);
     words.iter().map(|word| quoted(word)).collect::<Vec<_>>().join(" ")
 }
@@ -287,12 +288,12 @@ pub(super) fn quoted(word: &str) -> String {
 /// Where the results go: never over earlier ones. Jobs of an array may begin in the same second.
 fn folder(options: &Run, name: &str) -> anyhow::Result<PathBuf> {
     let results = Path::new("results").join(name);
-    let shard = options.shard.map_or(String::new(), |shard| {
-        format!("-shard-{}", shard.to_string().replace('/', "-of-"))
-    });
-    match &options.out {
-        Some(folder) => Ok(folder.clone()),
-        None if options.resume => {
+    let shard =
+        options.shard.map_or(String::new(), |part| format!("-shard-{}", part.shard.file_name()));
+    match (&options.out, options.shard) {
+        (Some(folder), Some(Part { shard, told: true })) => Ok(folder.join(shard.file_name())),
+        (Some(folder), _) => Ok(folder.clone()),
+        (None, _) if options.resume => {
             let folders = std::fs::read_dir(&results)
                 .with_context(|| format!("there is nothing to resume in {}", results.display()))?;
             let name =
@@ -311,7 +312,7 @@ fn folder(options: &Run, name: &str) -> anyhow::Result<PathBuf> {
                 .max();
             last.with_context(|| format!("there is nothing to resume in {}", results.display()))
         }
-        None => {
+        (None, _) => {
             Ok(results.join(format!("{}-{}{shard}", provenance::date(), provenance::machine())))
         }
     }

@@ -5,6 +5,22 @@ use std::cmp::Reverse;
 use std::fmt;
 use std::str::FromStr;
 
+/// The part of a process, and whether the environment told it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Part {
+    pub shard: Shard,
+    /// By `auto`: other processes were started with the same words.
+    pub told: bool,
+}
+
+impl FromStr for Part {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Part, String> {
+        Ok(Part { shard: text.parse()?, told: text.starts_with("auto") })
+    }
+}
+
 /// Part `k` of `n`, from 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shard {
@@ -13,6 +29,11 @@ pub struct Shard {
 }
 
 impl Shard {
+    /// As part of a file's name.
+    pub fn file_name(self) -> String {
+        format!("{}-of-{}", self.k, self.n)
+    }
+
     /// Which of the scenes with these numbers of particles are in this shard: every scene is in
     /// one, and in the same one on every machine. They are dealt out from the largest to the
     /// smallest, forwards and backwards in turn, so that shards take about equally long.
