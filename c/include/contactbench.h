@@ -132,10 +132,11 @@ const char *contactbench_last_error(void);
  * Makes a detector, to be freed by contactbench_free, and puts it into `made`; NULL where it
  * fails.
  *
- * `detector` is a name with parameters, as in "streamed-nbs:level=avx2", and NULL for the one to
- * take without a reason for another. `arithmetic` is "exact", "f64", "f32", "f32-cell" or
- * "textbook", and NULL for "exact". `memory_limit` is in bytes, for its arrays and as many for
- * pairs; 0 for 4 GiB, or a quarter of the machine's memory if that is less.
+ * `detector` is a name with parameters, as in "streamed-nbs:level=avx2", and NULL or an empty text
+ * for the one to take without a reason for another. `arithmetic` is "exact", "f64", "f32",
+ * "f32-cell" or "textbook", and NULL or an empty text for "exact". `memory_limit` is in bytes, for
+ * its arrays and as many for pairs; 0 for 4 GiB, or a quarter of the machine's memory if that is
+ * less.
  */
 int contactbench_new(const char *detector,
                      const char *arithmetic,

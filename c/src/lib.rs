@@ -88,6 +88,7 @@ pub struct contactbench_detector {
     contacts: Contacts,
     /// So many numbers for each pair, in a box.
     images: Vec<i32>,
+    boxed: bool,
 }
 
 thread_local! {
@@ -122,10 +123,11 @@ pub extern "C" fn contactbench_last_error() -> *const c_char {
 /// Makes a detector, to be freed by contactbench_free, and puts it into `made`; NULL where it
 /// fails.
 ///
-/// `detector` is a name with parameters, as in "streamed-nbs:level=avx2", and NULL for the one to
-/// take without a reason for another. `arithmetic` is "exact", "f64", "f32", "f32-cell" or
-/// "textbook", and NULL for "exact". `memory_limit` is in bytes, for its arrays and as many for
-/// pairs; 0 for 4 GiB, or a quarter of the machine's memory if that is less.
+/// `detector` is a name with parameters, as in "streamed-nbs:level=avx2", and NULL or an empty text
+/// for the one to take without a reason for another. `arithmetic` is "exact", "f64", "f32",
+/// "f32-cell" or "textbook", and NULL or an empty text for "exact". `memory_limit` is in bytes, for
+/// its arrays and as many for pairs; 0 for 4 GiB, or a quarter of the machine's memory if that is
+/// less.
 ///
 /// # Safety
 /// Texts end with a NUL; `made` can be written to.
@@ -172,7 +174,15 @@ fn detector_of(
     let searcher = Searcher::new(spec, Options { memory_limit: limit, threads });
     let crew = if threads > 1 { Some(crew(threads)?) } else { None };
     let contacts = Contacts::default();
-    Ok(contactbench_detector { arithmetic, limit, searcher, crew, contacts, images: Vec::new() })
+    Ok(contactbench_detector {
+        arithmetic,
+        limit,
+        searcher,
+        crew,
+        contacts,
+        images: Vec::new(),
+        boxed: false,
+    })
 }
 
 fn crew(threads: usize) -> Result<ThreadPool, Failure> {
@@ -182,13 +192,16 @@ fn crew(threads: usize) -> Result<ThreadPool, Failure> {
 
 /// # Safety
 /// It is null, or ends with a NUL.
+///
+/// An empty text is none, since Fortran has no NULL for one.
 unsafe fn text<'a>(text: *const c_char) -> Result<Option<&'a str>, Failure> {
     if text.is_null() {
         return Ok(None);
     }
     // SAFETY: it is not null, and the caller promises that it ends.
     let text = unsafe { CStr::from_ptr(text) };
-    text.to_str().map(Some).map_err(|_| Failure::invalid("a name is not of UTF-8"))
+    let text = text.to_str().map_err(|_| Failure::invalid("a name is not of UTF-8"))?;
+    Ok(Some(text).filter(|text| !text.is_empty()))
 }
 
 /// Frees a detector with its buffers and contacts; nothing if it is NULL.
@@ -221,20 +234,27 @@ pub unsafe extern "C" fn contactbench_contacts(
         };
         detector.contacts.clear();
         detector.images.clear();
+        detector.boxed = false;
         // SAFETY: what the caller promises of the scene.
         let given = unsafe { Given::new(scene) }?;
         let loaded = Loaded::new(&given.scene, given.lattice, detector.arithmetic)?;
         if let Loaded::Open(scene) = &loaded {
             crowd::within(scene, detector.limit)?;
         }
-        let contactbench_detector { searcher, contacts, arithmetic, crew, images, .. } = detector;
+        let contactbench_detector { searcher, contacts, arithmetic, crew, .. } = detector;
         let mut list = || searcher.list(&loaded, *arithmetic, contacts);
-        match crew {
+        let listed = match crew {
             Some(crew) => crew.install(list),
             None => list(),
-        }?;
+        };
+        if let Err(refusal) = listed {
+            contacts.clear();
+            return Err(refusal.into());
+        }
         smaller_first(&mut contacts.plain);
-        if given.lattice.is_some() {
+        detector.boxed = given.lattice.is_some();
+        if detector.boxed {
+            let contactbench_detector { contacts, images, .. } = detector;
             let Contacts { plain, shifted } = contacts;
             images.resize(plain.len() * given.dim, 0);
             images.extend(shifted.iter().flat_map(|pair| pair.image[..given.dim].iter()));
@@ -275,8 +295,8 @@ pub unsafe extern "C" fn contactbench_pairs(detector: *const contactbench_detect
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn contactbench_images(detector: *const contactbench_detector) -> *const i32 {
     // SAFETY: null, or the caller's to be read.
-    let images = unsafe { detector.as_ref() }.map(|detector| &detector.images);
-    images.filter(|images| !images.is_empty()).map_or(ptr::null(), |images| images.as_ptr())
+    let boxed = unsafe { detector.as_ref() }.filter(|detector| detector.boxed);
+    boxed.map_or(ptr::null(), |detector| detector.images.as_ptr())
 }
 
 /// Holds a list of `count` pairs, of particles numbered from 0, to the exact truth, which is found
@@ -317,7 +337,7 @@ pub unsafe extern "C" fn contactbench_verify(
             Some(_) => unsafe { rows(images, count, given.dim, "images") }?,
             None => &[],
         };
-        // On this thread: others are the caller's to start.
+        // On one thread: more are the caller's to start.
         let found = crew(1)?.install(|| held(&given, pairs, images))?;
         // SAFETY: it is not null, and the caller's to be written to.
         unsafe { errors.write(found) };

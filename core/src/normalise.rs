@@ -26,11 +26,11 @@ pub fn normalise(pairs: &mut [[u32; 2]]) {
     normalise_by(1, pairs);
 }
 
-/// The same by at most so many threads, if there are many pairs.
+/// The same by at most so many threads, of those of rayon here, if there are many pairs.
 pub fn normalise_by(threads: usize, pairs: &mut [[u32; 2]]) {
     let most = Level::best().run(Turn(pairs));
     let bits = u32::BITS - most.leading_zeros();
-    if threads == 1 || pairs.len() <= FEW_FOR_THREADS || bits <= WELL_COUNTED {
+    if threads <= 1 || pairs.len() <= FEW_FOR_THREADS || bits <= WELL_COUNTED {
         return sort_in(&mut Room::default(), pairs, bits);
     }
     let (digit, ends) = parts(pairs, bits);
@@ -41,13 +41,14 @@ pub fn normalise_by(threads: usize, pairs: &mut [[u32; 2]]) {
         let ends = &ends[parallel::share(ends.len(), count, share)];
         let Some(&end) = ends.last() else { continue };
         let (pairs, after) = rest.split_at_mut(end - begin);
-        shares.push((Room::default(), pairs, begin, ends));
+        shares.push((pairs, begin, ends));
         (rest, begin) = (after, end);
     }
-    parallel::for_each(&mut shares, |_, (room, pairs, begin, ends)| {
-        let mut from = 0;
+    parallel::for_each_by(threads, &mut shares, |_, (pairs, begin, ends)| {
+        // As many at once as threads.
+        let (mut room, mut from) = (Room::default(), 0);
         for end in ends.iter().map(|end| end - *begin) {
-            sort_in(room, &mut pairs[from..end], bits - digit);
+            sort_in(&mut room, &mut pairs[from..end], bits - digit);
             from = end;
         }
     });
@@ -56,7 +57,7 @@ pub fn normalise_by(threads: usize, pairs: &mut [[u32; 2]]) {
 /// Sorts pairs whose first indices differ in the last `bits` bits at most; makes the room, if it
 /// has to be and can be.
 fn sort_in(room: &mut Room, pairs: &mut [[u32; 2]], bits: u32) {
-    match pairs.len() > FEW && (!room.places.is_empty() || room.is_made()) {
+    match pairs.len() > FEW && (!room.seconds.is_empty() || room.is_made()) {
         true => sort(pairs, bits, room),
         false => pairs.sort_unstable(),
     }

@@ -1,5 +1,5 @@
-//! A detector at work on scenes with boundaries of either kind: what programs in other languages are
-//! given.
+//! A detector at work on scenes with boundaries of either kind: what programs in other languages
+//! are given.
 
 use crate::contact::Arithmetic;
 use crate::detect::any::AnyDetector;

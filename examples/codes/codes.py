@@ -287,8 +287,14 @@ def timed(code, program, rows, settings, common, place, options, samples):
     good = [at for at, row in enumerate(rows) if row["outcome"] == "ok"]
     for block in range(options.blocks):
         for at in draw.sample(good, len(good)):
+            if rows[at]["outcome"] != "ok":
+                continue
             processor = processors[block % len(processors)]
-            report = code.run(program, place, {**common, **settings[at][1]}, processor)
+            try:
+                report = code.run(program, place, {**common, **settings[at][1]}, processor)
+            except Failure as failure:
+                rows[at].update(outcome="failed", reason=str(failure))
+                continue
             per = 1e9 / (rows[at]["n"] * common["steps"])
             samples.append({
                 "code": code.name, "flow": rows[at]["flow"], "setting": rows[at]["setting"], "block": block + 1,
@@ -297,15 +303,18 @@ def timed(code, program, rows, settings, common, place, options, samples):
             })
     for at in good:
         row = rows[at]
+        if row["outcome"] != "ok":
+            continue
         mine, first = (
             {s["block"]: s for s in samples if all(s[key] == other[key] for key in ("code", "flow", "setting"))}
-            for other in (row, rows[good[0]])
+            for other in (row, rows[0])
         )
         for key in ("step_ns", "search_ns"):
             row[key], row[f"{key}_low"], row[f"{key}_high"] = median([s[key] for s in mine.values()])
-        row["ratio"], row["ratio_low"], row["ratio_high"] = median(
-            [sample["step_ns"] / first[block]["step_ns"] for block, sample in mine.items()]
-        )
+        if first:
+            row["ratio"], row["ratio_low"], row["ratio_high"] = median(
+                [sample["step_ns"] / first[block]["step_ns"] for block, sample in mine.items() if block in first]
+            )
         row["blocks"] = len(mine)
 
 
@@ -330,6 +339,8 @@ def write_csv(path, columns, rows):
 
 
 def between(row, key, digits):
+    if key not in row:
+        return "–"
     value, low, high = (f"{row[name]:.{digits}f}" for name in (key, f"{key}_low", f"{key}_high"))
     return f"{value} ({low} to {high})"
 
@@ -415,8 +426,13 @@ def main():
             continue
         program = next(filter(None, map(shutil.which, code.programs)), None)
         if program:
-            about[code.name] = code.version(program)
-            rows += measured(code, program, contactbench, (flow, shape), settings, options, samples)
+            try:
+                about[code.name] = code.version(program)
+                rows += measured(code, program, contactbench, (flow, shape), settings, options, samples)
+            except Failure as failure:
+                say(f"{code.name}, {flow}: {failure}")
+                rows += [{"code": code.name, "flow": flow, "setting": title, "outcome": "failed",
+                          "reason": str(failure)} for title, _ in settings]
         else:
             rows += [{"code": code.name, "flow": flow, "setting": title, "outcome": "unavailable",
                       "reason": f"it is not installed: {code.install}"} for title, _ in settings]

@@ -72,11 +72,11 @@ def edges_of(box: BoxLike | None, dim: int) -> Edges | None:
 def arrays(
     x: npt.ArrayLike, r: npt.ArrayLike, box: BoxLike | None
 ) -> tuple[Doubles, Doubles, Edges | None]:
-    """What native functions take; copies only what is not contiguous or of another type."""
-    centres = np.asarray(x, dtype=np.float64, order="C")
+    """What native functions take; copies only what is not contiguous, aligned and of this type."""
+    centres = np.require(x, np.float64, ["C", "A"])
     if centres.size == 0 and centres.ndim < 2:
         centres = centres.reshape(0, 3)
-    radii = np.asarray(r, dtype=np.float64, order="C")
+    radii = np.require(r, np.float64, ["C", "A"])
     dim = centres.shape[-1] if centres.ndim == 2 else 0
     return centres, radii, edges_of(box, dim) if dim in (2, 3) else None
 
@@ -95,4 +95,4 @@ def whole(pairs: object, name: str, width: int, kind: type = np.int64) -> npt.ND
     limits = np.iinfo(kind)
     if array.min() < limits.min or array.max() > limits.max:
         raise ValueError(f"{name} has a number beyond {np.dtype(kind).name}")
-    return np.asarray(array, dtype=kind, order="C")
+    return np.require(array, kind, ["C", "A"])

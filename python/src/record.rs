@@ -1,7 +1,7 @@
 //! Records as columns; and scenes of generators.
 
 use std::collections::BTreeSet;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use contactbench::record::column::COLUMNS;
 use contactbench::record::folder;
@@ -39,7 +39,8 @@ pub fn load(
 ) -> PyResult<(Vec<(String, &'static str, Values)>, Vec<String>, Vec<String>)> {
     work(py, || {
         let file = if path.is_dir() { path.join(row::FILE) } else { path };
-        let around = file.parent().unwrap_or(&file).to_path_buf();
+        let around = file.parent().filter(|folder| !folder.as_os_str().is_empty());
+        let around = around.unwrap_or(Path::new(".")).to_path_buf();
         folder::sound(&around).map_err(Failure::value)?;
         let Record { rows, warnings } = row::read(&file)?;
         let provenance = provenance::all(&around).iter().map(ToString::to_string).collect();
@@ -53,7 +54,8 @@ fn columns(rows: &[Row]) -> Vec<(String, &'static str, Values)> {
         (name.to_string(), "text", Values::Text(values))
     };
     let whole = |name: &str, of: fn(&Row) -> Option<u64>| {
-        let values = rows.iter().map(|row| of(row).map(|x| x as i64)).collect();
+        // What is beyond is left out, and not another number.
+        let values = rows.iter().map(|row| of(row).and_then(|x| x.try_into().ok())).collect();
         (name.to_string(), "whole", Values::Whole(values))
     };
     let mut columns = vec![

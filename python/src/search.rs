@@ -41,8 +41,7 @@ fn within(spec: &DetectorSpec, threads: usize) -> Result<(), Failure> {
 
 /// One thread needs no pool.
 fn crew(threads: usize) -> Result<Option<ThreadPool>, Failure> {
-    let made = pool(threads)?;
-    Ok((threads > 1).then_some(made))
+    if threads == 1 { Ok(None) } else { pool(threads).map(Some) }
 }
 
 fn by<R: Send>(crew: &Option<ThreadPool>, work: impl FnOnce() -> R + Send) -> R {

@@ -1,5 +1,5 @@
-//! Who is checked: a detector in a thread of its own, a runner (see [`crate::check::process`]), or a
-//! function of the program around this crate.
+//! Who is checked: a detector in a thread of its own, a runner (see [`crate::check::process`]), or
+//! a function of the program around this crate.
 //!
 //! A detector under test works in a thread: one that panics or hangs ends neither the check nor the
 //! program.

@@ -330,7 +330,7 @@ fn only(
             continue;
         }
         worst.push((pair, pair_depth(scene, pair)));
-        if worst.len() == kept.saturating_mul(2) {
+        if worst.len() >= kept.saturating_mul(2).max(1) {
             keep(&mut worst);
         }
     }

@@ -32,7 +32,8 @@ pub struct Map {
     /// Upwards: the same
     #[arg(long)]
     y: String,
-    /// Only cells of which this holds: scene=packed,loose or n>=1000; may be given several times
+    /// Only cells of which this holds: scene=packed,loose or 'n>=1000' (quoted, for the shell); may
+    /// be given several times
     #[arg(long = "where", value_name = "EXPR")]
     filters: Vec<String>,
     /// Where the map goes: a .svg, .png or .csv file (default: a table on the terminal)
@@ -109,7 +110,18 @@ fn rows(folders: &[PathBuf]) -> anyhow::Result<(Vec<Row>, Vec<String>)> {
         let same = |group: &&mut Vec<Part>| group[0].experiments == part.experiments;
         match groups.iter_mut().find(same) {
             Some(group) => group.push(part),
-            None => groups.push(vec![part]),
+            None => {
+                let mut others = groups.iter().flat_map(|group| &group[0].experiments);
+                let other = others.find(|(name, _)| part.experiments.contains_key(*name));
+                if let Some((name, _)) = other {
+                    bail!(
+                        "{}: the experiment {name} is another there than in the folders before it; \
+                         name folders whose experiments/{name}.toml are the same",
+                        folder.display()
+                    );
+                }
+                groups.push(vec![part]);
+            }
         }
     }
     let mut rows = Vec::new();

@@ -191,6 +191,10 @@ impl Verified<'_> {
             return Ok(());
         }
         writeln!(out, "\n{}", errors(found).plain(terminal::width()).trim_end())?;
+        if found.left_out != [0; 2] && found.reading.is_none() {
+            let none = "hints are not given with --without: leave it out to have them";
+            writeln!(out, "\n{}", wrap(none, terminal::width()).join("\n"))?;
+        }
         if let Some(reading) = &found.reading {
             let hint = format!("hint: {}", self.sentence(reading));
             writeln!(out, "\n{}", wrap(&hint, terminal::width()).join("\n"))?;

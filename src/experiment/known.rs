@@ -37,8 +37,16 @@ pub(super) fn check(experiment: &Experiment, document: &Document<'_>) -> anyhow:
                 known.axis("columns", &figure.columns).map_err(problem)?
             }
             FigureKind::Map(map) => {
-                known.axis("x", &map.x).map_err(problem)?;
-                known.axis("y", &map.y).map_err(problem)?;
+                for (key, name) in [("x", &map.x), ("y", &map.y)] {
+                    let column = Column::find(&variable(name));
+                    if column.is_some_and(|column| column.pass.is_some()) {
+                        return Err(problem(format!(
+                            "{key} = \"{name}\" is measured of detectors; a map is over fields and \
+                             parameters, and what is measured of scenes"
+                        )));
+                    }
+                    known.axis(key, name).map_err(problem)?;
+                }
             }
             FigureKind::SpeedError(_) | FigureKind::Bars(_) => {}
         }

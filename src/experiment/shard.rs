@@ -98,6 +98,7 @@ const ARRAYS: [Array; 5] = [
         range: Some(["SGE_TASK_FIRST", "SGE_TASK_LAST", "SGE_TASK_STEPSIZE"]),
         count: None,
     },
+    // The last index and the step; where it begins, an array does not tell.
     Array { index: "LSB_JOBINDEX", range: None, count: Some("LSB_JOBINDEX_END") },
 ];
 
@@ -124,6 +125,21 @@ impl Array {
         let (first, step) = range.map_or((1, 1), |(first, _, step)| (first, step));
         let told = range.map(|(first, last, step)| last.saturating_sub(first) / step + 1);
         let count = self.count.and_then(number);
+        let step_apart = number("LSB_JOBINDEX_STEP").filter(|_| self.range.is_none()).unwrap_or(1);
+        if step_apart != 1 {
+            return Err(format!(
+                "the indices of the job array are {step_apart} apart; number the jobs from 1 on, \
+                 or give --shard k/n"
+            ));
+        }
+        if let (Some(of), Some(told)) = (of, told.or(count))
+            && of != told
+        {
+            return Err(format!(
+                "auto/{of} is asked for, and the job array has {told} jobs; give --shard auto, or \
+                 --shard k/{of} for one of {of}"
+            ));
+        }
         if let (Some(told), Some(count)) = (told, count)
             && told != count
         {
@@ -242,6 +258,11 @@ mod tests {
         assert_eq!(of(None, &sge).unwrap(), "3/5");
         let lsf = [("LSB_JOBINDEX", "2"), ("LSB_JOBINDEX_END", "6")];
         assert_eq!(of(None, &lsf).unwrap(), "2/6");
+        let stepped = [&lsf[..], &[("LSB_JOBINDEX_STEP", "2")]].concat();
+        assert!(of(None, &stepped).unwrap_err().contains("2 apart"));
+        // A lost job that is sent again, alone.
+        let alone = of(Some(16), &slurm("5", ["5", "5", "1", "1"])).unwrap_err();
+        assert!(alone.contains("--shard k/16"), "{alone}");
         assert!(of(None, &[("LSB_JOBINDEX", "0")]).unwrap_err().contains("neither a job array"));
         // Ranks count from 0, and share the part of their job.
         let mpi = [("OMPI_COMM_WORLD_RANK", "2"), ("OMPI_COMM_WORLD_SIZE", "4")];

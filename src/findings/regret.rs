@@ -3,8 +3,8 @@
 //! Advice is data, in `advice.toml`: rules over the variables of cells, which name a detector. In
 //! each scene, at each N, its time is held to that of the fastest there; who that is, and what
 //! is noise, is the answer of a contest ([`crate::findings::winners`]). Each detector takes part in
-//! its best setting. The fastest is chosen from the times that then measure the regret, which
-//! makes that a little larger than it is.
+//! its plainest setting, with the parameters that are the fastest. The fastest is chosen from the
+//! times that then measure the regret, which makes that a little larger than it is.
 
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
@@ -182,7 +182,7 @@ impl Advice {
 }
 
 impl Followed {
-    /// The median regret: infinite where mostly there is no answer.
+    /// The median regret: infinite where in half of the scenes there is no answer.
     pub fn typical(&self) -> f64 {
         let middle = self.places.len() / 2;
         let at = |k: usize| self.places[k].regret.times();
@@ -197,14 +197,15 @@ impl Followed {
         })
     }
 
-    /// In how many scenes it names the fastest, or one that cannot be told from it; one that is
-    /// slower for sure; one without an answer.
-    pub fn tally(&self) -> [usize; 3] {
+    /// In how many scenes it names the fastest; one of which it is undecided; one that is slower
+    /// for sure; one without an answer.
+    pub fn tally(&self) -> [usize; 4] {
         let count = |wanted: fn(&Regret) -> bool| {
             self.places.iter().filter(|place| wanted(&place.regret)).count()
         };
         [
-            count(|regret| matches!(regret, Regret::None | Regret::Times(_, false))),
+            count(|regret| matches!(regret, Regret::None)),
+            count(|regret| matches!(regret, Regret::Times(_, false))),
             count(|regret| matches!(regret, Regret::Times(_, true))),
             count(|regret| matches!(regret, Regret::Endless(_))),
         ]
@@ -259,11 +260,11 @@ pub(crate) mod tests {
         let endless = f64::INFINITY;
         for (k, places, tally) in [
             // Screening was refused where there was no room: then NBS is meant.
-            (0, of(&[("screening", 2.0), ("nbs", 20.0)]), [0, 2, 0]),
-            (1, of(&[("cell-grid", 1.0), ("bvh", 4.0)]), [1, 1, 0]),
-            (2, of(&[("hgrid", 1.0), ("cell-grid", 1.0)]), [2, 0, 0]),
-            (3, of(&[("cell-grid", 1.0), ("cell-grid", endless)]), [1, 0, 1]),
-            (4, of(&[("cell-grid", 1.0), ("bvh", 4.0)]), [1, 1, 0]),
+            (0, of(&[("screening", 2.0), ("nbs", 20.0)]), [0, 0, 2, 0]),
+            (1, of(&[("cell-grid", 1.0), ("bvh", 4.0)]), [1, 0, 1, 0]),
+            (2, of(&[("hgrid", 1.0), ("cell-grid", 1.0)]), [2, 0, 0, 0]),
+            (3, of(&[("cell-grid", 1.0), ("cell-grid", endless)]), [1, 0, 0, 1]),
+            (4, of(&[("cell-grid", 1.0), ("bvh", 4.0)]), [1, 0, 1, 0]),
         ] {
             let (found, counted) = said(k);
             assert!(near(&found, &places) && counted == tally, "{k}: {found:?} {counted:?}");
@@ -285,7 +286,7 @@ pub(crate) mod tests {
         let cells = cells::cells(&lab.rows());
         let found = followed(&cells.iter().collect::<Vec<_>>());
         let one_grid = found.iter().find(|one| one.advice.name.starts_with("one grid")).unwrap();
-        assert_eq!(one_grid.tally(), [1, 0, 0]);
+        assert_eq!(one_grid.tally(), [0, 1, 0, 0]);
         assert!(matches!(one_grid.places[0].regret, Regret::Times(_, false)));
     }
 

@@ -262,7 +262,7 @@ fn finished(
                 about.format
             )
         })?;
-        groups.check(particles.len(), name)?;
+        groups.check(particles.len(), options.frame, name)?;
     }
     let (dim, declared) = (particles.dim(), about.declared.as_ref());
     particles.lattice = options.boundaries.lattice(name, dim, declared, &mut about.notes)?;

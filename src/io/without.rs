@@ -4,6 +4,7 @@ use std::str::FromStr;
 
 use anyhow::{Context, bail, ensure};
 
+use crate::io::Frame;
 use crate::io::chosen::Word;
 use crate::io::lines::{listed, number};
 use crate::io::particles::Columns;
@@ -67,9 +68,14 @@ impl Without {
     /// The number of a value, which is named now if it was not before.
     fn named(&mut self, value: &str) -> Result<usize, String> {
         let value = Word::new(value)?;
-        let place = self.values.iter().position(|known| known.is_none_or(|known| known == value));
+        let number_of = |word: &Word| number(word.text().as_bytes());
+        let same = |known: &Word| {
+            *known == value || number_of(&value).is_some_and(|x| number_of(known) == Some(x))
+        };
+        let known = |known: &Option<Word>| known.as_ref().is_none_or(same);
+        let place = self.values.iter().position(known);
         let place = place.ok_or_else(|| format!("more than {MOST} values are named"))?;
-        self.values[place] = Some(value);
+        self.values[place].get_or_insert(value);
         Ok(place)
     }
 
@@ -89,7 +95,13 @@ impl Without {
                 listed(&columns.names)
             )
         })?;
-        Ok(Groups { without: self, column, of: Vec::new() })
+        let value = |word: &Word| {
+            let text = word.text();
+            let number = number(text.as_bytes());
+            (text, number)
+        };
+        let values = self.values.iter().flatten().map(value).collect();
+        Ok(Groups { without: self, column, values, of: Vec::new() })
     }
 }
 
@@ -99,6 +111,8 @@ pub struct Groups {
     without: Without,
     /// Where the column stands.
     pub(crate) column: usize,
+    /// The values that are named, as texts and, if they are, as numbers.
+    values: Vec<(String, Option<f64>)>,
     /// The number of the value of each particle.
     of: Vec<u8>,
 }
@@ -106,12 +120,11 @@ pub struct Groups {
 impl Groups {
     /// Takes the value of the next particle.
     pub(crate) fn push(&mut self, cell: &[u8]) -> anyhow::Result<()> {
-        let same = |value: &Word| {
-            let value = value.text();
-            cell == value.as_bytes()
-                || number(cell).is_some_and(|cell| number(value.as_bytes()) == Some(cell))
+        let as_number = number(cell);
+        let same = |(text, number): &(String, Option<f64>)| {
+            cell == text.as_bytes() || as_number.is_some() && *number == as_number
         };
-        let named = self.without.values.iter().flatten().position(same);
+        let named = self.values.iter().position(same);
         room(&mut self.of)?;
         self.of.push(named.unwrap_or(MOST) as u8);
         Ok(())
@@ -123,13 +136,14 @@ impl Groups {
         self.without.with[a] >> b & 1 == 1
     }
 
-    /// Refuses values that no particle has, and a column that was not there for all.
-    pub(crate) fn check(&self, particles: usize, name: &str) -> anyhow::Result<()> {
+    /// Refuses values that no particle has, where no other frame may have them, and a column that
+    /// was not there for all.
+    pub(crate) fn check(&self, particles: usize, frame: Frame, name: &str) -> anyhow::Result<()> {
         ensure!(self.of.len() == particles, "{name}: --without: not all particles have the column");
-        for (k, value) in self.without.values.iter().flatten().enumerate() {
-            if !self.of.contains(&(k as u8)) {
+        for (k, (value, _)) in self.values.iter().enumerate() {
+            if frame != Frame::All && !self.of.contains(&(k as u8)) {
                 let column = self.without.column.text();
-                bail!("{name}: no particle has {column} {}; look at --without", value.text());
+                bail!("{name}: no particle has {column} {value}; look at --without");
             }
         }
         Ok(())

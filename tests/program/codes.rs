@@ -1,5 +1,5 @@
-//! Simulation codes with their own lists: the lines and commands of docs/YOUR-CODE.md, and the table
-//! of settings. Where a code is not installed, its test says so and passes.
+//! Simulation codes with their own lists: the lines and commands of docs/YOUR-CODE.md, and the
+//! table of settings. Where a code is not installed, its test says so and passes.
 
 use std::path::Path;
 use std::process::{Command, Stdio};

@@ -30,7 +30,7 @@ fn groups_are_left_out() {
     let all = good(folder, &[&verify[..], &["--without", "type=2"]].concat());
     assert!(all.stdout.contains("left out: 5 contacts, 2 pairs of the list"), "{}", all.stdout);
     // Several, by any column, as numbers or as words.
-    for terms in ["type=2:2,type=1:1", "type=1:1,type=2.0:2.0", "id=1:2,id=10,id=11,id=12"] {
+    for terms in ["type=2:2,type=1:1", "type=1:1,type=2.0:2", "id=1:2,id=10,id=11,id=12"] {
         let ended = with(&["--without", terms]);
         assert!(ended.stdout.contains("left out: "), "{terms}: {}", ended.stderr);
     }
@@ -44,6 +44,13 @@ fn groups_are_left_out() {
     {
         refused(folder, &[&verify[..], &["--without", terms]].concat(), words);
     }
+    // Where only some frames have such particles.
+    let second = FLOOR.replace("TIMESTEP\n0", "TIMESTEP\n5").replace(" 2 ", " 3 ");
+    file(folder, "two.dump", format!("{FLOOR}{second}"));
+    file(folder, "two.csv", "step,i,j\n0,1,2\n0,1,10\n0,2,11\n5,1,2\n5,1,10\n5,2,11\n");
+    let two = ["verify", "two.dump", "--pairs", "two.csv", "--ids", "--frame", "all"];
+    let ended = run(folder, &[&two[..], &["--without", "type=2:2,type=3:3"]].concat());
+    assert!(ended.stdout.contains("left out: 6 contacts"), "{}{}", ended.stdout, ended.stderr);
     for (terms, words) in [
         ("type", "not of the form type=2"),
         ("type=1:2:3", "more than two values"),

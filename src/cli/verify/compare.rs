@@ -1,5 +1,7 @@
 //! A list against a frame of the particles.
 
+use std::sync::Once;
+
 use anyhow::{Context, bail};
 
 use crate::check::imaged::Listed;
@@ -9,6 +11,9 @@ use crate::io::pairs::List;
 use crate::io::{About, Particles};
 use crate::periodic::Periodic;
 use crate::scene::{AnyScene, Given};
+
+/// That ids are missed.
+static TOLD: Once = Once::new();
 
 /// Refuses a list of another time than the particles, unless it was asked for.
 pub(super) fn same_time(options: &Verify, list: &List, about: &About) -> anyhow::Result<()> {
@@ -62,13 +67,16 @@ impl<'a> Verified<'a> {
             }
             (base, ids) => {
                 if base.is_none() && list.ids {
-                    eprintln!(
-                        "{}: the list names particles by id, and {file} has no column id: ids are \
-                         taken as places in the file, from 1, which holds where it is in their \
-                         order; write the id too (dump ... custom ... id x y z radius), or say \
-                         --base 1",
-                        options.pairs.display()
-                    );
+                    // Once, in however many frames.
+                    TOLD.call_once(|| {
+                        eprintln!(
+                            "{}: the list names particles by id, and {file} has no column id: ids \
+                             are taken as places in the file, from 1, which holds where it is in \
+                             their order; write the id too (dump ... custom ... id x y z radius), \
+                             or say --base 1",
+                            options.pairs.display()
+                        );
+                    });
                 }
                 let base = base.unwrap_or(i64::from(list.ids));
                 let ids = ids.and_then(Result::ok);

@@ -9,7 +9,8 @@ use crate::cells::{AxisValue, Cell};
 use crate::nearest::hint;
 use crate::record::id::{THREADS, variable};
 
-/// More values than this along an axis are too many to see: measured numbers are put together until there are no more.
+/// More values than this along an axis are too many to see: measured numbers are put together until
+/// there are no more.
 pub(super) const MOST_VALUES: usize = 12;
 /// Measured numbers within this factor of the least of them share a place.
 const NEAR: f64 = 1.1;

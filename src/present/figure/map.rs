@@ -171,14 +171,18 @@ impl<'a> Sheet<'a> {
         for (i, j) in all() {
             self.tile(canvas, spot(i, j), (across(i), down(j)))?;
         }
-        // Where another becomes the fastest.
-        let front = |i: usize, j: usize| spot(i, j).map(Spot::front);
+        // Where another becomes the fastest for sure: nobody is among the fastest on both sides.
+        let front = |i: usize, j: usize| spot(i, j).map(Spot::front).unwrap_or_default();
+        let parted = |[a, b]: [(usize, usize); 2]| {
+            let (a, b) = (front(a.0, a.1), front(b.0, b.1));
+            !a.is_empty() && !b.is_empty() && a.iter().all(|name| !b.contains(name))
+        };
         for (i, j) in all() {
             let (x, y) = (across(i), down(j));
-            if i + 1 < columns.len() && front(i, j) != front(i + 1, j) {
+            if i + 1 < columns.len() && parted([(i, j), (i + 1, j)]) {
                 canvas.line(&[(x + wide, y), (x + wide, y + HIGH)], INK, 3.0, None)?;
             }
-            if j + 1 < rows.len() && front(i, j) != front(i, j + 1) {
+            if j + 1 < rows.len() && parted([(i, j), (i, j + 1)]) {
                 canvas.line(&[(x, y), (x + wide, y)], INK, 3.0, None)?;
             }
         }
