@@ -85,6 +85,8 @@ pub(super) struct Sweep<'a, F, const D: usize, const EACH: bool> {
 
 /// Neighbours of a block of particles, and what they make: filled again for every block. The
 /// careful form uses the room for pairs before the block does.
+// Whole lines of the caches, wherever the stack begins.
+#[repr(align(64))]
 pub(super) struct Scratch {
     ids: [u32; ROOM],
     ends: [u32; BLOCK],
