@@ -1,4 +1,4 @@
-//! What does it cost to do as `recommend` says, on scenes that it never saw?
+//! What does it cost to do as `recommend` says, on scenes that it was not made with?
 //!
 //! `cargo build --release && cargo run --release --example regret -- FOLDER packed:dim=3,n=20000`
 //!

@@ -80,8 +80,9 @@ struct Array {
     index: &'static str,
     /// The first index, the last, and the step between them.
     range: Option<[&'static str; 3]>,
-    /// How many there are.
+    /// How many there are, and, where no range tells it, the step between them.
     count: Option<&'static str>,
+    step: Option<&'static str>,
 }
 
 /// Slurm, PBS Pro, Torque, Grid Engine, LSF. Indices that are not told where they begin begin at 1.
@@ -90,16 +91,23 @@ const ARRAYS: [Array; 5] = [
         index: "SLURM_ARRAY_TASK_ID",
         range: Some(["SLURM_ARRAY_TASK_MIN", "SLURM_ARRAY_TASK_MAX", "SLURM_ARRAY_TASK_STEP"]),
         count: Some("SLURM_ARRAY_TASK_COUNT"),
+        step: None,
     },
-    Array { index: "PBS_ARRAY_INDEX", range: None, count: None },
-    Array { index: "PBS_ARRAYID", range: None, count: None },
+    Array { index: "PBS_ARRAY_INDEX", range: None, count: None, step: None },
+    Array { index: "PBS_ARRAYID", range: None, count: None, step: None },
     Array {
         index: "SGE_TASK_ID",
         range: Some(["SGE_TASK_FIRST", "SGE_TASK_LAST", "SGE_TASK_STEPSIZE"]),
         count: None,
+        step: None,
     },
     // The last index and the step; where it begins, an array does not tell.
-    Array { index: "LSB_JOBINDEX", range: None, count: Some("LSB_JOBINDEX_END") },
+    Array {
+        index: "LSB_JOBINDEX",
+        range: None,
+        count: Some("LSB_JOBINDEX_END"),
+        step: Some("LSB_JOBINDEX_STEP"),
+    },
 ];
 
 /// The rank of a process and how many there are: Open MPI, MPICH and its kin, srun.
@@ -125,7 +133,7 @@ impl Array {
         let (first, step) = range.map_or((1, 1), |(first, _, step)| (first, step));
         let told = range.map(|(first, last, step)| last.saturating_sub(first) / step + 1);
         let count = self.count.and_then(number);
-        let step_apart = number("LSB_JOBINDEX_STEP").filter(|_| self.range.is_none()).unwrap_or(1);
+        let step_apart = self.step.and_then(number).unwrap_or(1);
         if step_apart != 1 {
             return Err(format!(
                 "the indices of the job array are {step_apart} apart; number the jobs from 1 on, \

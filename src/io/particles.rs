@@ -1,6 +1,7 @@
 //! Particles as they are read: centres and radii that grow with the bytes of the file, never with
 //! what it promises.
 
+mod digits;
 mod ids;
 
 use anyhow::{Context, bail, ensure};
@@ -35,13 +36,8 @@ pub struct Particles {
     /// What the file leaves open.
     pub(crate) notices: Vec<Notice>,
     /// How many of the coordinates looked at have how many significant digits.
-    digits: [u32; FEW_DIGITS + 2],
+    digits: digits::Counts,
 }
-
-/// Coordinates of at most so many significant digits were cut to them: %g writes six.
-const FEW_DIGITS: usize = 6;
-/// Coordinates of so many particles are looked at for this.
-const LOOKED_AT: usize = 1000;
 
 impl Particles {
     pub(crate) fn new(dim: usize, has_radii: bool) -> Particles {
@@ -52,7 +48,7 @@ impl Particles {
 
     pub(crate) fn of(centres: Centres, radii: Option<Vec<f64>>) -> Particles {
         let (ids, groups, lattice, notices) = (None, None, None, Vec::new());
-        let digits = [0; FEW_DIGITS + 2];
+        let digits = digits::Counts::default();
         Particles { centres, radii, ids, groups, lattice, has_box: false, notices, digits }
     }
 
@@ -98,16 +94,6 @@ impl Particles {
     pub fn is_flat(&self) -> bool {
         matches!(&self.centres, Centres::Space(points)
             if points.len() > 1 && points.iter().all(|point| point[2] == 0.0))
-    }
-
-    /// The most significant digits that a coordinate has, where they are few and half of many have
-    /// so many or one less: those of a lattice are short, too, and need no more.
-    pub(crate) fn cut_to(&self) -> Option<u32> {
-        let [few @ .., more] = &self.digits;
-        let most = few.iter().rposition(|&count| count > 0).filter(|&most| most >= 4)?;
-        let cut = few[most] + few[most - 1];
-        let all: u32 = few.iter().sum();
-        (*more == 0 && all >= 30 && 2 * cut >= all).then_some(most as u32)
     }
 
     /// Coordinates of particle `k`; z is 0 in the plane.
@@ -398,8 +384,8 @@ impl Columns {
                     }
                 }
                 Column::Axis(axis) => {
-                    if particles.len() < LOOKED_AT {
-                        particles.digits[significant(cell).min(FEW_DIGITS + 1)] += 1;
+                    if particles.len() < digits::LOOKED_AT {
+                        digits::count(&mut particles.digits, cell);
                     }
                     match number(cell) {
                         Some(value) if value.is_finite() => point[*axis] = value,
@@ -448,21 +434,6 @@ impl Columns {
 
 /// What to do about 1,5 for 1.5.
 pub(crate) const DECIMAL_COMMAS: &str = "; if the commas are decimal commas, write points";
-
-/// The significant digits of a number as it is written: from the first that is not 0 to the last
-/// that is not.
-fn significant(cell: &[u8]) -> usize {
-    let digits = cell.iter().take_while(|byte| !matches!(byte, b'e' | b'E'));
-    let (mut count, mut zeros) = (0, 0);
-    for &digit in digits.filter(|byte| byte.is_ascii_digit()) {
-        match digit {
-            b'0' if count == 0 => {}
-            b'0' => zeros += 1,
-            _ => (count, zeros) = (count + zeros + 1, 0),
-        }
-    }
-    count
-}
 
 fn not_a_number(cell: &[u8]) -> &'static str {
     if is_decimal_comma(cell) {
