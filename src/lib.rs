@@ -54,6 +54,7 @@ pub mod moving;
 pub mod nearest;
 pub mod number;
 pub mod present;
+pub mod ranks;
 pub mod recommend;
 pub mod record;
 pub mod run;

@@ -4,8 +4,8 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use contactbench::cli::{
-    Cli, Verb, check, compare, detect, draw, inspect, list, map, merge, new_detector, recommend,
-    report, run, runner, scene, shell, trace, track, verify,
+    Cli, Verb, check, compare, detect, draw, inspect, list, map, merge, new_detector, ranks,
+    recommend, report, run, runner, scene, shell, trace, track, verify,
 };
 use contactbench::record::faults::Damaged;
 use contactbench::run::alloc::Counting;
@@ -44,6 +44,7 @@ fn main() -> ExitCode {
         Some(Verb::Draw(options)) => draw::draw(&options),
         Some(Verb::Trace(options)) => trace::trace(&options),
         Some(Verb::Track(options)) => track::track(&options),
+        Some(Verb::Ranks(options)) => ranks::ranks(&options),
         Some(Verb::Completions(options)) => shell::completions(&options),
         Some(Verb::Runner(options)) => runner::serve(&options),
     };

@@ -429,6 +429,7 @@ pub fn fuzz_reader(data: &[u8]) {
         columns: None,
         boundaries: io::Boundaries { open: kind & 32 != 0, ..io::Boundaries::AS_DECLARED },
         without: None,
+        part: None,
     };
     let ending = ["", "csv", "xyz", "txt"][usize::from(kind >> 6)];
     let all = io::Options { frame: io::Frame::All, ..options };

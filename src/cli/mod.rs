@@ -9,6 +9,7 @@ pub mod list;
 pub mod map;
 pub mod merge;
 pub mod new_detector;
+pub mod ranks;
 pub mod recommend;
 pub mod report;
 pub mod run;
@@ -117,6 +118,11 @@ pub enum Verb {
                             vortex --tracker 'verlet(nbs,skin=0.3,rule=lammps-10-1-yes)'\nExit \
                             code 1 if a tracker missed a contact that promises to miss none.")]
     Track(track::Track),
+    /// Finds the contacts of one scene by several ranks: processes of MPI, or threads to try it
+    #[command(after_help = "Example: contactbench ranks packed:dim=3,n=1e6\nExample: mpirun -n 4 \
+                            contactbench ranks packed:dim=3,n=1e6 --each --model\nExit code 1 if \
+                            the contacts are not those of one process.")]
+    Ranks(ranks::Ranks),
     /// Writes a completion script for your shell
     #[command(after_help = "Example: contactbench completions bash\nWrite it to a file such as \
                             ~/.local/share/bash-completion/completions/contactbench")]

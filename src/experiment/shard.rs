@@ -62,7 +62,7 @@ impl Shard {
         let lone = |array: &Array, index| array.index == "LSB_JOBINDEX" && index == 0;
         let index = |array: &Array| number(array.index).filter(|&index| !lone(array, index));
         let job = ARRAYS.iter().find_map(|array| Some((array, index(array)?)));
-        let rank = RANKS.iter().find_map(|[rank, size]| Some((number(rank)?, number(size)?)));
+        let rank = rank_of(variable);
         let job = job.map(|(array, index)| array.shard(index, of, &number)).transpose()?;
         let (job, (rank, size)) = match (job, rank) {
             (None, None) => return Err(NO_JOB.into()),
@@ -116,6 +116,16 @@ const RANKS: [[&str; 2]; 3] = [
     ["PMI_RANK", "PMI_SIZE"],
     ["SLURM_PROCID", "SLURM_STEP_NUM_TASKS"],
 ];
+
+/// The rank of this process, and how many there are, if an MPI job has started it.
+pub fn rank() -> Option<(usize, usize)> {
+    rank_of(&|name| std::env::var(name).ok())
+}
+
+fn rank_of(variable: &dyn Fn(&str) -> Option<String>) -> Option<(usize, usize)> {
+    let number = |name: &str| variable(name)?.trim().parse::<usize>().ok();
+    RANKS.iter().find_map(|[rank, size]| Some((number(rank)?, number(size)?)))
+}
 
 const NO_JOB: &str = "there is neither a job array (Slurm, PBS, Grid Engine, LSF) nor an MPI job \
                       here; give --shard k/n";

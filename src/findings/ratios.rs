@@ -162,7 +162,11 @@ impl Ratios {
                 let (first, time_ns) = group.fastest(n)?;
                 let (near, open) = distance(&group, first, n, reference, &noise);
                 let open = open.into_iter().map(label).collect();
-                Some(Fastest { n, name: label(first), time_ns, near, open })
+                // Decided within blocks, where medians over all of them may say otherwise.
+                let own = timed(&group, first, n, reference).filter(|_| near == Near::Fastest);
+                let own_ns = own.and_then(|own| series::time(group.at(own, n)?));
+                let (name, time_ns) = (label(own.unwrap_or(first)), own_ns.unwrap_or(time_ns));
+                Some(Fastest { n, name, time_ns, near, open })
             });
             let any = group.lines.values().flat_map(BTreeMap::values).flatten().next();
             SceneRatios {
@@ -254,6 +258,15 @@ fn entry(group: &Group<'_>, line: &Line, n: u64, reference: &str) -> Option<Entr
     })
 }
 
+/// The line of the reference that has a time: as few threads as there are, and the arithmetic of
+/// `first` if there is one.
+fn timed<'a>(group: &'a Group<'_>, first: &Line, n: u64, reference: &str) -> Option<&'a Line> {
+    let has_time =
+        |line: &&Line| group.at(line, n).is_some_and(|cells| series::time(cells).is_some());
+    let known = group.lines.keys().filter(|line| line.detector == reference);
+    known.filter(has_time).min_by_key(|line| (line.threads, line.arithmetic != first.arithmetic))
+}
+
 /// How far the reference is from the fastest, and for whom that is undecided.
 fn distance<'a>(
     group: &'a Group<'_>,
@@ -263,13 +276,7 @@ fn distance<'a>(
     noise: &Noise,
 ) -> (Near, Vec<&'a Line>) {
     let measured = |line: &&Line| line.detector == reference && group.lines[*line].contains_key(&n);
-    let timed = |line: &&Line| group.at(line, n).is_some_and(|cells| series::time(cells).is_some());
-    let line = group
-        .lines
-        .keys()
-        .filter(measured)
-        .filter(timed)
-        .min_by_key(|line| (line.threads, line.arithmetic != first.arithmetic));
+    let line = timed(group, first, n, reference);
     let Some(line) = line else {
         let ended = group.lines.keys().find(measured).and_then(|line| group.at(line, n));
         return (Near::Absent(ended.map(|cells| series::outcome(cells).0)), Vec::new());

@@ -78,6 +78,9 @@ pub struct Options {
     pub boundaries: Boundaries,
     /// Contacts that are left out.
     pub without: Option<Without>,
+    /// Only part k of so many, from 0, where a format can leave out the others:
+    /// [`Particles::first`].
+    pub part: Option<[u64; 2]>,
 }
 
 impl Options {
@@ -92,6 +95,7 @@ impl Options {
         columns: None,
         boundaries: Boundaries::AS_DECLARED,
         without: None,
+        part: None,
     };
 }
 

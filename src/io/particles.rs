@@ -35,6 +35,8 @@ pub struct Particles {
     pub(crate) has_box: bool,
     /// What the file leaves open.
     pub(crate) notices: Vec<Notice>,
+    /// See [`Particles::first`].
+    pub(crate) first: Option<u64>,
     /// How many of the coordinates looked at have how many significant digits.
     digits: digits::Counts,
 }
@@ -49,7 +51,8 @@ impl Particles {
     pub(crate) fn of(centres: Centres, radii: Option<Vec<f64>>) -> Particles {
         let (ids, groups, lattice, notices) = (None, None, None, Vec::new());
         let digits = digits::Counts::default();
-        Particles { centres, radii, ids, groups, lattice, has_box: false, notices, digits }
+        let (has_box, first) = (false, None);
+        Particles { centres, radii, ids, groups, lattice, has_box, notices, first, digits }
     }
 
     /// The number of particles.
@@ -88,6 +91,12 @@ impl Particles {
     /// What the file leaves open, to be said to whoever named it.
     pub fn notices(&self) -> &[Notice] {
         &self.notices
+    }
+
+    /// The number of the first particle in the file, if these are the part that was asked for; none
+    /// if they are all.
+    pub fn first(&self) -> Option<u64> {
+        self.first
     }
 
     /// Spheres of which all have the same z, 0?

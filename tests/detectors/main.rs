@@ -11,5 +11,6 @@ mod metamorphic;
 mod moving;
 mod mutants;
 mod near_tangent;
+mod ranks;
 mod regressions;
 mod streamed;

@@ -22,6 +22,7 @@ mod page;
 mod partial;
 mod peers;
 mod protocol;
+mod ranks;
 mod readme;
 mod real_data;
 mod records;

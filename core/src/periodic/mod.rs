@@ -42,7 +42,7 @@
 
 mod contacts;
 mod finder;
-mod frame;
+pub(crate) mod frame;
 pub mod images;
 pub mod made;
 mod near;
@@ -145,4 +145,4 @@ impl ImagePair {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

@@ -1,5 +1,5 @@
-//! What continuous integration reads: JUnit XML, and annotations as GitHub shows them next to
-//! a change.
+//! What continuous integration reads: JUnit XML, annotations as GitHub shows them next to a change,
+//! and the summary of a job.
 
 use std::fmt::Write as _;
 use std::io::Write;
@@ -19,6 +19,9 @@ pub struct Outputs {
     /// Also print failures as GitHub annotations (::error ...)
     #[arg(long)]
     pub annotations: bool,
+    /// Also append the verdicts as Markdown, failures first: "$GITHUB_STEP_SUMMARY"
+    #[arg(long, value_name = "FILE")]
+    pub summary: Option<PathBuf>,
 }
 
 /// A verdict on one thing.
@@ -45,12 +48,36 @@ pub enum Outcome {
     Skipped(String),
 }
 
+impl Outcome {
+    fn word(&self) -> &'static str {
+        match self {
+            Outcome::Passed => "passed",
+            Outcome::Noted(_) => "noted",
+            Outcome::Failed(_) => "failed",
+            Outcome::Skipped(_) => "skipped",
+        }
+    }
+
+    fn why(&self) -> &str {
+        match self {
+            Outcome::Passed => "",
+            Outcome::Noted(why) | Outcome::Failed(why) | Outcome::Skipped(why) => why,
+        }
+    }
+}
+
 impl Outputs {
     /// Writes what was asked for.
     pub fn write(&self, suite: &str, cases: &[Case], out: &mut dyn Write) -> anyhow::Result<()> {
         if let Some(path) = &self.junit {
             write::whole(path, |out| out.write_all(junit(suite, cases).as_bytes()))
                 .with_context(|| format!("cannot write {}", path.display()))?;
+        }
+        if let Some(path) = &self.summary {
+            let mut file = std::fs::File::options().create(true).append(true).open(path);
+            let file = file.as_mut().map_err(|error| anyhow::anyhow!("{error}"));
+            file.and_then(|file| Ok(file.write_all(summary(suite, cases).as_bytes())?))
+                .with_context(|| format!("cannot append to {}", path.display()))?;
         }
         if self.annotations {
             out.write_all(annotations(suite, cases).as_bytes())?;
@@ -121,6 +148,33 @@ pub fn annotations(suite: &str, cases: &[Case]) -> String {
     out
 }
 
+/// The verdicts as Markdown: their numbers, then a line for each that is not passed.
+pub fn summary(suite: &str, cases: &[Case]) -> String {
+    let (mut numbers, mut lines) = (Vec::new(), String::new());
+    for kind in ["failed", "noted", "skipped", "passed"] {
+        let of: Vec<_> = cases.iter().filter(|case| case.result.word() == kind).collect();
+        if !of.is_empty() {
+            numbers.push(format!("{} {kind}", of.len()));
+        }
+        for Case { class, name, result } in of.into_iter().filter(|_| kind != "passed") {
+            let [class, name, why] = [class.as_str(), name, result.why()].map(cell);
+            let _ = writeln!(lines, "| {kind} | {class} | {name} | {why} |");
+        }
+    }
+    let head = if lines.is_empty() { "" } else { "| | of | what | why |\n|---|---|---|---|\n" };
+    format!("### contactbench {suite}: {}\n\n{head}{lines}\n", numbers.join(", "))
+}
+
+/// The first line of a text, as a cell of a table.
+fn cell(text: &str) -> String {
+    let first = text.lines().next().unwrap_or_default();
+    first
+        .chars()
+        .flat_map(|c| [Some('\\').filter(|_| "\\|<>`*_[]".contains(c)), Some(c)])
+        .flatten()
+        .collect()
+}
+
 /// The text of a workflow command: one line, in which % begins an escape.
 fn command(text: &str) -> String {
     text.replace('%', "%25").replace('\r', "%0D").replace('\n', "%0A")
@@ -152,6 +206,17 @@ mod tests {
         assert_eq!(failure.text(), Some("50% off: a, b\nsecond ]]> line\r"));
         assert_eq!(failure.parent().unwrap().attribute("name"), Some("bad <&\"'> \u{fffd}"));
         assert_eq!(document.descendants().filter(|node| node.has_tag_name("testcase")).count(), 4);
+    }
+
+    #[test]
+    fn a_summary_counts_and_names_what_did_not_pass() {
+        let text = summary("compare", &cases());
+        let lines: Vec<&str> = text.lines().collect();
+        assert_eq!(lines[0], "### contactbench compare: 1 failed, 1 noted, 1 skipped, 1 passed");
+        assert_eq!(lines[4], "| failed | a.b | bad \\<&\"'\\> \u{1} | 50% off: a, b |");
+        assert_eq!(lines[5..], ["| noted | a.b | seen | n |", "| skipped | a.b | none | s |", ""]);
+        let passed = &cases()[..1];
+        assert_eq!(summary("run", passed), "### contactbench run: 1 passed\n\n\n");
     }
 
     #[test]

@@ -114,6 +114,22 @@ fn near_is_decided_by_the_interval() {
     assert!(matches!(near(many.scaled(1.6), 1.3), Near::Beyond(_)));
 }
 
+/// Blocks met two states of the machine. Within all but one the reference is ahead, and yet its
+/// median over all of them is the longer one.
+#[test]
+fn who_is_decidedly_the_fastest_is_named_so() {
+    let times = |quiet: u64, slow: u64, eighth: u64| -> Vec<u64> {
+        let at = |k| if k < 7 { quiet } else { slow };
+        (0..15).map(|k| if k == 7 { eighth } else { at(k) }).collect()
+    };
+    let mut lab = Lab::new("e", "packed");
+    lab.detector("nbs").time(&times(100, 200, 200));
+    lab.detector("sorting").time(&times(120, 240, 130));
+    let found = ratios(&lab, "nbs").unwrap();
+    let Fastest { name, time_ns, near, .. } = &found.scenes[0].fastest[0];
+    assert_eq!((name.as_str(), *time_ns, *near), ("nbs", 200.0, Near::Fastest));
+}
+
 #[test]
 fn a_noisy_one_leaves_it_open() {
     let noisy: Vec<u64> = (0..15).map(|k| if k % 2 == 0 { 900 } else { 50 }).collect();

@@ -95,6 +95,10 @@ pub(crate) fn particles(
         }
         return Ok((particles, radius));
     }
+    // Of fewer rows than parts all are kept.
+    let part = options.part.filter(|[_, parts]| rows >= *parts);
+    let kept = part.map_or(0..rows, |[k, parts]| rows * k / parts..rows * (k + 1) / parts);
+    particles.first = part.map(|_| kept.start);
     header.pieces(source, rows, columns, |first, numbers| {
         let mut sound = true;
         numbers.iter().for_each(|x| sound &= x.is_finite());
@@ -104,7 +108,9 @@ pub(crate) fn particles(
                 checked(value, first + (k / columns) as u64, k % columns)?;
             }
         }
-        particles.extend(numbers, columns)
+        let last = first + (numbers.len() / columns) as u64;
+        let row = |row: u64| (row.clamp(first, last) - first) as usize * columns;
+        particles.extend(&numbers[row(kept.start)..row(kept.end)], columns)
     })?;
     Ok((particles, radius))
 }

@@ -39,6 +39,33 @@ fn npy_of_both_widths_byte_orders_and_layouts() {
     assert_eq!(rows(&scene)[29_999], [29_999.0, 59_999.0, 0.5]);
 }
 
+/// Parts are all rows, each once, wherever pieces of the stream end.
+#[test]
+fn a_part_of_an_array_is_its_rows_and_says_which() {
+    let part = |bytes: &[u8], part: [u64; 2]| {
+        let options = Options { part: Some(part), ..HALF };
+        load_from(bytes, "p.npy", "npy", options).unwrap().0
+    };
+    for n in [0_u64, 2, 3, 10_000] {
+        let numbers: Vec<f64> = (0..3 * n).map(|k| k as f64).collect();
+        let bytes = npy_file("<f8", "False", &format!("({n}, 3)"), &doubles(&numbers));
+        let mut seen = 0;
+        for k in 0..3 {
+            let particles = part(&bytes, [k, 3]);
+            // Of fewer rows than parts all are kept.
+            assert_eq!(particles.first(), (n >= 3).then_some(seen), "{n} {k}");
+            for row in 0..particles.len() {
+                let first = 3.0 * (seen + row as u64) as f64;
+                assert_eq!(particles.centre(row), [first, first + 1.0, first + 2.0]);
+            }
+            seen += if n >= 3 { particles.len() as u64 } else { 0 };
+        }
+        assert!(seen == n || n < 3);
+    }
+    let columns = npy_file("<f8", "True", "(3, 2)", &doubles(&[0.0; 6]));
+    assert_eq!((part(&columns, [1, 3]).first(), part(&columns, [1, 3]).len()), (None, 3));
+}
+
 /// Files are read and written by pieces of 16 to 64 KiB.
 #[test]
 fn files_of_several_pieces_are_whole() {

@@ -5,7 +5,7 @@ use std::path::Path;
 use serde_json::Value;
 
 use super::junit;
-use crate::common::{good, run};
+use crate::common::{PROGRAM, good, run};
 
 #[test]
 fn check_and_list_speak_to_machines() {
@@ -63,35 +63,60 @@ fn check_and_list_speak_to_machines() {
     assert!(list(&["hard-cases"])["hard_cases"].as_array().is_some_and(|cases| cases.len() > 20));
 }
 
-/// The commands of the example workflow, on a baseline made by this very program.
+/// The action, as the example workflow calls it, on a baseline made by this very program.
 #[test]
 fn the_example_workflow_passes() {
-    let ci = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/ci");
+    let sources = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let ci = sources.join("docs/ci");
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     std::fs::create_dir(folder.join("ci")).unwrap();
     std::fs::copy(ci.join("contacts.toml"), folder.join("ci/contacts.toml")).unwrap();
-    let workflow = std::fs::read_to_string(ci.join("github.yml")).unwrap();
+    let read = |path: &Path| std::fs::read_to_string(path).unwrap();
+    let (workflow, action) = (read(&ci.join("github.yml")), read(&sources.join("action.yml")));
     let make = workflow.lines().find_map(|line| line.strip_prefix("#   contactbench ")).unwrap();
     good(folder, &make.split_whitespace().collect::<Vec<_>>());
-    let commands: Vec<&str> = workflow
-        .lines()
-        .filter_map(|line| line.trim().strip_prefix("- run: contactbench "))
-        .collect();
-    assert_eq!(commands.len(), 3, "{commands:?}");
-    for command in &commands {
-        good(folder, &command.split_whitespace().collect::<Vec<_>>());
-    }
+    // What the workflow says, and else what the action takes.
+    let input = |name: &str| {
+        let said = workflow.lines().find_map(|line| line.trim().strip_prefix(name));
+        let declared = action.split(&format!("\n  {name}:\n")).nth(1).unwrap();
+        let default = declared.lines().find_map(|line| line.trim().strip_prefix("default: "));
+        said.and_then(|said| said.strip_prefix(": "))
+            .unwrap_or_else(|| default.unwrap().trim_matches('"'))
+            .to_string()
+    };
+    let names = ["check", "detector", "runner", "experiment", "baseline", "out"];
+    let mut path = std::ffi::OsString::from(Path::new(PROGRAM).parent().unwrap());
+    path.push(":");
+    path.push(std::env::var_os("PATH").unwrap());
+    let act = || {
+        let mut command = std::process::Command::new(sources.join(".ci/action"));
+        command.current_dir(folder).env("PATH", &path);
+        command.env("GITHUB_STEP_SUMMARY", folder.join("summary.md"));
+        for name in names {
+            let value = format!("{}: ${{{{ inputs.{name} }}}}", name.to_uppercase());
+            assert!(action.contains(&value), "action.yml does not hand on {name}");
+            command.env(name.to_uppercase(), input(name));
+        }
+        command.output().unwrap()
+    };
+    assert_eq!((input("check").as_str(), input("out").as_str()), ("yes", "results"));
+    let ended = act();
+    assert!(ended.status.success(), "{ended:?}");
     for file in ["check.xml", "run.xml", "compare.xml"] {
-        assert_eq!(junit(&folder.join(file)).1, 0, "{file}");
+        assert_eq!(junit(&folder.join("results").join(file)).1, 0, "{file}");
+    }
+    let summary = read(&folder.join("summary.md"));
+    let heads: Vec<&str> = summary.lines().filter(|line| line.starts_with("###")).collect();
+    assert_eq!(heads.len(), 3, "{summary}");
+    for (head, verb) in heads.iter().zip(["check", "run", "compare"]) {
+        assert!(head.starts_with(&format!("### contactbench {verb}: ")), "{summary}");
+        assert!(!head.contains("failed"), "{summary}");
     }
     // The gate closes.
     let record = folder.join("ci/baseline/samples.jsonl");
-    let text = std::fs::read_to_string(&record).unwrap().replacen(
-        "\"digest\":\"0x",
-        "\"digest\":\"0xf",
-        1,
-    );
+    let text = read(&record).replacen("\"digest\":\"0x", "\"digest\":\"0xf", 1);
     std::fs::write(&record, text).unwrap();
-    assert_eq!(run(folder, &commands[2].split_whitespace().collect::<Vec<_>>()).code, Some(1));
+    std::fs::remove_dir_all(folder.join("results")).unwrap();
+    assert_eq!(act().status.code(), Some(1));
 }

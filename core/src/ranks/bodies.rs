@@ -1,0 +1,139 @@
+//! Particles with their numbers in the whole scene, and how they travel.
+
+use nalgebra::Point;
+
+use crate::ranks::Failure;
+use crate::refusal::{Refusal, reserve};
+use crate::scene::{Radii, Scene, SceneError, array};
+
+/// Particles of a scene that is larger, each with its number there.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Numbered<const D: usize> {
+    ids: Vec<u32>,
+    centres: Vec<Point<f64, D>>,
+    /// One for each; none where that of all is known to others.
+    radii: Vec<f64>,
+}
+
+impl<const D: usize> Numbered<D> {
+    /// The particles of a scene, numbered from `first`, with a radius each.
+    ///
+    /// # Errors
+    /// [`SceneError::TooMany`] if a number would be above 2^32 - 2; [`Refusal::Exhausted`].
+    pub fn new(scene: &Scene<'_, f64, D>, first: u64) -> Result<Numbered<D>, Failure> {
+        let n = first.saturating_add(scene.len() as u64);
+        if n > u64::from(u32::MAX) {
+            return Err(SceneError::TooMany { n: n as usize }.into());
+        }
+        let mut bodies = Numbered::default();
+        bodies.reserve(scene.len(), true)?;
+        bodies.ids.extend(first as u32..n as u32);
+        bodies.centres.extend_from_slice(scene.centres());
+        bodies.radii.extend((0..scene.len()).map(|k| scene.radius(k)));
+        Ok(bodies)
+    }
+
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        self.ids.len()
+    }
+
+    /// True if there are none.
+    pub fn is_empty(&self) -> bool {
+        self.ids.is_empty()
+    }
+
+    pub(super) fn truncate(&mut self, len: usize) {
+        self.ids.truncate(len);
+        self.centres.truncate(len);
+        self.radii.truncate(len);
+    }
+
+    fn reserve(&mut self, further: usize, radii: bool) -> Result<(), Refusal> {
+        reserve(&mut self.ids, further)?;
+        reserve(&mut self.centres, further)?;
+        reserve(&mut self.radii, if radii { further } else { 0 })
+    }
+
+    /// Bytes of one on its way.
+    pub(super) const fn bytes(radii: bool) -> usize {
+        size_of::<u32>() + (D + radii as usize) * size_of::<f64>()
+    }
+
+    pub(super) fn ids(&self) -> &[u32] {
+        &self.ids
+    }
+
+    pub(super) fn places(&self) -> impl Iterator<Item = &[f64; D]> {
+        self.centres.iter().map(array)
+    }
+
+    pub(super) fn at(&self, k: usize) -> &[f64; D] {
+        array(&self.centres[k])
+    }
+
+    pub(super) fn radii(&self) -> &[f64] {
+        &self.radii
+    }
+
+    /// All of them, with this radius, or one each.
+    pub(super) fn scene(&self, radius: Option<f64>) -> Scene<'_, f64, D> {
+        let each = || Radii::Each((&self.radii[..]).into());
+        // They have all come from scenes; with one radius for each if there is not one for all.
+        Scene::new(&self.centres[..], radius.map_or_else(each, Radii::Uniform)).unwrap()
+    }
+
+    /// Letters to so many ranks: `to` names the ranks that are to get particle k.
+    pub(super) fn letters(
+        &self,
+        ranks: usize,
+        radii: bool,
+        to: impl Fn(usize, &mut dyn FnMut(usize)),
+    ) -> Result<Vec<Vec<u8>>, Refusal> {
+        let mut counts = Vec::new();
+        reserve(&mut counts, ranks)?;
+        counts.resize(ranks, 0usize);
+        (0..self.len()).for_each(|k| to(k, &mut |rank| counts[rank] += 1));
+        let mut letters = Vec::new();
+        reserve(&mut letters, ranks)?;
+        for count in counts {
+            let mut letter: Vec<u8> = Vec::new();
+            reserve(&mut letter, count * Self::bytes(radii))?;
+            letters.push(letter);
+        }
+        for k in 0..self.len() {
+            to(k, &mut |rank| {
+                let letter = &mut letters[rank];
+                letter.extend_from_slice(&self.ids[k].to_le_bytes());
+                for x in array(&self.centres[k]) {
+                    letter.extend_from_slice(&x.to_le_bytes());
+                }
+                if radii {
+                    letter.extend_from_slice(&self.radii[k].to_le_bytes());
+                }
+            });
+        }
+        Ok(letters)
+    }
+
+    /// Appends what letters hold.
+    pub(super) fn read(&mut self, letters: &[Vec<u8>], radii: bool) -> Result<(), Refusal> {
+        let size = Self::bytes(radii);
+        self.reserve(letters.iter().map(|letter| letter.len() / size).sum(), radii)?;
+        for body in letters.iter().flat_map(|letter| letter.chunks_exact(size)) {
+            let (id, numbers) = body.split_at(size_of::<u32>());
+            let real = |k: usize| {
+                let at = k * size_of::<f64>();
+                // Eight bytes of a piece that has D or D + 1 times eight.
+                f64::from_le_bytes(*numbers[at..].first_chunk().unwrap())
+            };
+            // The other four.
+            self.ids.push(u32::from_le_bytes(*id.first_chunk().unwrap()));
+            self.centres.push(Point::from(std::array::from_fn(real)));
+            if radii {
+                self.radii.push(real(D));
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,186 @@
+use super::*;
+use crate::detect::Options;
+use crate::detect::spec::parse;
+use crate::periodic;
+use crate::periodic::tests::{Bag, Numbers, random};
+
+const OPTIONS: Options = Options { memory_limit: 1 << 26, threads: 1 };
+
+/// What each rank has found: contacts in the numbers of the whole scene, what it has sent, and how
+/// many particles of others it has.
+type Found = (Vec<ImagePair>, Digest, Traffic, usize);
+
+/// The contacts by so many ranks, each of which brings the particles that come to it by turns.
+fn ask<const D: usize>(
+    scene: &Scene<'_, f64, D>,
+    lattice: Option<Lattice>,
+    detector: &str,
+    ranks: usize,
+) -> Result<Vec<Found>, Failure>
+where
+    for<'a> AnyScene<'a>: From<Scene<'a, f64, D>>,
+{
+    let spec = parse(detector).unwrap();
+    threads(ranks, |world| {
+        let n = scene.len();
+        let rows = n * world.rank() / ranks..n * (world.rank() + 1) / ranks;
+        let order: Vec<u32> = (rows.start as u32..rows.end as u32).collect();
+        let bodies = Numbered::new(&scene.reordered(&order), rows.start as u64)?;
+        let mut rank = Rank::new(world, bodies, lattice)?;
+        let mut searcher = Searcher::new(&spec, OPTIONS);
+        let mut contacts = Contacts::default();
+        // Again and again, as a simulation does.
+        let mut traffic = Traffic::default();
+        for _ in 0..2 {
+            traffic = rank.refresh(world)?;
+            together(world, rank.search(&mut searcher, &mut contacts))?;
+        }
+        let plain = periodic::without_shift(&contacts.plain);
+        let pairs = plain.chain(contacts.shifted.iter().copied());
+        let named = |p: ImagePair| ImagePair::new(rank.id(p.i), rank.id(p.j), p.image);
+        Ok((pairs.map(named).collect(), rank.digest(&contacts), traffic, rank.halo()))
+    })
+    .into_iter()
+    .collect()
+}
+
+fn whole<const D: usize>(
+    scene: &Scene<'_, f64, D>,
+    lattice: Option<Lattice>,
+) -> Result<Vec<ImagePair>, Refusal>
+where
+    for<'a> AnyScene<'a>: From<Scene<'a, f64, D>>,
+{
+    let mut searcher = Searcher::new(&parse("direct").unwrap(), OPTIONS);
+    let mut contacts = Contacts::default();
+    let loaded = Loaded::new(&scene.clone().into(), lattice, Arithmetic::Exact).unwrap();
+    searcher.list(&loaded, Arithmetic::Exact, &mut contacts)?;
+    contacts.sorted(scene.len(), u64::MAX)
+}
+
+/// The ranks find each contact once. Returns how many there are, and how many were found with
+/// particles of another rank.
+fn agree<const D: usize>(
+    scene: &Scene<'_, f64, D>,
+    lattice: Option<Lattice>,
+    detector: &str,
+    about: &dyn std::fmt::Debug,
+) -> [u64; 2]
+where
+    for<'a> AnyScene<'a>: From<Scene<'a, f64, D>>,
+{
+    let expected = whole(scene, lattice);
+    let mut seen = [0; 2];
+    for ranks in [1, 2, 3, 4, 8] {
+        let found = ask(scene, lattice, detector, ranks);
+        let (found, expected) = match (found, &expected) {
+            (Ok(found), Ok(expected)) => (found, expected),
+            (Err(_), Err(_)) => continue,
+            (found, expected) => panic!("{detector}, {ranks}: {found:?}, {expected:?}, {about:?}"),
+        };
+        let mut pairs: Vec<ImagePair> = found.iter().flat_map(|rank| &rank.0).copied().collect();
+        pairs.sort_unstable();
+        assert_eq!(pairs, *expected, "{detector}, {ranks} ranks: {about:?}");
+        let mut digest = Digest::default();
+        expected.iter().for_each(|pair| digest.image(pair.i, pair.j, pair.image));
+        let sum = found.iter().fold(Digest::default(), |sum, rank| Digest {
+            contacts: sum.contacts + rank.1.contacts,
+            sum: sum.sum.wrapping_add(rank.1.sum),
+        });
+        assert_eq!(sum, digest);
+        let each = 4 + 8 * (D as u64 + u64::from(scene.radii_differ()));
+        for (_, _, traffic, _) in &found {
+            assert_eq!(traffic.bytes, traffic.particles * each);
+            assert!(traffic.partners < ranks as u64);
+        }
+        let sent: u64 = found.iter().map(|rank| rank.2.particles).sum();
+        let got: usize = found.iter().map(|rank| rank.3).sum();
+        assert_eq!(sent, got as u64);
+        // Nothing below the first, nothing of oneself.
+        assert_eq!(found[0].2, Traffic::default());
+        assert!(ranks > 1 || got == 0);
+        seen = [seen[0] + expected.len() as u64, seen[1] + sent];
+    }
+    seen
+}
+
+impl<const D: usize> Scene<'_, f64, D> {
+    fn radii_differ(&self) -> bool {
+        let mut radii = (0..self.len()).map(|k| self.radius(k));
+        radii.next().is_none_or(|first| radii.any(|r| r != first))
+    }
+}
+
+fn in_boxes<const D: usize>(seeds: std::ops::Range<u64>) -> [u64; 2]
+where
+    for<'a> AnyScene<'a>: From<Scene<'a, f64, D>>,
+{
+    let mut seen = [0; 2];
+    for seed in seeds {
+        let bag: Bag<D> = random(seed, [Numbers::Real, Numbers::Dyadic][seed as usize / 4 % 2]);
+        let detector = ["streamed-nbs", "nbs", "kd-tree", "direct"][seed as usize % 4];
+        let scene = bag.scene();
+        for lattice in [None, Some(bag.lattice())] {
+            let [contacts, sent] = agree(&scene, lattice, detector, &bag);
+            seen = [seen[0] + contacts, seen[1] + sent];
+        }
+    }
+    seen
+}
+
+#[test]
+fn ranks_find_every_contact_once_whatever_the_box() {
+    let [contacts, sent] = in_boxes::<2>(0..120);
+    assert!(contacts > 10_000 && sent > 5_000, "{contacts} {sent}");
+    let [contacts, sent] = in_boxes::<3>(0..120);
+    assert!(contacts > 10_000 && sent > 5_000, "{contacts} {sent}");
+}
+
+/// A lattice in touch: borders of slabs are places of particles, and of many at once.
+#[test]
+fn borders_that_are_places_of_particles_part_them() {
+    let at = |k: usize| nalgebra::Point::from([(k % 12) as f64, (k / 12) as f64]);
+    let centres: Vec<_> = (0..60).map(at).collect();
+    let scene = Scene::new(centres, Radii::Uniform(0.5)).unwrap();
+    let found = ask(&scene, None, "nbs", 4).unwrap();
+    let pairs: usize = found.iter().map(|rank| rank.0.len()).sum();
+    assert_eq!(pairs, 11 * 5 + 12 * 4);
+    // Columns of five, of which each rank but the first sends its lowest, and the next, which is as
+    // far from the border as a contact can be.
+    assert_eq!(found.iter().map(|rank| rank.2.particles).collect::<Vec<_>>(), [0, 10, 10, 10]);
+    let cylinder = Lattice::along_axes([12.0, 1.0, 1.0], [true, false, false]).unwrap();
+    let found = ask(&scene, Some(cylinder), "nbs", 4).unwrap();
+    let pairs: usize = found.iter().map(|rank| rank.0.len()).sum();
+    assert_eq!(pairs, 12 * 5 + 12 * 4);
+    // The last one sends its highest, too: to the first.
+    assert_eq!(found.iter().map(|rank| rank.2.particles).collect::<Vec<_>>(), [0, 10, 10, 15]);
+}
+
+/// One body that is larger than all slabs, and dust: only the giant's neighbourhood travels far.
+#[test]
+fn a_body_larger_than_slabs_is_sent_to_all_that_it_reaches() {
+    for place in [0.0, 50.0, 100.0] {
+        let mut centres: Vec<_> =
+            (0..=100).map(|k| nalgebra::Point::from([k as f64, 0.0])).collect();
+        let mut radii = vec![0.25; 101];
+        centres.push([place, 30.0].into());
+        radii.push(40.0);
+        let scene = Scene::new(centres, Radii::Each(radii.into())).unwrap();
+        let [contacts, sent] = agree(&scene, None, "streamed-nbs", &place);
+        assert!(contacts > 100 && sent < 3 * contacts, "{contacts} {sent}");
+    }
+}
+
+#[test]
+fn what_one_rank_refuses_ends_all() {
+    let failures = threads(3, |world| {
+        let refused = Refusal::Exhausted { bytes: 1 };
+        together(world, if world.rank() == 1 { Err(refused) } else { Ok(()) })
+    });
+    let here = Failure::Here(Refusal::Exhausted { bytes: 1 });
+    assert_eq!(failures, [Err(Failure::Elsewhere(1)), Err(here), Err(Failure::Elsewhere(1))]);
+    let scene = Scene::new(vec![nalgebra::Point::from([0.0, 0.0])], Radii::Uniform(1.0)).unwrap();
+    let last = u64::from(u32::MAX);
+    assert!(Numbered::new(&scene, last - 1).is_ok());
+    assert!(matches!(Numbered::new(&scene, last), Err(Failure::Scene(_))));
+}

@@ -1,0 +1,202 @@
+//! What ranks say to each other, and ranks that are threads.
+
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+
+/// The ranks that work on one scene, as one of them sees them. All of them call the same functions
+/// in the same order, as in MPI.
+pub trait World {
+    /// Its number, from 0.
+    fn rank(&self) -> usize;
+    /// How many there are, at least 1.
+    fn size(&self) -> usize;
+    /// Adds the numbers of all ranks, place by place, modulo 2^64.
+    fn sum(&self, numbers: &mut [u64]);
+    /// The largest numbers of all ranks, place by place; none is NaN.
+    fn largest(&self, numbers: &mut [f64]);
+    /// Part k goes to rank k. In the place of each is then what came from that rank.
+    fn exchange(&self, parts: &mut [Vec<u8>]);
+}
+
+/// A rank that is a thread of this process: for tests, and to try what MPI will do.
+pub struct Thread {
+    rank: usize,
+    shared: Arc<Shared>,
+}
+
+struct Shared {
+    size: usize,
+    table: Mutex<Table>,
+    turned: Condvar,
+}
+
+/// Each rank has a place of its own in each list.
+struct Table {
+    arrived: usize,
+    round: u64,
+    lost: bool,
+    numbers: Vec<Vec<u64>>,
+    reals: Vec<Vec<f64>>,
+    mail: Vec<Vec<Vec<u8>>>,
+}
+
+/// Does the work in so many threads, one for each rank; what they return is in their order.
+///
+/// # Panics
+/// As the work does: the other ranks end, too.
+pub fn threads<R: Send>(size: usize, work: impl Fn(&Thread) -> R + Sync) -> Vec<R> {
+    let table = Table {
+        arrived: 0,
+        round: 0,
+        lost: false,
+        numbers: vec![Vec::new(); size],
+        reals: vec![Vec::new(); size],
+        mail: vec![Vec::new(); size],
+    };
+    let shared = Arc::new(Shared { size, table: Mutex::new(table), turned: Condvar::new() });
+    std::thread::scope(|scope| {
+        let started: Vec<_> = (0..size)
+            .map(|rank| {
+                let (world, work) = (Thread { rank, shared: Arc::clone(&shared) }, &work);
+                scope.spawn(move || work(&world))
+            })
+            .collect();
+        let ended = started.into_iter().map(|thread| thread.join());
+        ended.map(|end| end.unwrap_or_else(|cause| std::panic::resume_unwind(cause))).collect()
+    })
+}
+
+impl Thread {
+    fn table(&self) -> MutexGuard<'_, Table> {
+        self.shared.table.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Until all ranks are here.
+    fn wait(&self) {
+        let mut table = self.table();
+        let round = table.round;
+        table.arrived += 1;
+        if table.arrived == self.shared.size {
+            (table.arrived, table.round) = (0, round + 1);
+            self.shared.turned.notify_all();
+        }
+        while table.round == round && !table.lost {
+            table = self.shared.turned.wait(table).unwrap_or_else(PoisonError::into_inner);
+        }
+        let lost = table.lost;
+        drop(table);
+        assert!(!lost, "another rank has panicked");
+    }
+
+    /// Puts something on the table, and takes something when all have done so.
+    fn meet<R>(
+        &self,
+        put: impl FnOnce(&mut Table, usize),
+        take: impl FnOnce(&mut Table, usize) -> R,
+    ) -> R {
+        put(&mut self.table(), self.rank);
+        self.wait();
+        let taken = take(&mut self.table(), self.rank);
+        self.wait();
+        taken
+    }
+}
+
+impl Drop for Thread {
+    fn drop(&mut self) {
+        if std::thread::panicking() {
+            self.table().lost = true;
+            self.shared.turned.notify_all();
+        }
+    }
+}
+
+impl World for Thread {
+    fn rank(&self) -> usize {
+        self.rank
+    }
+
+    fn size(&self) -> usize {
+        self.shared.size
+    }
+
+    fn sum(&self, numbers: &mut [u64]) {
+        let mine = numbers.to_vec();
+        numbers.fill(0);
+        self.meet(
+            |table, rank| table.numbers[rank] = mine,
+            |table, _| {
+                for (sum, k) in table.numbers.iter().flat_map(|of| of.iter().zip(0..)) {
+                    numbers[k] = numbers[k].wrapping_add(*sum);
+                }
+            },
+        );
+    }
+
+    fn largest(&self, numbers: &mut [f64]) {
+        let mine = numbers.to_vec();
+        self.meet(
+            |table, rank| table.reals[rank] = mine,
+            |table, _| {
+                for (x, k) in table.reals.iter().flat_map(|of| of.iter().zip(0..)) {
+                    numbers[k] = numbers[k].max(*x);
+                }
+            },
+        );
+    }
+
+    fn exchange(&self, parts: &mut [Vec<u8>]) {
+        let mine = parts.iter_mut().map(std::mem::take).collect();
+        self.meet(
+            |table, rank| table.mail[rank] = mine,
+            |table, rank| {
+                for (part, of) in parts.iter_mut().zip(&mut table.mail) {
+                    *part = std::mem::take(&mut of[rank]);
+                }
+            },
+        );
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn all_ranks_get_the_same_sums_and_each_its_own_mail() {
+        for size in [1, 2, 5] {
+            let seen = threads(size, |world| {
+                let me = world.rank();
+                let mut numbers = [me as u64, u64::MAX];
+                let mut reals = [me as f64, -(me as f64)];
+                let mut parts: Vec<Vec<u8>> =
+                    (0..size).map(|to| vec![10 * me as u8 + to as u8; me]).collect();
+                for _ in 0..3 {
+                    (numbers, reals) = ([me as u64, u64::MAX], [me as f64, -(me as f64)]);
+                    world.sum(&mut numbers);
+                    world.largest(&mut reals);
+                }
+                world.exchange(&mut parts);
+                (numbers, reals, parts)
+            });
+            for (me, (numbers, reals, parts)) in seen.into_iter().enumerate() {
+                let sum = (size * (size - 1) / 2) as u64;
+                assert_eq!(numbers, [sum, 0u64.wrapping_sub(size as u64)]);
+                assert_eq!(reals, [(size - 1) as f64, 0.0]);
+                for (from, part) in parts.iter().enumerate() {
+                    assert_eq!(*part, vec![10 * from as u8 + me as u8; from]);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_rank_that_panics_takes_the_others_along() {
+        let panics = std::panic::catch_unwind(|| {
+            threads(3, |world| {
+                assert!(world.rank() != 1, "on purpose");
+                world.sum(&mut [1]);
+            });
+        });
+        assert!(panics.is_err());
+    }
+}

@@ -1,0 +1,349 @@
+//! `contactbench ranks`.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use anyhow::{Context, bail, ensure};
+use contactbench_core::ranks::{Failure, World, threads};
+
+use crate::cli::shared::input::{OPTIONS, tell};
+use crate::cli::shared::limit::Limit;
+use crate::cli::shared::scene::Source;
+use crate::cli::shared::{terminal, values};
+use crate::detect::table;
+use crate::experiment::{detectors, shard};
+use crate::io::Place;
+use crate::number::{number, percent, plural};
+use crate::present::document::{Block, plain};
+use crate::present::table::{Cell, Column, Table};
+use crate::ranks::model::{Growth, Network, Step, step};
+use crate::ranks::share::{Origin, Share};
+use crate::ranks::{Row, Setting, measure, whole};
+use crate::scene::spec::Spec;
+
+/// Options of `ranks`.
+#[derive(clap::Args)]
+pub struct Ranks {
+    #[command(flatten)]
+    source: Source,
+    /// Who searches in each rank, with parameters as in streamed-nbs:level=avx2
+    #[arg(
+        long,
+        default_value = table::DEFAULT,
+        value_parser = values::DETECTOR,
+        hide_possible_values = true
+    )]
+    detector: String,
+    /// Numbers of ranks, one after the other, as threads of this process; under mpirun its ranks
+    /// are taken
+    #[arg(
+        long,
+        value_name = "NUMBERS",
+        value_delimiter = ',',
+        default_value = "1,2,4,8",
+        value_parser = values::whole::<usize>
+    )]
+    ranks: Vec<usize>,
+    /// Each rank makes such a scene, with a seed of its own, and they are put side by side along x:
+    /// the whole grows with the number of ranks
+    #[arg(long)]
+    each: bool,
+    /// Steps that are timed, after one that is not
+    #[arg(long, default_value_t = 5, value_parser = values::whole::<usize>)]
+    steps: usize,
+    /// Do not look for the contacts in one process, to compare them: for scenes that one machine
+    /// cannot hold
+    #[arg(long)]
+    unchecked: bool,
+    /// Also print what steps would take on up to 1,024 ranks, each with as many particles
+    #[arg(long)]
+    model: bool,
+    /// The network of the model: seconds until an empty message is there, and bytes per second of a
+    /// rank
+    #[arg(long, value_name = "SECONDS,RATE", default_value = "2e-6,1e9")]
+    network: Network,
+    /// Also append a line of JSON for each number of ranks to a file
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    #[command(flatten)]
+    limit: Limit,
+}
+
+/// Measures, checks, prints.
+pub fn ranks(options: &Ranks) -> anyhow::Result<ExitCode> {
+    let spec = detectors::parse(&options.detector)?;
+    ensure!(options.steps >= 1, "--steps 0: at least one is needed");
+    for &ranks in &options.ranks {
+        ensure!(
+            (1..=MOST_THREADS).contains(&ranks),
+            "--ranks {ranks}: threads are ranks from 1 to {MOST_THREADS}; start more by mpirun"
+        );
+    }
+    let (name, origin) = origin(options)?;
+    let setting = |n: usize| Setting {
+        spec: &spec,
+        memory_limit: options.limit.bytes(n),
+        steps: options.steps,
+    };
+    if shard::rank().is_some_and(|(_, size)| size > 1) {
+        return by_mpi(options, &name, &origin, &setting);
+    }
+    let given = (!options.each).then(|| origin.whole()).transpose()?;
+    if let Some(given) = &given {
+        tell(
+            &name,
+            &given.notices,
+            if Path::new(&name).exists() { Place::Argument } else { Place::Spec },
+        );
+    }
+    let mut rows = Vec::new();
+    for &ranks in &options.ranks {
+        let of = |world: &_| -> anyhow::Result<Row> {
+            let share = match &given {
+                Some(given) => Share::of(given, World::rank(world), ranks),
+                None => origin.beside(world)?,
+            };
+            let setting = setting(share.given.scene.len());
+            Ok(measure(world, "threads", &name, share, setting)?)
+        };
+        let mut row = first_to_say_why(threads(ranks, of)).with_context(|| name.clone())?;
+        if !options.unchecked {
+            let all =
+                given.as_ref().map_or_else(|| origin.row(ranks), |given| Ok(given.clone()))?;
+            row.whole = Some(whole(&all, setting(all.scene.len())).context("one process")?);
+        }
+        rows.push(row);
+    }
+    say(options, &rows)
+}
+
+/// More would take longer to start than to work.
+const MOST_THREADS: usize = 64;
+
+#[cfg(feature = "mpi")]
+fn by_mpi<'a>(
+    options: &Ranks,
+    name: &str,
+    origin: &Origin,
+    setting: &dyn Fn(usize) -> Setting<'a>,
+) -> anyhow::Result<ExitCode> {
+    let world = crate::ranks::mpi::Processes::begin().context("MPI does not begin")?;
+    let (rank, size) = (world.rank(), world.size());
+    let share = if options.each { origin.beside(&world) } else { origin.share(rank, size) };
+    // What one cannot read, the others do not wait for.
+    let mut failed = [f64::from(u8::from(share.is_err()))];
+    world.largest(&mut failed);
+    let row = share.and_then(|share| {
+        ensure!(failed[0] == 0.0, "another rank has no particles; it says why");
+        if rank == 0 {
+            tell(name, &share.given.notices, Place::Argument);
+        }
+        let setting = setting(share.given.scene.len());
+        Ok(measure(&world, "mpi", name, share, setting)?)
+    });
+    // One word is enough, and it comes from whoever knows.
+    let mut row = match row {
+        Ok(row) => row,
+        Err(error) if matches!(error.downcast_ref(), Some(Failure::Elsewhere(_))) => {
+            return Ok(ExitCode::from(2));
+        }
+        Err(error) => return Err(error.context(format!("{name}: rank {rank}"))),
+    };
+    if rank > 0 {
+        return Ok(ExitCode::SUCCESS);
+    }
+    if !options.unchecked {
+        let all = if options.each { origin.row(size) } else { origin.whole() }?;
+        row.whole = Some(whole(&all, setting(all.scene.len())).context("one process")?);
+    }
+    say(options, &[row])
+}
+
+#[cfg(not(feature = "mpi"))]
+fn by_mpi<'a>(
+    _: &Ranks,
+    _: &str,
+    _: &Origin,
+    _: &dyn Fn(usize) -> Setting<'a>,
+) -> anyhow::Result<ExitCode> {
+    bail!(
+        "this is one of several MPI processes, and the program was built without MPI; build it \
+         with cargo build --release --features mpi (docs/CLUSTER.md)"
+    )
+}
+
+fn origin(options: &Ranks) -> anyhow::Result<(String, Origin)> {
+    let Source { scene: Some(text), input } = &options.source else {
+        bail!(
+            "name a particle file, or a scene such as packed:dim=3,n=1e6 (contactbench list scenes)"
+        );
+    };
+    let path = Path::new(text);
+    if path.exists() {
+        return Ok((text.clone(), Origin::File(path.to_owned(), Box::new(input.options()))));
+    }
+    ensure!(
+        !input.is_said(),
+        "{OPTIONS} belong to files; write dim=3 and the like into the scene: {text}"
+    );
+    Ok((text.clone(), Origin::Made(Spec::parse(text)?)))
+}
+
+/// Ranks that end because of another do not know why.
+fn first_to_say_why(rows: Vec<anyhow::Result<Row>>) -> anyhow::Result<Row> {
+    let mut ended = None;
+    for row in rows {
+        match row {
+            Err(error) if !matches!(error.downcast_ref(), Some(Failure::Elsewhere(_))) => {
+                return Err(error);
+            }
+            row => ended = Some(row),
+        }
+    }
+    ended.context("no rank")?
+}
+
+fn say(options: &Ranks, rows: &[Row]) -> anyhow::Result<ExitCode> {
+    if let Some(path) = &options.json {
+        let place = path.display().to_string();
+        let mut file = std::fs::File::options().create(true).append(true).open(path);
+        let lines: Result<String, _> =
+            rows.iter().map(|row| Ok(serde_json::to_string(row)? + "\n")).collect();
+        let lines = lines.map_err(|error: serde_json::Error| error)?;
+        file.as_mut()
+            .map_err(|error| std::io::Error::new(error.kind(), error.to_string()))
+            .and_then(|file| file.write_all(lines.as_bytes()))
+            .with_context(|| {
+                format!("cannot append to {place}; choose another place with --json")
+            })?;
+    }
+    let mut blocks = Vec::new();
+    if let Some(row) = rows.first() {
+        blocks.push(Block::paragraph(format!(
+            "{}: {}D, {}, exact arithmetic; slabs along {}.",
+            row.scene,
+            row.dim,
+            row.detector,
+            direction(row)
+        )));
+        blocks.push(Block::Table(table(rows)));
+        if row.kind == "threads" {
+            let most = rows.iter().map(|row| row.ranks).max().unwrap_or(1);
+            let have = std::thread::available_parallelism().map_or(1, |number| number.get());
+            if most > have {
+                blocks.push(Block::paragraph(format!(
+                    "More ranks than processors ({have}) take turns: their times are not those of \
+                     ranks side by side."
+                )));
+            }
+        }
+    }
+    let mut code = ExitCode::SUCCESS;
+    for row in rows {
+        let right = row.is_right();
+        let verdict = match (right, &row.whole) {
+            (Some(true), _) => "those of one process".to_string(),
+            (Some(false), Some(whole)) => {
+                code = ExitCode::FAILURE;
+                format!(
+                    "WRONG: one process finds {}, digest {}",
+                    plural(whole.pairs as usize, "pair"),
+                    whole.digest
+                )
+            }
+            _ => "not compared with one process".to_string(),
+        };
+        blocks.push(Block::paragraph(format!(
+            "{}: {}, digest {}: {verdict}.",
+            plural(row.ranks, "rank"),
+            plural(row.pairs as usize, "pair"),
+            row.digest
+        )));
+    }
+    if options.model {
+        blocks.extend(model(rows, options.network));
+    }
+    let mut out = std::io::stdout().lock();
+    write!(out, "{}", plain(&blocks, terminal::width()))?;
+    Ok(code)
+}
+
+fn direction(row: &Row) -> String {
+    match row.around {
+        false => ["x", "y", "z"][row.along.min(2)].into(),
+        true => format!("vector {} of the box", row.along + 1),
+    }
+}
+
+fn table(rows: &[Row]) -> Table {
+    let columns = vec![
+        Column::right("ranks", ""),
+        Column::right("own", "most"),
+        Column::right("of others", "most"),
+        Column::right("sent", "bytes"),
+        Column::right("step", "ms"),
+        Column::right("exchange", "ms"),
+        Column::right("search", "ms"),
+        Column::right("alone", "ms"),
+        Column::right("memory", "MB"),
+    ];
+    let line = |row: &Row| {
+        vec![
+            Cell::count(row.ranks as u64),
+            Cell::count(row.own[1]),
+            Cell::count(row.halo_most),
+            Cell::count(row.sent_bytes),
+            Cell::number(row.step_ms),
+            Cell::number(row.exchange_ms),
+            Cell::number(row.search_ms),
+            Cell::number(row.alone_ms),
+            Cell::number(row.memory_most as f64 / 1e6),
+        ]
+    };
+    Table::new("", columns).with(rows.iter().map(line))
+}
+
+fn model(rows: &[Row], network: Network) -> Vec<Block> {
+    let Some(row) = rows.iter().filter(|row| row.ranks > 1).max_by_key(|row| row.ranks) else {
+        return vec![Block::paragraph("The model needs what two ranks or more send.")];
+    };
+    let of = |growth| {
+        let steps = (0..=10).filter_map(move |k| step(row, network, growth, 1 << k));
+        steps.collect::<Vec<Step>>()
+    };
+    let (long, alike) = (of(Growth::Long), of(Growth::Alike));
+    let columns = vec![
+        Column::right("ranks", ""),
+        Column::right("particles", ""),
+        Column::right("long: step", "ms"),
+        Column::right("efficiency", ""),
+        Column::right("alike: halo", ""),
+        Column::right("step", "ms"),
+        Column::right("efficiency", ""),
+    ];
+    let line = |(long, alike): (&Step, &Step)| {
+        vec![
+            Cell::count(long.ranks),
+            Cell::count(long.n as u64),
+            Cell::number(long.ms),
+            Cell::from(percent(long.efficiency)),
+            Cell::count(alike.halo as u64),
+            Cell::number(alike.ms),
+            Cell::from(percent(alike.efficiency)),
+        ]
+    };
+    let words = format!(
+        "Model, not measured: {} own particles in each rank, messages of {} s and {} bytes/s, from \
+         the search alone and the halo of {} ranks. Long: the scene grows along its slabs; alike: \
+         in its shape, so that slabs become thin.",
+        number(row.n as f64 / row.ranks as f64),
+        number(network.latency_s),
+        number(network.bytes_per_s),
+        row.ranks
+    );
+    vec![
+        Block::paragraph(words),
+        Block::Table(Table::new("", columns).with(long.iter().zip(&alike).map(line))),
+    ]
+}

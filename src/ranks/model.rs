@@ -1,0 +1,154 @@
+//! What a step would take on more ranks than there are here.
+//!
+//! ```text
+//! step(R) = s (own + h) + latency (log2 R, rounded up, + messages) + h b / bandwidth
+//! ```
+//!
+//! s is the measured time of the search per particle in a rank, own ones and those of others, while
+//! no other rank works; h is the number of particles that cross a border, measured; b their bytes.
+//! A scene that grows along its slabs has the h that was measured; one that keeps its shape has an
+//! area that grows as N^((D - 1) / D). Messages are one, or as many as slabs fit into a layer of h.
+//! Numbers of bytes are told to all first, in log2 R steps.
+//!
+//! What it leaves out: ranks that share memory and cores take longer than alone (the row says by
+//! how much here), and slabs are not quite equal.
+
+use serde::Serialize;
+
+use super::Row;
+
+/// A network between ranks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Network {
+    /// Seconds until a message without content is there.
+    pub latency_s: f64,
+    /// Bytes per second of one rank.
+    pub bytes_per_s: f64,
+}
+
+/// `2e-6,12.5e9`: seconds, bytes per second.
+impl std::str::FromStr for Network {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Network, String> {
+        let numbers = text.split_once(',').and_then(|(latency, rate)| {
+            Some([latency.trim().parse::<f64>().ok()?, rate.trim().parse::<f64>().ok()?])
+        });
+        match numbers {
+            Some([latency_s, bytes_per_s])
+                if latency_s >= 0.0 && latency_s.is_finite() && bytes_per_s > 0.0 =>
+            {
+                Ok(Network { latency_s, bytes_per_s })
+            }
+            _ => Err("it must be seconds and bytes per second, such as 2e-6,12.5e9".into()),
+        }
+    }
+}
+
+/// A step on so many ranks.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Step {
+    /// How many.
+    pub ranks: u64,
+    /// Particles of all.
+    pub n: f64,
+    /// Particles that cross a border.
+    pub halo: f64,
+    /// How long it takes.
+    pub ms: f64,
+    /// The time of one rank with as many own particles over that.
+    pub efficiency: f64,
+}
+
+/// How the scene grows with the number of ranks, of which each has as many particles as now.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Growth {
+    /// Along its slabs.
+    Long,
+    /// In its shape.
+    Alike,
+}
+
+/// The step on `ranks` ranks, from what was measured on several; none from a row of one rank.
+pub fn step(row: &Row, network: Network, growth: Growth, ranks: u64) -> Option<Step> {
+    // Around a box the last slab meets the first.
+    let borders = if row.around { row.ranks } else { row.ranks.checked_sub(1)? };
+    if row.ranks < 2 || row.n == 0 {
+        return None;
+    }
+    let own = row.n as f64 / row.ranks as f64;
+    let n = own * ranks as f64;
+    let measured = row.sent as f64 / borders as f64;
+    let area = match growth {
+        Growth::Long => 1.0,
+        Growth::Alike => (n / row.n as f64).powf((row.dim as f64 - 1.0) / row.dim as f64),
+    };
+    let halo = if ranks > 1 { measured * area } else { 0.0 };
+    let each_ms = row.alone_ms / (row.own[1] + row.halo_most) as f64;
+    let bytes = row.sent_bytes as f64 / (row.sent as f64).max(1.0);
+    let messages = if ranks > 1 { (halo / own).ceil() + (ranks as f64).log2().ceil() } else { 0.0 };
+    let network_ms = 1e3 * (network.latency_s * messages + halo * bytes / network.bytes_per_s);
+    let ms = each_ms * (own + halo) + network_ms;
+    Some(Step { ranks, n, halo, ms, efficiency: each_ms * own / ms })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const NETWORK: Network = Network { latency_s: 1e-3, bytes_per_s: 1e6 };
+
+    /// Two ranks of a thousand spheres each, of which a hundred cross the border.
+    fn row() -> Row {
+        Row {
+            scene: "packed".into(),
+            n: 2000,
+            dim: 3,
+            detector: "nbs".into(),
+            kind: "threads",
+            ranks: 2,
+            along: 0,
+            around: false,
+            own: [1000, 1000],
+            halo_most: 100,
+            sent: 100,
+            sent_bytes: 2800,
+            sent_bytes_most: 2800,
+            partners_most: 1,
+            step_ms: 1.0,
+            exchange_ms: 0.1,
+            search_ms: 0.9,
+            alone_ms: 1.1,
+            memory_most: 1,
+            pairs: 1,
+            digest: String::new(),
+            whole: None,
+        }
+    }
+
+    #[test]
+    fn steps_are_those_of_the_formula() {
+        let one = step(&row(), NETWORK, Growth::Alike, 1).unwrap();
+        assert_eq!((one.halo, one.efficiency), (0.0, 1.0));
+        assert!((one.ms - 1.0).abs() < 1e-12);
+        let long = step(&row(), NETWORK, Growth::Long, 8).unwrap();
+        assert_eq!((long.n, long.halo), (8000.0, 100.0));
+        // 1.1 ms of search, four messages of 1 ms, 2.8 ms on the way.
+        assert!((long.ms - (1.1 + 4.0 + 2.8)).abs() < 1e-9, "{long:?}");
+        // Eight times as many in the same shape: four times the area.
+        let alike = step(&row(), NETWORK, Growth::Alike, 16).unwrap();
+        assert!((alike.halo - 400.0).abs() < 1e-9, "{alike:?}");
+        // Slabs thinner than a layer of the halo: more messages.
+        let thin = step(&row(), NETWORK, Growth::Alike, 1 << 20).unwrap();
+        assert!(thin.halo > thin.n / 1048576.0 && thin.efficiency < 0.02, "{thin:?}");
+        assert_eq!(step(&Row { ranks: 1, ..row() }, NETWORK, Growth::Long, 8), None);
+    }
+
+    #[test]
+    fn networks_are_two_numbers() {
+        assert_eq!("1e-3, 1e6".parse(), Ok(NETWORK));
+        for text in ["", "1", "-1,1", "1,0", "nan,1", "1,2,3"] {
+            assert!(text.parse::<Network>().is_err(), "{text}");
+        }
+    }
+}

@@ -1,0 +1,162 @@
+//! What each rank makes or reads of a scene.
+
+use std::path::PathBuf;
+
+use anyhow::{Context, ensure};
+use contactbench_core::ranks::World;
+
+use crate::io;
+use crate::scene::spec::Spec;
+use crate::scene::{AnyScene, Given, Radii, Real, Scene, array};
+
+/// Particles that one rank brings, whoever will own them.
+#[derive(Clone, Debug)]
+pub struct Share {
+    /// With the box of the whole scene.
+    pub given: Given,
+    /// The number of the first in the whole scene.
+    pub first: u64,
+}
+
+/// Where a scene comes from.
+#[derive(Clone, Debug)]
+pub enum Origin {
+    /// A file of particles.
+    File(PathBuf, Box<io::Options>),
+    /// A generator.
+    Made(Spec),
+}
+
+impl Origin {
+    /// All of it.
+    ///
+    /// # Errors
+    /// What cannot be read or made.
+    pub fn whole(&self) -> anyhow::Result<Given> {
+        match self {
+            Origin::Made(spec) => spec.given(),
+            Origin::File(path, options) => io::given(path, **options),
+        }
+    }
+
+    /// What one of the ranks brings. Of a file of npy rows it keeps no others; of other files, and
+    /// of what is made, it holds the whole for a moment.
+    ///
+    /// # Errors
+    /// As [`Origin::whole`].
+    pub fn share(&self, rank: usize, ranks: usize) -> anyhow::Result<Share> {
+        let Origin::File(path, options) = self else {
+            return Ok(Share::of(&self.whole()?, rank, ranks));
+        };
+        let part = Some([rank as u64, ranks as u64]);
+        let (particles, _) = io::load(path, io::Options { part, ..**options })?;
+        let first = particles.first();
+        let given = particles.given(&path.display().to_string(), options.radius)?;
+        Ok(match first {
+            Some(first) => Share { given, first },
+            None => Share::of(&given, rank, ranks),
+        })
+    }
+
+    /// A scene of its own for each rank, with seeds that follow each other, side by side along x: a
+    /// scene that grows with the number of ranks, of which no rank makes more than its part.
+    ///
+    /// # Errors
+    /// As [`Origin::whole`]; a file, a box that repeats.
+    pub fn beside(&self, world: &impl World) -> anyhow::Result<Share> {
+        let made = self.seeded(world.rank());
+        let mut width = [made.as_ref().map_or(0.0, width), f64::from(u8::from(made.is_err()))];
+        world.largest(&mut width);
+        let given = made?;
+        ensure!(width[1] == 0.0, "another rank cannot make its scene; it says why");
+        let first = (given.scene.len() * world.rank()) as u64;
+        Ok(Share { given: moved(&given, width[0] * world.rank() as f64)?.into(), first })
+    }
+
+    /// The same of so many ranks in one piece.
+    ///
+    /// # Errors
+    /// The same.
+    pub fn row(&self, ranks: usize) -> anyhow::Result<Given> {
+        let all: Vec<Given> = (0..ranks).map(|rank| self.seeded(rank)).collect::<Result<_, _>>()?;
+        let width = all.iter().map(width).fold(0.0, f64::max);
+        let places = all.iter().zip(0..).map(|(given, k)| moved(given, width * f64::from(k)));
+        one(&places.collect::<anyhow::Result<Vec<_>>>()?)
+    }
+
+    fn seeded(&self, rank: usize) -> anyhow::Result<Given> {
+        let Origin::Made(spec) = self else {
+            anyhow::bail!("--each is for scenes that are made; a file is dealt out: leave it out");
+        };
+        let seed = spec.seed.wrapping_add(rank as u64);
+        let given = Spec { seed, ..spec.clone() }.given()?;
+        ensure!(
+            given.lattice.is_none(),
+            "--each puts scenes side by side, and this one repeats in a box; leave out the box, or \
+             --each"
+        );
+        Ok(given)
+    }
+}
+
+impl Share {
+    /// Part `rank` of a scene.
+    pub fn of(given: &Given, rank: usize, ranks: usize) -> Share {
+        let n = given.scene.len() as u64;
+        let end = |k: usize| (n * k as u64 / ranks as u64) as u32;
+        let rows: Vec<u32> = (end(rank)..end(rank + 1)).collect();
+        let Given { lattice, has_box, notices, .. } = given;
+        let (scene, notices) = (given.scene.reordered(&rows), notices.clone());
+        let given = Given { scene, lattice: *lattice, has_box: *has_box, notices };
+        Share { given, first: end(rank).into() }
+    }
+}
+
+/// How much farther along x the next scene begins: centres are nine tenths of the largest diameter
+/// apart where one ends.
+fn width(given: &Given) -> f64 {
+    let mut ends = [f64::INFINITY, f64::NEG_INFINITY];
+    crate::with_scene!(&given.scene, scene => for x in scene.centres() {
+        let x = array(x)[0].wide();
+        ends = [ends[0].min(x), ends[1].max(x)];
+    });
+    (ends[1] - ends[0]).max(0.0) + 1.8 * given.scene.largest_radius()
+}
+
+fn moved(given: &Given, by: f64) -> anyhow::Result<AnyScene<'static>> {
+    fn of<const D: usize>(
+        scene: &Scene<'_, f64, D>,
+        by: f64,
+    ) -> anyhow::Result<Scene<'static, f64, D>> {
+        let centres = scene.centres().iter().map(|centre| {
+            let mut centre = *centre;
+            centre[0] += by;
+            centre
+        });
+        let radii = match scene.radii() {
+            Radii::Uniform(r) => Radii::Uniform(*r),
+            Radii::Each(radii) => Radii::Each(radii.to_vec().into()),
+        };
+        Scene::new(centres.collect::<Vec<_>>(), radii).context("--each goes too far along x")
+    }
+    Ok(match &given.scene {
+        AnyScene::Plane(stored) => of(&stored.widened(), by)?.into(),
+        AnyScene::Space(stored) => of(&stored.widened(), by)?.into(),
+    })
+}
+
+fn one(scenes: &[AnyScene<'static>]) -> anyhow::Result<Given> {
+    fn of<const D: usize>(scenes: &[Scene<'_, f64, D>]) -> anyhow::Result<Scene<'static, f64, D>> {
+        let centres = scenes.iter().flat_map(|scene| scene.centres()).copied();
+        let radii = scenes.iter().flat_map(|scene| (0..scene.len()).map(|k| scene.radius(k)));
+        Ok(Scene::new(centres.collect::<Vec<_>>(), Radii::Each(radii.collect::<Vec<_>>().into()))?)
+    }
+    let (mut plane, mut space) = (Vec::new(), Vec::new());
+    for scene in scenes {
+        match scene {
+            AnyScene::Plane(stored) => plane.push(stored.widened().into_owned()),
+            AnyScene::Space(stored) => space.push(stored.widened().into_owned()),
+        }
+    }
+    Ok(if space.is_empty() { of::<2>(&plane)?.into() } else { of::<3>(&space)?.into() })
+}
