@@ -18,6 +18,8 @@ use crate::number::{number, percent, plural};
 use crate::present::document::{Block, plain};
 use crate::present::table::{Cell, Column, Table};
 use crate::ranks::model::{Growth, Network, Step, step};
+#[cfg(feature = "mpi")]
+use crate::ranks::share::agreed;
 use crate::ranks::share::{Origin, Share};
 use crate::ranks::{Row, Setting, measure, whole};
 use crate::scene::spec::Spec;
@@ -130,12 +132,11 @@ fn by_mpi<'a>(
 ) -> anyhow::Result<ExitCode> {
     let world = crate::ranks::mpi::Processes::begin().context("MPI does not begin")?;
     let (rank, size) = (world.rank(), world.size());
-    let share = if options.each { origin.beside(&world) } else { origin.share(rank, size) };
-    // What one cannot read, the others do not wait for.
-    let mut failed = [f64::from(u8::from(share.is_err()))];
-    world.largest(&mut failed);
+    let share = match options.each {
+        true => origin.beside(&world),
+        false => agreed(&world, origin.share(rank, size)),
+    };
     let row = share.and_then(|share| {
-        ensure!(failed[0] == 0.0, "another rank has no particles; it says why");
         if rank == 0 {
             tell(name, &share.given.notices, Place::Argument);
         }
@@ -280,10 +281,9 @@ fn table(rows: &[Row]) -> Table {
     let columns = vec![
         Column::right("ranks", ""),
         Column::right("own", "most"),
-        Column::right("of others", "most"),
+        Column::right("halo", "most"),
         Column::right("sent", "bytes"),
         Column::right("step", "ms"),
-        Column::right("exchange", "ms"),
         Column::right("search", "ms"),
         Column::right("alone", "ms"),
         Column::right("memory", "MB"),
@@ -295,7 +295,6 @@ fn table(rows: &[Row]) -> Table {
             Cell::count(row.halo_most),
             Cell::count(row.sent_bytes),
             Cell::number(row.step_ms),
-            Cell::number(row.exchange_ms),
             Cell::number(row.search_ms),
             Cell::number(row.alone_ms),
             Cell::number(row.memory_most as f64 / 1e6),

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use anyhow::{Context, ensure};
-use contactbench_core::ranks::World;
+use contactbench_core::ranks::{Failure, World, failed};
 
 use crate::io;
 use crate::scene::spec::Spec;
@@ -64,13 +64,12 @@ impl Origin {
     /// # Errors
     /// As [`Origin::whole`]; a file, a box that repeats.
     pub fn beside(&self, world: &impl World) -> anyhow::Result<Share> {
-        let made = self.seeded(world.rank());
-        let mut width = [made.as_ref().map_or(0.0, width), f64::from(u8::from(made.is_err()))];
+        let given = agreed(world, self.seeded(world.rank()))?;
+        let mut width = [width(&given)];
         world.largest(&mut width);
-        let given = made?;
-        ensure!(width[1] == 0.0, "another rank cannot make its scene; it says why");
         let first = (given.scene.len() * world.rank()) as u64;
-        Ok(Share { given: moved(&given, width[0] * world.rank() as f64)?.into(), first })
+        let scene = agreed(world, moved(&given, width[0] * world.rank() as f64))?;
+        Ok(Share { given: scene.into(), first })
     }
 
     /// The same of so many ranks in one piece.
@@ -97,6 +96,16 @@ impl Origin {
         );
         Ok(given)
     }
+}
+
+/// The result of each rank, if none has failed: nobody waits for one that has.
+///
+/// # Errors
+/// That of this rank; [`Failure::Elsewhere`].
+pub fn agreed<T>(world: &impl World, result: anyhow::Result<T>) -> anyhow::Result<T> {
+    let failed = failed(world, result.is_err());
+    let result = result?;
+    failed.map_or(Ok(result), |rank| Err(Failure::Elsewhere(rank).into()))
 }
 
 impl Share {

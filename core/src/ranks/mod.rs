@@ -53,6 +53,13 @@ pub enum Failure {
     Boxed(#[from] PeriodicError),
 }
 
+/// The highest rank that has failed, if any has: all ranks say whether they have.
+pub fn failed(world: &impl World, here: bool) -> Option<usize> {
+    let mut highest = [if here { world.rank() as f64 } else { -1.0 }];
+    world.largest(&mut highest);
+    (highest[0] >= 0.0).then_some(highest[0] as usize)
+}
+
 /// The result of each rank, if none has failed: what is refused in one is not waited for by others.
 ///
 /// # Errors
@@ -61,10 +68,9 @@ pub fn together<T, E: Into<Failure>>(
     world: &impl World,
     result: Result<T, E>,
 ) -> Result<T, Failure> {
-    let mut failed = [if result.is_err() { world.rank() as f64 } else { -1.0 }];
-    world.largest(&mut failed);
+    let failed = failed(world, result.is_err());
     let result = result.map_err(Into::into)?;
-    if failed[0] >= 0.0 { Err(Failure::Elsewhere(failed[0] as usize)) } else { Ok(result) }
+    failed.map_or(Ok(result), |rank| Err(Failure::Elsewhere(rank)))
 }
 
 /// What a rank has sent to be able to begin.
