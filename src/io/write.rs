@@ -113,6 +113,17 @@ pub fn whole<T, E: From<io::Error>>(
     Ok(done)
 }
 
+/// Appends to a file, which is made if there is none.
+///
+/// # Errors
+/// In one sentence, with the option that names another place.
+pub fn append(path: &Path, text: &str, option: &str) -> anyhow::Result<()> {
+    let file = File::options().create(true).append(true).open(path);
+    file.and_then(|mut file| file.write_all(text.as_bytes())).with_context(|| {
+        format!("cannot append to {}; choose another place with {option}", path.display())
+    })
+}
+
 /// Writes pairs to a file whose ending, `.csv` or `.npy`, gives the format.
 pub fn pairs(path: &Path, pairs: &[[u32; 2]]) -> anyhow::Result<()> {
     match format(path)? {

@@ -16,10 +16,11 @@ use crate::detect::Options;
 use crate::detect::spec::DetectorSpec;
 use crate::pair_list::PAIR_BYTES;
 use crate::periodic::{Contacts, IMAGE_PAIR_BYTES};
+use crate::record::provenance;
 use crate::scene::{AnyScene, Given, Lattice, Scene};
 use crate::searcher::Searcher;
 use crate::sink::Digest;
-use crate::stats::interval::median;
+use crate::stats::interval::{Interval, interval, median};
 use share::Share;
 
 /// How it is measured.
@@ -71,8 +72,13 @@ pub struct Row {
     pub exchange_ms: f64,
     /// The other part.
     pub search_ms: f64,
-    /// The same search while no other rank does anything, once.
+    /// The same search while no other rank does anything, after each step.
     pub alone_ms: f64,
+    /// That over the step, within each: 1 if ranks cost each other nothing.
+    pub efficiency: Option<Interval>,
+    /// That over the search of the step: what sharing memory and cores leaves of it, the most that
+    /// the machine allows.
+    pub ceiling: Option<Interval>,
     /// Most bytes of particles, buffers and contacts in a rank, by their formulas.
     pub memory_most: u64,
     /// Contacts of all ranks.
@@ -81,6 +87,12 @@ pub struct Row {
     pub digest: String,
     /// Those of one process, where they were looked for.
     pub whole: Option<Whole>,
+    /// The commit that this program was built from, and whether its sources differed.
+    pub revision: Option<&'static str>,
+    /// Did they?
+    pub dirty: Option<bool>,
+    /// Where the first rank ran.
+    pub machine: String,
 }
 
 /// What one process finds.
@@ -128,7 +140,7 @@ pub fn measure(
     share: Share,
     setting: Setting<'_>,
 ) -> Result<Row, Failure> {
-    let Share { given: Given { scene, lattice, .. }, first } = share;
+    let Share { given: Given { scene, lattice, .. }, first, .. } = share;
     let mut row = match &scene {
         AnyScene::Plane(stored) => of(world, &stored.widened(), first, lattice, setting),
         AnyScene::Space(stored) => of(world, &stored.widened(), first, lattice, setting),
@@ -156,7 +168,7 @@ where
     let mut searcher = searcher(setting);
     let mut contacts = Contacts::default();
     let ms = |from: Instant, to: Instant| (to - from).as_secs_f64() * 1e3;
-    let mut steps = [const { Vec::new() }; 3];
+    let mut steps = [const { Vec::new() }; 4];
     let mut traffic = Default::default();
     for step in 0..=setting.steps {
         world.sum(&mut [0]);
@@ -166,20 +178,20 @@ where
         let result = rank.search(&mut searcher, &mut contacts);
         let found = Instant::now();
         together(world, result)?;
-        let mut times = [ms(begun, found), ms(begun, known), ms(known, found)];
+        let mut alone = 0.0;
+        for turn in 0..world.size() {
+            world.sum(&mut [0]);
+            if turn == world.rank() {
+                let begun = Instant::now();
+                // It has just succeeded, with the same buffers.
+                let _ = rank.search(&mut searcher, &mut contacts);
+                alone = ms(begun, Instant::now());
+            }
+        }
+        let mut times = [ms(begun, found), ms(begun, known), ms(known, found), alone];
         world.largest(&mut times);
         if step > 0 {
             steps.iter_mut().zip(times).for_each(|(of, time)| of.push(time));
-        }
-    }
-    let mut alone = 0.0;
-    for turn in 0..world.size() {
-        world.sum(&mut [0]);
-        if turn == world.rank() {
-            let begun = Instant::now();
-            // It has just succeeded, with the same buffers.
-            let _ = rank.search(&mut searcher, &mut contacts);
-            alone = ms(begun, Instant::now());
         }
     }
     let memory = rank.formula_bytes(&searcher)
@@ -192,12 +204,19 @@ where
     let most = [own, rank.halo() as u64, traffic.bytes, traffic.partners, memory];
     // Numbers below 2^53.
     let [own_most, halo, bytes, partners, memory] = most.map(|number| number as f64);
-    let mut most = [own_most, -own_most, halo, bytes, partners, memory, alone];
+    let mut most = [own_most, -own_most, halo, bytes, partners, memory];
     world.largest(&mut most);
     let (along, around) = rank.slabs().direction();
     let [n, sent, sent_bytes, contacts, sum] = sums;
     let digest = Whole::of(Digest { contacts, sum });
-    let [step_ms, exchange_ms, search_ms] = steps.map(|times| median(&times).unwrap_or(0.0));
+    let over = |times: &[f64]| {
+        let ratios: Vec<f64> =
+            steps[3].iter().zip(times).map(|(alone, time)| alone / time).collect();
+        interval(&ratios)
+    };
+    let (efficiency, ceiling) = (over(&steps[0]), over(&steps[2]));
+    let [step_ms, exchange_ms, search_ms, alone_ms] =
+        steps.map(|times| median(&times).unwrap_or(0.0));
     Ok(Row {
         scene: String::new(),
         n,
@@ -216,10 +235,15 @@ where
         step_ms,
         exchange_ms,
         search_ms,
-        alone_ms: most[6],
+        alone_ms,
+        efficiency,
+        ceiling,
         memory_most: most[5] as u64,
         pairs: digest.pairs,
         digest: digest.digest,
         whole: None,
+        revision: provenance::revision(),
+        dirty: provenance::dirty(),
+        machine: provenance::machine(),
     })
 }

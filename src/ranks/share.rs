@@ -16,6 +16,8 @@ pub struct Share {
     pub given: Given,
     /// The number of the first in the whole scene.
     pub first: u64,
+    /// Frames in the file that they are from; 1 of what is made.
+    pub frames: u64,
 }
 
 /// Where a scene comes from.
@@ -49,12 +51,13 @@ impl Origin {
             return Ok(Share::of(&self.whole()?, rank, ranks));
         };
         let part = Some([rank as u64, ranks as u64]);
-        let (particles, _) = io::load(path, io::Options { part, ..**options })?;
+        let (particles, about) = io::load(path, io::Options { part, ..**options })?;
         let first = particles.first();
         let given = particles.given(&path.display().to_string(), options.radius)?;
+        let frames = about.frames;
         Ok(match first {
-            Some(first) => Share { given, first },
-            None => Share::of(&given, rank, ranks),
+            Some(first) => Share { given, first, frames },
+            None => Share { frames, ..Share::of(&given, rank, ranks) },
         })
     }
 
@@ -69,7 +72,7 @@ impl Origin {
         world.largest(&mut width);
         let first = (given.scene.len() * world.rank()) as u64;
         let scene = agreed(world, moved(&given, width[0] * world.rank() as f64))?;
-        Ok(Share { given: scene.into(), first })
+        Ok(Share { given: scene.into(), first, frames: 1 })
     }
 
     /// The same of so many ranks in one piece.
@@ -117,7 +120,7 @@ impl Share {
         let Given { lattice, has_box, notices, .. } = given;
         let (scene, notices) = (given.scene.reordered(&rows), notices.clone());
         let given = Given { scene, lattice: *lattice, has_box: *has_box, notices };
-        Share { given, first: end(rank).into() }
+        Share { given, first: end(rank).into(), frames: 1 }
     }
 }
 

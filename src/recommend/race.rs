@@ -2,12 +2,13 @@
 //!
 //! 1. A probe of each contender, one process at a time, in half of the time: the scene is loaded,
 //!    one sample is taken, its answer is judged. It may take `PATIENCE` times as long as the
-//!    fastest so far. Who takes over `FAR` times the time of the fastest, also when it is looked
-//!    at again, is out, but for the second; of the others the memory is measured.
+//!    fastest so far. Who takes over `HOPELESS` times the time of the fastest is out; of the others
+//!    the memory is measured.
 //! 2. Blocks: a sample of each in random order, and of the fastest once more as its own twin, every
-//!    one in a fresh process and all of a block on the same processor. After `FEWEST` blocks those
-//!    whose interval is above `BEHIND` times the fastest are out; two remain, so that the margin
-//!    between them is measured.
+//!    one in a fresh process and all of a block on the same processor. Who takes over `FAR` times
+//!    the time of the fastest in each of the first two is out, and so are after `FEWEST` blocks
+//!    those whose interval is above `BEHIND` times the fastest. Two always remain, so that the
+//!    margin between them is measured.
 
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -19,7 +20,9 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::contact::Arithmetic;
 use crate::detect::table::{self, Role, TABLE};
-use crate::recommend::standing::{Contender, FAR, Race, Standing, drop_behind, drop_far};
+use crate::recommend::standing::{
+    Contender, HOPELESS, Race, Standing, drop_behind, drop_far, drop_hopeless,
+};
 use crate::record::row::Outcome;
 use crate::run::client::{Client, Failure, Start};
 use crate::run::contender;
@@ -34,8 +37,8 @@ use crate::stats::interval::{Interval, ratio};
 
 /// A probe may take so many times as long as the fastest one.
 const PATIENCE: u32 = 20;
-/// Who is far behind is looked at once more, unless it takes so many times the time of the fastest.
-const HOPELESS: f64 = 12.0;
+/// So many blocks show who is far behind: one may be disturbed.
+const FIRST_BLOCKS: u32 = 2;
 /// Fewer blocks tell nothing with 95%.
 const FEWEST: u32 = 6;
 /// More blocks make intervals hardly narrower.
@@ -187,17 +190,7 @@ impl Ground<'_> {
             }
             standings.push(standing);
         }
-        drop_far(&mut standings);
-        let best = standings.iter().filter_map(|standing| standing.probe_ns).min();
-        let slow = |standing: &&mut Standing| !standing.racing && standing.outcome.is_good();
-        for standing in standings.iter_mut().filter(slow) {
-            let times = standing
-                .probe_ns
-                .zip(best)
-                .map_or(f64::NAN, |(probe, best)| probe as f64 / best.max(1) as f64);
-            standing.reason =
-                format!("some {times:.0} times slower than the fastest in a first probe");
-        }
+        drop_hopeless(&mut standings);
         Ok(standings)
     }
 
@@ -227,7 +220,7 @@ impl Ground<'_> {
     ) -> anyhow::Result<Option<Duration>> {
         let started = Instant::now();
         standing.start.time_limit = patience;
-        let Some((mut time, mut client)) = self.sample(standing, None)? else {
+        let Some((time, mut client)) = self.sample(standing, None)? else {
             if standing.outcome == Outcome::Timeout {
                 standing.reason = match best {
                     None => format!(
@@ -245,17 +238,9 @@ impl Ground<'_> {
         // From now on it has shown how long it takes.
         standing.start.time_limit = took * PATIENCE + Duration::from_secs(5);
         client.allow(standing.start.time_limit);
-        let within =
-            |time: u64, times: f64| best.is_none_or(|best| time as f64 <= times * best as f64);
-        // One look may have been disturbed.
-        if !within(time, FAR)
-            && within(time, HOPELESS)
-            && let Ok(again) = passes::sample(&mut client, SHORTEST_SAMPLE_NS)
-        {
-            time = time.min(again.time_ns);
-        }
         standing.probe_ns = Some(time);
-        if within(time, FAR) || standing.who.stays {
+        let hopeless = best.is_some_and(|best| time as f64 > HOPELESS * best as f64);
+        if !hopeless || standing.who.stays {
             match client.ask(&Request::Memory) {
                 Ok(Reply::Memory { peak_bytes, formula_bytes, .. }) => {
                     (standing.peak_bytes, standing.formula_bytes) =
@@ -354,8 +339,10 @@ impl Ground<'_> {
                 }
             }
             done = block;
-            if block >= FEWEST {
-                drop_behind(standings);
+            match block {
+                FIRST_BLOCKS => drop_far(standings),
+                FEWEST.. => drop_behind(standings),
+                _ => {}
             }
         }
         let of = |twin: Standing| {

@@ -9,7 +9,10 @@ use crate::record::row::Outcome;
 use crate::run::client::{Failure, Start};
 use crate::stats::interval::{Blocks, Interval, median, ratio};
 
-/// Who takes so many times the time of the fastest in a probe is out.
+/// Who takes so many times the time of the fastest in a probe is out: far more than one look may be
+/// disturbed.
+pub const HOPELESS: f64 = 12.0;
+/// Who takes so many times the time of the fastest in each of the first blocks is out.
 pub const FAR: f64 = 3.0;
 /// Who is so many times slower after some blocks, with the whole interval, is out.
 pub const BEHIND: f64 = 1.5;
@@ -117,13 +120,37 @@ pub fn fastest(standings: &[Standing]) -> Option<usize> {
     timed.min_by(|a, b| a.1.typical().total_cmp(&b.1.typical())).map(|(k, _)| k)
 }
 
-/// Ends those who are far behind the fastest in the probe.
+/// Ends those who are hopelessly behind the fastest in the probe.
+pub(super) fn drop_hopeless(standings: &mut [Standing]) {
+    drop_if(standings, |standing, best| {
+        let (own, best) = (standing.probe_ns, best.probe_ns.unwrap_or_default());
+        own.is_some_and(|own| own as f64 > HOPELESS * best as f64)
+    });
+    say_why(standings, "a first probe");
+}
+
+/// Ends those who are far behind the fastest in every block so far. So few of their times say
+/// nothing more, and count as probes.
 pub(super) fn drop_far(standings: &mut [Standing]) {
     drop_if(standings, |standing, best| {
-        standing
-            .probe_ns
-            .is_some_and(|probe| probe as f64 > FAR * best.probe_ns.unwrap_or_default() as f64)
+        let mut both = standing.times.iter().filter_map(|(k, own)| Some((own, best.times.get(k)?)));
+        both.all(|(own, best)| *own as f64 > FAR * *best as f64)
     });
+    for standing in standings.iter_mut().filter(|standing| !standing.racing) {
+        standing.probe_ns = standing.times.values().copied().min().or(standing.probe_ns);
+        standing.times.clear();
+    }
+    say_why(standings, "the first blocks");
+}
+
+/// The reason of those that have just been left behind.
+fn say_why(standings: &mut [Standing], place: &str) {
+    let best = standings.iter().filter_map(|standing| standing.probe_ns).min().unwrap_or(1).max(1);
+    let silent = |it: &&mut Standing| !it.racing && it.outcome.is_good() && it.reason.is_empty();
+    for standing in standings.iter_mut().filter(silent) {
+        let times = standing.probe_ns.map_or(f64::NAN, |own| own as f64 / best as f64);
+        standing.reason = format!("some {times:.0} times slower than the fastest in {place}");
+    }
 }
 
 /// Ends those who are behind the fastest in the blocks.
@@ -143,5 +170,54 @@ fn drop_if(standings: &mut [Standing], is_behind: impl Fn(&Standing, &Standing) 
         if !standings[k].who.stays && is_behind(&standings[k], &standings[best]) {
             standings[k].racing = false;
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn race(times: &[(u64, &[u64])]) -> Vec<Standing> {
+        let standing = |(k, (probe, blocks)): (usize, &(u64, &[u64]))| {
+            let who = Contender { name: k.to_string(), is_ours: true, threads: 1, stays: false };
+            let start = Start {
+                command: Vec::new(),
+                install: String::new(),
+                time_limit: std::time::Duration::ZERO,
+                memory_limit: 0,
+                processor: None,
+            };
+            let mut standing = Standing::new(who, start);
+            standing.probe_ns = Some(*probe);
+            let blocks = (1u32..).zip(*blocks);
+            standing.times = blocks.map(|(block, &time)| (block.into(), time)).collect();
+            standing
+        };
+        times.iter().enumerate().map(standing).collect()
+    }
+
+    fn racing(standings: &[Standing]) -> Vec<bool> {
+        standings.iter().map(|standing| standing.racing).collect()
+    }
+
+    #[test]
+    fn one_look_that_was_disturbed_ends_nobody() {
+        let mut standings = race(&[(10, &[10, 10]), (50, &[11, 40]), (11, &[40, 31]), (121, &[])]);
+        drop_hopeless(&mut standings);
+        assert_eq!(racing(&standings), [true, true, true, false]);
+        assert_eq!(standings[3].reason, "some 12 times slower than the fastest in a first probe");
+        drop_far(&mut standings);
+        assert_eq!(racing(&standings), [true, true, false, false]);
+        assert_eq!((standings[2].probe_ns, standings[2].times.len()), (Some(31), 0));
+        assert_eq!(standings[2].reason, "some 3 times slower than the fastest in the first blocks");
+        assert!(standings[1].reason.is_empty() && standings[1].times.len() == 2);
+    }
+
+    #[test]
+    fn two_remain_however_slow() {
+        let mut standings = race(&[(10, &[10, 10]), (900, &[900, 900]), (990, &[990, 990])]);
+        drop_hopeless(&mut standings);
+        drop_far(&mut standings);
+        assert_eq!(racing(&standings), [true, true, false]);
     }
 }

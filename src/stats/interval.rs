@@ -14,7 +14,7 @@ use std::collections::BTreeMap;
 pub const COVERAGE: f64 = 0.95;
 
 /// A median with an interval that covers the true median with probability `coverage`.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Interval {
     /// The sample median.
     pub median: f64,

@@ -96,12 +96,12 @@ fn settings_are_told_apart_or_say_how_to_get_the_code() {
     let place = ["--contactbench", common::PROGRAM, "--out", "out"];
     ends(folder, &[&["python3", &driver], &quick[..], &place].concat());
     let table = std::fs::read_to_string(folder.join("out/settings.csv")).unwrap();
-    let page = std::fs::read_to_string(folder.join("out/README.md")).unwrap();
+    let page = std::fs::read_to_string(folder.join("out/report.md")).unwrap();
     let mut table = csv::Reader::from_reader(table.as_bytes());
     let head = table.headers().unwrap().clone();
     let rows: Vec<csv::StringRecord> = table.records().map(Result::unwrap).collect();
     let of = |row: usize, name: &str| &rows[row][head.iter().position(|it| it == name).unwrap()];
-    assert!(rows.len() >= 19);
+    assert!(rows.len() >= 31);
     if !starts("lmp") {
         untested("examples/codes", "installation of LAMMPS");
         for row in 0..rows.len() {

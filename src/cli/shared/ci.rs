@@ -74,10 +74,7 @@ impl Outputs {
                 .with_context(|| format!("cannot write {}", path.display()))?;
         }
         if let Some(path) = &self.summary {
-            let mut file = std::fs::File::options().create(true).append(true).open(path);
-            let file = file.as_mut().map_err(|error| anyhow::anyhow!("{error}"));
-            file.and_then(|file| Ok(file.write_all(summary(suite, cases).as_bytes())?))
-                .with_context(|| format!("cannot append to {}", path.display()))?;
+            write::append(path, &summary(suite, cases), "--summary")?;
         }
         if self.annotations {
             out.write_all(annotations(suite, cases).as_bytes())?;

@@ -9,6 +9,7 @@ use crate::io;
 use crate::io::boxes::{Axes, Edges};
 use crate::io::{Boundaries, Chosen, Format, Frame, Notice, Place};
 use crate::nearest::{hint, nearest};
+use crate::ranks::share::Origin;
 use crate::scene::spec::{GENERATORS, Spec};
 use crate::scene::{AnyScene, Given};
 
@@ -85,6 +86,23 @@ impl Input {
         text: &str,
         of: impl FnOnce(io::Particles) -> anyhow::Result<Given>,
     ) -> anyhow::Result<Given> {
+        match self.origin(text)? {
+            Origin::Made(spec) => {
+                let given = spec.given()?;
+                tell(text, &given.notices, Place::Spec);
+                Ok(given)
+            }
+            Origin::File(path, options) => {
+                let (particles, _) = load(&path, self, *options)?;
+                tell(text, particles.notices(), Place::Argument);
+                of(particles)
+            }
+        }
+    }
+
+    /// A generator with its parameters, or a file and how to read it. What is there as a file is a
+    /// file.
+    pub fn origin(&self, text: &str) -> anyhow::Result<Origin> {
         let generated =
             text.split_once(':').is_some_and(|(name, _)| is_generator(name)) || is_generator(text);
         if generated && !Path::new(text).exists() {
@@ -92,9 +110,7 @@ impl Input {
                 !self.is_said(),
                 "{OPTIONS} belong to files; write dim=3 and the like into the scene: {text}"
             );
-            let given = Spec::parse(text)?.given()?;
-            tell(text, &given.notices, Place::Spec);
-            return Ok(given);
+            return Ok(Origin::Made(Spec::parse(text)?));
         }
         let path = Path::new(text);
         if !path.exists() {
@@ -108,9 +124,15 @@ impl Input {
                 );
             }
         }
-        let (particles, _) = load(path, self, self.options())?;
-        tell(text, particles.notices(), Place::Argument);
-        of(particles)
+        Ok(Origin::File(path.to_owned(), Box::new(self.options())))
+    }
+
+    /// Says which of several frames is read where nobody chose one.
+    pub fn tell_frame(&self, name: &str, frames: u64) {
+        if frames > 1 && self.frame.is_none() {
+            let last = frames - 1;
+            eprintln!("{name}: frame {last}, the last of 0 to {last}, is read (--frame)");
+        }
     }
 }
 
@@ -123,10 +145,7 @@ pub fn load(
 ) -> anyhow::Result<(io::Particles, io::About)> {
     is_file(path)?;
     let (particles, about) = explained(path, io::load(path, options))?;
-    if about.frames > 1 && input.frame.is_none() {
-        let (text, last) = (path.display(), about.frames - 1);
-        eprintln!("{text}: frame {last}, the last of 0 to {last}, is read (--frame)");
-    }
+    input.tell_frame(&path.display().to_string(), about.frames);
     Ok((particles, about))
 }
 

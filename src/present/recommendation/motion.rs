@@ -140,7 +140,7 @@ fn out(found: &Found) -> Vec<Block> {
         let name = standing.who.name.clone();
         let (why, name) = match standing.probe_ns {
             Some(probe) if standing.outcome.is_good() => {
-                let why = "out after a first probe, so many times slower than the fastest".into();
+                let why = "out early, so many times slower than the fastest".into();
                 (why, format!("{name} ({:.0})", probe as f64 / best as f64))
             }
             _ => (why, name),
