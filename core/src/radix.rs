@@ -16,6 +16,8 @@ pub(crate) fn prefetch_to_write<A>(array: &[A], at: usize) {
         // SAFETY: nothing is read or written, and any address may be asked for.
         unsafe { _mm_prefetch::<_MM_HINT_ET0>(array.as_ptr().wrapping_add(at).cast()) };
     }
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = (array, at);
 }
 
 /// Parts things by a digit of so many bits; tells where the parts end.

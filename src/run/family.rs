@@ -74,9 +74,9 @@ pub(crate) fn end(runner: &mut Child) {
 }
 
 /// Ends all runners at once, at the end of the program.
+#[cfg(unix)]
 pub(crate) fn end_all() {
     let mut runners = runners();
-    #[cfg(unix)]
     for &runner in runners.at_work.keys() {
         signal(runner, rustix::process::Signal::KILL);
     }
