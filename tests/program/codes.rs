@@ -46,8 +46,8 @@ fn the_page_holds(section: &str, language: &str, script: &str, before: &str, com
     let (above, below) = text.split_once(before).unwrap();
     file(folder, script, format!("{above}{}{before}{below}", block(section, language)));
     let start = format!(
-        "import sys; sys.path.insert(0, '{FOLDER}'); sys.dont_write_bytecode = True; import codes; \
-         codes.write_start('start.data', (6, 6, 6), 1)"
+        "import sys; sys.path.insert(0, '{FOLDER}'); sys.dont_write_bytecode = True; import cases; \
+         cases.write_start('start.data', cases.CHUTE, quick=True)"
     );
     ends(folder, &["python3", "-c", &start]);
     ends(folder, command);
