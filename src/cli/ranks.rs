@@ -17,7 +17,7 @@ use crate::experiment::{detectors, shard};
 #[cfg(feature = "mpi")]
 use crate::io::Place;
 use crate::io::write::append;
-use crate::number::{number, percent, plural, with_interval};
+use crate::number::{number, percent, plural, times, with_interval};
 use crate::present::document::{Block, plain};
 use crate::present::table::{Cell, Column, Table};
 use crate::ranks::model::{Growth, Network, Step, step};
@@ -25,7 +25,7 @@ use crate::ranks::model::{Growth, Network, Step, step};
 use crate::ranks::share::agreed;
 use crate::ranks::share::{Origin, Share};
 use crate::ranks::{Row, Setting, measure, whole};
-use crate::stats::interval::Interval;
+use crate::stats::interval::{COVERAGE, Interval};
 
 /// Options of `ranks`.
 #[derive(clap::Args)]
@@ -96,7 +96,7 @@ pub fn ranks(options: &Ranks) -> anyhow::Result<ExitCode> {
         memory_limit: options.limit.bytes(n),
         steps: options.steps,
     };
-    if shard::rank().is_some_and(|(_, size)| size > 1) {
+    if shard::rank().is_some_and(|(_, size)| size > 1 || cfg!(feature = "mpi")) {
         return by_mpi(options, name, &origin, &setting);
     }
     let given = (!options.each).then(|| input.given(name)).transpose()?;
@@ -219,14 +219,17 @@ fn say(options: &Ranks, rows: &[Row]) -> anyhow::Result<ExitCode> {
         }
     }
     let mut code = ExitCode::SUCCESS;
-    let ratio = |of: &Option<Interval>| of.as_ref().map_or_else(String::new, with_interval);
+    let ratio = |of: &Option<Interval>| match of {
+        Some(ratio) if ratio.coverage >= COVERAGE => with_interval(ratio),
+        Some(ratio) => times(ratio.median),
+        None => "–".into(),
+    };
     for row in rows.iter().filter(|row| row.ranks > 1) {
         blocks.push(Block::paragraph(format!(
-            "{}: alone / step {}; alone / search, the most that sharing memory and cores allows, \
-             {}.",
+            "{}: alone / step {}; alone / search, about what sharing memory and cores leaves, {}.",
             plural(row.ranks, "rank"),
-            ratio(&row.efficiency),
-            ratio(&row.ceiling)
+            ratio(&row.alone_over_step),
+            ratio(&row.alone_over_search)
         )));
     }
     for row in rows {

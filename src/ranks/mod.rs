@@ -74,11 +74,12 @@ pub struct Row {
     pub search_ms: f64,
     /// The same search while no other rank does anything, after each step.
     pub alone_ms: f64,
-    /// That over the step, within each: 1 if ranks cost each other nothing.
-    pub efficiency: Option<Interval>,
-    /// That over the search of the step: what sharing memory and cores leaves of it, the most that
-    /// the machine allows.
-    pub ceiling: Option<Interval>,
+    /// That over the step, within each, of the rank where it is least: the part of a step that an
+    /// undisturbed search takes. What is searched twice, the halo, is not in it.
+    pub alone_over_step: Option<Interval>,
+    /// That over the search of the step: what sharing memory and cores leaves, about, since the
+    /// later search finds warm caches.
+    pub alone_over_search: Option<Interval>,
     /// Most bytes of particles, buffers and contacts in a rank, by their formulas.
     pub memory_most: u64,
     /// Contacts of all ranks.
@@ -168,7 +169,7 @@ where
     let mut searcher = searcher(setting);
     let mut contacts = Contacts::default();
     let ms = |from: Instant, to: Instant| (to - from).as_secs_f64() * 1e3;
-    let mut steps = [const { Vec::new() }; 4];
+    let mut steps = [const { Vec::new() }; 6];
     let mut traffic = Default::default();
     for step in 0..=setting.steps {
         world.sum(&mut [0]);
@@ -188,7 +189,10 @@ where
                 alone = ms(begun, Instant::now());
             }
         }
-        let mut times = [ms(begun, found), ms(begun, known), ms(known, found), alone];
+        let (all, search) = (ms(begun, found), ms(known, found));
+        // The least of the ranks is the largest of the negatives.
+        let over = |time: f64| if time > 0.0 { -alone / time } else { -1.0 };
+        let mut times = [all, ms(begun, known), search, alone, over(all), over(search)];
         world.largest(&mut times);
         if step > 0 {
             steps.iter_mut().zip(times).for_each(|(of, time)| of.push(time));
@@ -209,13 +213,10 @@ where
     let (along, around) = rank.slabs().direction();
     let [n, sent, sent_bytes, contacts, sum] = sums;
     let digest = Whole::of(Digest { contacts, sum });
-    let over = |times: &[f64]| {
-        let ratios: Vec<f64> =
-            steps[3].iter().zip(times).map(|(alone, time)| alone / time).collect();
-        interval(&ratios)
-    };
-    let (efficiency, ceiling) = (over(&steps[0]), over(&steps[2]));
-    let [step_ms, exchange_ms, search_ms, alone_ms] =
+    let [.., over_step, over_search] = &steps;
+    let least = |of: &[f64]| interval(&of.iter().map(|ratio| -ratio).collect::<Vec<f64>>());
+    let (alone_over_step, alone_over_search) = (least(over_step), least(over_search));
+    let [step_ms, exchange_ms, search_ms, alone_ms, ..] =
         steps.map(|times| median(&times).unwrap_or(0.0));
     Ok(Row {
         scene: String::new(),
@@ -236,8 +237,8 @@ where
         exchange_ms,
         search_ms,
         alone_ms,
-        efficiency,
-        ceiling,
+        alone_over_step,
+        alone_over_search,
         memory_most: most[5] as u64,
         pairs: digest.pairs,
         digest: digest.digest,

@@ -49,6 +49,8 @@ pub struct Standing {
     pub reason: String,
     /// Nanoseconds of the probe.
     pub probe_ns: Option<u64>,
+    /// How many times slower than the fastest it was when it was left behind early.
+    pub behind: Option<f64>,
     /// Nanoseconds by block; of several frames those of one, in the mean.
     pub times: Blocks,
     /// Most bytes held at one time, without scene and pairs.
@@ -73,6 +75,7 @@ impl Standing {
             outcome: Outcome::Ok,
             reason: String::new(),
             probe_ns: None,
+            behind: None,
             times: Blocks::new(),
             peak_bytes: None,
             formula_bytes: None,
@@ -122,34 +125,42 @@ pub fn fastest(standings: &[Standing]) -> Option<usize> {
 
 /// Ends those who are hopelessly behind the fastest in the probe.
 pub(super) fn drop_hopeless(standings: &mut [Standing]) {
-    drop_if(standings, |standing, best| {
-        let (own, best) = (standing.probe_ns, best.probe_ns.unwrap_or_default());
-        own.is_some_and(|own| own as f64 > HOPELESS * best as f64)
+    drop_over(standings, HOPELESS, "a first probe", |standing, best| {
+        Some(standing.probe_ns? as f64 / best.probe_ns?.max(1) as f64)
     });
-    say_why(standings, "a first probe");
 }
 
 /// Ends those who are far behind the fastest in every block so far. So few of their times say
-/// nothing more, and count as probes.
+/// nothing more.
 pub(super) fn drop_far(standings: &mut [Standing]) {
-    drop_if(standings, |standing, best| {
-        let mut both = standing.times.iter().filter_map(|(k, own)| Some((own, best.times.get(k)?)));
-        both.all(|(own, best)| *own as f64 > FAR * *best as f64)
+    drop_over(standings, FAR, "each of the first blocks", |standing, best| {
+        let over =
+            |(block, own): (_, &u64)| Some(*own as f64 / (*best.times.get(block)?).max(1) as f64);
+        standing.times.iter().filter_map(over).reduce(f64::min)
     });
-    for standing in standings.iter_mut().filter(|standing| !standing.racing) {
-        standing.probe_ns = standing.times.values().copied().min().or(standing.probe_ns);
-        standing.times.clear();
-    }
-    say_why(standings, "the first blocks");
 }
 
-/// The reason of those that have just been left behind.
-fn say_why(standings: &mut [Standing], place: &str) {
-    let best = standings.iter().filter_map(|standing| standing.probe_ns).min().unwrap_or(1).max(1);
-    let silent = |it: &&mut Standing| !it.racing && it.outcome.is_good() && it.reason.is_empty();
-    for standing in standings.iter_mut().filter(silent) {
-        let times = standing.probe_ns.map_or(f64::NAN, |own| own as f64 / best as f64);
-        standing.reason = format!("some {times:.0} times slower than the fastest in {place}");
+/// Ends those who take over `limit` times as long as the fastest, and says so.
+fn drop_over(
+    standings: &mut [Standing],
+    limit: f64,
+    place: &str,
+    over: impl Fn(&Standing, &Standing) -> Option<f64>,
+) {
+    let racing = standings.iter().filter(|standing| standing.racing);
+    let Some(best) = racing.min_by(|a, b| a.typical().total_cmp(&b.typical())) else { return };
+    let behind: Vec<Option<f64>> = standings.iter().map(|standing| over(standing, best)).collect();
+    drop_if(standings, |standing, best| over(standing, best).is_some_and(|times| times > limit));
+    for (standing, behind) in standings.iter_mut().zip(behind) {
+        if let Some(times) = behind
+            && !standing.racing
+            && standing.outcome.is_good()
+            && standing.behind.is_none()
+        {
+            standing.behind = Some(times);
+            standing.reason = format!("some {times:.0} times slower than the fastest in {place}");
+            standing.times.clear();
+        }
     }
 }
 
@@ -202,14 +213,14 @@ mod tests {
 
     #[test]
     fn one_look_that_was_disturbed_ends_nobody() {
-        let mut standings = race(&[(10, &[10, 10]), (50, &[11, 40]), (11, &[40, 31]), (121, &[])]);
+        let mut standings = race(&[(10, &[8, 8]), (50, &[11, 40]), (11, &[40, 32]), (121, &[])]);
         drop_hopeless(&mut standings);
         assert_eq!(racing(&standings), [true, true, true, false]);
         assert_eq!(standings[3].reason, "some 12 times slower than the fastest in a first probe");
         drop_far(&mut standings);
         assert_eq!(racing(&standings), [true, true, false, false]);
-        assert_eq!((standings[2].probe_ns, standings[2].times.len()), (Some(31), 0));
-        assert_eq!(standings[2].reason, "some 3 times slower than the fastest in the first blocks");
+        assert_eq!((standings[2].behind, standings[2].times.len()), (Some(4.0), 0));
+        assert!(standings[2].reason.starts_with("some 4 times slower than the fastest in each of"));
         assert!(standings[1].reason.is_empty() && standings[1].times.len() == 2);
     }
 

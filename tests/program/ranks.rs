@@ -30,6 +30,13 @@ fn ranks_are_compared_with_one_process_and_what_they_send_is_told() {
     let made = rows(folder, &[scene, "--ranks", "1,3"]);
     assert_eq!(made.iter().map(|row| number(row, "ranks")).collect::<Vec<_>>(), [1, 3]);
     assert_eq!((number(&made[0], "sent"), number(&made[1], "partners_most")), (0, 1));
+    // Of one rank and one step, the ratios are those of the times.
+    let real = |name: &str| made[0][name].as_f64().unwrap();
+    for (ratio, time) in [("alone_over_step", "step_ms"), ("alone_over_search", "search_ms")] {
+        let median = made[0][ratio]["median"].as_f64().unwrap();
+        assert!((median - real("alone_ms") / real(time)).abs() < 1e-9 * median, "{ratio}");
+    }
+    assert!(real("alone_ms") > 0.0 && made[0]["machine"].is_string());
     // 4 bytes of a number, 8 of each coordinate.
     assert!(number(&made[1], "sent") > 100);
     assert_eq!(number(&made[1], "sent_bytes"), 28 * number(&made[1], "sent"));

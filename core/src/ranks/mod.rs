@@ -193,7 +193,13 @@ where
     /// What the detector refuses.
     pub fn search(&self, searcher: &mut Searcher, contacts: &mut Contacts) -> Result<(), Refusal> {
         let loaded = self.loaded();
-        searcher.list(&loaded, Arithmetic::Exact, contacts)?;
+        searcher.list(&loaded, Arithmetic::Exact, contacts).map_err(|refusal| match refusal {
+            // In the numbers of the whole scene, as it is told to users.
+            Refusal::Away { particle, vector, boxes } => {
+                Refusal::Away { particle: self.id(particle), vector, boxes }
+            }
+            other => other,
+        })?;
         // At most 2^32 - 1, as the scene.
         let own = self.own as u32;
         contacts.plain.retain(|&[i, j]| i.min(j) < own);

@@ -133,15 +133,14 @@ fn table(verdict: Option<&Verdict>, found: &Found) -> Table {
 /// Those without a time: who was too slow in one paragraph, all others by their reasons.
 fn out(found: &Found) -> Vec<Block> {
     let ranked = ranked(&found.race, particles(found));
-    let best = ranked.iter().filter_map(|standing| standing.probe_ns).min().unwrap_or(1).max(1);
     let mut groups: Vec<(String, Vec<String>)> = Vec::new();
     for standing in ranked {
         let Some(why) = why_out(standing) else { continue };
         let name = standing.who.name.clone();
-        let (why, name) = match standing.probe_ns {
-            Some(probe) if standing.outcome.is_good() => {
+        let (why, name) = match standing.behind {
+            Some(times) => {
                 let why = "out early, so many times slower than the fastest".into();
-                (why, format!("{name} ({:.0})", probe as f64 / best as f64))
+                (why, format!("{name} ({times:.0})"))
             }
             _ => (why, name),
         };
