@@ -24,6 +24,15 @@ impl Processes {
     }
 }
 
+/// A rank that panics ends all: the others would wait for it, and MPI for them.
+impl Drop for Processes {
+    fn drop(&mut self) {
+        if std::thread::panicking() {
+            self.world.abort(101);
+        }
+    }
+}
+
 impl World for Processes {
     fn rank(&self) -> usize {
         // Not negative.
