@@ -255,8 +255,9 @@ impl Server {
         let frame = std::mem::size_of_val(searcher.detector()) as u64;
         let boxed = u64::from(frame > 0);
         Ok(Reply::Memory {
-            peak_bytes: cold.peak_bytes - frame,
-            live_bytes: cold.live_bytes - frame,
+            // Threads of rayon's may have given back, meanwhile, more than that.
+            peak_bytes: cold.peak_bytes.saturating_sub(frame),
+            live_bytes: cold.live_bytes.saturating_sub(frame),
             allocations: cold.allocations - boxed,
             warm_allocations: Some(warm.allocations),
             formula_bytes,

@@ -154,6 +154,8 @@ fn carried(native: Native, text: &str) {
 /// shares of the threads are listed in is not in it.
 fn two_threads(entry: &Entry, text: &str) {
     const SHARES: u64 = 16 << 10;
+    /// What rayon's queue of jobs may give back meanwhile.
+    const QUEUE: u64 = 2 << 10;
     // The pool of threads is not the detector's.
     rayon::join(|| (), || ());
     let scene = scene(text);
@@ -163,7 +165,7 @@ fn two_threads(entry: &Entry, text: &str) {
     let what = format!("{} on {text} with two threads", entry.name);
     assert!(contacts > 0, "{what}");
     assert!(
-        formula >= 8 * contacts && (formula..=formula + SHARES).contains(&cold.peak_bytes),
+        formula >= 8 * contacts && (formula - QUEUE..=formula + SHARES).contains(&cold.peak_bytes),
         "{what}: {cold:?}, formula {formula}, {contacts} contacts"
     );
     // Lists of contacts are kept, or made anew; nothing grows beyond the first call's.

@@ -87,6 +87,34 @@ fn the_transcript_is_what_the_program_says() {
     }
 }
 
+/// Threads of rayon give back what they took for a job a moment after it is done: now and then in
+/// the next measurement.
+#[test]
+fn memory_of_two_threads_is_never_less_than_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let rows: Vec<Vec<f64>> = (0..100).map(|k| vec![f64::from(k), 0.0]).collect();
+    crate::common::file(folder.path(), "row.npy", crate::common::npy(&rows));
+    let line = ["runner", "--detector", "direct", "--threads", "2"];
+    let mut runner = crate::common::program(folder.path(), &line);
+    let mut runner = runner.stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
+    let mut input = runner.stdin.take().unwrap();
+    let load = r#"{"request":"load","frames":["row.npy"],"dim":2,"n":100,"radius":0.5}"#;
+    let asked = std::thread::spawn(move || {
+        writeln!(input, "{load}").unwrap();
+        (0..10_000).for_each(|_| writeln!(input, r#"{{"request":"memory"}}"#).unwrap());
+    });
+    let said: Vec<String> =
+        BufReader::new(runner.stdout.take().unwrap()).lines().map(Result::unwrap).skip(2).collect();
+    asked.join().unwrap();
+    assert!(runner.wait().unwrap().success());
+    assert_eq!(said.len(), 10_000);
+    for line in said {
+        let memory: Value = serde_json::from_str(&line).unwrap();
+        let [peak, live] = ["peak_bytes", "live_bytes"].map(|key| memory[key].as_u64().unwrap());
+        assert!(live <= peak && peak < 32 << 10, "{line}");
+    }
+}
+
 #[test]
 fn the_transcript_holds_every_request_and_every_reply_of_the_program() {
     let words = |mark: &str, key: &str| -> BTreeSet<String> {
