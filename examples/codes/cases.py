@@ -104,6 +104,7 @@ def drum(quick):
 
 def penetration(quick):
     """A bed, and a large sphere on its way: it is there when the preparation ends."""
+    # `top` is where the settled bed ends, as the preparation found it: the large sphere starts above it.
     wide, half, count, top = (6.0, 6.0, 500, 5.1) if quick else (25.0, 15.0, 25000, 17.2)
     draw, found = random.Random(1), []
     columns, rows = (int((2 * end - 0.1) / GAP) for end in (wide, half))

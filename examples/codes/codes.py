@@ -316,7 +316,7 @@ def page(rows, about):
     lines = [
         "# Neighbour settings of codes, as they run",
         "",
-        "Spheres flow down a rough floor, tumble in a drum, are shot at"
+        "Spheres flow down a rough floor, tumble in a drum, lie in a bed that a large one hits"
         " ([how](../../examples/codes/codes.py)). Times are what each code reports, in ns per"
         " particle and step (median of the blocks, with its interval): the whole step with its forces, and of that the"
         " neighbour search. Misses are contacts that are absent from the code's own list in a"
@@ -383,11 +383,10 @@ def main():
         sys.exit(f"--codes {options.codes}: there is no {', '.join(sorted(unknown))}; there are lammps, liggghts, yade")
     options.out.mkdir(parents=True)
     rows, samples = [], []
+    build = json.loads(started([contactbench, "runner", "--detector", "nbs"], None).splitlines()[0])["build"]
     about = {"date": datetime.datetime.now(datetime.timezone.utc).strftime("%Y-%m-%d %H:%M UTC"),
              "machine": f"{machine()}, {len(os.sched_getaffinity(0))} processors",
-             "contactbench": "{revision}, sources {sources}".format_map(
-                 {"revision": "?", "sources": "?",
-                  **json.loads(started([contactbench, "runner", "--detector", "nbs"], None).splitlines()[0])["build"]})}
+             "contactbench": f"{build.get('revision', '?')}, sources {build.get('sources', '?')}"}
     for code, name, case, settings in PLAN:
         if code.name.lower() not in wanted:
             continue

@@ -21,9 +21,9 @@ use crate::number::{number, percent, plural, times, with_interval};
 use crate::present::document::{Block, plain};
 use crate::present::table::{Cell, Column, Table};
 use crate::ranks::model::{Growth, Network, Step, step};
+use crate::ranks::share::Share;
 #[cfg(feature = "mpi")]
-use crate::ranks::share::agreed;
-use crate::ranks::share::{Origin, Share};
+use crate::ranks::share::{Origin, agreed};
 use crate::ranks::{Row, Setting, measure, whole};
 use crate::stats::interval::{COVERAGE, Interval};
 
@@ -90,15 +90,15 @@ pub fn ranks(options: &Ranks) -> anyhow::Result<ExitCode> {
             "name a particle file, or a scene such as packed:dim=3,n=1e6 (contactbench list scenes)"
         );
     };
-    let origin = input.origin(name)?;
     let setting = |n: usize| Setting {
         spec: &spec,
         memory_limit: options.limit.bytes(n),
         steps: options.steps,
     };
     if shard::rank().is_some_and(|(_, size)| size > 1 || cfg!(feature = "mpi")) {
-        return by_mpi(options, name, &origin, &setting);
+        return by_mpi(options, name, &setting);
     }
+    let origin = input.origin(name)?;
     let given = (!options.each).then(|| input.given(name)).transpose()?;
     let mut rows = Vec::new();
     for &ranks in &options.ranks {
@@ -128,16 +128,17 @@ const MOST_THREADS: usize = 64;
 fn by_mpi<'a>(
     options: &Ranks,
     name: &str,
-    origin: &Origin,
     setting: &dyn Fn(usize) -> Setting<'a>,
 ) -> anyhow::Result<ExitCode> {
     let world = crate::ranks::mpi::Processes::begin().context("MPI does not begin")?;
     let (rank, size) = (world.rank(), world.size());
-    let share = match options.each {
-        true => origin.beside(&world),
-        false => agreed(&world, origin.share(rank, size)),
-    };
-    let row = share.and_then(|share| {
+    // A file that one of them does not see must not leave the others waiting.
+    let origin = agreed(&world, options.source.input.origin(name));
+    let share = origin.and_then(|origin| match options.each {
+        true => Ok((origin.beside(&world)?, origin)),
+        false => Ok((agreed(&world, origin.share(rank, size))?, origin)),
+    });
+    let row = share.and_then(|(share, origin)| {
         if rank == 0 {
             let file = matches!(origin, Origin::File(..));
             let place = if file { Place::Argument } else { Place::Spec };
@@ -145,10 +146,10 @@ fn by_mpi<'a>(
             options.source.input.tell_frame(name, share.frames);
         }
         let setting = setting(share.given.scene.len());
-        Ok(measure(&world, "mpi", name, share, setting)?)
+        Ok((measure(&world, "mpi", name, share, setting)?, origin))
     });
     // One word is enough, and it comes from whoever knows.
-    let mut row = match row {
+    let (mut row, origin) = match row {
         Ok(row) => row,
         Err(error) if matches!(error.downcast_ref(), Some(Failure::Elsewhere(_))) => {
             return Ok(ExitCode::from(2));
@@ -166,12 +167,7 @@ fn by_mpi<'a>(
 }
 
 #[cfg(not(feature = "mpi"))]
-fn by_mpi<'a>(
-    _: &Ranks,
-    _: &str,
-    _: &Origin,
-    _: &dyn Fn(usize) -> Setting<'a>,
-) -> anyhow::Result<ExitCode> {
+fn by_mpi<'a>(_: &Ranks, _: &str, _: &dyn Fn(usize) -> Setting<'a>) -> anyhow::Result<ExitCode> {
     bail!(
         "this is one of several MPI processes, and the program was built without MPI; build it \
          with cargo build --release --features mpi (docs/CLUSTER.md)"

@@ -6,7 +6,8 @@ pub mod model;
 pub mod mpi;
 pub mod share;
 
-use std::time::Instant;
+use std::iter::zip;
+use std::time::{Duration, Instant};
 
 use contactbench_core::ranks::{Failure, Numbered, Rank, World, together};
 use serde::Serialize;
@@ -74,11 +75,11 @@ pub struct Row {
     pub search_ms: f64,
     /// The same search while no other rank does anything, after each step.
     pub alone_ms: f64,
-    /// That over the step, within each, of the rank where it is least: the part of a step that an
-    /// undisturbed search takes. What is searched twice, the halo, is not in it.
+    /// That over the step, within each: the part of a step that an undisturbed search takes, of own
+    /// particles and halo.
     pub alone_over_step: Option<Interval>,
-    /// That over the search of the step: what sharing memory and cores leaves, about, since the
-    /// later search finds warm caches.
+    /// That over the search of the step: about what sharing memory and cores leaves, since the later
+    /// search finds warm caches.
     pub alone_over_search: Option<Interval>,
     /// Most bytes of particles, buffers and contacts in a rank, by their formulas.
     pub memory_most: u64,
@@ -168,8 +169,7 @@ where
     let mut rank = Rank::new(world, bodies, lattice)?;
     let mut searcher = searcher(setting);
     let mut contacts = Contacts::default();
-    let ms = |from: Instant, to: Instant| (to - from).as_secs_f64() * 1e3;
-    let mut steps = [const { Vec::new() }; 6];
+    let mut steps = [const { Vec::new() }; 4];
     let mut traffic = Default::default();
     for step in 0..=setting.steps {
         world.sum(&mut [0]);
@@ -179,20 +179,19 @@ where
         let result = rank.search(&mut searcher, &mut contacts);
         let found = Instant::now();
         together(world, result)?;
-        let mut alone = 0.0;
+        let mut alone = Duration::ZERO;
+        let mut again = Ok(());
         for turn in 0..world.size() {
             world.sum(&mut [0]);
             if turn == world.rank() {
                 let begun = Instant::now();
-                // It has just succeeded, with the same buffers.
-                let _ = rank.search(&mut searcher, &mut contacts);
-                alone = ms(begun, Instant::now());
+                again = rank.search(&mut searcher, &mut contacts);
+                alone = begun.elapsed();
             }
         }
-        let (all, search) = (ms(begun, found), ms(known, found));
-        // The least of the ranks is the largest of the negatives.
-        let over = |time: f64| if time > 0.0 { -alone / time } else { -1.0 };
-        let mut times = [all, ms(begun, known), search, alone, over(all), over(search)];
+        together(world, again)?;
+        let times = [found - begun, known - begun, found - known, alone];
+        let mut times = times.map(|time| time.as_secs_f64() * 1e3);
         world.largest(&mut times);
         if step > 0 {
             steps.iter_mut().zip(times).for_each(|(of, time)| of.push(time));
@@ -213,10 +212,12 @@ where
     let (along, around) = rank.slabs().direction();
     let [n, sent, sent_bytes, contacts, sum] = sums;
     let digest = Whole::of(Digest { contacts, sum });
-    let [.., over_step, over_search] = &steps;
-    let least = |of: &[f64]| interval(&of.iter().map(|ratio| -ratio).collect::<Vec<f64>>());
-    let (alone_over_step, alone_over_search) = (least(over_step), least(over_search));
-    let [step_ms, exchange_ms, search_ms, alone_ms, ..] =
+    let alone_over = |times: &[f64]| {
+        let ratios: Vec<f64> = zip(&steps[3], times).map(|(alone, time)| alone / time).collect();
+        interval(&ratios)
+    };
+    let (alone_over_step, alone_over_search) = (alone_over(&steps[0]), alone_over(&steps[2]));
+    let [step_ms, exchange_ms, search_ms, alone_ms] =
         steps.map(|times| median(&times).unwrap_or(0.0));
     Ok(Row {
         scene: String::new(),

@@ -125,15 +125,16 @@ pub fn fastest(standings: &[Standing]) -> Option<usize> {
 
 /// Ends those who are hopelessly behind the fastest in the probe.
 pub(super) fn drop_hopeless(standings: &mut [Standing]) {
-    drop_over(standings, HOPELESS, "a first probe", |standing, best| {
+    let over = |standing: &Standing, best: &Standing| {
         Some(standing.probe_ns? as f64 / best.probe_ns?.max(1) as f64)
-    });
+    };
+    leave(standings, HOPELESS, "a first probe", over);
 }
 
 /// Ends those who are far behind the fastest in every block so far. So few of their times say
 /// nothing more.
 pub(super) fn drop_far(standings: &mut [Standing]) {
-    drop_over(standings, FAR, "each of the first blocks", |standing, best| {
+    leave(standings, FAR, "each of the first blocks", |standing, best| {
         let over =
             |(block, own): (_, &u64)| Some(*own as f64 / (*best.times.get(block)?).max(1) as f64);
         standing.times.iter().filter_map(over).reduce(f64::min)
@@ -141,47 +142,40 @@ pub(super) fn drop_far(standings: &mut [Standing]) {
 }
 
 /// Ends those who take over `limit` times as long as the fastest, and says so.
-fn drop_over(
+fn leave(
     standings: &mut [Standing],
     limit: f64,
     place: &str,
     over: impl Fn(&Standing, &Standing) -> Option<f64>,
 ) {
-    let racing = standings.iter().filter(|standing| standing.racing);
-    let Some(best) = racing.min_by(|a, b| a.typical().total_cmp(&b.typical())) else { return };
-    let behind: Vec<Option<f64>> = standings.iter().map(|standing| over(standing, best)).collect();
-    drop_if(standings, |standing, best| over(standing, best).is_some_and(|times| times > limit));
-    for (standing, behind) in standings.iter_mut().zip(behind) {
-        if let Some(times) = behind
-            && !standing.racing
-            && standing.outcome.is_good()
-            && standing.behind.is_none()
-        {
-            standing.behind = Some(times);
-            standing.reason = format!("some {times:.0} times slower than the fastest in {place}");
-            standing.times.clear();
-        }
+    for (k, times) in drop_over(standings, limit, over) {
+        let standing = &mut standings[k];
+        standing.behind = Some(times);
+        standing.reason = format!("some {times:.0} times slower than the fastest in {place}");
+        standing.times.clear();
     }
 }
 
-/// Ends those who are behind the fastest in the blocks.
+/// Ends those who are behind the fastest in the blocks; what was measured of them is kept.
 pub(super) fn drop_behind(standings: &mut [Standing]) {
-    drop_if(standings, |standing, best| {
-        ratio(&standing.times, &best.times).is_some_and(|ratio| ratio.low > BEHIND)
-    });
+    drop_over(standings, BEHIND, |standing, best| Some(ratio(&standing.times, &best.times)?.low));
 }
 
-/// Ends those of whom `is_behind` holds, compared with the fastest; but two stay, so that there is
-/// a margin to be told.
-fn drop_if(standings: &mut [Standing], is_behind: impl Fn(&Standing, &Standing) -> bool) {
+/// Ends those who take over `limit` times as long as the fastest, and returns who and how many
+/// times; but two stay, so that there is a margin to be told.
+fn drop_over(
+    standings: &mut [Standing],
+    limit: f64,
+    over: impl Fn(&Standing, &Standing) -> Option<f64>,
+) -> Vec<(usize, f64)> {
     let mut racing: Vec<usize> = (0..standings.len()).filter(|&k| standings[k].racing).collect();
     racing.sort_by(|&a, &b| standings[a].typical().total_cmp(&standings[b].typical()));
-    let Some(&best) = racing.first() else { return };
-    for &k in racing.iter().skip(2) {
-        if !standings[k].who.stays && is_behind(&standings[k], &standings[best]) {
-            standings[k].racing = false;
-        }
-    }
+    let Some(&best) = racing.first() else { return Vec::new() };
+    let may_go = racing.into_iter().skip(2).filter(|&k| !standings[k].who.stays);
+    let behind = may_go.filter_map(|k| Some((k, over(&standings[k], &standings[best])?)));
+    let out: Vec<(usize, f64)> = behind.filter(|(_, times)| *times > limit).collect();
+    out.iter().for_each(|&(k, _)| standings[k].racing = false);
+    out
 }
 
 #[cfg(test)]
