@@ -5,9 +5,12 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use anyhow::{Context, ensure};
+use serde_json::Value;
 
 use crate::cli::report::finish;
 use crate::cli::shared::ci::Outputs;
+use crate::experiment::shard::Shard;
+use crate::number::plural;
 use crate::record::ledger::Ledger;
 use crate::record::merge::Part;
 use crate::record::row::Writer;
@@ -85,6 +88,16 @@ pub fn merge(options: &Merge) -> anyhow::Result<ExitCode> {
     let mut out = std::io::stdout();
     for warning in parts.iter().flat_map(|part| &part.warnings) {
         writeln!(out, "note:    {warning}")?;
+    }
+    let field = |fields: &Value| fields.get("shard")?.as_str()?.parse().ok();
+    let missing =
+        Shard::missing(&parts.iter().flat_map(Part::provenances).filter_map(field).collect());
+    if let Some(first) = missing.first() {
+        writeln!(
+            out,
+            "note:    missing: {}, the first is {first}; run what is missing, and merge all",
+            plural(missing.len(), "part")
+        )?;
     }
     writeln!(
         out,

@@ -110,7 +110,8 @@ pub fn ranks(options: &Ranks) -> anyhow::Result<ExitCode> {
             let setting = setting(share.given.scene.len());
             Ok(measure(world, "threads", name, share, setting)?)
         };
-        let mut row = first_to_say_why(threads(ranks, of)).with_context(|| name.clone())?;
+        let ended = threads(ranks, of).with_context(|| format!("no {ranks} threads"))?;
+        let mut row = first_to_say_why(ended).with_context(|| name.clone())?;
         if !options.unchecked {
             let all =
                 given.as_ref().map_or_else(|| origin.row(ranks), |given| Ok(given.clone()))?;

@@ -2,6 +2,7 @@
 //! of a scene stay together, because their times are compared block by block.
 
 use std::cmp::Reverse;
+use std::collections::BTreeSet;
 use std::fmt;
 use std::str::FromStr;
 
@@ -22,7 +23,7 @@ impl FromStr for Part {
 }
 
 /// Part `k` of `n`, from 1.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Shard {
     k: usize,
     n: usize,
@@ -47,6 +48,15 @@ impl Shard {
             taken[scene] = dealt + 1 == self.k;
         }
         taken
+    }
+
+    /// Those that are not there, if all that are there are parts of as many.
+    pub fn missing(present: &BTreeSet<Shard>) -> Vec<Shard> {
+        let Some(&Shard { n, .. }) = present.first() else { return Vec::new() };
+        if present.iter().any(|shard| shard.n != n) {
+            return Vec::new();
+        }
+        (1..=n).map(|k| Shard { k, n }).filter(|shard| !present.contains(shard)).collect()
     }
 
     /// The part of this process, as the job array and the MPI job that it belongs to say in
@@ -241,6 +251,19 @@ mod tests {
                 .sum()
         };
         assert_eq!([1, 2, 3].map(work), [11_100, 11_100, 11_100]);
+    }
+
+    #[test]
+    fn parts_that_are_not_there_are_known() {
+        let missing = |present: &[&str]| {
+            let present = present.iter().map(|text| text.parse().unwrap()).collect();
+            let missing = Shard::missing(&present);
+            missing.iter().map(Shard::to_string).collect::<Vec<_>>()
+        };
+        assert_eq!(missing(&["4/5", "1/5", "3/5"]), ["2/5", "5/5"]);
+        for complete in [&[][..], &["1/1"], &["2/2", "1/2"], &["1/3", "1/2"]] {
+            assert_eq!(missing(complete), [""; 0]);
+        }
     }
 
     #[test]

@@ -81,7 +81,8 @@ pub struct Row {
     /// That over the search of the step: about what sharing memory and cores leaves, since the later
     /// search finds warm caches.
     pub alone_over_search: Option<Interval>,
-    /// Most bytes of particles, buffers and contacts in a rank, by their formulas.
+    /// Most bytes of particles, buffers and contacts in a rank, by their formulas; without what is
+    /// on its way.
     pub memory_most: u64,
     /// Contacts of all ranks.
     pub pairs: u64,

@@ -82,7 +82,10 @@ impl World for Processes {
             self.world.all_to_all_into(&sent[..], &mut told[..]);
             let (got, got_at) = counts(&mut told.iter().map(|&len| len as usize));
             // An empty list would begin at address 1, which is MPI_IN_PLACE to some.
-            let out = [&pieces.concat()[..], &[0]].concat();
+            let mut out =
+                Vec::with_capacity(pieces.iter().map(|piece| piece.len()).sum::<usize>() + 1);
+            pieces.iter().for_each(|piece| out.extend_from_slice(piece));
+            out.push(0);
             let total: usize = got.iter().map(|&len| len as usize).sum();
             let mut letters = vec![0u8; total + 1];
             self.world.all_to_all_varcount_into(

@@ -34,7 +34,7 @@ fn ask(given: &Given, detector: &str, ranks: usize) -> Result<Row, Failure> {
     let rows = threads(ranks, |world| {
         measure(world, "threads", "scene", Share::of(given, world.rank(), ranks), setting)
     });
-    let rows: Result<Vec<Row>, Failure> = rows.into_iter().collect();
+    let rows: Result<Vec<Row>, Failure> = rows.unwrap().into_iter().collect();
     rows.map(|rows| rows.into_iter().next().unwrap())
 }
 

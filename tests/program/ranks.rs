@@ -120,6 +120,14 @@ fn processes_of_mpi_find_what_threads_find() {
     }
     let ended = mpirun("3", &["missing.npy"]);
     assert!(ended.code != Some(0) && ended.stderr.contains("missing.npy"), "{}", ended.stderr);
+    // One rank does not find its file; the other ends, too.
+    let alone = |file| ["-n", "1", PROGRAM, "ranks", file, "--steps", "1"];
+    let mut command = std::process::Command::new("timeout");
+    command.current_dir(folder).args(["60", "mpirun", "--allow-run-as-root", "--oversubscribe"]);
+    command.args(alone("p.npy")).arg(":").args(alone("missing.npy"));
+    let ended = crate::common::ended(command.output().unwrap());
+    assert!(ended.code != Some(124) && ended.code != Some(0), "{:?}", ended.code);
+    assert!(ended.stderr.contains("missing.npy"), "{}", ended.stderr);
     let ended = mpirun("2", &["loose:n=500", "--each"]);
     assert!(ended.stdout.contains("those of one process"), "{}{}", ended.stdout, ended.stderr);
 }

@@ -22,6 +22,7 @@ use crate::ranks::bodies::Numbered;
 use crate::ranks::{Failure, World};
 use crate::refusal::Refusal;
 use crate::scene::Lattice;
+use crate::sink::splitmix64;
 
 /// Places that each rank contributes to the sample.
 const SAMPLE: usize = 512;
@@ -57,8 +58,14 @@ impl<const D: usize> Slabs<D> {
             // The box is the same everywhere, and so is what is refused of it.
             Some(lattice) => Along::vector(world, bodies, largest_radius, lattice)?,
         };
+        // One of each so many, drawn: every so many alone could be of one row of a lattice.
         let step = bodies.len().div_ceil(SAMPLE).max(1);
-        let sampled = bodies.places().step_by(step).map(|x| along.place(x));
+        let drawn = |begin: usize| {
+            let some = step.min(bodies.len() - begin) as u64;
+            begin + (splitmix64((begin as u64) << 8 ^ world.rank() as u64) % some) as usize
+        };
+        let begins = (0..bodies.len()).step_by(step);
+        let sampled = begins.map(|begin| along.place(bodies.at(drawn(begin))));
         let letter: Vec<u8> = sampled.flat_map(f64::to_le_bytes).collect();
         let mut letters = vec![letter; world.size()];
         world.exchange(&mut letters);

@@ -40,6 +40,7 @@ where
         let named = |p: ImagePair| ImagePair::new(rank.id(p.i), rank.id(p.j), p.image);
         Ok((pairs.map(named).collect(), rank.digest(&contacts), traffic, rank.halo()))
     })
+    .unwrap()
     .into_iter()
     .collect()
 }
@@ -156,6 +157,22 @@ fn borders_that_are_places_of_particles_part_them() {
     assert_eq!(found.iter().map(|rank| rank.2.particles).collect::<Vec<_>>(), [0, 10, 10, 15]);
 }
 
+/// In the order of a file, rows as long as the sample's step: the sample must not be of one column.
+#[test]
+fn a_lattice_is_dealt_out_evenly_in_whatever_rows() {
+    let at = |k: usize| nalgebra::Point::from([k % 64, k / 64 % 16, k / 1024].map(|x| x as f64));
+    let centres: Vec<_> = (0..64 * 16 * 32).map(at).collect();
+    let scene = Scene::new(centres, Radii::Uniform(0.5)).unwrap();
+    let own = threads(2, |world| {
+        let rows: Vec<u32> = if world.rank() == 0 { (0..64 * 16 * 32).collect() } else { vec![] };
+        let bodies = Numbered::new(&scene.reordered(&rows), 0).unwrap();
+        Rank::new(world, bodies, None).unwrap().own()
+    });
+    for own in own.unwrap() {
+        assert!((13_000..20_000).contains(&own), "{own}");
+    }
+}
+
 /// One body that is larger than all slabs, and dust: only the giant's neighbourhood travels far.
 #[test]
 fn a_body_larger_than_slabs_is_sent_to_all_that_it_reaches() {
@@ -176,7 +193,8 @@ fn what_one_rank_refuses_ends_all() {
     let failures = threads(3, |world| {
         let refused = Refusal::Exhausted { bytes: 1 };
         together(world, if world.rank() == 1 { Err(refused) } else { Ok(()) })
-    });
+    })
+    .unwrap();
     let here = Failure::Here(Refusal::Exhausted { bytes: 1 });
     assert_eq!(failures, [Err(Failure::Elsewhere(1)), Err(here), Err(Failure::Elsewhere(1))]);
     let scene = Scene::new(vec![nalgebra::Point::from([0.0, 0.0])], Radii::Uniform(1.0)).unwrap();

@@ -1,6 +1,8 @@
 //! What ranks say to each other, and ranks that are threads.
 
+use std::io;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread;
 
 /// The ranks that work on one scene, as one of them sees them. All of them call the same functions
 /// in the same order, as in MPI.
@@ -33,7 +35,10 @@ struct Shared {
 struct Table {
     arrived: usize,
     round: u64,
-    lost: bool,
+    /// Have all threads been started?
+    complete: Option<bool>,
+    /// The first that panicked.
+    lost: Option<usize>,
     numbers: Vec<Vec<u64>>,
     reals: Vec<Vec<f64>>,
     mail: Vec<Vec<Vec<u8>>>,
@@ -41,50 +46,80 @@ struct Table {
 
 /// Does the work in so many threads, one for each rank; what they return is in their order.
 ///
+/// # Errors
+/// The system does not start that many threads; no work was done.
+///
 /// # Panics
 /// As the work does: the other ranks end, too.
-pub fn threads<R: Send>(size: usize, work: impl Fn(&Thread) -> R + Sync) -> Vec<R> {
+pub fn threads<R: Send>(size: usize, work: impl Fn(&Thread) -> R + Sync) -> io::Result<Vec<R>> {
     let table = Table {
         arrived: 0,
         round: 0,
-        lost: false,
+        complete: None,
+        lost: None,
         numbers: vec![Vec::new(); size],
         reals: vec![Vec::new(); size],
         mail: vec![Vec::new(); size],
     };
     let shared = Arc::new(Shared { size, table: Mutex::new(table), turned: Condvar::new() });
-    std::thread::scope(|scope| {
-        let started: Vec<_> = (0..size)
-            .map(|rank| {
-                let (world, work) = (Thread { rank, shared: Arc::clone(&shared) }, &work);
-                scope.spawn(move || work(&world))
-            })
-            .collect();
-        let ended = started.into_iter().map(|thread| thread.join());
-        ended.map(|end| end.unwrap_or_else(|cause| std::panic::resume_unwind(cause))).collect()
+    thread::scope(|scope| {
+        let start = |rank| {
+            let (world, work) = (Thread { rank, shared: Arc::clone(&shared) }, &work);
+            thread::Builder::new()
+                .spawn_scoped(scope, move || world.is_complete().then(|| work(&world)))
+        };
+        let started: io::Result<Vec<_>> = (0..size).map(start).collect();
+        shared.table().complete = Some(started.is_ok());
+        shared.turned.notify_all();
+        let mut ended: Vec<_> = started?.into_iter().map(|thread| thread.join()).collect();
+        if let Some(lost) = shared.table().lost
+            && let Err(cause) = ended.swap_remove(lost)
+        {
+            std::panic::resume_unwind(cause);
+        }
+        // Nobody has panicked, and all were started.
+        Ok(ended.into_iter().filter_map(|end| end.ok().flatten()).collect())
     })
 }
 
-impl Thread {
+impl Shared {
     fn table(&self) -> MutexGuard<'_, Table> {
-        self.shared.table.lock().unwrap_or_else(PoisonError::into_inner)
+        self.table.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Gives the table away, and gets it back when something has turned.
+    fn turn<'a>(&self, table: MutexGuard<'a, Table>) -> MutexGuard<'a, Table> {
+        self.turned.wait(table).unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Thread {
+    /// Waits until it is known whether all ranks have been started.
+    fn is_complete(&self) -> bool {
+        let mut table = self.shared.table();
+        loop {
+            match table.complete {
+                Some(complete) => return complete,
+                None => table = self.shared.turn(table),
+            }
+        }
     }
 
     /// Until all ranks are here.
     fn wait(&self) {
-        let mut table = self.table();
+        let mut table = self.shared.table();
         let round = table.round;
         table.arrived += 1;
         if table.arrived == self.shared.size {
             (table.arrived, table.round) = (0, round + 1);
             self.shared.turned.notify_all();
         }
-        while table.round == round && !table.lost {
-            table = self.shared.turned.wait(table).unwrap_or_else(PoisonError::into_inner);
+        while table.round == round && table.lost.is_none() {
+            table = self.shared.turn(table);
         }
         let lost = table.lost;
         drop(table);
-        assert!(!lost, "another rank has panicked");
+        assert!(lost.is_none(), "another rank has panicked");
     }
 
     /// Puts something on the table, and takes something when all have done so.
@@ -93,9 +128,9 @@ impl Thread {
         put: impl FnOnce(&mut Table, usize),
         take: impl FnOnce(&mut Table, usize) -> R,
     ) -> R {
-        put(&mut self.table(), self.rank);
+        put(&mut self.shared.table(), self.rank);
         self.wait();
-        let taken = take(&mut self.table(), self.rank);
+        let taken = take(&mut self.shared.table(), self.rank);
         self.wait();
         taken
     }
@@ -104,7 +139,7 @@ impl Thread {
 impl Drop for Thread {
     fn drop(&mut self) {
         if std::thread::panicking() {
-            self.table().lost = true;
+            self.shared.table().lost.get_or_insert(self.rank);
             self.shared.turned.notify_all();
         }
     }
@@ -177,7 +212,8 @@ mod tests {
                 }
                 world.exchange(&mut parts);
                 (numbers, reals, parts)
-            });
+            })
+            .unwrap();
             for (me, (numbers, reals, parts)) in seen.into_iter().enumerate() {
                 let sum = (size * (size - 1) / 2) as u64;
                 assert_eq!(numbers, [sum, 0u64.wrapping_sub(size as u64)]);
@@ -195,8 +231,9 @@ mod tests {
             threads(3, |world| {
                 assert!(world.rank() != 1, "on purpose");
                 world.sum(&mut [1]);
-            });
+            })
         });
-        assert!(panics.is_err());
+        // Of what it said, not of what the others say for it.
+        assert_eq!(panics.unwrap_err().downcast_ref::<&str>(), Some(&"on purpose"));
     }
 }

@@ -177,7 +177,11 @@ impl<'a> Sheet<'a> {
         let (from, room) = (left + self.names, self.across - self.names - SAID);
         let at = |ratio: f64| from + room * self.axis.place(ratio).unwrap_or(0.0).clamp(0.0, 1.0);
         let (first, last) = (top + HEADING, top + HEADING + BAR * panel.bars.len() as f64);
-        canvas.text(&panel.title, (from, top + 16.0), Text::new(19.0, INK).bold())?;
+        // Above the bars; a long one begins above the names, or is smaller.
+        let wide = width(&panel.title, 19.0, true)?;
+        let begin = from.min(left + self.across - wide).max(left);
+        let size = 19.0 * (self.across / wide).min(1.0);
+        canvas.text(&panel.title, (begin, top + 16.0), Text::new(size, INK).bold())?;
         for (value, label) in self.axis.ticks(room, 60.0) {
             let Some(label) = label else { continue };
             let x = at(value);

@@ -23,7 +23,8 @@ fn shards_merge_to_the_record_of_the_whole() {
     let ended = good(folder, &[&["merge"], &names[..], &["--out", "whole"]].concat());
     assert!(
         ended.stdout.contains("of 3 folders; 0 stood there twice")
-            && ended.stdout.contains("report:  whole/report.md"),
+            && ended.stdout.contains("report:  whole/report.md")
+            && !ended.stdout.contains("missing:"),
         "{}",
         ended.stdout
     );
@@ -37,6 +38,8 @@ fn shards_merge_to_the_record_of_the_whole() {
         "{}",
         ended.stdout
     );
+    let ended = good(folder, &["merge", "part-1", "part-3", "--out", "two"]);
+    assert!(ended.stdout.contains("missing: 1 part, the first is 2/3"), "{}", ended.stdout);
     // A shard of its own is not complete, and says so only if it is asked to.
     good(folder, &["compare", "a", "part-1"]);
     assert_eq!(run(folder, &["compare", "a", "part-1", "--strict"]).code, Some(1));
