@@ -89,14 +89,17 @@ pub fn merge(options: &Merge) -> anyhow::Result<ExitCode> {
     for warning in parts.iter().flat_map(|part| &part.warnings) {
         writeln!(out, "note:    {warning}")?;
     }
-    let field = |fields: &Value| fields.get("shard")?.as_str()?.parse().ok();
-    let missing =
-        Shard::missing(&parts.iter().flat_map(Part::provenances).filter_map(field).collect());
-    if let Some(first) = missing.first() {
+    // A folder that is no part may hold what the others lack.
+    let shard = |fields: &Value| fields.get("shard")?.as_str()?.parse().ok();
+    let all = |part: &Part| part.provenances().filter_map(shard).collect::<Vec<Shard>>();
+    let present: Vec<Vec<Shard>> = parts.iter().map(all).collect();
+    if !present.iter().any(Vec::is_empty)
+        && let Some((count, first)) = Shard::missing(&present.into_iter().flatten().collect())
+    {
         writeln!(
             out,
             "note:    missing: {}, the first is {first}; run what is missing, and merge all",
-            plural(missing.len(), "part")
+            plural(count, "part")
         )?;
     }
     writeln!(

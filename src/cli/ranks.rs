@@ -195,7 +195,7 @@ fn say(options: &Ranks, rows: &[Row]) -> anyhow::Result<ExitCode> {
         append(path, &lines.collect::<anyhow::Result<String>>()?, "--json")?;
     }
     let mut blocks = Vec::new();
-    if let Some(row) = rows.first() {
+    if let Some(row) = rows.iter().max_by_key(|row| row.ranks) {
         blocks.push(Block::paragraph(format!(
             "{}: {}D, {}, exact arithmetic; slabs along {}.",
             row.scene,

@@ -50,13 +50,12 @@ impl Shard {
         taken
     }
 
-    /// Those that are not there, if all that are there are parts of as many.
-    pub fn missing(present: &BTreeSet<Shard>) -> Vec<Shard> {
-        let Some(&Shard { n, .. }) = present.first() else { return Vec::new() };
-        if present.iter().any(|shard| shard.n != n) {
-            return Vec::new();
-        }
-        (1..=n).map(|k| Shard { k, n }).filter(|shard| !present.contains(shard)).collect()
+    /// How many are not there, and the first of them, if all that are there are parts of as many.
+    pub fn missing(present: &BTreeSet<Shard>) -> Option<(usize, Shard)> {
+        let n = present.first()?.n;
+        let alike = present.iter().all(|shard| shard.n == n);
+        let first = (1..=n).map(|k| Shard { k, n }).find(|shard| !present.contains(shard))?;
+        alike.then_some((n - present.len(), first))
     }
 
     /// The part of this process, as the job array and the MPI job that it belongs to say in
@@ -257,12 +256,12 @@ mod tests {
     fn parts_that_are_not_there_are_known() {
         let missing = |present: &[&str]| {
             let present = present.iter().map(|text| text.parse().unwrap()).collect();
-            let missing = Shard::missing(&present);
-            missing.iter().map(Shard::to_string).collect::<Vec<_>>()
+            Shard::missing(&present).map(|(count, first)| (count, first.to_string()))
         };
-        assert_eq!(missing(&["4/5", "1/5", "3/5"]), ["2/5", "5/5"]);
+        assert_eq!(missing(&["4/5", "1/5", "3/5"]), Some((2, "2/5".into())));
+        assert_eq!(missing(&["1/99999999999"]), Some((99_999_999_998, "2/99999999999".into())));
         for complete in [&[][..], &["1/1"], &["2/2", "1/2"], &["1/3", "1/2"]] {
-            assert_eq!(missing(complete), [""; 0]);
+            assert_eq!(missing(complete), None);
         }
     }
 

@@ -75,11 +75,11 @@ pub struct Row {
     pub search_ms: f64,
     /// The same search while no other rank does anything, after each step.
     pub alone_ms: f64,
-    /// That over the step, within each: the part of a step that an undisturbed search takes, of own
-    /// particles and halo.
+    /// That over the longest step of any rank, within each: the part of a step that an undisturbed
+    /// search takes, of own particles and halo.
     pub alone_over_step: Option<Interval>,
-    /// That over the search of the step: about what sharing memory and cores leaves, since the later
-    /// search finds warm caches.
+    /// That over the longest search of the step: about what sharing memory and cores leaves, since
+    /// the later search finds warm caches.
     pub alone_over_search: Option<Interval>,
     /// Most bytes of particles, buffers and contacts in a rank, by their formulas; without what is
     /// on its way.
@@ -214,7 +214,8 @@ where
     let [n, sent, sent_bytes, contacts, sum] = sums;
     let digest = Whole::of(Digest { contacts, sum });
     let alone_over = |times: &[f64]| {
-        let ratios: Vec<f64> = zip(&steps[3], times).map(|(alone, time)| alone / time).collect();
+        let told = zip(&steps[3], times).filter(|(_, time)| **time > 0.0);
+        let ratios: Vec<f64> = told.map(|(alone, time)| alone / time).collect();
         interval(&ratios)
     };
     let (alone_over_step, alone_over_search) = (alone_over(&steps[0]), alone_over(&steps[2]));

@@ -5,7 +5,8 @@
 //! ```
 //!
 //! s is the measured time of the search per particle in a rank, own ones and those of others, while
-//! no other rank works (the longest over the most particles: ranks are taken to be alike); h is the number of particles that cross a border, measured; b their bytes.
+//! no other rank works (the longest over the most particles: ranks are taken to be alike);
+//! h is the number of particles that cross a border, measured; b their bytes.
 //! A scene that grows along its slabs has the h that was measured; one that keeps its shape has an
 //! area that grows as N^((D - 1) / D). Messages are one, or as many as slabs fit into a layer of h.
 //! Numbers of bytes are told to all first, in log2 R steps.

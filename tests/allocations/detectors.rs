@@ -165,7 +165,8 @@ fn two_threads(entry: &Entry, text: &str) {
     let what = format!("{} on {text} with two threads", entry.name);
     assert!(contacts > 0, "{what}");
     assert!(
-        formula >= 8 * contacts && (formula - QUEUE..=formula + SHARES).contains(&cold.peak_bytes),
+        formula >= 8 * contacts
+            && (formula.saturating_sub(QUEUE)..=formula + SHARES).contains(&cold.peak_bytes),
         "{what}: {cold:?}, formula {formula}, {contacts} contacts"
     );
     // Lists of contacts are kept, or made anew; nothing grows beyond the first call's.
