@@ -6,8 +6,8 @@
 //! them, and memory that is not on the heap, is not counted.
 //!
 //! Where several threads work, rayon's queue of jobs is counted with them. A job may be given back
-//! a moment after the work is done, and a block of 63 jobs, about 1.5 KB, in a later measurement: so
-//! the bytes of several threads are good to about 2 KB either way, and never less than 0.
+//! a moment after the work is done, and a block of 63 jobs, about 1.5 KB, in a later measurement.
+//! So the bytes of several threads are good to about 2 KB either way, and never less than 0.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::Mutex;
