@@ -58,11 +58,7 @@ pub fn merge(options: &Merge) -> anyhow::Result<ExitCode> {
         write(experiments.join(format!("{name}.toml")), text)?;
     }
     let mut provenance = merged.provenance;
-    provenance["command"] = std::iter::once("contactbench".to_string())
-        .chain(std::env::args().skip(1))
-        .collect::<Vec<_>>()
-        .join(" ")
-        .into();
+    provenance["command"] = provenance::command(std::env::args().skip(1)).into();
     write(options.out.join(provenance::FILE), &provenance::text(&provenance)?)?;
     for (k, fields) in parts.iter().flat_map(Part::provenances).enumerate() {
         let path = options.out.join(format!("provenance-part-{}.json", k + 1));

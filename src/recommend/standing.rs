@@ -141,7 +141,7 @@ pub(super) fn drop_far(standings: &mut [Standing]) {
     });
 }
 
-/// Ends those who take over `limit` times as long as the fastest, and says so.
+/// As [`drop_over`], and says why.
 fn leave(
     standings: &mut [Standing],
     limit: f64,

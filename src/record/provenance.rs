@@ -45,11 +45,8 @@ pub fn gather(
         .parse::<f64>()
         .ok()
         .map(|khz| khz / 1000.0);
-    let command: Vec<String> =
-        std::iter::once("contactbench".into()).chain(std::env::args().skip(1)).collect();
-    let command = command.join(" ");
     let mut all = json!({
-        "command": command,
+        "command": command(std::env::args().skip(1)),
         "record_schema": SCHEMA,
         "experiments": experiments,
         "quick": quick,
@@ -80,6 +77,17 @@ pub fn gather(
         all["bandwidth_bytes_per_s"] = json!(bandwidth);
     }
     all
+}
+
+/// The command of these words. Of an absolute path only the last part is told: the rest is of one
+/// machine.
+pub fn command(words: impl Iterator<Item = String>) -> String {
+    let told = |word: String| {
+        let (option, value) = word.split_at(word.find('=').map_or(0, |equals| equals + 1));
+        let last = Path::new(value).is_absolute().then(|| Path::new(value).file_name()).flatten();
+        last.map_or(word.clone(), |last| format!("{option}{}", last.to_string_lossy()))
+    };
+    std::iter::once("contactbench".into()).chain(words.map(told)).collect::<Vec<_>>().join(" ")
 }
 
 /// Empty where there is no such file (not on Linux): the field is then empty, too.
@@ -184,7 +192,16 @@ fn civil(mut day: u64) -> (u64, u64, u64) {
 
 #[cfg(test)]
 mod tests {
-    use super::civil;
+    use super::{civil, command};
+
+    #[test]
+    #[cfg(unix)]
+    fn a_command_names_no_folders_of_one_machine() {
+        let of = |text: &str| command(text.split(' ').map(str::to_string));
+        let out = of("run codes --out /home/me/x/codes --label=/y/z --where a=1/2 --radius 0.5");
+        assert_eq!(out, "contactbench run codes --out codes --label=z --where a=1/2 --radius 0.5");
+        assert_eq!(of("run / results/a"), "contactbench run / results/a");
+    }
 
     #[test]
     fn days_become_dates() {

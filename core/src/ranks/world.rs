@@ -50,7 +50,8 @@ struct Table {
 /// The system does not start that many threads; no work was done.
 ///
 /// # Panics
-/// As the work does: the other ranks end, too.
+/// As the work of the first rank that does; others end when they next meet it. A rank that returns
+/// early is waited for without end.
 pub fn threads<R: Send>(size: usize, work: impl Fn(&Thread) -> R + Sync) -> io::Result<Vec<R>> {
     let table = Table {
         arrived: 0,
