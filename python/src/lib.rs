@@ -5,16 +5,17 @@
 mod check;
 mod failure;
 mod given;
+mod pages;
 mod recommend;
 mod record;
 mod search;
 mod verify;
 
-use contactbench::run::alloc::Counting;
+use pages::Pages;
 
-/// Runners measure memory.
+/// Runners measure memory, and calls take much of it at once.
 #[global_allocator]
-static ALLOCATOR: Counting = Counting;
+static ALLOCATOR: Pages = Pages;
 
 /// Native functions; see the package `contactbench`.
 #[pyo3::pymodule]

@@ -8,6 +8,7 @@ use contactbench_core::crowd;
 use contactbench_core::detect::Options;
 use contactbench_core::detect::spec::{self, DetectorSpec};
 use contactbench_core::memory;
+use contactbench_core::pair_list::PAIR_BYTES;
 use contactbench_core::periodic::Contacts;
 use contactbench_core::probe::Op;
 use contactbench_core::searcher::{Loaded, Searcher};
@@ -62,6 +63,16 @@ fn loaded<'a>(
         crowd::within(scene, limit)?;
     }
     Ok(loaded)
+}
+
+/// An empty list with room for most answers, within a limit of bytes: while a list grows, its pages
+/// are moved. Room that is not used is not touched, and given back in the end.
+fn room(arrays: &Arrays<'_>, limit: u64) -> Contacts {
+    let most = usize::try_from(limit / PAIR_BYTES).unwrap_or(usize::MAX);
+    let mut contacts = Contacts::default();
+    // Who has no room now finds out while the list grows.
+    let _ = contacts.plain.try_reserve_exact(arrays.len().saturating_mul(4).min(most));
+    contacts
 }
 
 /// In a box its dimension: so many numbers has an image.
@@ -137,7 +148,7 @@ impl Detector {
             let scene = loaded(&arrays, self.arithmetic, self.limit)?;
             let mut held = self.searcher.lock().unwrap_or_else(PoisonError::into_inner);
             let (searcher, crew) = &mut *held;
-            let mut contacts = Contacts::default();
+            let mut contacts = room(&arrays, self.limit);
             by(crew, || searcher.list(&scene, self.arithmetic, &mut contacts))?;
             tidy(&mut contacts);
             Ok((contacts, boxed(&scene)))
@@ -239,7 +250,7 @@ impl Verlet {
         let arrays = Arrays::new(&x, &r, edges)?;
         let (found, boxed) = work(py, || {
             let scene = loaded(&arrays, self.arithmetic, self.limit)?;
-            let mut contacts = Contacts::default();
+            let mut contacts = room(&arrays, self.limit);
             self.with(|Course { tracker, crew, done }| {
                 let step = by(crew, || match &scene {
                     Loaded::Open(scene) => {

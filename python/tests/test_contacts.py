@@ -2,6 +2,7 @@
 
 import threading
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -284,3 +285,29 @@ def test_wrong_lists_are_errors(options, words):
 def test_a_list_in_a_box_does_not_round():
     with pytest.raises(ValueError, match="decides in exact arithmetic, not in f64"):
         contactbench.Verlet(arithmetic="f64").contacts([[0.0, 0.0]], 0.1, box=[1.0, 1.0])
+
+
+def flags_at(address):
+    """The flags of the mapping that holds an address (Linux), or none."""
+    here = False
+    for line in Path("/proc/self/smaps").read_text().splitlines():
+        name, _, rest = line.partition(" ")
+        if name.endswith(":"):
+            if here and name == "VmFlags:":
+                return rest.split()
+        else:
+            begin, end = (int(bound, 16) for bound in name.split("-"))
+            here = begin <= address < end
+    return []
+
+
+@pytest.mark.skipif(
+    not Path("/sys/kernel/mm/transparent_hugepage").is_dir(), reason="no large pages to ask for"
+)
+@pytest.mark.parametrize("kept", [False, True])
+def test_a_large_answer_is_in_large_pages(kept):
+    x = np.random.default_rng(3).random((200_000, 2))
+    ask = contactbench.Detector().contacts if kept else contactbench.contacts
+    pairs, _ = ask(x, 0.002)
+    assert pairs.nbytes > 1 << 22
+    assert "hg" in flags_at(pairs.ctypes.data + pairs.nbytes // 2)
