@@ -164,7 +164,7 @@ impl Refusal {
 ///
 /// # Errors
 /// [`Refusal::Exhausted`].
-pub(crate) fn reserve<T>(list: &mut Vec<T>, more: usize) -> Result<(), Refusal> {
+pub fn reserve<T>(list: &mut Vec<T>, more: usize) -> Result<(), Refusal> {
     let bytes = (more as u64).saturating_mul(size_of::<T>() as u64);
     list.try_reserve_exact(more).map_err(|_| Refusal::Exhausted { bytes })
 }

@@ -149,13 +149,14 @@ fn by_mpi<'a>(
         let setting = setting(share.given.scene.len());
         Ok((measure(&world, "mpi", name, share, setting)?, origin))
     });
-    // One word is enough, and it comes from whoever knows.
+    // One word is enough, and it comes from whoever knows; from the first, where all do.
     let (mut row, origin) = match row {
         Ok(row) => row,
-        Err(error) if matches!(error.downcast_ref(), Some(Failure::Elsewhere(_))) => {
-            return Ok(ExitCode::from(2));
-        }
-        Err(error) => return Err(error.context(format!("{name}: rank {rank}"))),
+        Err(error) => match error.downcast_ref() {
+            Some(Failure::Elsewhere(_)) => return Ok(ExitCode::from(2)),
+            Some(Failure::Unlike(_)) if rank > 0 => return Ok(ExitCode::from(2)),
+            _ => return Err(error.context(format!("{name}: rank {rank}"))),
+        },
     };
     if rank > 0 {
         return Ok(ExitCode::SUCCESS);

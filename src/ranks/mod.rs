@@ -9,7 +9,7 @@ pub mod share;
 use std::iter::zip;
 use std::time::{Duration, Instant};
 
-use contactbench_core::ranks::{Failure, Numbered, Rank, World, together};
+use contactbench_core::ranks::{Failure, Numbered, Rank, World, failed, together};
 use serde::Serialize;
 
 use crate::contact::Arithmetic;
@@ -144,6 +144,14 @@ pub fn measure(
     setting: Setting<'_>,
 ) -> Result<Row, Failure> {
     let Share { given: Given { scene, lattice, .. }, first, .. } = share;
+    // Whoever sees another file brings other rows.
+    let mut lens = vec![0; world.size()];
+    lens[world.rank()] = scene.len() as u64;
+    world.sum(&mut lens);
+    let before: u64 = lens[..world.rank()].iter().sum();
+    if failed(world, before != first).is_some() {
+        return Err(Failure::Unlike("number of particles"));
+    }
     let mut row = match &scene {
         AnyScene::Plane(stored) => of(world, &stored.widened(), first, lattice, setting),
         AnyScene::Space(stored) => of(world, &stored.widened(), first, lattice, setting),

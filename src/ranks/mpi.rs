@@ -1,6 +1,7 @@
 //! Ranks that are processes of MPI.
 
-use contactbench_core::ranks::World;
+use contactbench_core::ranks::{Failure, World, together};
+use contactbench_core::refusal::{Refusal, reserve};
 use mpi::collective::SystemOperation;
 use mpi::datatype::{Partition, PartitionMut};
 use mpi::environment::Universe;
@@ -54,48 +55,72 @@ impl World for Processes {
     }
 
     /// In rounds, in which each sends so many bytes to each at most that their sum can be counted.
-    fn exchange(&self, parts: &mut [Vec<u8>]) {
-        let most = MOST / parts.len();
-        let longest = parts.iter().map(Vec::len).max().unwrap_or(0);
-        let mut rounds = [longest.div_ceil(most) as f64];
-        self.largest(&mut rounds);
-        let mut received: Vec<Vec<u8>> = vec![Vec::new(); parts.len()];
-        for round in 0..rounds[0] as usize {
-            let pieces: Vec<&[u8]> = parts
-                .iter()
-                .map(|part| {
-                    let end = |k: usize| (k * most).min(part.len());
-                    &part[end(round)..end(round + 1)]
-                })
-                .collect();
-            let counts = |lens: &mut dyn Iterator<Item = usize>| -> (Vec<i32>, Vec<i32>) {
+    fn exchange(&self, parts: &mut [Vec<u8>]) -> Result<(), Failure> {
+        let sizes: Vec<u64> = parts.iter().map(|part| part.len() as u64).collect();
+        let mut coming = vec![0u64; parts.len()];
+        self.world.all_to_all_into(&sizes[..], &mut coming[..]);
+        let Room { mut received, mut sent, mut letters } =
+            together(self, Room::new(&sizes, &coming))?;
+        let mut longest = [sizes.iter().copied().max().unwrap_or(0) as f64];
+        self.largest(&mut longest);
+        let most = (MOST / parts.len()) as u64;
+        for round in 0..(longest[0] as u64).div_ceil(most) {
+            // Where the piece of this round begins and ends.
+            let ends = |size: u64| [(round * most).min(size), ((round + 1) * most).min(size)];
+            // Numbers of bytes, and where they begin: at most MOST.
+            let places = |sizes: &[u64]| -> (Vec<i32>, Vec<i32>) {
                 let mut begin = 0;
-                lens.map(|len| {
-                    let place = (len as i32, begin);
-                    begin += len as i32;
-                    place
-                })
-                .unzip()
+                let place = |&size: &u64| {
+                    let [from, to] = ends(size);
+                    let len = (to - from) as i32;
+                    begin += len;
+                    (len, begin - len)
+                };
+                sizes.iter().map(place).unzip()
             };
-            let (sent, sent_at) = counts(&mut pieces.iter().map(|piece| piece.len()));
-            let mut told = vec![0i32; parts.len()];
-            self.world.all_to_all_into(&sent[..], &mut told[..]);
-            let (got, got_at) = counts(&mut told.iter().map(|&len| len as usize));
+            sent.clear();
+            for part in parts.iter() {
+                let [from, to] = ends(part.len() as u64);
+                sent.extend_from_slice(&part[from as usize..to as usize]);
+            }
             // An empty list would begin at address 1, which is MPI_IN_PLACE to some.
-            let mut out =
-                Vec::with_capacity(pieces.iter().map(|piece| piece.len()).sum::<usize>() + 1);
-            pieces.iter().for_each(|piece| out.extend_from_slice(piece));
-            out.push(0);
-            let total: usize = got.iter().map(|&len| len as usize).sum();
-            let mut letters = vec![0u8; total + 1];
+            sent.push(0);
+            let (lens, begins) = places(&sizes);
+            let (got, got_at) = places(&coming);
+            letters.clear();
+            letters.resize(got.iter().map(|&len| len as usize).sum::<usize>() + 1, 0);
             self.world.all_to_all_varcount_into(
-                &Partition::new(&out[..], sent, sent_at),
-                &mut PartitionMut::new(&mut letters[..], got.clone(), got_at.clone()),
+                &Partition::new(&sent[..], lens, begins),
+                &mut PartitionMut::new(&mut letters[..], &got[..], &got_at[..]),
             );
             for (of, (&len, &at)) in received.iter_mut().zip(got.iter().zip(&got_at)) {
                 of.extend_from_slice(&letters[at as usize..][..len as usize]);
             }
         }
         parts.iter_mut().zip(received).for_each(|(part, got)| *part = got);
+        Ok(())
+    }
+}
+
+/// Memory for what goes and comes.
+struct Room {
+    received: Vec<Vec<u8>>,
+    /// In a round.
+    sent: Vec<u8>,
+    letters: Vec<u8>,
+}
+
+impl Room {
+    fn new(going: &[u64], coming: &[u64]) -> Result<Room, Refusal> {
+        let some = |bytes: u64| {
+            let mut room = Vec::new();
+            reserve(&mut room, bytes as usize).map(|()| room)
+        };
+        let round = |sizes: &[u64]| some(sizes.iter().sum::<u64>().min(MOST as u64) + 1);
+        Ok(Room {
+            received: coming.iter().map(|&size| some(size)).collect::<Result<_, _>>()?,
+            sent: round(going)?,
+            letters: round(coming)?,
+        })
     }
 }

@@ -120,14 +120,28 @@ fn processes_of_mpi_find_what_threads_find() {
     }
     let ended = mpirun("3", &["missing.npy"]);
     assert!(ended.code != Some(0) && ended.stderr.contains("missing.npy"), "{}", ended.stderr);
-    // One rank does not find its file; the other ends, too.
+    // One rank does not find its file, or another one; the other ends, too.
     let alone = |file| ["-n", "1", PROGRAM, "ranks", file, "--steps", "1"];
-    let mut command = std::process::Command::new("timeout");
-    command.current_dir(folder).args(["60", "mpirun", "--allow-run-as-root", "--oversubscribe"]);
-    command.args(alone("p.npy")).arg(":").args(alone("missing.npy"));
-    let ended = crate::common::ended(command.output().unwrap());
-    assert!(ended.code != Some(124) && ended.code != Some(0), "{:?}", ended.code);
-    assert!(ended.stderr.contains("missing.npy"), "{}", ended.stderr);
+    good(folder, &["scene", "packed:dim=2,n=3000,size-ratio=2", "-o", "flat.csv"]);
+    good(folder, &["scene", "packed:dim=3,n=2000,size-ratio=2", "-o", "few.npy"]);
+    for (other, why) in [
+        ("missing.npy", "missing.npy"),
+        ("flat.csv", "its dimension differs from rank to rank"),
+        ("few.npy", "its number of particles differs from rank to rank"),
+    ] {
+        let mut command = std::process::Command::new("timeout");
+        command.current_dir(folder).args([
+            "60",
+            "mpirun",
+            "--allow-run-as-root",
+            "--oversubscribe",
+        ]);
+        command.args(alone("p.npy")).arg(":").args(alone(other));
+        let ended = crate::common::ended(command.output().unwrap());
+        assert!(ended.code != Some(124) && ended.code != Some(0), "{other}: {:?}", ended.code);
+        let said = ended.stderr.lines().filter(|line| line.contains(why)).count();
+        assert_eq!(said, 1, "{}", ended.stderr);
+    }
     let ended = mpirun("2", &["loose:n=500", "--each"]);
     assert!(ended.stdout.contains("those of one process"), "{}{}", ended.stdout, ended.stderr);
 }

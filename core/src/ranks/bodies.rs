@@ -90,20 +90,31 @@ impl<const D: usize> Numbered<D> {
         radii: bool,
         to: impl Fn(usize, &mut dyn FnMut(usize)),
     ) -> Result<Vec<Vec<u8>>, Refusal> {
-        let mut counts = Vec::new();
-        reserve(&mut counts, ranks)?;
-        counts.resize(ranks, 0usize);
-        (0..self.len()).for_each(|k| to(k, &mut |rank| counts[rank] += 1));
-        let mut letters = Vec::new();
-        reserve(&mut letters, ranks)?;
-        for count in counts {
-            let mut letter: Vec<u8> = Vec::new();
-            reserve(&mut letter, count * Self::bytes(radii))?;
-            letters.push(letter);
-        }
+        // Who is to get what is asked once: mostly the answer is nobody.
+        let mut chosen: Vec<Vec<u32>> = Vec::new();
+        reserve(&mut chosen, ranks)?;
+        chosen.resize_with(ranks, Vec::new);
+        let mut room = Ok(());
         for k in 0..self.len() {
             to(k, &mut |rank| {
-                let letter = &mut letters[rank];
+                let chosen = &mut chosen[rank];
+                if room.is_ok() && chosen.len() == chosen.capacity() {
+                    room = reserve(chosen, chosen.len().max(64));
+                }
+                if room.is_ok() {
+                    // As many as there are numbers.
+                    chosen.push(k as u32);
+                }
+            });
+        }
+        room?;
+        let mut letters = Vec::new();
+        reserve(&mut letters, ranks)?;
+        for chosen in chosen {
+            let mut letter: Vec<u8> = Vec::new();
+            reserve(&mut letter, chosen.len() * Self::bytes(radii))?;
+            for k in chosen {
+                let k = k as usize;
                 letter.extend_from_slice(&self.ids[k].to_le_bytes());
                 for x in array(&self.centres[k]) {
                     letter.extend_from_slice(&x.to_le_bytes());
@@ -111,7 +122,8 @@ impl<const D: usize> Numbered<D> {
                 if radii {
                     letter.extend_from_slice(&self.radii[k].to_le_bytes());
                 }
-            });
+            }
+            letters.push(letter);
         }
         Ok(letters)
     }

@@ -51,6 +51,12 @@ pub enum Failure {
     /// The box does not suit the scene.
     #[error(transparent)]
     Boxed(#[from] PeriodicError),
+    /// What they bring does not belong together.
+    #[error(
+        "the ranks do not bring parts of one scene: its {0} differs from rank to rank; give all of \
+         them the same file and the same options"
+    )]
+    Unlike(&'static str),
 }
 
 /// The highest rank that has failed, if any has: all ranks say whether they have.
@@ -71,6 +77,13 @@ pub fn together<T, E: Into<Failure>>(
     let failed = failed(world, result.is_err());
     let result = result.map_err(Into::into)?;
     failed.map_or(Ok(result), |rank| Err(Failure::Elsewhere(rank)))
+}
+
+/// Are these numbers, none of which is NaN, the same in all ranks?
+fn alike<const N: usize>(world: &impl World, numbers: [f64; N]) -> bool {
+    let mut ends = numbers.map(|number| [number, -number]);
+    world.largest(ends.as_flattened_mut());
+    ends.iter().all(|[most, least]| *most == -least)
 }
 
 /// What a rank has sent to be able to begin.
@@ -103,7 +116,8 @@ where
     /// not, to their owners. Numbers must be given once each.
     ///
     /// # Errors
-    /// A box that does not suit them; [`Refusal::Skewed`], [`Refusal::Exhausted`], in any rank.
+    /// A box that does not suit them; dimensions or boxes that differ from rank to rank;
+    /// [`Refusal::Skewed`], [`Refusal::Exhausted`], in any rank.
     pub fn new(
         world: &impl World,
         bodies: Numbered<D>,
@@ -113,6 +127,18 @@ where
             let empty = Scene::<f64, D>::new(Vec::new(), Radii::Uniform(0.0))?;
             Ok(Periodic::new(empty.into(), lattice)?.into_parts().1)
         };
+        // As many numbers whatever the dimension.
+        let told = |lattice: Lattice| {
+            let axes = [lattice.periodic().map(f64::from), lattice.origin()];
+            [lattice.vectors().as_flattened(), axes.as_flattened()].concat()
+        };
+        let told = lattice.map_or_else(|| vec![-1.0; 15], told);
+        if !alike(world, [D as f64]) {
+            return Err(Failure::Unlike("dimension"));
+        }
+        if !alike(world, std::array::from_fn::<_, 15, _>(|k| told[k])) {
+            return Err(Failure::Unlike("box"));
+        }
         let lattice = lattice.map(boxed).transpose()?.filter(Lattice::repeats);
         let mut ends = bodies
             .radii()
@@ -128,7 +154,7 @@ where
         };
         let mut letters = together(world, bodies.letters(world.size(), sizes, owner))?;
         drop(bodies);
-        world.exchange(&mut letters);
+        world.exchange(&mut letters)?;
         let mut own = Numbered::default();
         let read = own.read(&letters, sizes);
         together(world, read)?;
@@ -160,7 +186,7 @@ where
             bytes: bytes as u64,
             partners: letters.iter().filter(|letter| !letter.is_empty()).count() as u64,
         };
-        world.exchange(&mut letters);
+        world.exchange(&mut letters)?;
         let read = self.bodies.read(&letters, sizes);
         together(world, read)?;
         Ok(traffic)

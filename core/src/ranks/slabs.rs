@@ -68,7 +68,7 @@ impl<const D: usize> Slabs<D> {
         let sampled = begins.map(|begin| along.place(bodies.at(drawn(begin))));
         let letter: Vec<u8> = sampled.flat_map(f64::to_le_bytes).collect();
         let mut letters = vec![letter; world.size()];
-        world.exchange(&mut letters);
+        world.exchange(&mut letters)?;
         let numbers = letters.iter().flat_map(|letter| letter.as_chunks::<8>().0);
         let mut sample: Vec<f64> = numbers.map(|bytes| f64::from_le_bytes(*bytes)).collect();
         sample.sort_unstable_by(f64::total_cmp);

@@ -202,3 +202,24 @@ fn what_one_rank_refuses_ends_all() {
     assert!(Numbered::new(&scene, last - 1).is_ok());
     assert!(matches!(Numbered::new(&scene, last), Err(Failure::Scene(_))));
 }
+
+#[test]
+fn ranks_with_parts_of_two_scenes_end() {
+    fn of<const D: usize>(world: &Thread, lattice: Option<Lattice>) -> Option<Failure>
+    where
+        for<'a> AnyScene<'a>: From<Scene<'a, f64, D>>,
+    {
+        Rank::<D>::new(world, Numbered::default(), lattice).err()
+    }
+    let plane = |length| Lattice::along_axes([length, 9.0, 1.0], [true, true, false]).unwrap();
+    let dimensions = |world: &Thread| match world.rank() {
+        0 => of::<2>(world, Some(plane(9.0))),
+        _ => of::<3>(world, None),
+    };
+    let boxes = |world: &Thread| of::<2>(world, Some(plane([8.0, 9.0, 9.0][world.rank()])));
+    let missing = |world: &Thread| of::<2>(world, (world.rank() < 2).then(|| plane(9.0)));
+    let unlike = |what| vec![Some(Failure::Unlike(what)); 3];
+    assert_eq!(threads(3, dimensions).unwrap(), unlike("dimension"));
+    assert_eq!(threads(3, boxes).unwrap(), unlike("box"));
+    assert_eq!(threads(3, missing).unwrap(), unlike("box"));
+}

@@ -4,6 +4,8 @@ use std::io;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
 
+use crate::ranks::Failure;
+
 /// The ranks that work on one scene, as one of them sees them. All of them call the same functions
 /// in the same order, as in MPI.
 pub trait World {
@@ -16,7 +18,10 @@ pub trait World {
     /// The largest numbers of all ranks, place by place; none is NaN.
     fn largest(&self, numbers: &mut [f64]);
     /// Part k goes to rank k. In the place of each is then what came from that rank.
-    fn exchange(&self, parts: &mut [Vec<u8>]);
+    ///
+    /// # Errors
+    /// [`Refusal::Exhausted`](crate::refusal::Refusal) in any rank: no room for what comes.
+    fn exchange(&self, parts: &mut [Vec<u8>]) -> Result<(), Failure>;
 }
 
 /// A rank that is a thread of this process: for tests, and to try what MPI will do.
@@ -37,6 +42,8 @@ struct Table {
     round: u64,
     /// Have all threads been started?
     complete: Option<bool>,
+    /// The first that ended: where others meet, it is missing.
+    left: Option<usize>,
     /// The first that panicked.
     lost: Option<usize>,
     numbers: Vec<Vec<u64>>,
@@ -50,13 +57,14 @@ struct Table {
 /// The system does not start that many threads; no work was done.
 ///
 /// # Panics
-/// As the work of the first rank that does; others end when they next meet it. A rank that returns
-/// early is waited for without end.
+/// As the work of the first rank that does. Who then waits for it panics, too, and so does who waits
+/// for a rank that has returned.
 pub fn threads<R: Send>(size: usize, work: impl Fn(&Thread) -> R + Sync) -> io::Result<Vec<R>> {
     let table = Table {
         arrived: 0,
         round: 0,
         complete: None,
+        left: None,
         lost: None,
         numbers: vec![Vec::new(); size],
         reals: vec![Vec::new(); size],
@@ -115,12 +123,13 @@ impl Thread {
             (table.arrived, table.round) = (0, round + 1);
             self.shared.turned.notify_all();
         }
-        while table.round == round && table.lost.is_none() {
+        while table.round == round {
+            if let Some(rank) = table.left {
+                drop(table);
+                panic!("rank {rank} has ended, and rank {} waits for it", self.rank);
+            }
             table = self.shared.turn(table);
         }
-        let lost = table.lost;
-        drop(table);
-        assert!(lost.is_none(), "another rank has panicked");
     }
 
     /// Puts something on the table, and takes something when all have done so.
@@ -139,10 +148,12 @@ impl Thread {
 
 impl Drop for Thread {
     fn drop(&mut self) {
-        if std::thread::panicking() {
-            self.shared.table().lost.get_or_insert(self.rank);
-            self.shared.turned.notify_all();
+        let mut table = self.shared.table();
+        table.left.get_or_insert(self.rank);
+        if thread::panicking() {
+            table.lost.get_or_insert(self.rank);
         }
+        self.shared.turned.notify_all();
     }
 }
 
@@ -180,7 +191,7 @@ impl World for Thread {
         );
     }
 
-    fn exchange(&self, parts: &mut [Vec<u8>]) {
+    fn exchange(&self, parts: &mut [Vec<u8>]) -> Result<(), Failure> {
         let mine = parts.iter_mut().map(std::mem::take).collect();
         self.meet(
             |table, rank| table.mail[rank] = mine,
@@ -190,6 +201,7 @@ impl World for Thread {
                 }
             },
         );
+        Ok(())
     }
 }
 
@@ -211,7 +223,7 @@ mod tests {
                     world.sum(&mut numbers);
                     world.largest(&mut reals);
                 }
-                world.exchange(&mut parts);
+                world.exchange(&mut parts).unwrap();
                 (numbers, reals, parts)
             })
             .unwrap();
@@ -236,5 +248,19 @@ mod tests {
         });
         // Of what it said, not of what the others say for it.
         assert_eq!(panics.unwrap_err().downcast_ref::<&str>(), Some(&"on purpose"));
+    }
+
+    #[test]
+    fn a_rank_that_returns_early_is_not_waited_for() {
+        let panics = std::panic::catch_unwind(|| {
+            threads(3, |world| {
+                world.sum(&mut [1]);
+                if world.rank() != 1 {
+                    world.sum(&mut [1]);
+                }
+            })
+        });
+        let words = panics.unwrap_err().downcast::<String>().unwrap();
+        assert!(words.starts_with("rank 1 has ended"), "{words}");
     }
 }
