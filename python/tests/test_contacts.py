@@ -189,6 +189,15 @@ def test_refusals_are_exceptions():
         contactbench.contacts(np.zeros((20_000, 3)), 1.0)
 
 
+def test_pairs_keep_to_the_limit():
+    # A row of 50 pairs among 950 that touch nothing: room is made for 4,000.
+    x = np.array([[k if k <= 50 else 10.0 * k, 0.0] for k in range(1000)])
+    enough = contactbench.Detector("direct", memory_limit=400)
+    assert len(enough.contacts(x, 0.5)[0]) == 50
+    with pytest.raises(MemoryError, match="pairs"):
+        contactbench.Detector("direct", memory_limit=392).contacts(x, 0.5)
+
+
 def test_detectors_keep_nothing_of_the_call_before():
     random = np.random.default_rng(6)
     detector = contactbench.Detector("streamed-nbs", threads=2)
@@ -305,7 +314,7 @@ def flags_at(address):
     not Path("/sys/kernel/mm/transparent_hugepage").is_dir(), reason="no large pages to ask for"
 )
 @pytest.mark.parametrize("kept", [False, True])
-def test_a_large_answer_is_in_large_pages(kept):
+def test_for_a_large_answer_large_pages_are_asked_for(kept):
     x = np.random.default_rng(3).random((200_000, 2))
     ask = contactbench.Detector().contacts if kept else contactbench.contacts
     pairs, _ = ask(x, 0.002)

@@ -5,6 +5,8 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use anyhow::{Context, bail, ensure};
+#[cfg(feature = "mpi")]
+use contactbench_core::ranks::alike;
 use contactbench_core::ranks::{Failure, World, threads};
 
 #[cfg(feature = "mpi")]
@@ -133,8 +135,12 @@ fn by_mpi<'a>(
 ) -> anyhow::Result<ExitCode> {
     let world = crate::ranks::mpi::Processes::begin().context("MPI does not begin")?;
     let (rank, size) = (world.rank(), world.size());
-    // A file that one of them does not see must not leave the others waiting.
-    let origin = agreed(&world, options.source.input.origin(name));
+    // With other steps they would wait for each other. So they would where one does not see its file.
+    let same = alike(&world, [options.steps as f64, f64::from(u8::from(options.each))]);
+    let origin = match same {
+        true => agreed(&world, options.source.input.origin(name)),
+        false => Err(Failure::Unlike("--steps or --each").into()),
+    };
     let share = origin.and_then(|origin| match options.each {
         true => Ok((origin.beside(&world)?, origin)),
         false => Ok((agreed(&world, origin.share(rank, size))?, origin)),
@@ -149,14 +155,22 @@ fn by_mpi<'a>(
         let setting = setting(share.given.scene.len());
         Ok((measure(&world, "mpi", name, share, setting)?, origin))
     });
-    // One word is enough, and it comes from whoever knows; from the first, where all do.
     let (mut row, origin) = match row {
         Ok(row) => row,
-        Err(error) => match error.downcast_ref() {
-            Some(Failure::Elsewhere(_)) => return Ok(ExitCode::from(2)),
-            Some(Failure::Unlike(_)) if rank > 0 => return Ok(ExitCode::from(2)),
-            _ => return Err(error.context(format!("{name}: rank {rank}"))),
-        },
+        Err(error) => {
+            // Whoever knows why says it, and the first, where what they bring differs. Nobody ends
+            // before that: mpirun ends all when one has failed.
+            let knows = match error.downcast_ref() {
+                Some(Failure::Elsewhere(_)) => false,
+                Some(Failure::Unlike(_)) => rank == 0,
+                _ => true,
+            };
+            if knows {
+                eprintln!("contactbench: {name}: rank {rank}: {error:#}");
+            }
+            world.sum(&mut [0]);
+            return Ok(ExitCode::from(2));
+        }
     };
     if rank > 0 {
         return Ok(ExitCode::SUCCESS);

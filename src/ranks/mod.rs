@@ -144,13 +144,14 @@ pub fn measure(
     setting: Setting<'_>,
 ) -> Result<Row, Failure> {
     let Share { given: Given { scene, lattice, .. }, first, .. } = share;
-    // Whoever sees another file brings other rows.
+    // Files of other lengths mostly show in rows that overlap or are missing. Contents are not
+    // compared: the digest is.
     let mut lens = vec![0; world.size()];
     lens[world.rank()] = scene.len() as u64;
     world.sum(&mut lens);
     let before: u64 = lens[..world.rank()].iter().sum();
     if failed(world, before != first).is_some() {
-        return Err(Failure::Unlike("number of particles"));
+        return Err(Failure::Unlike("its number of particles"));
     }
     let mut row = match &scene {
         AnyScene::Plane(stored) => of(world, &stored.widened(), first, lattice, setting),

@@ -56,6 +56,7 @@ impl World for Processes {
 
     /// In rounds, in which each sends so many bytes to each at most that their sum can be counted.
     fn exchange(&self, parts: &mut [Vec<u8>]) -> Result<(), Failure> {
+        assert_eq!(parts.len(), self.size(), "one part for each rank");
         let sizes: Vec<u64> = parts.iter().map(|part| part.len() as u64).collect();
         let mut coming = vec![0u64; parts.len()];
         self.world.all_to_all_into(&sizes[..], &mut coming[..]);

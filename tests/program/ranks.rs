@@ -121,13 +121,16 @@ fn processes_of_mpi_find_what_threads_find() {
     let ended = mpirun("3", &["missing.npy"]);
     assert!(ended.code != Some(0) && ended.stderr.contains("missing.npy"), "{}", ended.stderr);
     // One rank does not find its file, or another one; the other ends, too.
-    let alone = |file| ["-n", "1", PROGRAM, "ranks", file, "--steps", "1"];
+    let alone =
+        |words: &'static str| ["-n", "1", PROGRAM, "ranks"].into_iter().chain(words.split(' '));
     good(folder, &["scene", "packed:dim=2,n=3000,size-ratio=2", "-o", "flat.csv"]);
     good(folder, &["scene", "packed:dim=3,n=2000,size-ratio=2", "-o", "few.npy"]);
     for (other, why) in [
-        ("missing.npy", "missing.npy"),
-        ("flat.csv", "its dimension differs from rank to rank"),
-        ("few.npy", "its number of particles differs from rank to rank"),
+        ("missing.npy --steps 1", "missing.npy"),
+        ("flat.csv --steps 1", "its dimension differs from rank to rank"),
+        ("few.npy --steps 1", "its number of particles differs from rank to rank"),
+        ("p.npy --steps 2", "--steps or --each differs from rank to rank"),
+        ("p.npy --steps 1 --each", "--steps or --each differs from rank to rank"),
     ] {
         let mut command = std::process::Command::new("timeout");
         command.current_dir(folder).args([
@@ -136,7 +139,7 @@ fn processes_of_mpi_find_what_threads_find() {
             "--allow-run-as-root",
             "--oversubscribe",
         ]);
-        command.args(alone("p.npy")).arg(":").args(alone(other));
+        command.args(alone("p.npy --steps 1")).arg(":").args(alone(other));
         let ended = crate::common::ended(command.output().unwrap());
         assert!(ended.code != Some(124) && ended.code != Some(0), "{other}: {:?}", ended.code);
         let said = ended.stderr.lines().filter(|line| line.contains(why)).count();

@@ -90,7 +90,7 @@ impl<const D: usize> Numbered<D> {
         radii: bool,
         to: impl Fn(usize, &mut dyn FnMut(usize)),
     ) -> Result<Vec<Vec<u8>>, Refusal> {
-        // Who is to get what is asked once: mostly the answer is nobody.
+        // Who is to get what is asked once: of the halo the answer is mostly nobody.
         let mut chosen: Vec<Vec<u32>> = Vec::new();
         reserve(&mut chosen, ranks)?;
         chosen.resize_with(ranks, Vec::new);
@@ -102,7 +102,7 @@ impl<const D: usize> Numbered<D> {
                     room = reserve(chosen, chosen.len().max(64));
                 }
                 if room.is_ok() {
-                    // As many as there are numbers.
+                    // Fits: numbers are u32, and given once each.
                     chosen.push(k as u32);
                 }
             });

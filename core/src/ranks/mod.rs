@@ -53,8 +53,8 @@ pub enum Failure {
     Boxed(#[from] PeriodicError),
     /// What they bring does not belong together.
     #[error(
-        "the ranks do not bring parts of one scene: its {0} differs from rank to rank; give all of \
-         them the same file and the same options"
+        "the ranks do not work on one scene: {0} differs from rank to rank; give all of them the \
+         same file and the same options"
     )]
     Unlike(&'static str),
 }
@@ -80,7 +80,7 @@ pub fn together<T, E: Into<Failure>>(
 }
 
 /// Are these numbers, none of which is NaN, the same in all ranks?
-fn alike<const N: usize>(world: &impl World, numbers: [f64; N]) -> bool {
+pub fn alike<const N: usize>(world: &impl World, numbers: [f64; N]) -> bool {
     let mut ends = numbers.map(|number| [number, -number]);
     world.largest(ends.as_flattened_mut());
     ends.iter().all(|[most, least]| *most == -least)
@@ -134,10 +134,10 @@ where
         };
         let told = lattice.map_or_else(|| vec![-1.0; 15], told);
         if !alike(world, [D as f64]) {
-            return Err(Failure::Unlike("dimension"));
+            return Err(Failure::Unlike("its dimension"));
         }
         if !alike(world, std::array::from_fn::<_, 15, _>(|k| told[k])) {
-            return Err(Failure::Unlike("box"));
+            return Err(Failure::Unlike("its box"));
         }
         let lattice = lattice.map(boxed).transpose()?.filter(Lattice::repeats);
         let mut ends = bodies

@@ -3,6 +3,7 @@ use crate::detect::Options;
 use crate::detect::spec::parse;
 use crate::periodic;
 use crate::periodic::tests::{Bag, Numbers, random};
+use crate::sink::splitmix64;
 
 const OPTIONS: Options = Options { memory_limit: 1 << 26, threads: 1 };
 
@@ -219,7 +220,36 @@ fn ranks_with_parts_of_two_scenes_end() {
     let boxes = |world: &Thread| of::<2>(world, Some(plane([8.0, 9.0, 9.0][world.rank()])));
     let missing = |world: &Thread| of::<2>(world, (world.rank() < 2).then(|| plane(9.0)));
     let unlike = |what| vec![Some(Failure::Unlike(what)); 3];
-    assert_eq!(threads(3, dimensions).unwrap(), unlike("dimension"));
-    assert_eq!(threads(3, boxes).unwrap(), unlike("box"));
-    assert_eq!(threads(3, missing).unwrap(), unlike("box"));
+    assert_eq!(threads(3, dimensions).unwrap(), unlike("its dimension"));
+    assert_eq!(threads(3, boxes).unwrap(), unlike("its box"));
+    assert_eq!(threads(3, missing).unwrap(), unlike("its box"));
+}
+
+/// Places are rounded by what the particles are away: tangent ones must not be taken for apart.
+#[test]
+fn tangent_bodies_many_boxes_away_are_sent() {
+    // A third is no double, and neither are the fractions; the coordinates are.
+    let cylinder = Lattice::along_axes([3.0, 9.0, 1.0], [true, false, false]).unwrap();
+    for seed in 0..20 {
+        let away = |k: u64| (splitmix64(seed << 8 ^ k) % 2001) as f64 - 1000.0;
+        let centres: Vec<_> = (0..8u64)
+            .map(|k| nalgebra::Point::from([0.375 * k as f64 + 3.0 * away(k), 0.5]))
+            .collect();
+        let scene = Scene::new(centres, Radii::Uniform(0.1875)).unwrap();
+        let [contacts, _] = agree(&scene, Some(cylinder), "direct", &seed);
+        assert_eq!(contacts, 5 * 8);
+    }
+}
+
+/// Twice the largest double is none.
+#[test]
+fn slabs_lie_along_the_longest_axis_however_long() {
+    let centres = [[-1.2e308, -1.7e308], [1.2e308, 1.7e308]].map(nalgebra::Point::from);
+    let scene = Scene::new(centres.to_vec(), Radii::Uniform(1.0)).unwrap();
+    let direction = threads(2, |world| {
+        let rows: &[u32] = if world.rank() == 0 { &[0, 1] } else { &[] };
+        let bodies = Numbered::new(&scene.reordered(rows), 0).unwrap();
+        Rank::new(world, bodies, None).unwrap().slabs().direction()
+    });
+    assert_eq!(direction.unwrap(), [(1, false); 2]);
 }
