@@ -228,16 +228,16 @@ fn ranks_with_parts_of_two_scenes_end() {
 /// Places are rounded by what the particles are away: tangent ones must not be taken for apart.
 #[test]
 fn tangent_bodies_many_boxes_away_are_sent() {
-    // A third is no double, and neither are the fractions; the coordinates are.
-    let cylinder = Lattice::along_axes([3.0, 9.0, 1.0], [true, false, false]).unwrap();
+    // A tenth is no double, and neither are the fractions; the coordinates are.
+    let cylinder = Lattice::along_axes([5.0, 9.0, 1.0], [true, false, false]).unwrap();
     for seed in 0..20 {
         let away = |k: u64| (splitmix64(seed << 8 ^ k) % 2001) as f64 - 1000.0;
-        let centres: Vec<_> = (0..8u64)
-            .map(|k| nalgebra::Point::from([0.375 * k as f64 + 3.0 * away(k), 0.5]))
+        let centres: Vec<_> = (0..10u64)
+            .map(|k| nalgebra::Point::from([0.5 * k as f64 + 5.0 * away(k), 0.5]))
             .collect();
-        let scene = Scene::new(centres, Radii::Uniform(0.1875)).unwrap();
+        let scene = Scene::new(centres, Radii::Uniform(0.25)).unwrap();
         let [contacts, _] = agree(&scene, Some(cylinder), "direct", &seed);
-        assert_eq!(contacts, 5 * 8);
+        assert_eq!(contacts, 5 * 10);
     }
 }
 
