@@ -135,7 +135,7 @@ fn by_mpi<'a>(
 ) -> anyhow::Result<ExitCode> {
     let world = crate::ranks::mpi::Processes::begin().context("MPI does not begin")?;
     let (rank, size) = (world.rank(), world.size());
-    // With other steps they would wait for each other. So they would where one does not see its file.
+    // With other steps they would wait for each other, and so they would where one has no file.
     let same = alike(&world, [options.steps as f64, f64::from(u8::from(options.each))]);
     let origin = match same {
         true => agreed(&world, options.source.input.origin(name)),

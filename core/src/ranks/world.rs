@@ -57,8 +57,8 @@ struct Table {
 /// The system does not start that many threads; no work was done.
 ///
 /// # Panics
-/// As the work of the first rank that does. Who then waits for it panics, too, and so does who waits
-/// for a rank that has returned.
+/// As the work of the first rank that does. Who then waits for it panics, too, and so does whoever
+/// waits for a rank that has returned.
 pub fn threads<R: Send>(size: usize, work: impl Fn(&Thread) -> R + Sync) -> io::Result<Vec<R>> {
     let table = Table {
         arrived: 0,
