@@ -175,12 +175,9 @@ fn of_file(
         text,
         vec![("radius_source", json!(kind)), ("radius_column", json!(column))],
     ));
-    for note in &about.notes {
-        warnings.push(note.clone());
-    }
-    // Of what may be a plane more is said below.
-    let unknown = particles.notices().iter().find(|&&notice| notice == Notice::Boundaries);
-    warnings.extend(unknown.map(|notice| notice.words(Place::Argument)));
+    // `of_centres` warns of planes, in boxes and outside.
+    let notices = particles.notices().iter().filter(|notice| **notice != Notice::Plane);
+    warnings.extend(notices.map(|notice| notice.words(Place::Argument)));
 }
 
 /// What the centres say.

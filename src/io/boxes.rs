@@ -10,6 +10,7 @@ use std::str::FromStr;
 
 use anyhow::{bail, ensure};
 
+use crate::io::Notice;
 use crate::io::lines::number;
 use crate::scene::Lattice;
 
@@ -296,13 +297,13 @@ impl Boundaries {
     }
 
     /// The box of a file's particles; none where it does not repeat. What is worth saying is added
-    /// to the notes.
+    /// to `notices`.
     pub(crate) fn lattice(
         &self,
         name: &str,
         dim: usize,
         declared: Option<&Declared>,
-        notes: &mut Vec<String>,
+        notices: &mut Vec<Notice>,
     ) -> anyhow::Result<Option<Lattice>> {
         self.check()?;
         let of_discs = |axes: [bool; 3]| [axes[0], axes[1], axes[2] && dim == 3];
@@ -333,13 +334,6 @@ impl Boundaries {
             (None, None, None) => [false; 3],
         };
         if !periodic.contains(&true) {
-            if let Some(flags) = repeats {
-                notes.push(format!(
-                    "the file says that its box repeats along {}; boundaries are taken as open, \
-                     and contacts across them are left out",
-                    along(flags)
-                ));
-            }
             return Ok(None);
         }
         let Some(vectors) = self.edges.map(|edges| edges.vectors).or(vectors) else {
@@ -364,11 +358,11 @@ impl Boundaries {
         let lattice = Lattice::new(vectors, periodic, origin)
             .and_then(|lattice| if dim == 2 { lattice.flat() } else { Ok(lattice) });
         if self.edges.is_none() && declared.is_some_and(|declared| declared.rounded) {
-            notes.push(
+            notices.push(Notice::Assumed(
                 "the vectors of the box are differences of its bounds, and rounded; --box gives \
                  them to the last digit"
                     .into(),
-            );
+            ));
         }
         match lattice {
             Ok(lattice) => Ok(Some(lattice)),

@@ -135,8 +135,6 @@ pub struct About {
     pub bounds: Option<Vec<[f64; 2]>>,
     /// The same as vectors, and whether it repeats.
     pub declared: Option<Declared>,
-    /// What else is worth saying.
-    pub notes: Vec<String>,
 }
 
 impl About {
@@ -269,7 +267,7 @@ fn finished(
         groups.check(particles.len(), options.frame, name)?;
     }
     let (dim, declared) = (particles.dim(), about.declared.as_ref());
-    particles.lattice = options.boundaries.lattice(name, dim, declared, &mut about.notes)?;
+    particles.lattice = options.boundaries.lattice(name, dim, declared, &mut particles.notices)?;
     particles.has_box = declared.is_some_and(|declared| declared.vectors.is_some());
     if options.boundaries.unknown(declared) {
         particles.notices.push(Notice::Boundaries);

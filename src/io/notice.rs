@@ -1,7 +1,7 @@
-//! What a file leaves open, for whoever reads it.
+//! Assumptions that a reader made about a file. Every verb that reads particles prints them.
 
-/// Something that a file leaves open, and that decides which contacts there are.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// An assumption about a file, or a doubt, that decides which contacts are found.
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Notice {
     /// It has a box and does not say whether that repeats: boundaries are taken as open.
     Boundaries,
@@ -9,6 +9,8 @@ pub enum Notice {
     Plane,
     /// Coordinates are written with so many significant digits, and were cut to them.
     Digits(u32),
+    /// Any other assumption: a whole sentence, with the option that says otherwise.
+    Assumed(String),
 }
 
 /// Where the file is named, and so how its options are written.
@@ -24,7 +26,7 @@ pub enum Place {
 
 impl Notice {
     /// The sentence, with the remedy.
-    pub fn words(self, place: Place) -> String {
+    pub fn words(&self, place: Place) -> String {
         let [periodic, open, plane] = match place {
             Place::Argument => ["--periodic xyz", "--open", "--dim 2"],
             Place::Spec => ["periodic=xyz", "open=true", "dim=2"],
@@ -33,6 +35,7 @@ impl Notice {
             }
         };
         match self {
+            Notice::Assumed(words) => words.clone(),
             Notice::Digits(digits) => format!(
                 "coordinates have {digits} significant digits at most, so what nearly touches is \
                  decided by the digits that were cut off; write all 17 (LAMMPS: dump_modify ID \

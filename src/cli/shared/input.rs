@@ -186,8 +186,8 @@ pub fn tell_of(name: &str, particles: &io::Particles, about: &io::About, told: &
     };
     for notice in particles.notices() {
         if !told.contains(notice) {
-            tell(&name, &[*notice], Place::Argument);
-            told.push(*notice);
+            tell(&name, std::slice::from_ref(notice), Place::Argument);
+            told.push(notice.clone());
         }
     }
 }

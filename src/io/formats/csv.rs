@@ -20,7 +20,7 @@ use anyhow::{bail, ensure};
 use crate::io::counted::Counted;
 use crate::io::lines::{Lines, Separator, Source, number, words};
 use crate::io::particles::{Columns, DECIMAL_COMMAS, Particles, is_decimal_comma, loaded};
-use crate::io::{About, Options};
+use crate::io::{About, Notice, Options};
 
 pub(crate) fn read(source: Source<'_>, options: Options) -> anyhow::Result<(Particles, About)> {
     let mut lines = Lines::new(source);
@@ -119,12 +119,12 @@ pub(crate) fn read(source: Source<'_>, options: Options) -> anyhow::Result<(Part
     }
     let radius = columns.radius();
     let names = columns.names.join(", ");
-    let (particles, mut about) = loaded(if yade { "YADE text" } else { "CSV" }, particles, radius);
+    let (mut particles, about) = loaded(if yade { "YADE text" } else { "CSV" }, particles, radius);
     if assumed {
         let words = format!(
             "the columns have no names, and are read as {names}; --columns says which is which"
         );
-        about.notes.push(words);
+        particles.notices.push(Notice::Assumed(words));
     }
     Ok((particles, about))
 }

@@ -18,7 +18,7 @@ use crate::io::boxes::{in_order, letters};
 use crate::io::frames::{Choice, Reader, Step};
 use crate::io::lines::{Lines, Separator, Source, number, short, shown, step_of};
 use crate::io::particles::{Centres, Column, Columns, Particles, loaded};
-use crate::io::{About, Declared, Options};
+use crate::io::{About, Declared, Notice, Options};
 
 pub(crate) fn frames<'a>(
     source: Source<'a>,
@@ -134,8 +134,8 @@ fn section(
     }
     let Some(mut atoms) = atoms else { return Ok(None) };
     atoms.finite(lines.source.name)?;
-    let (particles, mut about) = loaded("LAMMPS dump", atoms.particles, atoms.columns.radius());
-    about.notes = atoms.notes;
+    let (mut particles, mut about) = loaded("LAMMPS dump", atoms.particles, atoms.columns.radius());
+    particles.notices.extend(atoms.notices);
     about.bounds = atoms.bounds.as_ref().and_then(|bounds| bounds.ranges.map(Vec::from));
     about.declared = atoms.bounds.map(|bounds| bounds.declared);
     Ok(Some((particles, about)))
@@ -147,7 +147,7 @@ struct Atoms {
     particles: Particles,
     scaled: bool,
     bounds: Option<Bounds>,
-    notes: Vec<String>,
+    notices: Vec<Notice>,
 }
 
 impl Atoms {
@@ -159,7 +159,7 @@ impl Atoms {
     ) -> anyhow::Result<Atoms> {
         let mut columns = Columns::named(names.split_whitespace()).chosen(place, options)?;
         let has = |name: &str| columns.names.iter().any(|other| other == name);
-        let mut notes = Vec::new();
+        let mut notices = Vec::new();
         // Whoever chooses xs has scaled coordinates, too.
         let chosen = |name: &str| {
             let k = columns.names.iter().position(|other| other == name);
@@ -195,18 +195,18 @@ impl Atoms {
                 "{place}: the coordinates are scaled by the box (xs), but there is no 'ITEM: BOX \
                  BOUNDS'; write x y z"
             );
-            notes.push(
+            notices.push(Notice::Assumed(
                 "coordinates scaled by the box (xs): turned into lengths, which are rounded".into(),
-            );
+            ));
         }
         if kind.ends_with('u') {
-            notes.push(
+            notices.push(Notice::Assumed(
                 "unwrapped coordinates: bodies may be outside the box, and where boundaries are \
                  open those that touch across it do not touch"
                     .into(),
-            );
+            ));
         }
-        Ok(Atoms { columns, particles, scaled, bounds, notes })
+        Ok(Atoms { columns, particles, scaled, bounds, notices })
     }
 
     fn finite(&mut self, name: &str) -> anyhow::Result<()> {
