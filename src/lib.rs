@@ -60,3 +60,4 @@ pub mod record;
 pub mod run;
 pub mod scene;
 pub mod stats;
+pub mod text;

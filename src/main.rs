@@ -1,29 +1,36 @@
 //! The `contactbench` program: verbs to modules.
 
+use std::borrow::Cow;
 use std::process::ExitCode;
 
 use clap::Parser;
 use contactbench::cli::{
     Cli, Verb, check, compare, detect, draw, inspect, list, map, merge, new_detector, ranks,
-    recommend, report, run, runner, scene, shell, trace, track, verify,
+    recommend, report, run, runner, say, scene, shell, trace, track, verify,
 };
 use contactbench::record::faults::Damaged;
 use contactbench::run::alloc::Counting;
+use contactbench::text::{line, lines};
 
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
 fn main() -> ExitCode {
+    report_full_files();
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
         Err(error) => {
             let advice = shell::advice(&error);
-            if advice.is_some() || error.use_stderr() {
-                let _ = error.print();
-                advice.into_iter().for_each(|advice| eprintln!("\n  tip: {advice}"));
-                return ExitCode::from(2);
+            if advice.is_none() && !error.use_stderr() {
+                error.exit()
             }
-            error.exit()
+            // It repeats the arguments, and those may be names of files.
+            match lines(&error.render().to_string()) {
+                Cow::Borrowed(_) => _ = error.print(),
+                Cow::Owned(clean) => eprint!("{clean}"),
+            }
+            advice.into_iter().for_each(|advice| eprintln!("\n  tip: {}", line(&advice)));
+            return ExitCode::from(2);
         }
     };
     let result = match cli.verb {
@@ -52,10 +59,21 @@ fn main() -> ExitCode {
         Ok(code) => code,
         Err(error) if broken_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("contactbench: {error:#}");
+            say(&format!("contactbench: {error:#}"));
             // What is wrong is found, as a wrong answer is.
             ExitCode::from(if error.chain().any(|cause| cause.is::<Damaged>()) { 1 } else { 2 })
         }
+    }
+}
+
+/// Lets writes beyond the limit on the size of files (`ulimit -f`) fail with an error that is
+/// printed. By default a signal ends the program without a word.
+fn report_full_files() {
+    #[cfg(unix)]
+    {
+        let seen = std::sync::Arc::default();
+        // If it cannot be caught, the default stays.
+        let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, seen);
     }
 }
 

@@ -86,7 +86,7 @@ pub fn compare(options: &Compare) -> anyhow::Result<ExitCode> {
                 list(known)
             );
         }
-        part.warnings.iter().for_each(|warning| eprintln!("{warning}"));
+        part.warnings.iter().for_each(|warning| say!("{warning}"));
     }
     let (how, cells) = match &*parts {
         [both] => builds(both, options)?,
@@ -110,13 +110,13 @@ pub fn compare(options: &Compare) -> anyhow::Result<ExitCode> {
     let failed = cases.iter().filter(|case| matches!(case.result, Outcome::Failed(_))).count();
     let (parts, how, cells) = (&parts, &how, &*cells);
     let found = Comparison { options, parts, how, cells, summary, failed };
-    let mut out = std::io::stdout().lock();
+    let mut out = terminal::out();
     if options.json {
-        writeln!(out, "{:#}", found.json())?;
+        terminal::json(&found.json())?;
     } else {
         found.print(&mut out)?;
     }
-    options.ci.write("compare", &cases, &mut out)?;
+    options.ci.write("compare", &cases)?;
     Ok(if failed == 0 { ExitCode::SUCCESS } else { ExitCode::from(1) })
 }
 

@@ -105,7 +105,7 @@ pub fn detect(options: &Detect) -> anyhow::Result<ExitCode> {
                 .context("cannot write the pairs to standard output")?;
         }
     }
-    eprintln!(
+    say!(
         "{name}: N = {}, {}D, {}, {:.3} ms, {} held by the detector, {}, {} arithmetic",
         scene.len(),
         scene.dim(),
@@ -149,7 +149,7 @@ fn in_box(
         }
     }
     let across = pairs.iter().filter(|pair| pair.image != [0; 3]).count();
-    eprintln!(
+    say!(
         "{name}: N = {}, {}D, {}, {across} of them across the box, which repeats along {} \
          ({} made), {:.3} ms, {} held by the detector, {}, {} arithmetic",
         scene.len(),

@@ -136,7 +136,7 @@ pub fn draw(options: &Draw) -> anyhow::Result<ExitCode> {
         None => String::new(),
         Some(_) => format!(", {missed} missed, {spurious} spurious, {repeated} repeated"),
     };
-    eprintln!("{name}: {what}, {contacts}{across}{wrong}; {place} ({size})");
+    say!("{name}: {what}, {contacts}{across}{wrong}; {place} ({size})");
     Ok(ExitCode::SUCCESS)
 }
 
@@ -194,6 +194,6 @@ fn play(options: &Draw, tracker: &TrackerSpec, sequence: Sequence<'_>) -> anyhow
         .with_context(|| format!("cannot write {place}; choose another place with -o"))?;
     let size = crate::cli::bytes(html.len() as u64);
     let more = if more { " The file has more (--frames)." } else { "" };
-    eprintln!("{name}: {}{more} {place} ({size})", film.summary());
+    say!("{name}: {}{more} {place} ({size})", film.summary());
     Ok(ExitCode::SUCCESS)
 }

@@ -88,14 +88,14 @@ pub fn inspect(options: &Inspect) -> anyhow::Result<ExitCode> {
     if all {
         motion::report(options, of_all, &mut lines, &mut warnings);
     }
-    let mut out = std::io::stdout().lock();
+    let mut out = terminal::out();
     if options.json {
         let mut all = serde_json::Map::new();
         for (key, value) in lines.into_iter().flat_map(|Line(_, _, values)| values) {
             all.insert(key.into(), value);
         }
         all.insert("warnings".into(), json!(warnings));
-        writeln!(out, "{:#}", Value::Object(all))?;
+        terminal::json(&Value::Object(all))?;
     } else {
         let width = terminal::width();
         for Line(label, text, _) in &lines {

@@ -116,14 +116,14 @@ impl What {
 
 /// Prints the tables.
 pub fn list(options: &List) -> anyhow::Result<ExitCode> {
-    let mut out = std::io::stdout().lock();
+    let mut out = terminal::out();
     let wanted = options.what.map_or(What::USUAL.to_vec(), |what| vec![what]);
     if options.json {
         let mut all = Map::new();
         for what in wanted {
             all.insert(what.name().into(), what.json()?);
         }
-        writeln!(out, "{:#}", Value::Object(all))?;
+        terminal::json(&Value::Object(all))?;
     } else {
         for what in wanted {
             // Reasons are long: wrapped for the eye wherever they go.

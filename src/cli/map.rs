@@ -55,10 +55,10 @@ pub fn map(options: &Map) -> anyhow::Result<ExitCode> {
     let (rows, warnings) = rows(&options.folders)?;
     let cells = cells::cells(&rows);
     let found = map::Map::new(&axes, &filter, &cells)?;
-    warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
+    warnings.iter().for_each(|warning| say!("warning: {warning}"));
     let (Some(kind), Some(path)) = (kind, &options.out) else {
         let blocks = sections::map::blocks(&found);
-        let mut out = std::io::stdout().lock();
+        let mut out = terminal::out();
         write!(out, "{}", document::plain(&blocks, terminal::width()))?;
         return Ok(ExitCode::SUCCESS);
     };
@@ -76,7 +76,7 @@ pub fn map(options: &Map) -> anyhow::Result<ExitCode> {
     let place = path.display();
     io::write::whole(path, |out| out.write_all(&bytes))
         .with_context(|| format!("cannot write {place}; choose another place with --out"))?;
-    eprintln!("{name}: {place} ({})", crate::cli::bytes(bytes.len() as u64));
+    say!("{name}: {place} ({})", crate::cli::bytes(bytes.len() as u64));
     Ok(ExitCode::SUCCESS)
 }
 

@@ -9,6 +9,7 @@ use serde_json::Value;
 
 use crate::cli::report::finish;
 use crate::cli::shared::ci::Outputs;
+use crate::cli::shared::terminal;
 use crate::experiment::shard::Shard;
 use crate::number::plural;
 use crate::record::ledger::Ledger;
@@ -81,7 +82,7 @@ pub fn merge(options: &Merge) -> anyhow::Result<ExitCode> {
     }
     drop(record);
     std::fs::rename(&half, &path).with_context(cannot)?;
-    let mut out = std::io::stdout();
+    let mut out = terminal::out();
     for warning in parts.iter().flat_map(|part| &part.warnings) {
         writeln!(out, "note:    {warning}")?;
     }

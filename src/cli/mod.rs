@@ -1,5 +1,11 @@
 //! The command line: one file per verb.
 
+// What is printed goes through `say!` and `terminal::out`.
+#![deny(clippy::print_stderr, clippy::print_stdout)]
+
+#[macro_use]
+mod shared;
+
 pub mod check;
 pub mod compare;
 pub mod detect;
@@ -15,13 +21,13 @@ pub mod report;
 pub mod run;
 pub mod runner;
 pub mod scene;
-mod shared;
 pub mod shell;
 pub mod trace;
 pub mod track;
 pub mod verify;
 
 use clap::{Parser, Subcommand};
+pub use shared::terminal::say;
 
 /// Which contact detection algorithm, for which scene: how fast, how much memory, how many
 /// operations, and how wrong?

@@ -7,6 +7,7 @@ use std::process::ExitCode;
 
 use anyhow::{Context, bail, ensure};
 
+use crate::cli::shared::terminal;
 use crate::detect::{peers, table};
 
 /// The detector that is written. The tests compile it and hold it to the truth.
@@ -64,7 +65,7 @@ pub fn new_detector(options: &NewDetector) -> anyhow::Result<ExitCode> {
     let names = names(&options.name)?;
     let changes = changes(&options.root, &names)?;
     write_all(&changes)?;
-    let mut out = std::io::stdout().lock();
+    let mut out = terminal::out();
     for Change { path, before, .. } in &changes {
         writeln!(
             out,
@@ -164,9 +165,10 @@ fn changes(root: &Path, names: &Names) -> anyhow::Result<Vec<Change>> {
         lines.display()
     );
     let by_hand = |path: &Path, text: &str| {
+        text.lines().for_each(terminal::say);
         format!(
             "{} is not as this program knows it, and nothing was changed; write the detector by \
-             hand, and add there:\n{text}",
+             hand, and add the lines above there",
             path.display()
         )
     };

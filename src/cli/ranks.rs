@@ -166,7 +166,7 @@ fn by_mpi<'a>(
                 _ => true,
             };
             if knows {
-                eprintln!("contactbench: {name}: rank {rank}: {error:#}");
+                say!("contactbench: {name}: rank {rank}: {error:#}");
             }
             world.sum(&mut [0]);
             return Ok(ExitCode::from(2));
@@ -268,7 +268,7 @@ fn say(options: &Ranks, rows: &[Row]) -> anyhow::Result<ExitCode> {
     if options.model {
         blocks.extend(model(rows, options.network));
     }
-    let mut out = std::io::stdout().lock();
+    let mut out = terminal::out();
     write!(out, "{}", plain(&blocks, terminal::width()))?;
     Ok(code)
 }

@@ -94,7 +94,7 @@ pub fn recommend(options: &Recommend) -> anyhow::Result<ExitCode> {
     let verdict = Verdict::new(&race);
     let scene = &given.scene;
     let n = scene.len();
-    let mut out = std::io::stdout().lock();
+    let mut out = terminal::out();
     if options.json {
         let mut value = recommendation::as_json(verdict.as_ref(), &race, n);
         let about = json!({
@@ -110,7 +110,7 @@ pub fn recommend(options: &Recommend) -> anyhow::Result<ExitCode> {
         if let (Some(value), serde_json::Value::Object(about)) = (value.as_object_mut(), about) {
             value.extend(about);
         }
-        writeln!(out, "{}", serde_json::to_string_pretty(&value)?)?;
+        terminal::json(&value)?;
     } else {
         let what = if scene.dim() == 2 { "discs" } else { "spheres" };
         let boxed = match &given.lattice {
@@ -201,12 +201,12 @@ fn moving(options: &Recommend, sequence: Sequence<'_>) -> anyhow::Result<ExitCod
     let (arithmetic, threads) = (options.arithmetic, options.threads);
     let head = Head { name, motion, recorded, more, arithmetic, threads };
     let verdict = Verdict::new(&found.race);
-    let mut out = std::io::stdout().lock();
+    let mut out = terminal::out();
     if options.json {
         let mut value = of_motion::as_json(&head, verdict.as_ref(), &found);
         value["seconds"] = json!(options.seconds);
         value["memory_limit"] = json!(options.limit.bytes(particles));
-        writeln!(out, "{value:#}")?;
+        terminal::json(&value)?;
     } else {
         let width = terminal::width();
         let [before, after] = of_motion::blocks(&head, verdict.as_ref(), &found);

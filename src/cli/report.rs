@@ -38,9 +38,10 @@ pub fn report(options: &Report) -> anyhow::Result<ExitCode> {
     let Some(format) = options.table else { return finish(&options.folder, &options.ci) };
     let (record, experiments) = read(&options.folder)?;
     for warning in report::partial(&options.folder, &experiments, &record.rows) {
-        eprintln!("warning: {warning}");
+        say!("warning: {warning}");
     }
     let text = latex::tables(&experiments, &cells::cells(&record.rows), format);
+    // For a paper, as it is.
     std::io::stdout().lock().write_all(text.as_bytes())?;
     Ok(ExitCode::SUCCESS)
 }
@@ -107,7 +108,7 @@ pub(super) fn finish(folder: &Path, ci: &Outputs) -> anyhow::Result<ExitCode> {
     };
     let report =
         report::write(folder, &experiments, &record.rows, &record.warnings).with_context(again)?;
-    let mut out = std::io::stdout().lock();
+    let mut out = terminal::out();
     writeln!(out, "{}", document::plain(&report.terminal, terminal::width()))?;
     for warning in &report.warnings {
         writeln!(out, "note:    {warning}")?;
@@ -126,7 +127,7 @@ pub(super) fn finish(folder: &Path, ci: &Outputs) -> anyhow::Result<ExitCode> {
         cases.push(Case { class, name, result: ci::Outcome::Passed });
     }
     cases.extend(report.verdicts.iter().map(case));
-    ci.write("run", &cases, &mut out)?;
+    ci.write("run", &cases)?;
     Ok(if !report.culprits.is_empty() || claim::any_failed(&report.verdicts) {
         ExitCode::from(1)
     } else {

@@ -9,7 +9,7 @@ use anyhow::{Context, bail, ensure};
 use crate::cli::report::finish;
 use crate::cli::shared::ci::Outputs;
 use crate::cli::shared::progress::Terminal;
-use crate::cli::shared::values;
+use crate::cli::shared::{terminal, values};
 use crate::experiment::shard::Part;
 use crate::experiment::{Experiment, builtin, detectors};
 use crate::record::row::{Record, Row, WriteError, Writer};
@@ -55,7 +55,7 @@ pub fn standard() -> anyhow::Result<ExitCode> {
         .filter(|experiment| experiment.standard)
         .map(|experiment| experiment.name)
         .collect();
-    eprintln!(
+    say!(
         "the standard reproduction: the book's scaling experiments, about four minutes; results \
          go to a new folder under results/standard"
     );
@@ -94,7 +94,7 @@ fn run_named(options: &Run, name: &str) -> anyhow::Result<ExitCode> {
         );
     }
     let asked = found.iter().flat_map(|(experiment, _)| &experiment.detectors);
-    detectors::not_built(asked).iter().for_each(|missing| eprintln!("{missing}"));
+    detectors::not_built(asked).iter().for_each(|missing| say!("{missing}"));
     let folder = folder(options, name)?;
     let path = folder.join(row::FILE);
     let label = machines::label_here(&folder);
@@ -176,18 +176,18 @@ fn run_named(options: &Run, name: &str) -> anyhow::Result<ExitCode> {
     let outcome = ready.run(&mut record, &mut origins, &mut Terminal::default());
     match outcome {
         Ok(()) if ready.scenes() == 0 => {
-            let mut out = std::io::stdout();
+            let mut out = terminal::out();
             writeln!(out, "there are more shards than scenes: nothing is to be run in this one")?;
-            options.ci.write("run", &[], &mut out)?;
+            options.ci.write("run", &[])?;
             Ok(ExitCode::SUCCESS)
         }
         Ok(()) => finish(&folder, &options.ci),
         Err(error) if error.is::<Interrupted>() => {
             // A report of what there is; whether claims hold is not known yet.
             if let Err(error) = finish(&folder, &Outputs::default()) {
-                eprintln!("no report: {error:#}");
+                say!("no report: {error:#}");
             }
-            eprintln!(
+            say!(
                 "interrupted: what was measured is in {}; continue with: {}",
                 path.display(),
                 again(options, &folder)
@@ -333,15 +333,15 @@ fn previous(path: &Path, resume: bool, here: &str) -> anyhow::Result<Record> {
     folder::sound(path.parent().unwrap_or(Path::new(".")))?;
     let record = row::read(path)?;
     for warning in &record.warnings {
-        eprintln!("{warning}");
+        say!("{warning}");
     }
-    eprintln!("resuming: {} rows are there already", record.rows.len());
+    say!("resuming: {} rows are there already", record.rows.len());
     if let Some(row) = record
         .rows
         .iter()
         .find(|row| row.id.machine.as_ref().is_some_and(|machine| *machine != here))
     {
-        eprintln!(
+        say!(
             "note: the record was begun on {}, this is {here}: times of the two are kept apart in \
              the report",
             row.id.machine.as_deref().unwrap_or_default()
@@ -352,7 +352,7 @@ fn previous(path: &Path, resume: bool, here: &str) -> anyhow::Result<Record> {
     if let (Some(serde_json::Value::String(begun)), Some(now)) = (begun, provenance::revision())
         && begun != now
     {
-        eprintln!(
+        say!(
             "note: the record was begun with revision {begun}, this is {now}: counts and times of \
              the two may differ"
         );

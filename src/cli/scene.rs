@@ -61,7 +61,7 @@ pub fn scene(options: &Scene) -> anyhow::Result<ExitCode> {
         Some(path) => {
             write::scene(path, &given)?;
             let scene = &given.scene;
-            eprintln!("{}: N = {}, {}D", path.display(), scene.len(), scene.dim());
+            say!("{}: N = {}, {}D", path.display(), scene.len(), scene.dim());
         }
         None => {
             let mut out = std::io::BufWriter::new(std::io::stdout().lock());
@@ -88,7 +88,7 @@ fn trajectory(options: &Scene, frames: &mut Frames, count: u64) -> anyhow::Resul
     match &options.output {
         Some(path) => {
             write::whole(path, each).map_err(|error| write::of_file(error, path))?;
-            eprintln!("{}: {}", path.display(), plural(count as usize, "frame"));
+            say!("{}: {}", path.display(), plural(count as usize, "frame"));
         }
         None => {
             let mut out = std::io::BufWriter::new(std::io::stdout().lock());

@@ -52,7 +52,7 @@ pub fn trace(options: &Trace) -> anyhow::Result<ExitCode> {
         pictures = format!(" and {} pictures", last + 1);
     }
     let contacts = trace.contacts.len();
-    eprintln!(
+    say!(
         "{name}: N = {}, {contacts} contacts, {last} steps of {}; {}{pictures}",
         trace.discs.len(),
         algorithm.name(),

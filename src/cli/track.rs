@@ -93,9 +93,9 @@ fn followed(
     };
     let followed = follow(frame, &question)?;
     drop(progress);
-    let mut out = std::io::stdout().lock();
+    let mut out = terminal::out();
     if options.json {
-        writeln!(out, "{:#}", tracking::as_json(name, motion, &followed))?;
+        terminal::json(&tracking::as_json(name, motion, &followed))?;
     } else {
         let said = tracking::words(name, motion, &followed);
         write!(out, "{}", crate::present::document::plain(&said, terminal::width()))?;

@@ -121,13 +121,13 @@ pub fn verify(options: &Verify) -> anyhow::Result<ExitCode> {
     )?;
     compare::same_time(options, &list, &about)?;
     if about.frames > 1 && options.input.frame.is_none() && list.frame.is_some() {
-        eprintln!("{}: --frame all compares each of them", options.file.display());
+        say!("{}: --frame all compares each of them", options.file.display());
     }
     input::tell(&options.file.display().to_string(), particles.notices(), Place::Argument);
     let verified = Verified::new(options, list, particles, about, WORST, true)?;
-    let mut out = std::io::stdout().lock();
+    let mut out = terminal::out();
     if options.json {
-        writeln!(out, "{:#}", verified.json())?
+        terminal::json(&verified.json())?
     } else {
         verified.print(&mut out)?
     }

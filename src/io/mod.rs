@@ -50,6 +50,7 @@ use frames::Choice;
 pub use frames::{Frame, Frames};
 pub use lines::LONGEST_LINE;
 use lines::Source;
+pub(crate) use lines::short;
 pub use notice::{Notice, Place};
 pub use particles::Particles;
 pub(crate) use room::room;

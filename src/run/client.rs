@@ -19,6 +19,7 @@ use crate::run::possible::{self, Asked};
 use crate::run::protocol::{OLDEST, Reply, Request, VERSION};
 use crate::run::trajectory::Trajectory;
 use crate::run::{family, interrupt, processors};
+use crate::text;
 
 /// How to start a runner, and what it may take.
 #[derive(Clone, Debug)]
@@ -287,7 +288,9 @@ impl Client {
             Ok(line) => {
                 let reply = line.and_then(|line| {
                     let shown = || output::shown(line.as_bytes());
-                    serde_json::from_str(&line).map_err(|e| format!("{e}): {}", shown()))
+                    serde_json::from_str(&line)
+                        .map(Reply::cleaned)
+                        .map_err(|e| format!("{e}): {}", shown()))
                 });
                 match reply {
                     Ok(Reply::Unavailable { reason }) => {
@@ -296,7 +299,7 @@ impl Client {
                     Ok(reply) => Ok(reply),
                     Err(what) => {
                         self.kill();
-                        let reason = format!("{NO_REPLY} ({what}");
+                        let reason = format!("{NO_REPLY} ({}", text::line(&what));
                         Err(Failure { outcome: Outcome::Crashed, reason })
                     }
                 }
@@ -359,7 +362,11 @@ impl Client {
         };
         Failure {
             outcome,
-            reason: if last.is_empty() { status } else { format!("{status}: {last}") },
+            reason: if last.is_empty() {
+                status
+            } else {
+                format!("{status}: {}", text::line(last))
+            },
         }
     }
 

@@ -10,6 +10,7 @@ use serde_json::Value;
 
 use crate::run::trajectory::Trajectory;
 use crate::sink::Digest;
+use crate::text::line;
 use crate::track::Step;
 
 /// The version of the protocol that this program speaks as a runner; a runner names its own in its
@@ -189,6 +190,25 @@ pub enum Reply {
         /// One sentence.
         reason: String,
     },
+}
+
+impl Reply {
+    /// Without what a terminal or a log would obey: its words reach records, reports and terminals.
+    pub fn cleaned(mut self) -> Reply {
+        let clean = |text: &mut String| *text = line(text).into_owned();
+        match &mut self {
+            Reply::Hello { detector, arithmetic, version, build, .. } => {
+                [detector, arithmetic, version].into_iter().for_each(clean);
+                let fields = std::mem::take(build).into_iter();
+                *build = fields.map(|(k, v)| (line(&k).into(), line(&v).into())).collect();
+            }
+            Reply::Refused { reason } | Reply::Unavailable { reason } | Reply::Error { reason } => {
+                clean(reason);
+            }
+            _ => {}
+        }
+        self
+    }
 }
 
 /// What was found in each frame of a pass, and how: lists of as many values. All are empty where

@@ -13,6 +13,7 @@ mod frames;
 mod habits;
 mod harness;
 mod hidden;
+mod hostile;
 mod integrity;
 mod limits;
 mod maps;

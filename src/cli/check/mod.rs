@@ -18,7 +18,7 @@ use crate::check::{self, Limits, Report, contender};
 use crate::cli::shared::arithmetic::arithmetic;
 use crate::cli::shared::ci::Outputs;
 use crate::cli::shared::input::{Input, OPTIONS};
-use crate::cli::shared::values;
+use crate::cli::shared::{terminal, values};
 use crate::contact::Arithmetic;
 use crate::detect::Options;
 use crate::run::interrupt;
@@ -109,7 +109,7 @@ pub fn check(options: &Check) -> anyhow::Result<ExitCode> {
     };
     quiet_panics();
     let mut out: Box<dyn Write> =
-        if options.json { Box::new(std::io::sink()) } else { Box::new(std::io::stdout().lock()) };
+        if options.json { Box::new(std::io::sink()) } else { Box::new(terminal::out()) };
     let read = |path: &String| Ok((path.clone(), options.input.given(path)?));
     let scenes = options.scene.iter().map(read).collect::<anyhow::Result<Vec<_>>>()?;
     let mut broken = Vec::new();
@@ -177,9 +177,9 @@ pub fn check(options: &Check) -> anyhow::Result<ExitCode> {
     let right = right && !silent;
     if options.json {
         let value = as_json(&reports, &broken, right, options);
-        writeln!(std::io::stdout(), "{}", serde_json::to_string_pretty(&value)?)?;
+        terminal::json(&value)?;
     }
-    options.ci.write("check", &verdicts(&reports, &broken, silent, options), &mut out)?;
+    options.ci.write("check", &verdicts(&reports, &broken, silent, options))?;
     Ok(if right { ExitCode::SUCCESS } else { ExitCode::from(1) })
 }
 

@@ -44,7 +44,7 @@ pub(super) fn detect(
     })?;
     let Done { frames, pairs, particles: [least, most], dim, time } = done;
     let n = if least == most { most.to_string() } else { format!("{least} to {most}") };
-    eprintln!(
+    say!(
         "{}: {}, N = {n}, {dim}D, {}, {:.3} ms, {spec}, {} arithmetic",
         path.display(),
         plural(frames, "frame"),

@@ -9,6 +9,7 @@ use anyhow::Context;
 
 use crate::io::write;
 use crate::present::escape;
+use crate::text::lines;
 
 /// Options of verbs with a verdict.
 #[derive(clap::Args, Clone, Debug, Default)]
@@ -68,7 +69,7 @@ impl Outcome {
 
 impl Outputs {
     /// Writes what was asked for.
-    pub fn write(&self, suite: &str, cases: &[Case], out: &mut dyn Write) -> anyhow::Result<()> {
+    pub fn write(&self, suite: &str, cases: &[Case]) -> anyhow::Result<()> {
         if let Some(path) = &self.junit {
             write::whole(path, |out| out.write_all(junit(suite, cases).as_bytes()))
                 .with_context(|| format!("cannot write {}", path.display()))?;
@@ -77,7 +78,8 @@ impl Outputs {
             write::append(path, &summary(suite, cases), "--summary")?;
         }
         if self.annotations {
-            out.write_all(annotations(suite, cases).as_bytes())?;
+            // Commands to the log, and so not by way of what takes commands apart.
+            std::io::stdout().lock().write_all(annotations(suite, cases).as_bytes())?;
         }
         Ok(())
     }
@@ -165,7 +167,7 @@ pub fn summary(suite: &str, cases: &[Case]) -> String {
 /// The first line of a text, as a cell of a table.
 fn cell(text: &str) -> String {
     let first = text.lines().next().unwrap_or_default();
-    first
+    lines(first)
         .chars()
         .flat_map(|c| [Some('\\').filter(|_| "\\|<>`*_[]".contains(c)), Some(c)])
         .flatten()
@@ -174,7 +176,7 @@ fn cell(text: &str) -> String {
 
 /// The text of a workflow command: one line, in which % begins an escape.
 fn command(text: &str) -> String {
-    text.replace('%', "%25").replace('\r', "%0D").replace('\n', "%0A")
+    lines(text).replace('%', "%25").replace('\n', "%0A")
 }
 
 #[cfg(test)]
@@ -210,7 +212,7 @@ mod tests {
         let text = summary("compare", &cases());
         let lines: Vec<&str> = text.lines().collect();
         assert_eq!(lines[0], "### contactbench compare: 1 failed, 1 noted, 1 skipped, 1 passed");
-        assert_eq!(lines[4], "| failed | a.b | bad \\<&\"'\\> \u{1} | 50% off: a, b |");
+        assert_eq!(lines[4], "| failed | a.b | bad \\<&\"'\\> \u{fffd} | 50% off: a, b |");
         assert_eq!(lines[5..], ["| noted | a.b | seen | n |", "| skipped | a.b | none | s |", ""]);
         let passed = &cases()[..1];
         assert_eq!(summary("run", passed), "### contactbench run: 1 passed\n\n\n");
@@ -223,8 +225,8 @@ mod tests {
         assert_eq!(lines.len(), 2);
         assert_eq!(
             lines[0],
-            "::error title=contactbench compare%3A a.b%3A bad <&\"'> \u{1}::50%25 off: a, \
-             b%0Asecond ]]> line%0D"
+            "::error title=contactbench compare%3A a.b%3A bad <&\"'> \u{fffd}::50%25 off: a, \
+             b%0Asecond ]]> line\u{fffd}"
         );
         assert!(lines[1].starts_with("::warning title=") && lines[1].ends_with("::n"));
     }

@@ -131,7 +131,7 @@ impl Input {
     pub fn tell_frame(&self, name: &str, frames: u64) {
         if frames > 1 && self.frame.is_none() {
             let last = frames - 1;
-            eprintln!("{name}: frame {last}, the last of 0 to {last}, is read (--frame)");
+            say!("{name}: frame {last}, the last of 0 to {last}, is read (--frame)");
         }
     }
 }
@@ -174,7 +174,7 @@ fn is_file(path: &Path) -> anyhow::Result<()> {
 /// Says what a file leaves open about its box.
 pub fn tell(name: &str, notices: &[Notice], place: Place) {
     for notice in notices {
-        eprintln!("{name}: {}", notice.words(place));
+        say!("{name}: {}", notice.words(place));
     }
 }
 

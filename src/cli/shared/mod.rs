@@ -1,5 +1,8 @@
 //! What several verbs share.
 
+#[macro_use]
+pub mod terminal;
+
 pub mod arithmetic;
 pub mod ci;
 pub mod input;
@@ -7,5 +10,4 @@ pub mod limit;
 pub mod progress;
 pub mod scene;
 pub mod sequence;
-pub mod terminal;
 pub mod values;

@@ -6,7 +6,9 @@ use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
+use crate::cli::shared::terminal::say;
 use crate::run::stage::Progress;
+use crate::text::line;
 
 /// Writes to standard error.
 pub struct Terminal {
@@ -76,18 +78,18 @@ impl Progress for Terminal {
             Some(bar) => {
                 bar.set_length(total as u64);
                 bar.set_position(done as u64);
-                bar.set_message(next.to_string());
+                bar.set_message(line(next).into_owned());
             }
             None => {
-                eprintln!("[{:6.1} s] {done}/{total} {next}", self.started.elapsed().as_secs_f64())
+                say!("[{:6.1} s] {done}/{total} {next}", self.started.elapsed().as_secs_f64())
             }
         }
     }
 
     fn note(&mut self, text: &str) {
         match &self.bar {
-            Some(bar) => bar.println(text),
-            None => eprintln!("{text}"),
+            Some(bar) => bar.println(line(text)),
+            None => say(text),
         }
     }
 }

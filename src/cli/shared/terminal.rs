@@ -1,12 +1,108 @@
-//! The terminal that a verb prints to.
+//! What people read of a verb: lines on standard error and standard output, cleaned of commands to
+//! terminals and logs ([`text`]), and wrapped at words where they go to a terminal.
+
+use std::io::{Result, Write};
+
+use crate::number::wrap;
+use crate::text;
 
 /// Columns of the terminal; all there can be where the output goes to a file or another program.
 pub fn width() -> usize {
     #[cfg(unix)]
-    if let Ok(size) = rustix::termios::tcgetwinsize(std::io::stdout())
-        && size.ws_col > 0
-    {
-        return size.ws_col.into();
-    }
+    return columns(std::io::stdout());
+    #[cfg(not(unix))]
     usize::MAX
+}
+
+#[cfg(unix)]
+fn columns(terminal: impl std::os::fd::AsFd) -> usize {
+    match rustix::termios::tcgetwinsize(terminal) {
+        Ok(size) if size.ws_col > 0 => size.ws_col.into(),
+        _ => usize::MAX,
+    }
+}
+
+/// Prints a line on standard error. Where nobody can read it, it is lost.
+pub fn say(line: &str) {
+    #[cfg(unix)]
+    let width = columns(std::io::stderr());
+    #[cfg(not(unix))]
+    let width = usize::MAX;
+    let mut out = std::io::stderr().lock();
+    let _ = writeln!(out, "{}", wrapped(&text::line(line), width));
+}
+
+/// [`say`] with a format.
+macro_rules! say {
+    ($($words:tt)*) => { $crate::cli::shared::terminal::say(&format!($($words)*)) };
+}
+
+/// Standard output for words that people read: not for files, nor for commands to a log.
+pub fn out() -> Words<std::io::StdoutLock<'static>> {
+    Words { out: std::io::stdout().lock(), width: width() }
+}
+
+/// Prints a value for programs on standard output, in one piece.
+pub fn json(value: &serde_json::Value) -> Result<()> {
+    writeln!(std::io::stdout(), "{value:#}")
+}
+
+/// See [`out`].
+pub struct Words<W> {
+    out: W,
+    width: usize,
+}
+
+impl<W: Write> Write for Words<W> {
+    fn write(&mut self, bytes: &[u8]) -> Result<usize> {
+        self.write_all(bytes).map(|()| bytes.len())
+    }
+
+    fn write_all(&mut self, bytes: &[u8]) -> Result<()> {
+        let text = String::from_utf8_lossy(bytes);
+        let clean = text::lines(&text);
+        self.out.write_all(wrapped(&clean, self.width).as_bytes())
+    }
+
+    fn write_fmt(&mut self, words: std::fmt::Arguments<'_>) -> Result<()> {
+        self.write_all(std::fmt::format(words).as_bytes())
+    }
+
+    fn flush(&mut self) -> Result<()> {
+        self.out.flush()
+    }
+}
+
+/// Lines that are longer than this are broken at words, and go on below their first word.
+fn wrapped(text: &str, width: usize) -> std::borrow::Cow<'_, str> {
+    let fits = |line: &str| line.len() <= width || line.chars().count() <= width;
+    if text.split('\n').all(fits) {
+        return text.into();
+    }
+    let mut lines = Vec::new();
+    for line in text.split('\n') {
+        let rest = line.trim_start();
+        if fits(line) || rest.is_empty() {
+            lines.push(line.to_string());
+            continue;
+        }
+        let indent = line[..line.len() - rest.len()].chars().count().min(width / 2);
+        let broken = wrap(rest, width - indent);
+        lines.extend(broken.iter().map(|line| format!("{:indent$}{line}", "")));
+    }
+    lines.join("\n").into()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_are_cleaned_and_wrapped() {
+        let mut words = Words { out: Vec::new(), width: 12 };
+        writeln!(words, "  one two three\nshort\x1b\n{}", "::error::x").unwrap();
+        words.write_all(b"a b").unwrap();
+        let said = String::from_utf8(words.out).unwrap();
+        assert_eq!(said, "  one two\n  three\nshort\u{fffd}\n: :error::x\na b");
+    }
 }

@@ -24,10 +24,7 @@ pub(super) fn same_time(options: &Verify, list: &List, about: &About) -> anyhow:
             format!("frame {}", list.frame.unwrap_or_default())
         }
         (Some(step), None) => {
-            eprintln!(
-                "{}: the list of step {step} is read (--pairs-frame)",
-                options.pairs.display()
-            );
+            say!("{}: the list of step {step} is read (--pairs-frame)", options.pairs.display());
             return Ok(());
         }
         _ => return Ok(()),
@@ -35,7 +32,7 @@ pub(super) fn same_time(options: &Verify, list: &List, about: &About) -> anyhow:
     let (pairs, file) = (options.pairs.display(), options.file.display());
     let said = format!("{pairs}: the list is of {of_list}, the particles of {}", about.which());
     if options.pairs_frame.is_some() {
-        eprintln!("{said}");
+        say!("{said}");
         return Ok(());
     }
     bail!(
@@ -69,7 +66,7 @@ impl<'a> Verified<'a> {
                 if base.is_none() && list.ids {
                     // Once, in however many frames.
                     TOLD.call_once(|| {
-                        eprintln!(
+                        say!(
                             "{}: the list names particles by id, and {file} has no column id: ids \
                              are taken as places in the file, from 1, which holds where it is in \
                              their order; write the id too (dump ... custom ... id x y z radius), \

@@ -87,9 +87,9 @@ pub(super) fn verify(options: &Verify, columns: &[&str]) -> anyhow::Result<ExitC
             all_of(options, Paired::new(frames, lists, [&names[0], &names[1]]))
         })
     })?;
-    let mut out = std::io::stdout().lock();
+    let mut out = terminal::out();
     if options.json {
-        writeln!(out, "{:#}", all.json(options))?;
+        terminal::json(&all.json(options))?;
     } else {
         all.print(options, &mut out)?;
     }

@@ -1,13 +1,14 @@
 use super::{Table, Value};
+use crate::text::csv_cell;
 
 /// A CSV file of tables with the same columns: a line of names, then all rows. Numbers have all
-/// their digits; what is absent, or of a wrong answer, is an empty field.
+/// their digits; what is absent, or of a wrong answer, is an empty field; no text is a formula.
 pub fn csv(tables: &[Table]) -> String {
     let mut writer = csv::WriterBuilder::new().flexible(true).from_writer(Vec::new());
     let Some(first) = tables.first() else { return String::new() };
     let mut head = Vec::new();
     for column in &first.columns {
-        head.push(column.name.clone());
+        head.push(csv_cell(&column.name).into_owned());
         if column.interval {
             head.extend(["low", "high"].map(|end| format!("{}_{end}", column.name)));
         }
@@ -38,6 +39,6 @@ fn field(value: &Value) -> String {
         Value::Absent | Value::Wrong(_) => String::new(),
         Value::Number(number) | Value::Share(number) => number.to_string(),
         Value::Ratio(ratio) => ratio.median.to_string(),
-        value => value.to_string(),
+        value => csv_cell(&value.to_string()).into_owned(),
     }
 }

@@ -20,6 +20,8 @@ use std::path::Path;
 
 use anyhow::{Context, ensure};
 
+use crate::io::short;
+
 /// A longer file is no curve.
 const MOST_BYTES: u64 = 1 << 20;
 /// The cube of it is a number.
@@ -66,8 +68,9 @@ impl Curve {
                 // Names of columns.
                 None if may_be_names && !line.contains(|c: char| c.is_ascii_digit()) => {}
                 None => anyhow::bail!(
-                    "line {number} is '{line}'; write a sieve size and the percent passing, as in \
-                     0.2, 15"
+                    "line {number} is '{}'; write a sieve size and the percent passing, as in \
+                     0.2, 15",
+                    short(line)
                 ),
             }
             may_be_names = false;

@@ -1,0 +1,91 @@
+//! Text from outside, made harmless where it is printed: file names, messages of runners, names of
+//! columns, lines of files.
+//!
+//! A terminal obeys escape sequences, and a log of continuous integration takes `::error::` or
+//! `::add-mask::` at the beginning of a line, and `##[error]` anywhere, for a command.
+
+use std::borrow::Cow;
+
+/// One line of text: control characters and line breaks become U+FFFD, and workflow commands are
+/// taken apart.
+pub fn line(text: &str) -> Cow<'_, str> {
+    if text.chars().any(is_control) || commands(text) {
+        Cow::Owned(apart(&text.replace(is_control, "\u{fffd}")))
+    } else {
+        Cow::Borrowed(text)
+    }
+}
+
+/// Several lines of text: as [`line()`], but line feeds and tabs stay.
+pub fn lines(text: &str) -> Cow<'_, str> {
+    let harmful = |c: char| is_control(c) && !matches!(c, '\n' | '\t');
+    if text.chars().any(harmful) || text.split('\n').any(commands) {
+        let clean = text.replace(harmful, "\u{fffd}");
+        Cow::Owned(clean.split('\n').map(apart).collect::<Vec<_>>().join("\n"))
+    } else {
+        Cow::Borrowed(text)
+    }
+}
+
+/// Text for a cell of a CSV file. A spreadsheet takes what begins with one of `= + - @`, a tab or a
+/// carriage return for a formula, unless it is a number: an apostrophe before it makes it text.
+pub fn csv_cell(text: &str) -> Cow<'_, str> {
+    let formula = text.starts_with(['=', '+', '-', '@', '\t', '\r']);
+    if formula && text.parse::<f64>().is_err() {
+        Cow::Owned(format!("'{text}"))
+    } else {
+        Cow::Borrowed(text)
+    }
+}
+
+/// Does a terminal obey it, or does it change the order or the end of a line?
+fn is_control(c: char) -> bool {
+    c.is_control() || matches!(c, '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
+}
+
+fn commands(line: &str) -> bool {
+    line.trim_start().starts_with("::") || line.contains("##[")
+}
+
+fn apart(line: &str) -> String {
+    let line = line.replace("##[", "# #[");
+    let start = line.len() - line.trim_start().len();
+    match line[start..].strip_prefix("::") {
+        Some(rest) => format!("{}: :{rest}", &line[..start]),
+        None => line,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn terminals_and_logs_get_no_commands() {
+        for (text, one, several) in [
+            ("plain, é 三 …", "plain, é 三 …", "plain, é 三 …"),
+            ("a\x1b[31mb\x07", "a\u{fffd}[31mb\u{fffd}", "a\u{fffd}[31mb\u{fffd}"),
+            ("a\n::error::b", "a\u{fffd}::error::b", "a\n: :error::b"),
+            (" \t::add-mask::x", " \u{fffd}::add-mask::x", " \t: :add-mask::x"),
+            ("::stop-commands::x", ": :stop-commands::x", ": :stop-commands::x"),
+            ("a ##[error]b", "a # #[error]b", "a # #[error]b"),
+            (
+                "a\u{9b}2J\u{202e}b\r",
+                "a\u{fffd}2J\u{fffd}b\u{fffd}",
+                "a\u{fffd}2J\u{fffd}b\u{fffd}",
+            ),
+        ] {
+            assert_eq!((&*line(text), &*lines(text)), (one, several));
+        }
+    }
+
+    #[test]
+    fn cells_hold_no_formulas_and_numbers_stay() {
+        for text in ["=1+1", "+a", "-a", "@a", "\ta", "\ra", "=", "-1-1"] {
+            assert_eq!(csv_cell(text), format!("'{text}"));
+        }
+        for text in ["", "-1", "+1e5", "-inf", "a=b", "nbs", "1-1"] {
+            assert_eq!(csv_cell(text), text);
+        }
+    }
+}
