@@ -1,8 +1,9 @@
 //! The frames of a file, one after the other, and which of them are wanted.
 
-use anyhow::{bail, ensure};
+use anyhow::{anyhow, bail, ensure};
 
-use crate::io::{About, Options, Particles};
+use crate::io::lines::Lines;
+use crate::io::{About, Notice, Options, Particles};
 
 /// A choice among the frames of a file, which are numbered from 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -53,11 +54,57 @@ pub(crate) struct Choice {
     pub sparse: bool,
     /// Frames say their time step, and those that are not there have no number.
     pub by_step: bool,
+    /// The number of frames read or passed over to their end.
+    whole: u64,
+    /// The line where the last of these ends; 0 where frames are not made of lines.
+    line: u64,
+    /// What is wrong with frames behind the chosen one.
+    torn: Option<String>,
+    /// The file is compressed with gzip.
+    pub gzip: bool,
 }
 
 impl Choice {
     pub fn new(frame: Frame, survey: bool) -> Choice {
-        Choice { frame, survey, seen: 0, sparse: false, by_step: false }
+        let (sparse, by_step, torn) = (false, false, None);
+        Choice { frame, survey, seen: 0, sparse, by_step, whole: 0, line: 0, torn, gzip: false }
+    }
+
+    /// A frame was read, or passed over, to its end.
+    pub fn done(&mut self, lines: Option<&Lines<'_>>, particles: Option<&mut Particles>) {
+        self.whole = self.seen;
+        self.line = lines.map_or(0, Lines::at);
+        // A program that writes frames ends each with a line feed: its last number may be cut.
+        if self.seen > 1 && lines.is_some_and(|lines| !lines.ended()) {
+            let why = format!(
+                "the last line of frame {} has no line feed: if the file is being written, its \
+                 last number may be cut off",
+                self.seen - 1
+            );
+            match particles {
+                Some(particles) => particles.notices.push(Notice::Assumed(why)),
+                None => self.torn = Some(why),
+            }
+        }
+    }
+
+    /// The error of a frame that cannot be read, with the frames before it that can.
+    fn with_whole(&self, error: anyhow::Error, name: &str) -> anyhow::Error {
+        // With a second frame where one is expected nothing is torn.
+        if self.whole == 0 || self.frame == Frame::Only && self.seen > self.whole {
+            return error;
+        }
+        let last = self.whole - 1;
+        let which = match last {
+            0 => "frame 0 is whole".into(),
+            _ => format!("frames 0 to {last} are whole"),
+        };
+        let all = match (self.line, self.gzip) {
+            (0, _) => String::new(),
+            (line, false) => format!(", or all with head -n {line} {name}"),
+            (line, true) => format!(", or all with zcat {name} | head -n {line}"),
+        };
+        anyhow!("{error:#}; {which}: take --frame {last}{all}")
     }
 
     /// All are wanted.
@@ -134,8 +181,23 @@ pub(crate) fn chosen<T>(
         "{name}: one frame is wanted here; give --frame a number from 0, or last"
     );
     let mut kept = None;
-    while let Some(frame) = reader.next(choice)? {
-        kept = Some(frame);
+    loop {
+        match reader.next(choice) {
+            Ok(Some(frame)) => kept = Some(frame),
+            Ok(None) => break,
+            // The frame that is wanted is whole.
+            Err(error) if kept.is_some() && matches!(choice.frame, Frame::Number(_)) => {
+                let k = choice.end(name)?;
+                let why = format!("frame {k} is whole, and a later one is not: {error:#}");
+                choice.torn = Some(why);
+                break;
+            }
+            Err(error) => return Err(choice.with_whole(error, name)),
+        }
+        // Nothing behind the chosen frame can change it.
+        if matches!(choice.frame, Frame::Number(_)) && !choice.survey && !choice.sparse {
+            break;
+        }
     }
     Ok((kept, choice.end(name)?))
 }
@@ -159,9 +221,12 @@ impl Frames<'_> {
     pub(super) fn chosen(mut self) -> anyhow::Result<(Particles, About)> {
         let Frames { reader, choice, name, .. } = &mut self;
         let (kept, frame) = chosen(&mut **reader, choice, name)?;
-        let Some(kept) = kept else {
+        let Some(mut kept) = kept else {
             bail!("{name} holds no frame of particles; is it of another format?")
         };
+        if let Some(why) = choice.torn.take() {
+            kept.0.notices.push(Notice::Assumed(why));
+        }
         self.finished(kept, frame)
     }
 
@@ -184,6 +249,7 @@ impl Iterator for Frames<'_> {
             return None;
         }
         let next = self.reader.next(&mut self.choice).transpose()?;
+        let next = next.map_err(|error| self.choice.with_whole(error, self.name));
         let frame = self.choice.seen.saturating_sub(1);
         let next = next.and_then(|read| self.finished(read, frame));
         self.ended = next.is_err();

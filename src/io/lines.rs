@@ -43,11 +43,13 @@ pub(crate) struct Lines<'a> {
     at: usize,
     /// Where the last word began.
     word: usize,
+    /// The line ends in a line feed.
+    ended: bool,
 }
 
 impl<'a> Lines<'a> {
     pub fn new(source: Source<'a>) -> Lines<'a> {
-        Lines { source, line: Vec::new(), number: 0, at: 0, word: 0 }
+        Lines { source, line: Vec::new(), number: 0, at: 0, word: 0, ended: false }
     }
 
     /// Goes to the next line; false at the end.
@@ -59,6 +61,7 @@ impl<'a> Lines<'a> {
             .read_until(b'\n', &mut self.line);
         read.with_context(|| format!("cannot read {}", self.place()))?;
         let more = !self.line.is_empty();
+        self.ended = self.line.ends_with(b"\n");
         if self.number == 1 && self.line.starts_with(b"\xef\xbb\xbf") {
             self.line.drain(..3);
         }
@@ -99,6 +102,16 @@ impl<'a> Lines<'a> {
     /// The line as text, for headers and messages; what is no UTF-8 becomes U+FFFD.
     pub fn text(&self) -> String {
         String::from_utf8_lossy(self.line()).into_owned()
+    }
+
+    /// The number of the line.
+    pub fn at(&self) -> u64 {
+        self.number
+    }
+
+    /// Whether the line ends in a line feed.
+    pub fn ended(&self) -> bool {
+        self.ended
     }
 
     /// `file:line`.
@@ -173,9 +186,17 @@ impl<'a> Lines<'a> {
     }
 }
 
-/// A number, correctly rounded; none where it is not one. Infinities and NaN are numbers.
+/// A number, correctly rounded; none where it is not one. Infinities and NaN are numbers. The
+/// exponent may follow a D, as Fortran writes it.
 pub(crate) fn number(cell: &[u8]) -> Option<f64> {
-    std::str::from_utf8(cell).ok()?.parse().ok()
+    let text = std::str::from_utf8(cell).ok()?;
+    let fortran = || {
+        let (mantissa, exponent) = text.split_once(['d', 'D'])?;
+        // At least one digit on both sides: else words such as "d1" would be numbers.
+        exponent.parse::<i32>().ok()?;
+        format!("{mantissa}e{exponent}").parse().ok()
+    };
+    text.parse().ok().or_else(fortran)
 }
 
 /// A time step; none where it is no whole number.

@@ -237,7 +237,8 @@ pub fn frames_from<T>(
     let frames = |input: &mut dyn BufRead, head: &[u8], gzip: bool| {
         let source = Source { input, name, unpacking: &unpacking };
         let reader = formats::find(head, name, ending, options)?.open(source, options);
-        let choice = Choice::new(options.frame, options.survey);
+        let mut choice = Choice::new(options.frame, options.survey);
+        choice.gzip = gzip;
         body(Frames { reader, choice, name, options, gzip, ended: false })
     };
     if !head.starts_with(gzip::MAGIC) {

@@ -388,3 +388,46 @@ fn verify_refuses_in_one_sentence() {
         ended.stderr
     );
 }
+
+/// A run writes its third frame, and the whole ones are wanted.
+#[test]
+fn every_verb_takes_a_whole_frame_of_a_file_that_is_being_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let frame = |step: u32, rows: &str| {
+        format!(
+            "ITEM: TIME\n0.25\nITEM: TIMESTEP\n{step}\nITEM: NUMBER OF ATOMS\n2\nITEM: BOX BOUNDS pp \
+             pp pp\n0 10\n0 10\n0 10\nITEM: ATOMS id type x y z\n{rows}"
+        )
+    };
+    let whole = frame(0, "1 1 0.25 5 5\n2 1 9.75 5 5\n");
+    file(folder, "cut.dump", &(whole + &frame(100, "2 1 9.")));
+    file(folder, "pairs.csv", "i,j\n0,1\n");
+    let taken = |verb: &str, more: &[&str]| {
+        run(folder, &[&[verb, "cut.dump", "--radius", "0.5"], more].concat())
+    };
+    for (verb, more) in [
+        ("inspect", &["--frame", "0"][..]),
+        ("detect", &["--frame", "0"]),
+        ("draw", &["--frame", "0", "-o", "cut.svg"]),
+        ("verify", &["--frame", "0", "--pairs", "pairs.csv"]),
+        ("track", &["--frames", "1"]),
+        ("scene", &["--frame", "0", "--open", "-o", "cut.csv"]),
+    ] {
+        let ended = taken(verb, more);
+        assert_eq!(ended.code, Some(0), "{verb}: {}{}", ended.stdout, ended.stderr);
+    }
+    assert!(taken("inspect", &["--frame", "0"]).stdout.contains("a later one is not"));
+    for (verb, more) in [
+        ("inspect", &[][..]),
+        ("inspect", &["--frame", "all"]),
+        ("detect", &["--frame", "last"]),
+        ("detect", &["--frame", "all"]),
+        ("track", &[]),
+    ] {
+        let ended = taken(verb, more);
+        assert_eq!(ended.code, Some(2), "{verb}: {}{}", ended.stdout, ended.stderr);
+        let remedy = "take --frame 0, or all with head -n 13 cut.dump";
+        assert!(ended.stderr.contains(remedy), "{verb}: {}", ended.stderr);
+    }
+}

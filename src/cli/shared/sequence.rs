@@ -123,7 +123,8 @@ fn of_file<T>(
     let name = path.file_name().map_or(text.clone(), |name| name.to_string_lossy().into_owned());
     let none = || format!("{text} holds no frame of particles; is it of another format?");
     let first = frames.next().transpose()?.with_context(none)?;
-    let Some(second) = frames.next().transpose()? else {
+    // A second frame that cannot be read is an error only once it is taken.
+    let Some(second) = frames.next() else {
         input::tell(&text, first.0.notices(), Place::Argument);
         let given = first.0.given(&text, radius)?;
         return Ok(match wanted.otherwise {
@@ -133,7 +134,7 @@ fn of_file<T>(
     };
     input::tell(&text, first.0.notices(), Place::Argument);
     let particles = first.0.len();
-    let all = [Ok(first), Ok(second)].into_iter().chain(frames);
+    let all = [Ok(first), second].into_iter().chain(frames);
     let mut recorded = Recorded::new(all, &text, radius);
     // Whoever asks for all frames wants no fewer.
     let of_file = if source.input.frame.is_some() { u64::MAX } else { wanted.of_file };

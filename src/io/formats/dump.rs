@@ -62,17 +62,27 @@ impl Reader<(Particles, About)> for Dump<'_> {
                 let (bounds, (step, time)) = (bounds.take(), std::mem::take(&mut at));
                 match choice.begin(|| lines.place())? {
                     Step::Stop => return Ok(None),
-                    Step::Skip => drop(section(lines, n, None)?),
+                    Step::Skip => {
+                        section(lines, n, None)?;
+                        choice.done(Some(lines), None);
+                    }
                     Step::Keep => {
                         let atoms = Atoms::new(names, bounds, &place, *options)?;
-                        let kept = section(lines, n, Some(atoms))?;
-                        let timed = |(it, about)| (it, About { step, time, ..about });
-                        return Ok(kept.map(timed));
+                        let Some((mut particles, about)) = section(lines, n, Some(atoms))? else {
+                            return Ok(None);
+                        };
+                        choice.done(Some(lines), Some(&mut particles));
+                        return Ok(Some((particles, About { step, time, ..about })));
                     }
                 }
             } else if item.starts_with("ENTRIES") || item.starts_with("NUMBER OF ENTRIES") {
                 bail!(
                     "{}: this is a dump of pairs or bonds, not of atoms; give it to verify --pairs",
+                    lines.place()
+                );
+            } else if item.starts_with("GRID ") || item == "DIMENSION" {
+                bail!(
+                    "{}: this is a dump of grid cells, not of atoms; write one of style custom",
                     lines.place()
                 );
             } else {
@@ -89,14 +99,18 @@ impl Reader<(Particles, About)> for Dump<'_> {
         ensure!(choice.seen > 0, "{name} ends before a section 'ITEM: ATOMS'; write it again");
         ensure!(
             !open,
-            "{name} is cut off in the header of a frame; write it again, or take an earlier --frame"
+            "{name} ends in the header of a frame: it is cut off, or still being written"
         );
         Ok(None)
     }
 }
 
 fn next(lines: &mut Lines<'_>) -> anyhow::Result<()> {
-    ensure!(lines.advance()?, "{} is cut off in a header; write it again", lines.source.name);
+    ensure!(
+        lines.advance()?,
+        "{} ends in the header of a frame: it is cut off, or still being written",
+        lines.source.name
+    );
     Ok(())
 }
 
@@ -110,8 +124,8 @@ fn section(
     for k in 0..n {
         ensure!(
             lines.advance()?,
-            "{} ends after {k} of the {n} atoms that its header announces; write it again, or \
-             take an earlier --frame",
+            "{} ends after {k} of the {n} atoms that its header announces: it is cut off, or still \
+             being written",
             lines.source.name
         );
         if let Some(atoms) = &mut atoms {

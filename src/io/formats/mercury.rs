@@ -60,12 +60,16 @@ impl Reader<(Particles, About)> for Data<'_> {
                 return Ok(None);
             }
             let rows = rows(lines, n, step == Step::Keep, *options)?;
-            if step == Step::Keep {
+            if step == Step::Skip {
+                choice.done(Some(lines), None);
+            } else {
                 let (columns, particles) = rows
                     .unwrap_or_else(|| (Columns::named(SPACE.split(' ')), Particles::new(3, true)));
                 let about = About { time, ..in_bounds(lines, &bounds, &particles, *options)? };
-                let (particles, loaded) = loaded("MercuryDPM data", particles, columns.radius());
+                let (mut particles, loaded) =
+                    loaded("MercuryDPM data", particles, columns.radius());
                 let About { format, radius, .. } = loaded;
+                choice.done(Some(lines), Some(&mut particles));
                 return Ok(Some((particles, About { format, radius, ..about })));
             }
         }
@@ -84,8 +88,8 @@ fn rows(
     for k in 0..n {
         ensure!(
             lines.advance()?,
-            "{} ends after {k} of the {n} particles that the frame's first line announces; \
-             write it again, or take an earlier --frame",
+            "{} ends after {k} of the {n} particles that the frame's first line announces: it is \
+             cut off, or still being written",
             lines.source.name
         );
         if !keep {

@@ -52,12 +52,17 @@ impl Reader<(Particles, About)> for Xyz<'_> {
             )?;
             match choice.begin(|| lines.place())? {
                 Step::Stop => return Ok(None),
-                Step::Keep => return frame(lines, n, *options).map(Some),
+                Step::Keep => {
+                    let mut read = frame(lines, n, *options)?;
+                    choice.done(Some(lines), Some(&mut read.0));
+                    return Ok(Some(read));
+                }
                 Step::Skip => {
                     lines.advance()?;
                     for k in 0..n {
                         row(lines, k, n)?;
                     }
+                    choice.done(Some(lines), None);
                 }
             }
         }
@@ -68,8 +73,8 @@ impl Reader<(Particles, About)> for Xyz<'_> {
 fn row(lines: &mut Lines<'_>, k: u64, n: u64) -> anyhow::Result<()> {
     ensure!(
         lines.advance()?,
-        "{} ends after {k} of the {n} particles that its first line announces; mend the number \
-         or the file",
+        "{} ends after {k} of the {n} particles that the frame's first line announces: it is cut \
+         off, or still being written; mend the number or the file",
         lines.source.name
     );
     Ok(())

@@ -94,8 +94,8 @@ fn one_frame_is_read_by_the_same_code() {
     let text = dump(0, "1 0 0 0\n") + &dump(50, "1 10 0 0\n") + &dump(75, "1 20 0 0\n");
     for (bytes, ending) in [(text.as_bytes(), ""), (&cube(12), "npy")] {
         assert_eq!(one(bytes, ending, Frame::Number(1), true), Ok((10.0, 1, 3)));
-        assert_eq!(one(bytes, ending, Frame::Number(1), false), Ok((10.0, 1, 3)));
-        assert_eq!(one(bytes, ending, Frame::Number(0), false), Ok((0.0, 0, 2)));
+        assert_eq!(one(bytes, ending, Frame::Number(1), false), Ok((10.0, 1, 2)));
+        assert_eq!(one(bytes, ending, Frame::Number(0), false), Ok((0.0, 0, 1)));
         assert_eq!(one(bytes, ending, Frame::Last, false), Ok((20.0, 2, 3)));
         let refused = |frame| one(bytes, ending, frame, false).unwrap_err();
         assert_eq!(
@@ -114,14 +114,14 @@ fn one_frame_is_read_by_the_same_code() {
 fn frames_that_are_cut_off_end_the_others_in_words() {
     let text = dump(0, "1 0 0 0\n2 1 0 0\n") + &dump(50, "2 11 0 0\n1 10 0 0\n");
     let (told, end) = all(&text.as_bytes()[..text.len() - 9], "", HALF);
-    let cut = "p ends after 1 of the 2 atoms that its header announces; write it again, or take an \
-               earlier --frame";
+    let cut = "p ends after 1 of the 2 atoms that its header announces: it is cut off, or still being \
+               written; frame 0 is whole: take --frame 0, or all with head -n 7 p";
     assert_eq!((told.len(), &*end), (1, cut));
     assert!(one(&text.as_bytes()[..text.len() - 9], "", Frame::Number(0), false).is_ok());
     let header = text.rfind("2\nITEM: ATOMS").unwrap();
     let (told, end) = all(&text.as_bytes()[..header], "", HALF);
     assert_eq!(told.len(), 1);
-    assert!(end.starts_with("p is cut off in "), "{end}");
+    assert!(end.starts_with("p ends in the header of a frame"), "{end}");
     let (told, end) = all(b"1\n\nA 0 0 0\n2\n\nA 0 0 0\n", "xyz", HALF);
     assert_eq!(told.len(), 1);
     assert!(end.starts_with("p ends after 1 of the 2 particles"), "{end}");

@@ -130,7 +130,12 @@ fn bad_files_are_refused_with_place_and_remedy() {
             NONE,
             "p:2: the line is longer than 1048576 bytes; this is not a particle file",
         ),
-        (b"ITEM: TIMESTEP\n", "dump", NONE, "p is cut off in a header; write it again"),
+        (
+            b"ITEM: TIMESTEP\n",
+            "dump",
+            NONE,
+            "p ends in the header of a frame: it is cut off, or still being written",
+        ),
         (b"# vtk DataFile\n", "vtk", NONE, "p is cut off in its header; write it again"),
         (
             b"two\n",
@@ -149,8 +154,8 @@ fn bad_files_are_refused_with_place_and_remedy() {
             b"2\n\nA 1 2 3\n",
             "xyz",
             HALF,
-            "p ends after 1 of the 2 particles that its first line announces; mend the number or \
-             the file",
+            "p ends after 1 of the 2 particles that the frame's first line announces: it is cut \
+             off, or still being written; mend the number or the file",
         ),
         (
             b"1\n\nA 1 2 3\n1\n\n",

@@ -45,7 +45,11 @@ impl Reader<(Particles, About)> for Array<'_> {
                 let frame = frame(source, header, *options);
                 return match header.frames {
                     None => frame.map(Some),
-                    Some(_) => frame.with_context(|| format!("frame {k}")).map(Some),
+                    Some(_) => {
+                        let read = frame.with_context(|| format!("frame {k}"))?;
+                        choice.done(None, None);
+                        Ok(Some(read))
+                    }
                 };
             }
             let numbers = header.rows.saturating_mul(header.columns.unwrap_or(1) as u64);
@@ -56,6 +60,7 @@ impl Reader<(Particles, About)> for Array<'_> {
                 source.name,
                 header.frames.unwrap_or(1)
             );
+            choice.done(None, None);
         }
         source.end(header)?;
         Ok(None)
