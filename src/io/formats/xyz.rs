@@ -1,17 +1,21 @@
 //! XYZ and extended XYZ: the number of particles, a comment line, then one particle per line;
 //! frames follow each other.
 //!
-//! * Extended: the comment holds `Properties=species:S:1:pos:R:3:radius:R:1` (the value may be
-//!   quoted): names, types and numbers of columns. `pos` gives two or three coordinates; `r`,
-//!   `radius`, `d` or `diameter` the size; the rest is skipped.
+//! * Extended: the comment holds pairs `key=value` (see [`comment`]), among them
+//!   `Properties=species:S:1:pos:R:3:radius:R:1`: names, types and numbers of columns. `pos` gives
+//!   two or three coordinates; `r`, `radius`, `d` or `diameter` the size; the rest is skipped.
 //! * The box: `Lattice="ax ay az bx by bz cx cy cz"`, of any direction, from the corner `Origin`;
-//!   it repeats along all three unless `pbc="T T F"` says otherwise, as for ASE and OVITO.
+//!   three numbers are edges along the axes, four the vectors of discs. It repeats along all
+//!   vectors unless `pbc="T T F"` says otherwise, as for ASE and OVITO.
 //! * Its time: `step=100` (or `timestep`), `time=0.5`.
-//! * Plain: `species x y z`. What further columns mean, nobody knows: it may be a radius, a charge
-//!   or a velocity. So a plain file with more columns is refused, unless the options give the
+//! * Plain: `species x y z`. The meaning of further columns is unknown: they may be radii, charges
+//!   or velocities. So a plain file with more columns is refused, unless the options give the
 //!   radius: then the columns are skipped.
 
+mod comment;
+
 use anyhow::{Context, bail, ensure};
+use comment::Comment;
 
 use crate::io::frames::{Choice, Reader, Step};
 use crate::io::lines::{Lines, Source, number, short, step_of, words};
@@ -73,8 +77,8 @@ impl Reader<(Particles, About)> for Xyz<'_> {
 fn row(lines: &mut Lines<'_>, k: u64, n: u64) -> anyhow::Result<()> {
     ensure!(
         lines.advance()?,
-        "{} ends after {k} of the {n} particles that the frame's first line announces: it is cut \
-         off, or still being written; mend the number or the file",
+        "{} ends after {k} of the {n} particles that the frame's first line announces: it is \
+         cut off, or still being written; mend the number or the file",
         lines.source.name
     );
     Ok(())
@@ -83,13 +87,14 @@ fn row(lines: &mut Lines<'_>, k: u64, n: u64) -> anyhow::Result<()> {
 /// The comment line and the rows of one frame.
 fn frame(lines: &mut Lines<'_>, n: u64, options: Options) -> anyhow::Result<(Particles, About)> {
     // A file of no particles may end before its comment line.
-    let comment = if lines.advance()? { lines.text() } else { String::new() };
-    let declared = match declared(&comment, options) {
-        // Nobody asks.
+    let line = if lines.advance()? { lines.text() } else { String::new() };
+    let comment = Comment::read(&line).with_context(|| lines.place())?;
+    let columns = columns(&comment, options).with_context(|| lines.place())?;
+    let declared = match declared(&comment, columns.meaning.contains(&Column::Axis(2)), options) {
+        // No box is wanted.
         Err(_) if options.boundaries.open => None,
         declared => declared.with_context(|| lines.place())?,
     };
-    let columns = columns(&comment).with_context(|| lines.place())?;
     let columns = columns.chosen(&lines.place(), options)?;
     let mut particles = columns.particles(&lines.place(), options)?;
     let between = || format!(" ({})", crate::io::lines::listed(&columns.names));
@@ -115,90 +120,60 @@ fn frame(lines: &mut Lines<'_>, n: u64, options: Options) -> anyhow::Result<(Par
     }
     let format = if columns.or_more { "XYZ" } else { "extended XYZ" };
     let (particles, about) = crate::io::particles::loaded(format, particles, columns.radius());
-    let first = |keys: &[&str]| keys.iter().find_map(|key| value(&comment, key));
-    let step = first(&["step", "timestep"]).and_then(|text| step_of(text.as_bytes()));
-    let time = first(&["time"]).and_then(|text| number(text.as_bytes()));
+    let first = |keys: &[&str]| keys.iter().find_map(|key| comment.get(key));
+    let step = first(&["step", "timestep"]).and_then(|pair| step_of(pair.text.as_bytes()));
+    let time = first(&["time"]).and_then(|pair| number(pair.text.as_bytes()));
     Ok((particles, About { declared, step, time, ..about }))
 }
 
 /// The columns that the comment line announces, or those of a plain file.
-fn columns(comment: &str) -> anyhow::Result<Columns> {
-    match value(comment, "Properties") {
-        Some(text) => announced(&text).with_context(|| format!("Properties={}", short(&text))),
-        None => Ok(Columns { or_more: true, ..Columns::named(["species", "x", "y", "z"]) }),
+fn columns(comment: &Comment, options: Options) -> anyhow::Result<Columns> {
+    match comment.get("Properties") {
+        Some(pair) => {
+            announced(&pair.text).with_context(|| format!("Properties={}", short(&pair.text)))
+        }
+        None => {
+            if options.columns.is_none() {
+                comment.no_other("Properties", ", or give --columns")?;
+            }
+            Ok(Columns { or_more: true, ..Columns::named(["species", "x", "y", "z"]) })
+        }
     }
 }
 
 /// The box that the comment line declares. A lattice repeats along all vectors where nothing is
 /// said.
-fn declared(comment: &str, options: Options) -> anyhow::Result<Option<Declared>> {
+fn declared(comment: &Comment, space: bool, options: Options) -> anyhow::Result<Option<Declared>> {
     let boundaries = options.boundaries;
-    let numbers = |key: &str, what: &str, count: usize| -> anyhow::Result<Option<Vec<f64>>> {
-        let Some(text) = value(comment, key) else { return Ok(None) };
-        let numbers: Option<Vec<f64>> =
-            words(text.as_bytes()).map(|word| number(word).filter(|x| x.is_finite())).collect();
-        let Some(numbers) = numbers.filter(|numbers| numbers.len() == count) else {
-            bail!("{key}=\"{}\" must be {what}; mend the line, or give --open", short(&text))
+    let dim = if space { 3 } else { 2 };
+    let mut vectors = None;
+    if boundaries.edges.is_none() {
+        comment.no_other("Lattice", ", or give --box or --open")?;
+        let what = match space {
+            true => "nine finite numbers, one vector after the other, or three edges",
+            false => "nine finite numbers, one vector after the other, or four for discs",
         };
-        Ok(Some(numbers))
-    };
-    let lattice = match boundaries.edges {
-        None => numbers("Lattice", "nine finite numbers, one vector after the other", 9)?,
-        Some(_) => None,
-    };
-    let vectors = lattice.map(|n| [[n[0], n[1], n[2]], [n[3], n[4], n[5]], [n[6], n[7], n[8]]]);
-    let origin = numbers("Origin", "three finite numbers", 3)?;
-    let periodic = match value(comment, "pbc").filter(|_| boundaries.periodic.is_none()) {
-        Some(text) => Some(flags(&text).with_context(|| {
-            format!(
-                "pbc=\"{}\" must be T or F for each vector, as in pbc=\"T T F\"; mend the line, or \
-                 give --periodic or --open",
-                short(&text)
-            )
-        })?),
-        None => vectors.map(|_| [true; 3]),
-    };
-    let declared = vectors.is_some() || periodic.is_some() || origin.is_some();
-    let origin = origin.map_or([0.0; 3], |n| [n[0], n[1], n[2]]);
-    Ok(declared.then_some(Declared { vectors, origin, periodic, rounded: false }))
-}
-
-/// `T T F`, or `1 1 0`.
-fn flags(text: &str) -> Option<[bool; 3]> {
-    let mut flags = [false; 3];
-    let mut words = text.split_whitespace();
-    for flag in &mut flags {
-        *flag = match words.next()?.to_ascii_lowercase().as_str() {
-            "t" | "true" | "1" => true,
-            "f" | "false" | "0" => false,
-            _ => return None,
-        };
+        let counts: &[usize] = if space { &[9, 3] } else { &[9, 3, 4] };
+        let lattice = comment.get("Lattice").map(|pair| pair.numbers(counts, what)).transpose()?;
+        vectors = lattice.map(|n| match n[..] {
+            [x, y, z] => [[x, 0.0, 0.0], [0.0, y, 0.0], [0.0, 0.0, z]],
+            [ax, ay, bx, by] => [[ax, ay, 0.0], [bx, by, 0.0], [0.0; 3]],
+            _ => [[n[0], n[1], n[2]], [n[3], n[4], n[5]], [n[6], n[7], n[8]]],
+        });
     }
-    words.next().is_none().then_some(flags)
-}
-
-/// The value of a key in a comment of `key=value` and `key="some value"` pairs.
-fn value(comment: &str, wanted: &str) -> Option<String> {
-    let mut rest = comment.trim_start();
-    while !rest.is_empty() {
-        let end = rest.find(|c: char| c == '=' || c.is_whitespace()).unwrap_or(rest.len());
-        let (key, after) = rest.split_at(end);
-        rest = after;
-        if let Some(value) = after.strip_prefix('=') {
-            let quote = value.chars().next().filter(|c| ['"', '\''].contains(c));
-            let value = quote.map_or(value, |_| &value[1..]);
-            let end = value
-                .find(|c: char| quote.map_or(c.is_whitespace(), |quote| c == quote))
-                .unwrap_or(value.len());
-            if key.eq_ignore_ascii_case(wanted) {
-                return Some(value[..end].to_string());
-            }
-            rest = &value[end..];
-            rest = quote.and_then(|quote| rest.strip_prefix(quote)).unwrap_or(rest);
+    let counts: &[usize] = if space { &[3] } else { &[3, 2] };
+    let origin = comment.get("Origin").map(|pair| pair.numbers(counts, "three finite numbers"));
+    let origin = origin.transpose()?;
+    let mut periodic = vectors.map(|_| [true; 3]);
+    if boundaries.periodic.is_none() {
+        comment.no_other("pbc", ", or give --periodic or --open")?;
+        if let Some(pair) = comment.get("pbc") {
+            periodic = Some(pair.flags(dim)?);
         }
-        rest = rest.trim_start();
     }
-    None
+    let declared = vectors.is_some() || periodic.is_some() || origin.is_some();
+    let origin = origin.map_or([0.0; 3], |n| [n[0], n[1], n.get(2).copied().unwrap_or(0.0)]);
+    Ok(declared.then_some(Declared { vectors, origin, periodic, rounded: false }))
 }
 
 /// The columns that `name:type:number` triples announce.

@@ -31,7 +31,7 @@ impl Particles {
 /// The significant digits of a number as it is written: from the first that is not 0 to the last
 /// that is not.
 fn significant(cell: &[u8]) -> usize {
-    let digits = cell.iter().take_while(|byte| !matches!(byte, b'e' | b'E'));
+    let digits = cell.iter().take_while(|byte| !matches!(byte, b'e' | b'E' | b'd' | b'D'));
     let (mut count, mut zeros) = (0, 0);
     for &digit in digits.filter(|byte| byte.is_ascii_digit()) {
         match digit {

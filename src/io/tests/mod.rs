@@ -2,10 +2,12 @@
 //! make a reader panic (`refused`); their boxes (`boxes`); and frames (`frames`).
 
 mod boxes;
+mod codes;
 mod frames;
 mod npy;
 mod refused;
 mod text;
+mod xyz;
 
 use super::*;
 use crate::io::formats::npy::MAGIC;
