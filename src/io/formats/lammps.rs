@@ -3,7 +3,9 @@
 //!
 //! The columns follow from the atom style, which stands behind the section's name: `Atoms #
 //! sphere`. In the styles of spheres the size is a *diameter*, which is halved; the others need a
-//! radius from the options. Without a style the number of columns must leave no doubt.
+//! radius from the options. Without a style the number of columns must leave no doubt, or the
+//! options choose the columns. In a hybrid style x, y and z follow the type, and then come the
+//! other columns of its parts.
 //!
 //! The box is that of the header: `xlo xhi`, with `xy xz yz` where it is tilted, or the vectors
 //! `avec`, `bvec`, `cvec` with `abc origin`. A data file does not say whether it repeats.
@@ -13,8 +15,8 @@
 use anyhow::{Context, bail, ensure};
 
 use crate::io::lines::{Lines, Separator, Source, number, short, shown, words};
-use crate::io::particles::{Columns, Particles, loaded};
-use crate::io::{About, Declared, Options};
+use crate::io::particles::{Column, Columns, Particles, loaded};
+use crate::io::{About, Declared, Notice, Options};
 
 /// The columns of each style; image flags may follow.
 const STYLES: [(&str, &str); 16] = [
@@ -50,8 +52,9 @@ fn is_count(line: &[u8]) -> Option<&[u8]> {
 pub(crate) fn read(source: Source<'_>, options: Options) -> anyhow::Result<(Particles, About)> {
     let mut lines = Lines::new(source);
     let (mut n, mut header) = (None, Header::default());
-    // The first line is a comment, whatever it holds.
+    // The first line is a title, whatever it holds.
     lines.advance()?;
+    let title = is_count(lines.line()).map(shown);
     while lines.advance_over_blanks()? {
         let line = lines.line();
         if let Some(count) = is_count(line) {
@@ -59,18 +62,40 @@ pub(crate) fn read(source: Source<'_>, options: Options) -> anyhow::Result<(Part
         } else if header.take(&lines, options)? {
             continue;
         } else if words(line).next() == Some(b"Atoms") {
-            let n = n.with_context(|| {
-                format!(
+            let n = n.with_context(|| match &title {
+                Some(n) => format!(
+                    "{}:1: the first line of a LAMMPS data file is a title, and '{n} atoms' \
+                     stands there; put a line before it",
+                    lines.source.name
+                ),
+                None => format!(
                     "{}: no line such as '100 atoms' stands before the section Atoms",
                     lines.place()
-                )
+                ),
             })?;
             let style = lines
                 .text()
                 .split_once('#')
                 .map(|(_, style)| style.trim().to_string())
                 .filter(|style| !style.is_empty());
-            let (particles, columns) = atoms(&mut lines, n, style, options)?;
+            let (mut particles, columns) = atoms(&mut lines, n, style.as_deref(), options)?;
+            if style.is_none() && options.columns.is_none() && n > 0 {
+                particles.notices.push(Notice::Assumed(format!(
+                    "no atom style stands behind 'Atoms': the columns are taken as {}; --columns \
+                     says otherwise",
+                    columns.names.join(" ")
+                )));
+            }
+            if style.as_deref().is_some_and(|style| style.starts_with("hybrid"))
+                && particles.has_radii()
+                && options.columns.is_none()
+            {
+                particles.notices.push(Notice::Assumed(format!(
+                    "the columns of the hybrid style are taken as {}; --radius or --columns says \
+                     otherwise",
+                    columns.names.join(" ")
+                )));
+            }
             let (particles, mut about) = loaded("LAMMPS data", particles, columns.radius());
             (about.bounds, about.declared) = header.bounds();
             return Ok((particles, about));
@@ -147,14 +172,14 @@ impl Header {
 fn atoms(
     lines: &mut Lines<'_>,
     n: u64,
-    style: Option<String>,
+    style: Option<&str>,
     options: Options,
 ) -> anyhow::Result<(Particles, Columns)> {
     let place = lines.place();
     let chosen = options.columns.is_some();
-    let mut columns = match &style {
+    let mut columns = match style {
         // Whoever says what the columns hold need not say the style.
-        Some(style) => match styled(style) {
+        Some(style) => match styled(style, options) {
             Ok(columns) => Some(columns.chosen(&place, options)?),
             Err(_) if chosen => None,
             Err(error) => return Err(error.context(place.clone())),
@@ -193,26 +218,73 @@ fn atoms(
     Ok((particles, columns.unwrap_or_else(|| Columns::named(["x", "y", "z"]))))
 }
 
-fn styled(style: &str) -> anyhow::Result<Columns> {
-    let Some((_, names)) = STYLES.iter().find(|(name, _)| *name == style) else {
-        let known = STYLES.map(|(name, _)| name).join(", ");
-        bail!(
-            "the atom style '{}' is not read, only {known}; write the particles as a dump with x \
-             y z radius",
-            short(style)
-        );
+/// The columns of a style.
+fn styled(style: &str, options: Options) -> anyhow::Result<Columns> {
+    let of = |style: &str| STYLES.iter().find(|(name, _)| *name == style).map(|(_, names)| *names);
+    let mut parts = style.split_whitespace();
+    let mut columns = match parts.next() {
+        Some("hybrid") => {
+            let mut names: Vec<&str> = "id type x y z".split(' ').collect();
+            // The columns behind one that is not known may be anything.
+            for part in parts.map_while(of) {
+                let new: Vec<&str> = part.split(' ').filter(|name| !names.contains(name)).collect();
+                names.extend(new);
+            }
+            Columns::named(names)
+        }
+        _ => match of(style) {
+            Some(names) => Columns::named(names.split(' ')),
+            None => bail!(
+                "the atom style '{}' is not read, only hybrid, {}; say which column is which with \
+                 --columns, as in --columns x=3,y=4,z=5",
+                short(style),
+                STYLES.map(|(name, _)| name).join(", ")
+            ),
+        },
     };
-    Ok(Columns { or_more: true, ..Columns::named(names.split(' ')) })
+    // Old versions order the columns of a hybrid otherwise: one radius for all is believed.
+    if style.starts_with("hybrid") && options.radius.is_some() {
+        let sizes = columns.meaning.iter_mut().filter(|it| **it == Column::Diameter);
+        sizes.for_each(|meaning| *meaning = Column::Other);
+    }
+    columns.or_more = true;
+    Ok(columns)
 }
 
+/// The columns of a file that names no style, if their number leaves no doubt.
 fn unstyled(count: usize) -> anyhow::Result<Columns> {
     let names = match count {
         5 => "id type x y z",
         6 => "id other type x y z",
-        _ => bail!(
-            "{count} columns, and no atom style behind 'Atoms': several are possible; write it \
-             there, as in 'Atoms # sphere'"
-        ),
+        _ => bail!("{count} columns, and no atom style behind 'Atoms'; {}", choices(count)),
     };
     Ok(Columns { or_more: true, ..Columns::named(names.split(' ')) })
+}
+
+/// How to read so many columns: the option for each style that has them, with image flags or
+/// without.
+fn choices(count: usize) -> String {
+    let mut known: Vec<(String, Vec<&str>)> = Vec::new();
+    for (style, names) in STYLES {
+        let names: Vec<&str> = names.split(' ').collect();
+        if names.len() != count && names.len() + 3 != count {
+            continue;
+        }
+        let place = |name| names.iter().position(|it| *it == name).map(|k| k + 1);
+        let keys = [("x", "x"), ("y", "y"), ("z", "z"), ("d", "diameter"), ("id", "id")];
+        let keys = keys.map(|(key, name)| place(name).map(|k| format!("{key}={k}")));
+        let option = keys.into_iter().flatten().collect::<Vec<_>>().join(",");
+        match known.iter_mut().find(|(known, _)| *known == option) {
+            Some((_, styles)) => styles.push(style),
+            None => known.push((option, vec![style])),
+        }
+    }
+    let choices: Vec<String> = known
+        .iter()
+        .map(|(option, styles)| format!("--columns {option} (style {})", styles.join(", ")))
+        .collect();
+    match choices.is_empty() {
+        true => "say which column is which, as in --columns x=3,y=4,z=5".into(),
+        false => format!("say which it is: {}", choices.join("; ")),
+    }
 }
