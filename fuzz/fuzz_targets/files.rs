@@ -2,7 +2,7 @@
 //! never a panic.
 //!
 //! One program for all readers. The environment variable `READER` narrows it to one of them: npy,
-//! npz, dump, vtk, vtp, ply, lammps-data, mercury, xyz, csv, gzip or pairs.
+//! npz, dump, vtk, vtp, ply, lammps-data, mercury, xyz, csv, gsd, gzip or pairs.
 
 #![no_main]
 

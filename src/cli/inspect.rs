@@ -20,8 +20,8 @@ use contacts::Contacts;
 /// Options of `inspect`.
 #[derive(clap::Args)]
 pub struct Inspect {
-    /// The particles: CSV, XYZ, LAMMPS, MercuryDPM, YADE, NumPy, VTK or PLY, also compressed with
-    /// gzip
+    /// The particles: CSV, XYZ, LAMMPS, MercuryDPM, YADE, NumPy, VTK, PLY or GSD, also compressed
+    /// with gzip
     file: PathBuf,
     #[command(flatten)]
     input: Input,

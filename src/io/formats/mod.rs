@@ -2,12 +2,14 @@
 
 mod csv;
 mod dump;
+mod gsd;
 pub(crate) mod gzip;
 mod lammps;
 mod mercury;
 pub mod npy;
 mod npz;
 mod ply;
+mod unread;
 mod vtk;
 mod vtp;
 mod xml;
@@ -42,6 +44,8 @@ pub enum Format {
     Vtp,
     /// PLY, text or binary
     Ply,
+    /// GSD of HOOMD
+    Gsd,
 }
 
 impl std::str::FromStr for Format {
@@ -93,7 +97,7 @@ impl Entry {
 }
 
 /// All formats. The first whose bytes tell is taken.
-pub static FORMATS: [Entry; 10] = [
+pub static FORMATS: [Entry; 11] = [
     Entry {
         format: Format::Npy,
         name: "NumPy",
@@ -174,11 +178,19 @@ pub static FORMATS: [Entry; 10] = [
         tells: |_| false,
         read: Read::Whole(csv::read),
     },
+    Entry {
+        format: Format::Gsd,
+        name: "GSD",
+        endings: &["gsd"],
+        begins: "the bytes of GSD; write it with HOOMD or the Python package gsd",
+        tells: |head| head.starts_with(gsd::MAGIC),
+        read: Read::Frames(gsd::frames),
+    },
 ];
 
 fn entry(format: Format) -> &'static Entry {
     // The table has an entry for every format: a test holds it to that.
-    FORMATS.iter().find(|entry| entry.format == format).unwrap_or(&FORMATS[FORMATS.len() - 1])
+    FORMATS.iter().find(|entry| entry.format == format).unwrap_or(&FORMATS[0])
 }
 
 /// The format of a file that begins with `head`.
@@ -202,6 +214,7 @@ fn told(head: &[u8], name: &str, ending: &str, options: Options) -> anyhow::Resu
     if let Some(format) = options.format {
         return Ok(entry(format));
     }
+    unread::refuse(head, name)?;
     let ended = FORMATS.iter().find(|entry| entry.endings.contains(&ending));
     // A name that says csv or xyz is believed: what tells data files could stand in columns, too.
     let believed = ended.filter(|entry| matches!(entry.format, Format::Csv | Format::Xyz));
