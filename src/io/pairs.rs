@@ -13,7 +13,7 @@ use anyhow::{Context, ensure};
 
 use crate::io::Frame;
 use crate::io::formats::gzip::{self, Unpacking};
-use crate::io::formats::npy;
+use crate::io::formats::{npy, unread};
 use crate::io::frames::{Choice, Reader, chosen};
 use crate::io::lines::{Lines, Source, number, words};
 use crate::io::room::room;
@@ -136,6 +136,7 @@ fn open<'a>(
     if head.starts_with(npy::MAGIC) {
         return Ok(Box::new(array::Array::new(source)));
     }
+    unread::refuse(head, name, Some("write the pairs as CSV with a header i,j"))?;
     ensure!(
         !head.contains(&0),
         "{name} is binary, and no npy file; write the pairs as CSV with a header i,j"
@@ -167,7 +168,7 @@ fn push(list: &mut List, pair: [i64; 2]) -> anyhow::Result<()> {
 fn whole(cell: &[u8]) -> Option<i64> {
     let text = std::str::from_utf8(cell).ok()?;
     // An exponent is the mark of %g, which keeps six digits of a number.
-    let plain = !cell.iter().any(|c| matches!(c, b'e' | b'E'));
+    let plain = !cell.iter().any(|c| matches!(c, b'e' | b'E' | b'd' | b'D'));
     text.parse().ok().or_else(|| {
         number(cell).filter(|x| plain && x.fract() == 0.0 && x.abs() < 9e15).map(|x| x as i64)
     })

@@ -239,7 +239,7 @@ impl File {
         let radius = match (options.radius, sizes) {
             (Some(_), _) => RadiusSource::Missing,
             (None, Some(_)) => RadiusSource::Halved("particles/diameter".into()),
-            (None, None) => RadiusSource::Halved("HOOMD's default diameter".into()),
+            (None, None) => RadiusSource::Halved("particles/diameter (default)".into()),
         };
         let declared = self.floats(frame, "configuration/box", 1)?.map(|of| boxed(&of, dim));
         let step = self.whole(frame, "configuration/step", 4)?.unwrap_or(0);

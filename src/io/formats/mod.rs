@@ -9,7 +9,7 @@ mod mercury;
 pub mod npy;
 mod npz;
 mod ply;
-mod unread;
+pub(crate) mod unread;
 mod vtk;
 mod vtp;
 mod xml;
@@ -214,7 +214,7 @@ fn told(head: &[u8], name: &str, ending: &str, options: Options) -> anyhow::Resu
     if let Some(format) = options.format {
         return Ok(entry(format));
     }
-    unread::refuse(head, name)?;
+    unread::refuse(head, name, None)?;
     let ended = FORMATS.iter().find(|entry| entry.endings.contains(&ending));
     // A name that says csv or xyz is believed: what tells data files could stand in columns, too.
     let believed = ended.filter(|entry| matches!(entry.format, Format::Csv | Format::Xyz));

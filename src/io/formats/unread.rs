@@ -156,13 +156,16 @@ pub(crate) static UNREAD: &[Unread] = &[
     Unread { name: "an OFF mesh", tells: |b| lines(b).next() == Some(b"OFF"), way: MESH },
 ];
 
-/// Refuses a file in one of these formats by its name.
-pub(crate) fn refuse(head: &[u8], file: &str) -> anyhow::Result<()> {
-    if let Some(Unread { name, way, .. }) = UNREAD.iter().find(|unread| (unread.tells)(head)) {
-        let is = if name.starts_with("compressed") { "" } else { ", which is not read" };
-        bail!("{file} is {name}{is}: {}", way.replace("FILE", file));
-    }
-    Ok(())
+/// Refuses a file in one of these formats by its name. `way` is the way out where the file should
+/// hold other things than particles.
+pub(crate) fn refuse(head: &[u8], file: &str, way: Option<&str>) -> anyhow::Result<()> {
+    let Some(unread) = UNREAD.iter().find(|unread| (unread.tells)(head)) else { return Ok(()) };
+    // What is packed, or not the file at all, may hold either.
+    let either = ["a pointer of Git LFS", "a web page", "UTF-16 text"].contains(&unread.name);
+    let way = way.filter(|_| unread.way != UNPACK && !either).unwrap_or(unread.way);
+    let way = way.replace("FILE", file);
+    let read = if unread.name.starts_with("compressed") { "" } else { ", which is not read" };
+    bail!("{file} is {}{read}: {way}", unread.name)
 }
 
 /// The lines of the beginning, without blanks around them.

@@ -90,7 +90,8 @@ fn frame(lines: &mut Lines<'_>, n: u64, options: Options) -> anyhow::Result<(Par
     let line = if lines.advance()? { lines.text() } else { String::new() };
     let comment = Comment::read(&line).with_context(|| lines.place())?;
     let columns = columns(&comment, options).with_context(|| lines.place())?;
-    let declared = match declared(&comment, columns.meaning.contains(&Column::Axis(2)), options) {
+    let space = columns.meaning.contains(&Column::Axis(2));
+    let declared = match declared(&line, &comment, space, options) {
         // No box is wanted.
         Err(_) if options.boundaries.open => None,
         declared => declared.with_context(|| lines.place())?,
@@ -120,9 +121,11 @@ fn frame(lines: &mut Lines<'_>, n: u64, options: Options) -> anyhow::Result<(Par
     }
     let format = if columns.or_more { "XYZ" } else { "extended XYZ" };
     let (particles, about) = crate::io::particles::loaded(format, particles, columns.radius());
-    let first = |keys: &[&str]| keys.iter().find_map(|key| comment.get(key));
-    let step = first(&["step", "timestep"]).and_then(|pair| step_of(pair.text.as_bytes()));
-    let time = first(&["time"]).and_then(|pair| number(pair.text.as_bytes()));
+    let first = |keys: &[&str]| {
+        keys.iter().find_map(|key| comment.get(key)?.cells.first()).map(String::as_bytes)
+    };
+    let step = first(&["step", "timestep"]).and_then(step_of);
+    let time = first(&["time"]).and_then(number);
     Ok((particles, About { declared, step, time, ..about }))
 }
 
@@ -143,11 +146,20 @@ fn columns(comment: &Comment, options: Options) -> anyhow::Result<Columns> {
 
 /// The box that the comment line declares. A lattice repeats along all vectors where nothing is
 /// said.
-fn declared(comment: &Comment, space: bool, options: Options) -> anyhow::Result<Option<Declared>> {
+fn declared(
+    line: &str,
+    comment: &Comment,
+    space: bool,
+    options: Options,
+) -> anyhow::Result<Option<Declared>> {
     let boundaries = options.boundaries;
     let dim = if space { 3 } else { 2 };
     let mut vectors = None;
     if boundaries.edges.is_none() {
+        ensure!(
+            !line.contains("CELL(") && !line.contains("CELL{"),
+            "the box as i-PI writes it (CELL) is not read; give --box or --open"
+        );
         comment.no_other("Lattice", ", or give --box or --open")?;
         let what = match space {
             true => "nine finite numbers, one vector after the other, or three edges",

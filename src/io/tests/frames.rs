@@ -61,7 +61,7 @@ fn all_formats_of_frames_give_them_one_by_one() {
     };
     assert_eq!(all(&packed, "", HALF), (frames, String::new()));
 
-    let xyz = "1\nProperties=species:S:1:pos:R:3:id:I:1 Step=4 time=0.25\nA 1 0 0 9\n\n2\n\
+    let xyz = "1\nProperties=species:S:1:pos:R:3:id:I:1 Step=4 time = 2.5D-1, E=7\nA 1 0 0 9\n\n2\n\
                Properties=species:S:1:pos:R:3:id:I:1\nA 3 0 0 9\nB 2 0 0 8\n";
     let frames = vec![
         (0, Some(4), Some(0.25), vec![9], vec![1.0]),

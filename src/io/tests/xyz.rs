@@ -99,6 +99,8 @@ fn a_key_that_decides_and_cannot_be_read_is_refused_with_its_column() {
         let error = boxed(&with(pair, POS), NONE).unwrap_err();
         assert!(error.starts_with("p:2: ") && error.contains(words), "{pair}: {error}");
     }
+    let box_of = "# CELL(abcABC): 10 10 10 90 90 90  Step: 0  positions{angstrom}";
+    assert!(boxed(box_of, HALF).unwrap_err().contains("i-PI"), "a box that is not read");
     for comment in ["Propertes=species:S:1:pos:R:3", "property = species:S:1:pos:R:3"] {
         let error = boxed(comment, HALF).unwrap_err();
         assert!(error.contains("may be meant for Properties"), "{error}");

@@ -1,5 +1,5 @@
 use super::*;
-use crate::io::{Format, Options, load_from};
+use crate::io::{Format, Frame, Options, load_from};
 
 /// The beginning of a file of each format.
 fn samples() -> Vec<(&'static str, Vec<u8>)> {
@@ -103,6 +103,10 @@ fn each_format_of_the_table_is_named_with_its_way_out_whatever_the_file_is_calle
             let named = error.starts_with(&format!("p is {name}")) && error.ends_with(&way);
             assert!(named, "{name}, '{ending}': {error}");
         }
+        let list = crate::io::pairs::from(&bytes[..], "p", &[], Frame::Only);
+        let error = list.unwrap_err().to_string();
+        assert!(error.starts_with(&format!("p is {name}")), "{error}");
+        assert!(!error.contains("x,y,z"), "a list of pairs: {error}");
     }
     assert_eq!(samples.len(), UNREAD.len());
 }
@@ -131,6 +135,6 @@ fn texts_that_are_read_are_none_of_them() {
         "- 1 2\n",
         "ATOM x y z\n1 2 3 4\n",
     ] {
-        assert!(refuse(text.as_bytes(), "p").is_ok(), "{text}");
+        assert!(refuse(text.as_bytes(), "p", None).is_ok(), "{text}");
     }
 }
