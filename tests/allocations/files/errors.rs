@@ -28,8 +28,8 @@ fn errors_say_where() {
         ),
         (
             DUMP.replace("ATOMS\n2\n", "ATOMS\n3\n"),
-            "p ends after 2 of the 3 atoms that its header announces; write it again, or take an \
-             earlier --frame",
+            "p ends after 2 of the 3 atoms that its header announces: it is cut off, or still being \
+             written",
         ),
         (
             DUMP.replace("ATOMS\n2\n", "ATOMS\n1000000000000000000\n"),
@@ -64,7 +64,7 @@ fn errors_say_where() {
         ),
         (
             DATA.replace(" # sphere", ""),
-            "p:15: 7 columns, and no atom style behind 'Atoms': several are possible",
+            "p:15: 7 columns, and no atom style behind 'Atoms'; say which it is: --columns",
         ),
         (
             MERCURY.replace("4 5 6", "4 5 x"),
@@ -133,7 +133,7 @@ fn errors_say_where() {
             vtp("format=\"appended\"", "", "", "", "").replace("OFFSET", "9"),
             "p ends before its AppendedData; write it again",
         ),
-        ("<html>\n<body>".into(), "p:1: '<html' begins what is no VTK XML file"),
+        ("<gpx>\n<body>".into(), "p:1: '<gpx' begins what is no VTK XML file"),
         (
             PLY_HEAD.replace("FORMAT", "ascii") + "1 2 3 0 .5\n1 2 x 0 .5\n",
             "p:14: column 'z': 'x' is not a number; mend or remove the line",
