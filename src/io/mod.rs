@@ -11,7 +11,7 @@
 //! radius.
 //!
 //! **Radii.** From the file (a column of diameters is halved, without error above 10^-307), or one
-//! for all from the options; both, or neither, is refused. Equal radii become one radius for all.
+//! for all from the options, which counts before the file's. Equal radii become one radius for all.
 //!
 //! **Frames.** A file of several frames is refused unless the options say which one. All are read
 //! one after the other by [`frames`].
@@ -24,6 +24,7 @@
 
 pub mod boxes;
 mod chosen;
+mod columns;
 mod counted;
 pub mod exchange;
 mod formats;
@@ -34,6 +35,7 @@ pub mod pairs;
 mod particles;
 mod room;
 mod scalars;
+mod units;
 mod without;
 pub mod write;
 
@@ -61,7 +63,7 @@ use crate::scene::{AnyScene, Given};
 /// What the file does not say.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Options {
-    /// The radius of all particles, for files that hold none.
+    /// The radius of all particles; the sizes in the file are then not used.
     pub radius: Option<f64>,
     /// 2 or 3, where the file leaves it open; none lets the file decide.
     pub dim: Option<u32>,
@@ -73,7 +75,7 @@ pub struct Options {
     pub ids: bool,
     /// Read on to the end of the file, to count its frames.
     pub survey: bool,
-    /// Which columns of a text hold what; none lets their names decide.
+    /// Which columns or arrays hold what; none lets their names decide.
     pub columns: Option<Chosen>,
     /// The box, where it is not the file's.
     pub boundaries: Boundaries,
@@ -229,6 +231,10 @@ pub fn frames_from<T>(
     if let Some(dim) = options.dim {
         ensure!(dim == 2 || dim == 3, "the dimension given is {dim}; it must be 2 or 3");
     }
+    ensure!(
+        options.radius.is_none() || !options.columns.is_some_and(|chosen| chosen.sizes()),
+        "the radius is given, and a column of sizes is chosen, too; leave one out"
+    );
     options.boundaries.check()?;
     let unpacking = Unpacking::default();
     let mut reader = unpacking.file(reader);
@@ -257,7 +263,7 @@ fn finished(
     name: &str,
     options: Options,
 ) -> anyhow::Result<(Particles, About)> {
-    particles.as_asked(name, options)?;
+    particles.as_asked(name, options, &mut about.radius)?;
     if options.without.is_some() {
         let groups = particles.groups.as_ref().with_context(|| {
             format!(
@@ -279,9 +285,6 @@ fn finished(
         particles.notices.push(Notice::Plane);
     }
     particles.notices.extend(particles.cut_to().map(Notice::Digits));
-    if let (RadiusSource::Missing, Some(_)) = (&about.radius, options.radius) {
-        about.radius = RadiusSource::Given;
-    }
     Ok((particles, about))
 }
 

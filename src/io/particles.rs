@@ -1,14 +1,15 @@
 //! Particles as they are read: centres and radii that grow with the bytes of the file, never with
 //! what it promises.
 
-mod digits;
+pub(super) mod digits;
 mod ids;
 
 use anyhow::{Context, bail, ensure};
 use nalgebra::Point;
 
 use crate::io::boxes::{KNOWN_TO, along};
-use crate::io::lines::{number, short, shown};
+pub(crate) use crate::io::columns::{Column, Columns, DECIMAL_COMMAS, is_decimal_comma};
+use crate::io::lines::{listed, short};
 use crate::io::room::{room, room_for};
 use crate::io::{About, Groups, Notice, Options, RadiusSource};
 use crate::scene::{AnyScene, Given, Lattice, Radii, Scene};
@@ -35,10 +36,12 @@ pub struct Particles {
     pub(crate) has_box: bool,
     /// What the file leaves open.
     pub(crate) notices: Vec<Notice>,
+    /// Names of columns or arrays that are not used: one of them may hold the sizes.
+    pub(crate) unused: Vec<String>,
     /// See [`Particles::first`].
     pub(crate) first: Option<u64>,
     /// How many of the coordinates looked at have how many significant digits.
-    digits: digits::Counts,
+    pub(super) digits: digits::Counts,
 }
 
 impl Particles {
@@ -51,8 +54,8 @@ impl Particles {
     pub(crate) fn of(centres: Centres, radii: Option<Vec<f64>>) -> Particles {
         let (ids, groups, lattice, notices) = (None, None, None, Vec::new());
         let digits = digits::Counts::default();
-        let (has_box, first) = (false, None);
-        Particles { centres, radii, ids, groups, lattice, has_box, notices, first, digits }
+        let (has_box, first, unused) = (false, None, Vec::new());
+        Particles { centres, radii, ids, groups, lattice, has_box, notices, unused, first, digits }
     }
 
     /// The number of particles.
@@ -178,13 +181,24 @@ impl Particles {
         Ok(Particles::of(Centres::Space(points), radii))
     }
 
-    /// Turns spheres with z = 0 into discs, if that is asked for; refuses what cannot be had.
-    pub(crate) fn as_asked(&mut self, name: &str, options: Options) -> anyhow::Result<()> {
-        ensure!(
-            !(self.has_radii() && options.radius.is_some()),
-            "{name} holds radii, but the radius {} was given too; leave one out",
-            options.radius.unwrap_or_default()
-        );
+    /// Puts the radius that is given in the place of the file's, turns spheres with z = 0 into discs
+    /// if that is asked for, and refuses what cannot be had.
+    pub(crate) fn as_asked(
+        &mut self,
+        name: &str,
+        options: Options,
+        radius: &mut RadiusSource,
+    ) -> anyhow::Result<()> {
+        if let Some(given) = options.radius {
+            if self.radii.take().is_some() {
+                let label = match radius {
+                    RadiusSource::Column(label) | RadiusSource::Halved(label) => label.as_str(),
+                    RadiusSource::Given | RadiusSource::Missing => "the last column",
+                };
+                self.notices.push(unused_sizes(label, given));
+            }
+            *radius = RadiusSource::Given;
+        }
         ensure!(
             options.dim != Some(3) || self.dim() == 3,
             "{name} holds plane points (x and y only); it cannot be read as 3D: add a column z"
@@ -223,10 +237,7 @@ impl Particles {
     /// be in the file or given.
     pub fn given(self, name: &str, radius: Option<f64>) -> anyhow::Result<Given> {
         let radii = match (self.radii, radius) {
-            (None, None) => bail!(
-                "{name} holds no radii; give --radius R (half the diameter; in an experiment \
-                 radius = R), or add a column named r"
-            ),
+            (None, None) => bail!("{name} holds no radii{}", without_radii(&self.unused)),
             (None, Some(radius)) => Radii::Uniform(radius),
             (Some(radii), _) => match radii.first() {
                 Some(&first) if radii.iter().all(|&r| r == first) => Radii::Uniform(first),
@@ -246,217 +257,32 @@ impl Particles {
     }
 }
 
-/// What a column of a file means.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Column {
-    /// x, y or z, as 0, 1 or 2.
-    Axis(usize),
-    Radius,
-    Diameter,
-    /// The file's own number of the particle.
-    Id,
-    /// Something else, which is skipped.
-    Other,
+/// The radius that is given counts, and not the sizes of that column or array.
+pub(crate) fn unused_sizes(label: &str, given: f64) -> Notice {
+    Notice::Assumed(format!("the sizes in '{}' are not used: the radius is {given}", short(label)))
 }
 
-impl Column {
-    /// What a column of that name holds.
-    pub fn named(name: &str) -> Column {
-        // A unit may follow, as in x [m] or radius (mm).
-        let name = name.split(['[', '(']).next().unwrap_or_default().trim_end();
-        match name.to_ascii_lowercase().as_str() {
-            "x" => Column::Axis(0),
-            "y" => Column::Axis(1),
-            "z" => Column::Axis(2),
-            "r" | "radius" | "radii" => Column::Radius,
-            "d" | "diameter" | "diameters" => Column::Diameter,
-            "id" => Column::Id,
-            _ => Column::Other,
-        }
-    }
-
-    /// A size must be finite and not negative; a diameter is halved.
-    pub fn size(self, value: f64) -> Result<f64, &'static str> {
-        match value {
-            _ if !value.is_finite() => Err("is not a finite number"),
-            _ if value < 0.0 => Err("is negative"),
-            _ if self == Column::Diameter => Ok(0.5 * value),
-            _ => Ok(value),
-        }
-    }
-}
-
-/// The columns of a file of text, by meaning, and their names for messages.
-#[derive(Clone, Debug)]
-pub(crate) struct Columns {
-    pub meaning: Vec<Column>,
-    pub names: Vec<String>,
-    /// Lines may have more columns than these.
-    pub or_more: bool,
-}
-
-impl Columns {
-    /// Columns that mean what their names say.
-    pub fn named(names: impl IntoIterator<Item = impl Into<String>>) -> Columns {
-        let names: Vec<String> = names.into_iter().map(Into::into).collect();
-        let mut meaning: Vec<Column> = names.iter().map(|name| Column::named(name)).collect();
-        // ParaView calls the places Points:0, Points:1, Points:2, where nothing else is called so.
-        if !meaning.contains(&Column::Axis(0)) {
-            for (meaning, name) in meaning.iter_mut().zip(&names) {
-                let name = name.to_ascii_lowercase().replace('_', ":");
-                if let Some(k) =
-                    ["points:0", "points:1", "points:2"].iter().position(|p| *p == name)
-                {
-                    *meaning = Column::Axis(k);
-                }
-            }
-        }
-        Columns { meaning, names, or_more: false }
-    }
-
-    /// With the meaning that the options give them, if they do.
-    pub fn chosen(self, place: &str, options: Options) -> anyhow::Result<Columns> {
-        match options.columns {
-            Some(chosen) => chosen.apply(self, place),
-            None => Ok(self),
-        }
-    }
-
-    /// Checks that there are x and y, and nothing twice; gives an empty set of particles of that
-    /// kind.
-    pub fn particles(&self, place: &str, options: Options) -> anyhow::Result<Particles> {
-        let count = |column| self.meaning.iter().filter(|&&other| other == column).count();
-        for (k, column) in self.meaning.iter().enumerate() {
-            let single = matches!(column, Column::Other | Column::Id) || count(*column) == 1;
-            ensure!(
-                single,
-                "{place}: the column '{}' stands twice; remove one",
-                short(&self.names[k])
-            );
-        }
-        for (axis, name) in ["x", "y"].into_iter().enumerate() {
-            ensure!(
-                count(Column::Axis(axis)) == 1,
-                "{place}: there is no column '{name}' among {}; name the columns x,y[,z][,r], \
-                 with r, radius, d or diameter",
-                self.names
-                    .iter()
-                    .map(|name| format!("'{}'", short(name)))
-                    .take(8)
-                    .collect::<Vec<_>>()
-                    .join(", ")
-            );
-        }
-        let sizes = count(Column::Radius) + count(Column::Diameter);
-        ensure!(sizes <= 1, "{place}: there are a radius and a diameter column; remove one");
-        let mut particles = Particles::new(2 + count(Column::Axis(2)), sizes == 1);
-        particles.ids = (options.ids && count(Column::Id) == 1).then(Vec::new);
-        particles.groups = options.without.map(|it| it.groups(self, place)).transpose()?;
-        Ok(particles)
-    }
-
-    /// Where the radius comes from.
-    pub fn radius(&self) -> RadiusSource {
-        let named = |column| {
-            self.meaning.iter().position(|&other| other == column).map(|k| self.names[k].clone())
-        };
-        match (named(Column::Radius), named(Column::Diameter)) {
-            (Some(name), _) => RadiusSource::Column(name),
-            (_, Some(name)) => RadiusSource::Halved(name),
-            _ => RadiusSource::Missing,
-        }
-    }
-
-    /// Adds the particle of one line. `between` says what separates the cells.
-    pub fn push<'a>(
-        &self,
-        particles: &mut Particles,
-        mut cells: impl Iterator<Item = &'a [u8]> + Clone,
-        place: impl Fn() -> String,
-        between: impl Fn() -> String,
-    ) -> anyhow::Result<()> {
-        let (mut point, mut radius, mut id, mut bad) = ([0.0; 3], 0.0, 0, None);
-        let all = cells.clone();
-        for (k, column) in self.meaning.iter().enumerate() {
-            let Some(cell) = cells.next() else {
-                bad = Some((k, ""));
-                break;
-            };
-            match column {
-                Column::Other => continue,
-                Column::Id if particles.ids.is_none() => continue,
-                Column::Id => {
-                    match std::str::from_utf8(cell).ok().and_then(|cell| cell.parse().ok()) {
-                        Some(value) => id = value,
-                        // Nobody may need them; whoever does is told that there are none.
-                        None => particles.ids = None,
-                    }
-                }
-                Column::Axis(axis) => {
-                    if particles.len() < digits::LOOKED_AT {
-                        digits::count(&mut particles.digits, cell);
-                    }
-                    match number(cell) {
-                        Some(value) if value.is_finite() => point[*axis] = value,
-                        Some(_) => bad = Some((k, "is not a finite number")),
-                        None => bad = Some((k, not_a_number(cell))),
-                    }
-                }
-                Column::Radius | Column::Diameter => {
-                    let value = number(cell).ok_or_else(|| not_a_number(cell));
-                    match value.and_then(|value| column.size(value)) {
-                        Ok(value) => radius = value,
-                        Err(why) => bad = Some((k, why)),
-                    }
-                }
-            }
-            if bad.is_some() {
-                break;
-            }
-        }
-        if bad.is_some() || !self.or_more && cells.next().is_some() {
-            let (count, wanted) = (all.clone().count(), self.meaning.len());
-            ensure!(
-                count == wanted || self.or_more && count > wanted,
-                "{}: {count} columns where {wanted} are expected{}{}",
-                place(),
-                between(),
-                if count == 2 * wanted { DECIMAL_COMMAS } else { "" }
-            );
-            if let Some((k, why)) = bad {
-                let cell = all.clone().nth(k).unwrap_or_default();
-                bail!(
-                    "{}: column '{}': '{}' {why}; mend or remove the line",
-                    place(),
-                    short(&self.names[k]),
-                    shown(cell)
-                );
-            }
-        }
-        if let Some(groups) = &mut particles.groups {
-            // As many cells as columns: looked at above.
-            groups.push(all.clone().nth(groups.column).unwrap_or_default())?;
-        }
-        particles.push(point, radius, id).with_context(place)
-    }
-}
-
-/// What to do about 1,5 for 1.5.
-pub(crate) const DECIMAL_COMMAS: &str = "; if the commas are decimal commas, write points";
-
-fn not_a_number(cell: &[u8]) -> &'static str {
-    if is_decimal_comma(cell) {
-        "has a decimal comma, which is not read: write a point"
-    } else {
-        "is not a number"
-    }
-}
-
-/// Is it 1,5 for 1.5?
-pub(crate) fn is_decimal_comma(cell: &[u8]) -> bool {
-    let point = |&b: &u8| if b == b',' { b'.' } else { b };
-    let pointed: Vec<u8> = cell.iter().map(point).collect();
-    cell.contains(&b',') && number(&pointed).is_some()
+/// What to do about particles without radii; of the names that are there those like a size come
+/// first.
+fn without_radii(names: &[String]) -> String {
+    let like = |name: &&String| {
+        let name = name.to_ascii_lowercase();
+        ["rad", "diam", "size"].iter().any(|part| name.contains(part))
+    };
+    let (mut shown, others): (Vec<&String>, Vec<&String>) = names.iter().partition(like);
+    let remedy = match shown.first() {
+        Some(name) => format!("say which name is theirs: --columns r={0} or d={0}", short(name)),
+        None => "give --columns r=NAME or d=NAME if one of the names is theirs".into(),
+    };
+    shown.extend(others);
+    let there = match shown[..] {
+        [] => "; add a column named r, or".into(),
+        _ => format!(
+            " in a column r, radius, d or diameter; not used: {}; {remedy}, or",
+            listed(&shown)
+        ),
+    };
+    format!("{there} give --radius R (half the diameter; in an experiment radius = R)")
 }
 
 /// Particles of columns, and what was understood.

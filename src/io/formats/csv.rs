@@ -24,17 +24,16 @@ use crate::io::{About, Notice, Options};
 
 pub(crate) fn read(source: Source<'_>, options: Options) -> anyhow::Result<(Particles, About)> {
     let mut lines = Lines::new(source);
-    let (mut commented, mut yade) = (None, false);
+    let (mut commented, mut yade): (Option<Columns>, bool) = (None, false);
     loop {
         if !lines.advance_over_blanks()? {
             // A comment that names columns is the header of a file without particles.
-            let Some(columns) = commented else {
+            let Some(mut columns) = commented else {
                 bail!(
                     "{} is empty; a particle file has at least a header such as x,y,r",
                     lines.source.name
                 )
             };
-            let columns: Columns = columns;
             return Ok(loaded(
                 "CSV",
                 columns.particles(lines.source.name, options)?,
@@ -56,7 +55,7 @@ pub(crate) fn read(source: Source<'_>, options: Options) -> anyhow::Result<(Part
             None => named(text.as_bytes()),
         };
         let chosen = columns.chosen("", options);
-        if let Some(columns) = chosen.ok().filter(|columns| columns.particles("", options).is_ok())
+        if let Some(columns) = chosen.ok().filter(Columns::has_places)
             && !(yade && commented.is_some())
         {
             commented = Some(columns);
@@ -68,7 +67,7 @@ pub(crate) fn read(source: Source<'_>, options: Options) -> anyhow::Result<(Part
     let of_comment = commented.filter(|columns| {
         columns.meaning.len() == count || columns.or_more && columns.meaning.len() < count
     });
-    let (columns, is_header, assumed) = match of_comment {
+    let (mut columns, is_header, assumed) = match of_comment {
         // Beside the numbers, YADE writes names of materials and the like.
         Some(columns) if numeric || yade => (columns, false, false),
         _ if numeric => {

@@ -179,7 +179,7 @@ impl Atoms {
             let k = columns.names.iter().position(|other| other == name);
             k.is_some_and(|k| columns.meaning[k] == Column::Axis(0))
         };
-        let given = options.columns.is_some();
+        let given = options.columns.is_some_and(|chosen| chosen.axes());
         let kind = ["", "u", "s", "su"]
             .into_iter()
             .map(|kind| (kind, format!("x{kind}")))

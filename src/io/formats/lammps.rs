@@ -176,7 +176,7 @@ fn atoms(
     options: Options,
 ) -> anyhow::Result<(Particles, Columns)> {
     let place = lines.place();
-    let chosen = options.columns.is_some();
+    let chosen = options.columns.is_some_and(|chosen| chosen.axes());
     let mut columns = match style {
         // Whoever says what the columns hold need not say the style.
         Some(style) => match styled(style, options) {
@@ -186,7 +186,7 @@ fn atoms(
         },
         None => None,
     };
-    let mut particles = match &columns {
+    let mut particles = match &mut columns {
         Some(columns) => columns.particles(&place, options)?,
         None => Particles::new(3, false),
     };
@@ -200,10 +200,10 @@ fn atoms(
         if columns.is_none() {
             let count = words(line).count();
             let unstyled = match chosen {
-                true => Columns::named((1..=count).map(|k| format!("column {k}")))
-                    .chosen(&lines.place(), options)?,
+                true => Columns::named((1..=count).map(|k| format!("column {k}"))),
                 false => unstyled(count).with_context(|| lines.place())?,
             };
+            let mut unstyled = unstyled.chosen(&lines.place(), options)?;
             particles = unstyled.particles(&place, options)?;
             columns = Some(unstyled);
         }

@@ -104,7 +104,7 @@ fn rows(
                     lines.place()
                 ),
             };
-            let columns = columns.chosen(&lines.place(), options)?;
+            let mut columns = columns.chosen(&lines.place(), options)?;
             let particles = columns.particles(&lines.place(), options)?;
             rows = Some((columns, particles));
         }

@@ -207,6 +207,11 @@ pub(crate) fn find(
         "{name}: columns are chosen in files of text, and this is {}; leave out --columns",
         entry.name
     );
+    ensure!(
+        entry.format == Format::Csv || !options.columns.is_some_and(|chosen| chosen.by_frame()),
+        "{name}: frame= in --columns belongs to tables, and this is {}; leave it out",
+        entry.name
+    );
     Ok(entry)
 }
 

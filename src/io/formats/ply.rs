@@ -34,7 +34,7 @@ pub(crate) fn read(source: Source<'_>, options: Options) -> anyhow::Result<(Part
         "{name}: lists before or among the vertices are not read; write the vertices first, and \
          without lists"
     );
-    let columns = Columns::named(
+    let mut columns = Columns::named(
         vertex.names.iter().map(|name| name.strip_prefix("scalar_").unwrap_or(name)),
     );
     let mut particles = columns.particles(&format!("{name}: the properties of vertex"), options)?;

@@ -96,7 +96,7 @@ fn frame(lines: &mut Lines<'_>, n: u64, options: Options) -> anyhow::Result<(Par
         Err(_) if options.boundaries.open => None,
         declared => declared.with_context(|| lines.place())?,
     };
-    let columns = columns.chosen(&lines.place(), options)?;
+    let mut columns = columns.chosen(&lines.place(), options)?;
     let mut particles = columns.particles(&lines.place(), options)?;
     let between = || format!(" ({})", crate::io::lines::listed(&columns.names));
     for k in 0..n {
@@ -191,7 +191,7 @@ fn declared(
 /// The columns that `name:type:number` triples announce.
 fn announced(properties: &str) -> anyhow::Result<Columns> {
     let parts: Vec<&str> = properties.split(':').map(str::trim).collect();
-    let mut columns = Columns { meaning: Vec::new(), names: Vec::new(), or_more: false };
+    let mut columns = Columns::default();
     ensure!(
         parts.len().is_multiple_of(3),
         "it must be triples name:type:number, as in species:S:1:pos:R:3:radius:R:1"

@@ -5,14 +5,14 @@ use super::Particles;
 /// Coordinates of at most so many significant digits were cut to them: %g writes six.
 const FEW_DIGITS: usize = 6;
 /// Coordinates of so many particles are looked at for this.
-pub(super) const LOOKED_AT: usize = 1000;
+pub(crate) const LOOKED_AT: usize = 1000;
 
 /// How many coordinates have how many significant digits; the last place is of all that have more
 /// than are few.
-pub(super) type Counts = [u32; FEW_DIGITS + 2];
+pub(crate) type Counts = [u32; FEW_DIGITS + 2];
 
 /// Counts one more, as it is written.
-pub(super) fn count(counts: &mut Counts, cell: &[u8]) {
+pub(crate) fn count(counts: &mut Counts, cell: &[u8]) {
     counts[significant(cell).min(FEW_DIGITS + 1)] += 1;
 }
 

@@ -7,7 +7,6 @@ use super::*;
 #[test]
 fn bad_files_are_refused_with_place_and_remedy() {
     let plane = Options { radius: None, dim: Some(2), ..NONE };
-    let space = Options { radius: Some(1.0), dim: Some(3), ..NONE };
     let long = [b"x,y,r\n1,2,3".as_slice(), &vec![b' '; LONGEST_LINE], b"\n"].concat();
     let shape = |shape| npy_file("<f8", "False", shape, &doubles(&[1.0; 4]));
     let nan = npy_file("<f8", "False", "(2, 2)", &doubles(&[1.0, 2.0, 3.0, f64::NAN]));
@@ -26,14 +25,8 @@ fn bad_files_are_refused_with_place_and_remedy() {
             b"x,y\n1,2\n",
             "csv",
             NONE,
-            "p holds no radii; give --radius R (half the diameter; in an experiment \
-             radius = R), or add a column named r",
-        ),
-        (
-            b"x,y,r\n1,2,3\n",
-            "csv",
-            HALF,
-            "p holds radii, but the radius 0.5 was given too; leave one out",
+            "p holds no radii; add a column named r, or give --radius R (half the diameter; in an \
+             experiment radius = R)",
         ),
         (
             b"x,y,r\n1,2,3\n1,2\n",
@@ -77,8 +70,18 @@ fn bad_files_are_refused_with_place_and_remedy() {
             NONE,
             "p:2: column 'D': '-3' is negative; mend or remove the line",
         ),
-        (b"x,y,x\n", "csv", NONE, "p:1: the column 'x' stands twice; remove one"),
-        (b"x,y,r,d\n", "csv", NONE, "p:1: there are a radius and a diameter column; remove one"),
+        (
+            b"x,y,x\n",
+            "csv",
+            NONE,
+            "p:1: the columns 'x' and 'x' both stand for x; remove one, or say which counts with --columns",
+        ),
+        (
+            b"x,y,r,d\n",
+            "csv",
+            NONE,
+            "p:1: there are a radius 'r' and a diameter 'd'; remove one, or say which counts: --columns r=r or --columns d=d",
+        ),
         (
             b"a,b\n1,2\n",
             "csv",
@@ -273,9 +276,10 @@ fn bad_files_are_refused_with_place_and_remedy() {
         message.ends_with("it announces more than 10000 columns; remove what is not needed"),
         "{message}"
     );
+    let chosen = Options { columns: Some("r=r".parse().unwrap()), ..HALF };
     assert_eq!(
-        read(b"x,y,r\n1,2,3\n", "csv", space).unwrap_err(),
-        "p holds radii, but the radius 1 was given too; leave one out"
+        read(b"x,y,r\n1,2,3\n", "csv", chosen).unwrap_err(),
+        "the radius is given, and a column of sizes is chosen, too; leave one out"
     );
     let missing = scene(Path::new("/nowhere/p.csv"), NONE).unwrap_err();
     assert!(format!("{missing:#}").starts_with("cannot read /nowhere/p.csv: "), "{missing:#}");

@@ -41,8 +41,8 @@ fn csv_without_a_header_is_read_where_it_has_one_meaning() {
     assert_eq!(rows(&read(b"1,2,3\n", "csv", with(None, Some(2))).unwrap()), [[1.0, 2.0, 3.0]]);
     assert_eq!(
         read(b"1,2,3\n", "csv", with(None, Some(3))).unwrap_err(),
-        "p holds no radii; give --radius R (half the diameter; in an experiment \
-         radius = R), or add a column named r"
+        "p holds no radii; add a column named r, or give --radius R (half the diameter; in an \
+         experiment radius = R)"
     );
 }
 
@@ -135,4 +135,95 @@ fn blank_lines_may_stand_before_the_offsets_of_cells() {
         );
         assert_eq!(read(old.as_bytes(), "vtk", NONE).unwrap().len(), 2);
     }
+}
+
+/// What a file holds with the sizes that count, and what is assumed.
+fn told(
+    text: &str,
+    options: Options,
+) -> Result<(Vec<Vec<f64>>, RadiusSource, Vec<String>), String> {
+    let name = if text.starts_with("ITEM") { "dump" } else { "csv" };
+    let (particles, about) =
+        load_from(text.as_bytes(), "p", name, options).map_err(|error| format!("{error:#}"))?;
+    let said = particles.notices().iter().map(|notice| notice.words(Place::Argument)).collect();
+    let scene = particles.scene("p", options.radius).map_err(|error| format!("{error:#}"))?;
+    Ok((rows(&scene), about.radius, said))
+}
+
+fn columns(text: &str) -> Options {
+    Options { columns: Some(text.parse().unwrap()), ..NONE }
+}
+
+#[test]
+fn the_radius_that_is_given_counts_in_every_format() {
+    let half = vec![vec![1.0, 2.0, 3.0, 0.5]];
+    let dump = "ITEM: NUMBER OF ATOMS\n1\nITEM: ATOMS x y z radius\n1 2 3 9\n";
+    for text in ["x,y,z,r\n1,2,3,9\n", "x,y,z,r,g,b\n1,2,3,-9,1,1\n", "1,2,3,9\n", dump] {
+        let (found, radius, said) = told(text, HALF).unwrap();
+        assert_eq!((found, radius), (half.clone(), RadiusSource::Given), "{text}");
+        assert!(said.iter().any(|words| words.contains("the radius is 0.5")), "{text}: {said:?}");
+    }
+    let array = npy_file("<f8", "False", "(1, 4)", &doubles(&[1.0, 2.0, 3.0, 9.0]));
+    let (particles, about) = load_from(&array[..], "p", "npy", HALF).unwrap();
+    assert_eq!(about.radius, RadiusSource::Given);
+    assert!(particles.notices()[0].words(Place::Argument).contains("the radius is 0.5"));
+}
+
+#[test]
+fn a_size_that_may_be_red_is_refused_until_it_is_chosen() {
+    let cloud = "x,y,z,r,g,b\n0.25,5,5,120,30,20\n9.75,5,5,200,10,10\n";
+    let stars = "ra,dec,x,y,z,g,r\n10,20,3,4,0,15.2,14.1\n11,20,20,4,0,16.2,15.1\n";
+    let far = "ra,dec,x,y,d\n10,20,3,4,15.2\n";
+    let johnson = "x,y,B,V,R\n10,20,3,4,15.2\n";
+    for (text, key) in [(cloud, "r=r"), (stars, "r=r"), (far, "d=d"), (johnson, "r=R")] {
+        let error = told(text, NONE).unwrap_err();
+        assert!(error.contains(&format!("--columns {key}")), "{error}");
+        assert_eq!(told(text, HALF).unwrap().1, RadiusSource::Given);
+        let chosen = told(text, columns(key)).unwrap();
+        assert_ne!(chosen.1, RadiusSource::Missing);
+        assert!(chosen.2.is_empty(), "{chosen:?}");
+    }
+    // A size that is one for sure leaves red red; u and i may be velocities and numbers.
+    let sure = "x,y,r,g,b,radius\n1,2,120,30,20,0.5\n";
+    assert_eq!(told(sure, NONE).unwrap().0, [[1.0, 2.0, 0.5]]);
+    assert_eq!(told("i,x,y,r,u,v\n0,1,2,0.5,0,0\n", NONE).unwrap().0, [[1.0, 2.0, 0.5]]);
+}
+
+#[test]
+fn a_size_is_chosen_without_the_coordinates() {
+    let dump = "ITEM: NUMBER OF ATOMS\n1\nITEM: ATOMS id type x y z c_radius\n1 1 1 2 3 0.5\n";
+    let csv = "x,y,z,c_radius (m),id\n1,2,3,0.5,7\n";
+    for text in [dump, csv] {
+        let error = told(text, NONE).unwrap_err();
+        assert!(error.contains("--columns r=c_radius"), "{error}");
+        assert_eq!(told(text, columns("r=c_radius")).unwrap().0, [[1.0, 2.0, 3.0, 0.5]]);
+        assert_eq!(told(text, columns("d=c_radius")).unwrap().0, [[1.0, 2.0, 3.0, 0.25]]);
+    }
+    let twice = told("x,y,a,a\n1,2,3,4\n", columns("r=a")).unwrap_err();
+    assert!(twice.contains("several columns have that name"), "{twice}");
+}
+
+#[test]
+fn units_are_made_one_or_refused() {
+    let ball = vec![vec![0.0003, 5.0, 5.0, 0.5]];
+    for (text, said) in [
+        ("x (m),y (m),z (m),Diameter (mm)\n0.0003,5,5,1000\n", "multiplied by 1e-3"),
+        ("x [mm],y [m],z [m],d [m]\n0.3,5,5,1\n", "multiplied by 1e3"),
+        ("x_m,y_m,z_m,r_mm\n3e-4,5,5,500\n", "multiplied by 1e-3"),
+        ("x [m],y [m],z [m],r\n0.0003,5,5,0.5\n", "names no unit"),
+        ("x [a],y [b],z [b],r [b]\n0.0003,5,5,0.5\n", "read as in one unit"),
+        ("x [um],y [µm],z [micron],r [μm]\n0.0003,5,5,0.5\n", ""),
+    ] {
+        let (found, _, words) = told(text, NONE).unwrap_or_else(|error| panic!("{text}: {error}"));
+        match text.contains("[mm]") {
+            true => assert_eq!(found, [[0.3, 5000.0, 5000.0, 500.0]], "{text}"),
+            false => assert_eq!(found, ball, "{text}"),
+        }
+        assert_eq!(words.is_empty(), said.is_empty(), "{text}: {words:?}");
+        assert!(words.iter().all(|words| words.contains(said)), "{text}: {words:?}");
+    }
+    let error = told("x [px],y [px],r [mm]\n1,2,3\n", NONE).unwrap_err();
+    assert!(error.contains("'x [px]' and 'r [mm]' are in different units"), "{error}");
+    // Beside a plain x the name ends in no unit.
+    assert_eq!(told("x,y,r,r_cm\n1,2,3,4\n", NONE).unwrap().0, [[1.0, 2.0, 3.0]]);
 }

@@ -106,11 +106,6 @@ fn bad_options_are_refused_with_the_remedy() {
     refused(folder, &["a.csv", "--radius", "nan"], &["the radius given is NaN; it must be finite"]);
     refused(
         folder,
-        &["r.csv", "--radius", "1"],
-        &["r.csv holds radii, but the radius 1 was given too; leave one out"],
-    );
-    refused(
-        folder,
         &["a.csv", "--radius", "1", "--dim", "4"],
         &["the dimension given is 4; it must be 2 or 3"],
     );
