@@ -152,6 +152,15 @@ impl Chosen {
         matches!(self.frame, Framing::By(_))
     }
 
+    /// The places of the columns, if the coordinates are chosen, and all columns by number.
+    pub(crate) fn numbers(&self) -> Option<Vec<usize>> {
+        let place = |which: Which| match which {
+            Which::Number(number) => Some(number - 1),
+            Which::Name(_) => None,
+        };
+        self.given().map(|(.., which)| place(which)).collect::<Option<_>>().filter(|_| self.axes())
+    }
+
     /// The chosen columns and their keys.
     fn given(&self) -> impl Iterator<Item = (&'static str, Column, Which)> {
         let given = KEYS.iter().zip(&self.columns);

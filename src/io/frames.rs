@@ -54,6 +54,8 @@ pub(crate) struct Choice {
     pub sparse: bool,
     /// Frames say their time step, and those that are not there have no number.
     pub by_step: bool,
+    /// Rows behind a frame may belong to it: only a file that is read to its end has frames.
+    pub through: bool,
     /// The number of frames read or passed over to their end.
     whole: u64,
     /// The line where the last of these ends; 0 where frames are not made of lines.
@@ -66,8 +68,9 @@ pub(crate) struct Choice {
 
 impl Choice {
     pub fn new(frame: Frame, survey: bool) -> Choice {
-        let (sparse, by_step, torn) = (false, false, None);
-        Choice { frame, survey, seen: 0, sparse, by_step, whole: 0, line: 0, torn, gzip: false }
+        let (sparse, by_step, through, torn) = (false, false, false, None);
+        let (seen, whole, line, gzip) = (0, 0, 0, false);
+        Choice { frame, survey, seen, sparse, by_step, through, whole, line, torn, gzip }
     }
 
     /// A frame was read, or passed over, to its end.
@@ -186,7 +189,11 @@ pub(crate) fn chosen<T>(
             Ok(Some(frame)) => kept = Some(frame),
             Ok(None) => break,
             // The frame that is wanted is whole.
-            Err(error) if kept.is_some() && matches!(choice.frame, Frame::Number(_)) => {
+            Err(error)
+                if kept.is_some()
+                    && !choice.through
+                    && matches!(choice.frame, Frame::Number(_)) =>
+            {
                 let k = choice.end(name)?;
                 let why = format!("frame {k} is whole, and a later one is not: {error:#}");
                 choice.torn = Some(why);
@@ -195,7 +202,8 @@ pub(crate) fn chosen<T>(
             Err(error) => return Err(choice.with_whole(error, name)),
         }
         // Nothing behind the chosen frame can change it.
-        if matches!(choice.frame, Frame::Number(_)) && !choice.survey && !choice.sparse {
+        let is_last = !choice.survey && !choice.sparse && !choice.through;
+        if matches!(choice.frame, Frame::Number(_)) && is_last {
             break;
         }
     }

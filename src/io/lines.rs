@@ -61,7 +61,9 @@ impl<'a> Lines<'a> {
             .read_until(b'\n', &mut self.line);
         read.with_context(|| format!("cannot read {}", self.place()))?;
         let more = !self.line.is_empty();
-        self.ended = self.line.ends_with(b"\n");
+        if more {
+            self.ended = self.line.ends_with(b"\n");
+        }
         if self.number == 1 && self.line.starts_with(b"\xef\xbb\xbf") {
             self.line.drain(..3);
         }
@@ -109,7 +111,7 @@ impl<'a> Lines<'a> {
         self.number
     }
 
-    /// Whether the line ends in a line feed.
+    /// Whether the last line that was there ends in a line feed.
     pub fn ended(&self) -> bool {
         self.ended
     }
@@ -222,12 +224,21 @@ pub(crate) enum Separator {
 }
 
 impl Separator {
-    /// That of a line: semicolon, else comma, else tab, else blanks.
+    /// That of a line outside of quotes: semicolon, else comma, else tab, else blanks.
     pub fn guess(line: &[u8]) -> Separator {
+        let bare: Vec<u8> = line.split(|&b| b == b'"').step_by(2).flatten().copied().collect();
         [b';', b',', b'\t']
             .into_iter()
-            .find(|c| line.contains(c))
+            .find(|c| bare.contains(c))
             .map_or(Separator::Blanks, Separator::One)
+    }
+
+    /// The line without one separator at its end.
+    pub fn shorn(self, line: &[u8]) -> &[u8] {
+        match (self, line) {
+            (Separator::One(c), [shorn @ .., last]) if *last == c => shorn.trim_ascii_end(),
+            _ => line,
+        }
     }
 
     /// The cells of a line, without the blanks and quotes around them.
@@ -256,15 +267,19 @@ impl<'a> Iterator for Cells<'a> {
 
     fn next(&mut self) -> Option<&'a [u8]> {
         let rest = self.rest?;
+        // What stands in quotes separates nothing.
+        let from = quoted(rest).unwrap_or(0);
         let end = match self.separator {
-            Separator::One(c) => rest.iter().position(|&b| b == c),
+            Separator::One(c) => rest[from..].iter().position(|&b| b == c).map(|end| from + end),
             Separator::Blanks => {
                 let rest = rest.trim_ascii_start();
                 if rest.is_empty() {
                     self.rest = None;
                     return None;
                 }
-                let end = rest.iter().position(u8::is_ascii_whitespace);
+                let from = quoted(rest).unwrap_or(0);
+                let end = rest[from..].iter().position(u8::is_ascii_whitespace);
+                let end = end.map(|end| from + end);
                 self.rest = end.map(|end| &rest[end + 1..]);
                 return Some(unquoted(&rest[..end.unwrap_or(rest.len())]));
             }
@@ -272,6 +287,42 @@ impl<'a> Iterator for Cells<'a> {
         self.rest = end.map(|end| &rest[end + 1..]);
         Some(unquoted(rest[..end.unwrap_or(rest.len())].trim_ascii()))
     }
+}
+
+/// Where the quotes end with which a line begins; none if it begins without, or they do not end.
+fn quoted(line: &[u8]) -> Option<usize> {
+    if !line.iter().find(|byte| !byte.is_ascii_whitespace()).is_some_and(|byte| *byte == b'"') {
+        return None;
+    }
+    let mut at = line.iter().position(|&byte| byte == b'"')? + 1;
+    loop {
+        at += line[at..].iter().position(|&byte| byte == b'"')? + 1;
+        match line.get(at) {
+            Some(b'"') => at += 1,
+            _ => return Some(at),
+        }
+    }
+}
+
+/// True if a line of a table begins as comments do.
+pub(crate) fn is_comment(line: &[u8]) -> bool {
+    matches!(line, [b'#' | b'%' | b'!', ..] | [b'/', b'/', ..])
+}
+
+/// A line without the comment that # or % begins behind a blank or a separator.
+pub(crate) fn uncommented(line: &[u8]) -> &[u8] {
+    if !line.contains(&b'#') && !line.contains(&b'%') {
+        return line;
+    }
+    let mut is_quoted = false;
+    for (k, byte) in line.iter().enumerate() {
+        is_quoted ^= *byte == b'"';
+        let is_behind = || matches!(line[k - 1], b' ' | b'\t' | b',' | b';');
+        if matches!(byte, b'#' | b'%') && !is_quoted && k > 0 && is_behind() {
+            return line[..k].trim_ascii_end();
+        }
+    }
+    line
 }
 
 fn unquoted(cell: &[u8]) -> &[u8] {

@@ -26,8 +26,8 @@ pub struct Input {
     /// (default: last)
     #[arg(long)]
     pub frame: Option<Frame>,
-    /// Which column of a text holds what, by number from 1 or by name: x=3,y=4,z=5,r=6 (keys: x, y,
-    /// z, r, d for a diameter, id)
+    /// Which column holds what, by number from 1 or by name: x=3,y=4,z=5,r=6 (keys: x, y, z, r, d
+    /// for a diameter, id; frame, or frame=none, for tables)
     #[arg(long, value_name = "KEY=COLUMN,...")]
     pub columns: Option<Chosen>,
     /// The file's format (default: told by its content, then by its ending)

@@ -1,163 +1,192 @@
-//! CSV: one particle per line, columns named by a header. YADE's text files are of this kind, too.
+//! CSV and tables: one particle per line, columns named by a header. YADE's and Woo's text files
+//! are of this kind, too.
 //!
 //! * The header names the columns: `x,y[,z][,r]`, with `r`, `radius`, `d` or `diameter`, in any
-//!   order and any case; other columns are skipped. Names and numbers may stand in quotes; a quoted
-//!   text may not hold the separator.
+//!   order and any case; other columns are skipped. Units of length may follow the names.
 //! * The separator is that of the first line: semicolon, else comma, else tab, else any run of
-//!   blanks.
-//! * Blank lines and lines that begin with `#` are skipped. A `#` line is the header where the data
-//!   begin without one and it names as many columns as the data have (`# x y z r`, as many programs
-//!   write).
+//!   blanks. Texts in quotes may hold it; quotes in them are doubled, and they end on their line.
+//! * A column of frames, steps or times splits the rows into frames: see [`split`].
+//! * Blank lines and lines that begin with `#`, `%`, `!` or `//` are skipped. Such a line is the
+//!   header if the data begin without one and it names as many columns as the data have.
+//! * `#` or `%` behind a blank begins a comment, and a separator may end the line, unless the line
+//!   has the right number of columns with them only.
 //! * YADE's `#format x_y_z_r` names the columns likewise; `#format x_y_z_r_attrs` has any number of
-//!   others behind them.
+//!   others behind them. `##PERIODIC:: 10 10 10` of YADE and Woo is the box; columns without names
+//!   are then x y z r, and clumpId.
 //! * Without a header, columns that are all numbers are taken as x,y (two), x,y,z,r (four), and
-//!   x,y,z (three, where the options give a radius or three dimensions) or x,y,r (three, where they
-//!   give two dimensions). Anything else is refused, also a first or last column that counts
-//!   the particles.
+//!   x,y,z (three, if the options give a radius or three dimensions) or x,y,r (three, if they
+//!   give two dimensions). Anything else is refused, also a column that counts the particles.
 
-use anyhow::{bail, ensure};
+mod header;
+mod split;
+
+use anyhow::anyhow;
 
 use crate::io::counted::Counted;
-use crate::io::lines::{Lines, Separator, Source, number, words};
-use crate::io::particles::{Columns, DECIMAL_COMMAS, Particles, is_decimal_comma, loaded};
-use crate::io::{About, Notice, Options};
+use crate::io::formats::csv::header::Table;
+use crate::io::frames::{Choice, Reader, Step};
+use crate::io::lines::{Lines, Separator, Source, is_comment, uncommented};
+use crate::io::particles::{Columns, Particles, loaded};
+use crate::io::{About, Notice, Options, RadiusSource};
 
-pub(crate) fn read(source: Source<'_>, options: Options) -> anyhow::Result<(Particles, About)> {
-    let mut lines = Lines::new(source);
-    let (mut commented, mut yade): (Option<Columns>, bool) = (None, false);
-    loop {
-        if !lines.advance_over_blanks()? {
-            // A comment that names columns is the header of a file without particles.
-            let Some(mut columns) = commented else {
-                bail!(
-                    "{} is empty; a particle file has at least a header such as x,y,r",
-                    lines.source.name
-                )
-            };
-            return Ok(loaded(
-                "CSV",
-                columns.particles(lines.source.name, options)?,
-                columns.radius(),
-            ));
-        }
-        if !lines.line().starts_with(b"#") {
-            break;
-        }
-        let text = lines.text();
-        let text = text.trim_start_matches('#').trim();
-        let columns = match text.strip_prefix("format ") {
-            Some(format) => {
-                yade = true;
-                let names: Vec<&str> =
-                    format.trim().split('_').take_while(|name| *name != "attrs").collect();
-                Columns { or_more: format.ends_with("attrs"), ..Columns::named(names) }
+pub(crate) fn frames<'a>(
+    source: Source<'a>,
+    options: Options,
+) -> Box<dyn Reader<(Particles, About)> + 'a> {
+    Box::new(Csv { lines: Lines::new(source), options, table: None })
+}
+
+struct Csv<'a> {
+    lines: Lines<'a>,
+    options: Options,
+    /// What the lines before the first row say; none before they are read.
+    table: Option<Table>,
+}
+
+impl Reader<(Particles, About)> for Csv<'_> {
+    fn next(&mut self, choice: &mut Choice) -> anyhow::Result<Option<(Particles, About)>> {
+        let Csv { lines, options, table } = self;
+        let table = match table {
+            Some(table) => table,
+            None => table.insert(header::read(lines, *options)?),
+        };
+        // Without an order rows of a frame come back, so all are looked at, whichever is wanted.
+        choice.through = table.split.is_some();
+        while choice.seen == 0 || table.is_row {
+            let step = choice.begin(|| lines.place())?;
+            let index = choice.seen - 1;
+            let mut columns = table.columns.clone();
+            let mut kept = columns.particles(&table.place, *options)?;
+            let is_kept = step == Step::Keep;
+            table.rows(lines, &columns, Some(&mut kept).filter(|_| is_kept))?;
+            if !table.is_row {
+                choice.done(Some(lines), Some(&mut kept).filter(|_| is_kept));
             }
-            None => named(text.as_bytes()),
-        };
-        let chosen = columns.chosen("", options);
-        if let Some(columns) = chosen.ok().filter(Columns::has_places)
-            && !(yade && commented.is_some())
-        {
-            commented = Some(columns);
+            if is_kept {
+                return table.frame(kept, columns.radius(), index, lines.source.name).map(Some);
+            }
         }
+        Ok(None)
     }
-    let separator = Separator::guess(lines.line());
-    let count = separator.cells(lines.line()).count();
-    let numeric = separator.cells(lines.line()).all(|cell| number(cell).is_some());
-    let of_comment = commented.filter(|columns| {
-        columns.meaning.len() == count || columns.or_more && columns.meaning.len() < count
-    });
-    let (mut columns, is_header, assumed) = match of_comment {
-        // Beside the numbers, YADE writes names of materials and the like.
-        Some(columns) if numeric || yade => (columns, false, false),
-        _ if numeric => {
-            let columns = unnamed(count, options, &lines.place())?;
-            (columns, false, options.columns.is_none())
-        }
-        _ => {
-            let mut cells = Separator::Blanks.cells(lines.line());
-            ensure!(
-                separator == Separator::Blanks || !cells.all(is_decimal_comma),
-                "{}: the numbers have decimal commas, which are not read: write points",
-                lines.place()
-            );
-            (named(lines.line()).chosen(&lines.place(), options)?, true, false)
-        }
-    };
-    let mut particles = columns.particles(&lines.place(), options)?;
-    let mut more = !is_header || lines.advance()?;
-    let between = || format!(", separated by {}; mend or remove the line", separator.name());
-    while more {
-        let line = lines.line();
-        if !line.is_empty() && !line.starts_with(b"#") {
-            columns.push(&mut particles, separator.cells(line), || lines.place(), between)?;
-        }
-        more = lines.advance()?;
-    }
-    if let Some(which) = particles.counted().filter(|_| assumed) {
-        let (all, first) = (columns.names.len(), which == Counted::First);
-        let chosen = |names: &[&str]| -> String {
-            let at = names.iter().zip(1..).map(|(name, k)| format!("{name}={k}"));
-            at.collect::<Vec<_>>().join(",")
-        };
-        let taken: Vec<&str> = columns.names.iter().map(String::as_str).collect();
-        let meant = if first {
-            [&["id"], &taken[..all - 1]].concat()
-        } else {
-            [&taken[..all - 1], &["id"]].concat()
-        };
-        bail!(
-            "{}: the {} of {all} columns without names counts the particles, and is taken for \
-             '{}'; say which column is which: --columns {}, or --columns {} if it is that",
-            lines.source.name,
-            if first { "first" } else { "last" },
-            taken[if first { 0 } else { all - 1 }],
-            chosen(&meant),
-            chosen(&taken)
-        );
-    }
-    let radius = columns.radius();
-    let names = columns.names.join(", ");
-    let (mut particles, about) = loaded(if yade { "YADE text" } else { "CSV" }, particles, radius);
-    if assumed {
-        let words = format!(
-            "the columns have no names, and are read as {names}; --columns says which is which"
-        );
-        particles.notices.push(Notice::Assumed(words));
-    }
-    Ok((particles, about))
 }
 
-fn named(header: &[u8]) -> Columns {
-    Columns::named(
-        Separator::guess(header)
-            .cells(header)
-            .map(|cell| String::from_utf8_lossy(cell).into_owned()),
+impl Table {
+    /// Takes the rows of a frame, or passes over them; the line is then the first of the next.
+    fn rows(
+        &mut self,
+        lines: &mut Lines<'_>,
+        columns: &Columns,
+        mut kept: Option<&mut Particles>,
+    ) -> anyhow::Result<()> {
+        let mut first = true;
+        while self.is_row {
+            let line = lines.line();
+            if !line.is_empty() && !is_comment(line) {
+                if let Some(split) = &mut self.split {
+                    let mut cells = self.separator.cells(line);
+                    if split.is_next(&mut cells, first, || lines.place())? {
+                        return Ok(());
+                    }
+                    first = false;
+                }
+                if let Some(kept) = kept.as_deref_mut() {
+                    row(columns, kept, self.separator, &mut self.trailing, lines)?;
+                }
+            }
+            self.is_row = lines.advance()?;
+        }
+        Ok(())
+    }
+
+    fn frame(
+        &self,
+        particles: Particles,
+        radius: RadiusSource,
+        index: u64,
+        name: &str,
+    ) -> anyhow::Result<(Particles, About)> {
+        let names = &self.columns.names;
+        let mut notices = self.notices.clone();
+        if self.assumed {
+            match particles.counted() {
+                None => {}
+                Some(Counted::Graph) => notices.push(Notice::Assumed(
+                    "the first of two columns counts the particles: is it x?".into(),
+                )),
+                Some(which) => return Err(counted(which, &particles, names, name)),
+            }
+            notices.push(Notice::Assumed(format!(
+                "the columns have no names, and are read as {}; --columns says which is which",
+                names.join(", ")
+            )));
+        }
+        let (mut particles, mut about) = loaded(self.format, particles, radius);
+        if let Some(split) = &self.split {
+            (about.step, about.time) = (split.step(), split.time());
+            notices.extend(split.notices(index));
+        }
+        about.declared = self.declared.clone();
+        about.bounds = self.bounds.clone();
+        particles.notices.extend(notices);
+        Ok((particles, about))
+    }
+}
+
+/// Takes the particle of a row: without the comment and the separator at its end, else with them.
+fn row(
+    columns: &Columns,
+    particles: &mut Particles,
+    separator: Separator,
+    trailing: &mut bool,
+    lines: &Lines<'_>,
+) -> anyhow::Result<()> {
+    let whole = lines.line();
+    let bare = uncommented(whole);
+    let shorn = separator.shorn(bare);
+    let mut push = |line: &[u8]| {
+        let between = || {
+            let quoted = if line.contains(&b'"') {
+                "; a text in quotes ends on the line on which it begins"
+            } else {
+                ""
+            };
+            format!(", separated by {}; mend or remove the line{quoted}", separator.name())
+        };
+        columns.push(particles, separator.cells(line), || lines.place(), between)
+    };
+    let [usual, other] = if *trailing { [shorn, bare] } else { [bare, shorn] };
+    let Err(error) = push(usual) else { return Ok(()) };
+    if other.len() != usual.len() && push(other).is_ok() {
+        *trailing = !*trailing;
+        return Ok(());
+    }
+    if bare.len() != whole.len() && push(whole).is_ok() {
+        return Ok(());
+    }
+    Err(error)
+}
+
+/// What is wrong with columns without names of which one counts the particles.
+fn counted(which: Counted, particles: &Particles, names: &[String], file: &str) -> anyhow::Error {
+    let (all, first) = (names.len(), which == Counted::First);
+    let chosen = |names: &[&str]| -> String {
+        let at = names.iter().zip(1..).map(|(name, k)| format!("{name}={k}"));
+        at.collect::<Vec<_>>().join(",")
+    };
+    let taken: Vec<&str> = names.iter().map(String::as_str).collect();
+    let one = |radii: &[f64]| radii.iter().all(|radius| *radius == radii[0]);
+    let meant = match (first, &particles.radii) {
+        // One size for all is a size, and no coordinate.
+        (true, Some(radii)) if all == 4 && one(radii) => vec!["id", "x", "y", "r"],
+        (true, _) => [&["id"], &taken[..all - 1]].concat(),
+        _ => [&taken[..all - 1], &["id"]].concat(),
+    };
+    anyhow!(
+        "{file}: the {} of {all} columns without names counts the particles, and is taken for \
+         '{}'; say which column is which: --columns {}, or --columns {} if it is that",
+        if first { "first" } else { "last" },
+        taken[if first { 0 } else { all - 1 }],
+        chosen(&meant),
+        chosen(&taken)
     )
-}
-
-/// The columns of numbers that no header names.
-fn unnamed(count: usize, options: Options, place: &str) -> anyhow::Result<Columns> {
-    if options.columns.is_some() {
-        let names = (1..=count).map(|k| format!("column {k}"));
-        return Columns::named(names).chosen(place, options);
-    }
-    let names = match (count, options) {
-        (2, _) => "x y",
-        (3, Options { dim: Some(2), .. }) => "x y r",
-        (3, Options { dim: Some(3), .. } | Options { radius: Some(_), .. }) => "x y z",
-        (4, _) => "x y z r",
-        (3, _) => bail!(
-            "{place}: three columns without a header may be x,y,z or x,y,r; put a header line \
-             before them"
-        ),
-        _ => bail!(
-            "{place}: {count} columns without a header; put a header line such as x,y,z,r before \
-             them, or say which is which with --columns x=1,y=2 and so on{}",
-            if count.is_multiple_of(2) { DECIMAL_COMMAS } else { "" }
-        ),
-    };
-    Ok(Columns::named(
-        words(names.as_bytes()).map(|word| String::from_utf8_lossy(word).into_owned()),
-    ))
 }

@@ -176,7 +176,7 @@ pub static FORMATS: [Entry; 11] = [
         endings: &["csv", "tsv"],
         begins: "",
         tells: |_| false,
-        read: Read::Whole(csv::read),
+        read: Read::Frames(csv::frames),
     },
     Entry {
         format: Format::Gsd,

@@ -6,6 +6,7 @@ mod codes;
 mod frames;
 mod npy;
 mod refused;
+mod tables;
 mod text;
 mod xyz;
 

@@ -87,7 +87,7 @@ fn bad_files_are_refused_with_place_and_remedy() {
             "csv",
             HALF,
             "p:1: there is no column 'x' among 'a', 'b'; name the columns x,y[,z][,r], with r, \
-             radius, d or diameter",
+             radius, d or diameter, or say which they are with --columns x=NAME,y=NAME",
         ),
         (
             b"1,2,3\n",

@@ -79,7 +79,7 @@ fn frame(
         let which = match particles.counted() {
             Some(Counted::First) => "first column counts the particles, and is taken for x",
             Some(Counted::Last) => "last column counts the particles, and is taken for the radius",
-            None => return Ok(loaded("NumPy npy", particles, radius)),
+            None | Some(Counted::Graph) => return Ok(loaded("NumPy npy", particles, radius)),
         };
         bail!("{}: the {which}; leave it out, or give --dim 3 if it is that", source.name);
     }

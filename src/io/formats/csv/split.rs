@@ -1,0 +1,211 @@
+//! Rows of several times in one table: a column of frames, steps or times splits them into frames.
+//!
+//! The column is chosen (`--columns frame=NAME`), or the first that is called like a frame, else a
+//! step, else a time. Its values rise or fall from frame to frame, so a frame cannot come back, and
+//! no list of those that were there is kept.
+
+use std::cmp::Ordering;
+
+use anyhow::{bail, ensure};
+
+use crate::io::lines::{number, short, shown, step_of};
+use crate::io::particles::{Column, Columns};
+use crate::io::units;
+use crate::io::{Notice, Options};
+
+const FRAMES: [&str; 9] = [
+    "frame",
+    "frames",
+    "frameno",
+    "framenumber",
+    "frameid",
+    "frameindex",
+    "iframe",
+    "snapshot",
+    "snap",
+];
+const STEPS: [&str; 8] =
+    ["timestep", "step", "steps", "stepno", "timestepindex", "iteration", "iter", "tstep"];
+const TIMES: [&str; 3] = ["time", "t", "times"];
+/// Names of ids in tables of tracked particles, which have no column id.
+const IDS: [&str; 6] = ["particle", "particleid", "pid", "trackid", "atomid", "bodyid"];
+
+/// What the column counts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Kind {
+    Frame,
+    Step,
+    Time,
+}
+
+/// A name in lower case without a unit, blanks and signs.
+fn plain(name: &str) -> String {
+    let name = units::split(name).0.to_ascii_lowercase();
+    name.chars().filter(|c| !" _-.:#".contains(*c)).collect()
+}
+
+fn kind(name: &str) -> Option<Kind> {
+    let (name, is) = (plain(name), |names: &[&str], name: &str| names.contains(&name));
+    if is(&FRAMES, &name) {
+        Some(Kind::Frame)
+    } else if is(&STEPS, &name) {
+        Some(Kind::Step)
+    } else {
+        is(&TIMES, &name).then_some(Kind::Time)
+    }
+}
+
+/// The first column of a kind that is not used for something else.
+fn place(columns: &Columns, of: Kind) -> Option<usize> {
+    let mut all = columns.names.iter().zip(&columns.meaning);
+    all.position(|(name, meaning)| *meaning == Column::Other && kind(name) == Some(of))
+}
+
+/// The column that splits the rows, by its name.
+pub(super) fn by_name(columns: &Columns) -> Option<usize> {
+    [Kind::Frame, Kind::Step, Kind::Time].into_iter().find_map(|kind| place(columns, kind))
+}
+
+/// The splitting column, and what it has shown so far.
+pub(super) struct Split {
+    column: usize,
+    name: String,
+    kind: Kind,
+    /// Called t or time, and not chosen: each row may have one of its own.
+    doubtful: bool,
+    /// Value of the frame that is read.
+    value: Vec<u8>,
+    /// Rows of the frame that is read.
+    rows: u64,
+    /// The direction from the first frame to the second.
+    order: Option<Ordering>,
+    /// Columns of steps and times beside, with the values of the frame; none if they differ.
+    beside: [Option<(usize, Option<Vec<u8>>)>; 2],
+}
+
+impl Split {
+    /// Also takes a column of ids, if there is none of that name.
+    pub fn new(column: usize, columns: &mut Columns, options: Options) -> anyhow::Result<Split> {
+        let name = columns.names[column].clone();
+        ensure!(
+            columns.meaning[column] == Column::Other,
+            "the column '{}' holds something else already, and cannot split the rows into frames",
+            short(&name)
+        );
+        let chosen = options.columns.is_some_and(|chosen| chosen.by_frame());
+        let kind = kind(&name).unwrap_or(Kind::Frame);
+        let beside = [Kind::Step, Kind::Time]
+            .map(|it| place(columns, it).filter(|&k| k != column).map(|k| (k, None)));
+        if !columns.meaning.contains(&Column::Id) && !options.columns.is_some_and(|it| it.axes()) {
+            let is_id = |name: &String| IDS.contains(&&*plain(name));
+            let ids = columns.names.iter().zip(&mut columns.meaning);
+            let mut ids = ids.filter(|(name, it)| **it == Column::Other && is_id(name));
+            if let Some((_, meaning)) = ids.next() {
+                *meaning = Column::Id;
+            }
+        }
+        let doubtful = kind == Kind::Time && !chosen;
+        let (value, rows, order) = (Vec::new(), 0, None);
+        Ok(Split { column, name, kind, doubtful, value, rows, order, beside })
+    }
+
+    /// Looks at a row. True if it is of the next frame, and not the `first` of one.
+    ///
+    /// # Errors
+    /// A value that is none, or an order that neither rises nor falls.
+    pub fn is_next<'a>(
+        &mut self,
+        cells: &mut (impl Iterator<Item = &'a [u8]> + Clone),
+        first: bool,
+        place: impl Fn() -> String,
+    ) -> anyhow::Result<bool> {
+        let cell = cells.clone().nth(self.column).unwrap_or_default();
+        if first {
+            let value = number(cell);
+            ensure!(
+                !cell.is_empty() && value.is_none_or(f64::is_finite),
+                "{}: column '{}': '{}' is no frame, step or time; mend or remove the line, or say \
+                 --columns frame=none",
+                place(),
+                short(&self.name),
+                shown(cell)
+            );
+            (self.value, self.rows) = (cell.to_vec(), 1);
+            for (k, value) in self.beside.iter_mut().flatten() {
+                *value = cells.clone().nth(*k).map(<[u8]>::to_vec);
+            }
+            return Ok(false);
+        }
+        let order = compared(&self.value, cell);
+        if order == Ordering::Equal {
+            self.rows += 1;
+            for (k, value) in self.beside.iter_mut().flatten() {
+                let same = |value: &Vec<u8>| cells.clone().nth(*k) == Some(value);
+                *value = value.take().filter(same);
+            }
+            return Ok(false);
+        }
+        let name = short(&self.name);
+        if *self.order.get_or_insert(order) != order {
+            bail!(
+                "{}: the rows are not sorted by '{name}', which splits them into frames: '{}' comes \
+                 after '{}'; sort them by that column (sort -s -g -k {}, or sort_values in pandas), \
+                 or say --columns frame=none if it splits nothing",
+                place(),
+                shown(cell),
+                shown(&self.value),
+                self.column + 1
+            );
+        }
+        // Looked at once, in the first frame.
+        ensure!(
+            !std::mem::take(&mut self.doubtful) || self.rows > 1,
+            "{}: the first rows differ in '{name}': say --columns frame={name} if each is a frame, \
+             and --columns frame=none if it is no time of frames",
+            place(),
+        );
+        Ok(true)
+    }
+
+    /// The time step of the frame.
+    pub fn step(&self) -> Option<i64> {
+        let beside = self.beside[0].as_ref().and_then(|(_, value)| value.as_deref());
+        match self.kind {
+            Kind::Time => beside.and_then(step_of),
+            Kind::Step => step_of(&self.value),
+            Kind::Frame => step_of(beside.unwrap_or(&self.value)),
+        }
+    }
+
+    /// The time of the frame.
+    pub fn time(&self) -> Option<f64> {
+        let beside = self.beside[1].as_ref().and_then(|(_, value)| value.as_deref());
+        match self.kind {
+            Kind::Time => number(&self.value),
+            _ => beside.and_then(number),
+        }
+        .filter(|time| time.is_finite())
+    }
+
+    /// What is to be said of the frame with this number.
+    pub fn notices(&self, index: u64) -> Option<Notice> {
+        let value = step_of(&self.value).filter(|_| self.kind == Kind::Frame)?;
+        let other = u64::try_from(value).ok() != Some(index);
+        other.then(|| {
+            Notice::Assumed(format!(
+                "frames are numbered from 0, so frame {index} is that with {value} in '{}'",
+                short(&self.name)
+            ))
+        })
+    }
+}
+
+/// The order of two values: as numbers if both are, else as texts.
+fn compared(a: &[u8], b: &[u8]) -> Ordering {
+    if a == b {
+        return Ordering::Equal;
+    }
+    let whole = step_of(a).zip(step_of(b)).map(|(a, b)| a.cmp(&b));
+    let real = || number(a).zip(number(b)).and_then(|(a, b)| a.partial_cmp(&b));
+    whole.or_else(real).unwrap_or_else(|| a.cmp(b))
+}
