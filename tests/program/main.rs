@@ -30,6 +30,7 @@ mod records;
 mod resume;
 mod runners;
 mod seeing;
+mod tables;
 mod track;
 mod users;
 

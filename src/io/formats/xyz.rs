@@ -18,7 +18,7 @@ use anyhow::{Context, bail, ensure};
 use comment::Comment;
 
 use crate::io::frames::{Choice, Reader, Step};
-use crate::io::lines::{Lines, Source, number, short, step_of, words};
+use crate::io::lines::{Lines, Source, number, short, shown, step_of, words};
 use crate::io::particles::{Column, Columns, Particles};
 use crate::io::{About, Declared, Options};
 
@@ -102,6 +102,16 @@ fn frame(lines: &mut Lines<'_>, n: u64, options: Options) -> anyhow::Result<(Par
     for k in 0..n {
         row(lines, k, n)?;
         let line = lines.line();
+        if columns.or_more && options.columns.is_none() {
+            let first = words(line).next().unwrap_or_default();
+            ensure!(
+                number(first).is_none_or(|value| value.fract() == 0.0),
+                "{}: '{}' stands where the species is expected, as a plain XYZ file is species x y \
+                 z; say which column is which, as in --columns x=1,y=2,z=3,r=4",
+                lines.place(),
+                shown(first)
+            );
+        }
         if columns.or_more && options.radius.is_none() && options.columns.is_none() {
             let count = words(line).count();
             ensure!(

@@ -169,6 +169,11 @@ fn the_first_row_is_not_lost() {
     assert_eq!(one(text, chosen).unwrap().0.len(), 2);
     let error = one(text, NONE).unwrap_err();
     assert!(error.contains("the first line holds numbers, and no names"), "{error}");
+    let pandas = one("0,1,2,3\n5,5,5,0.5\n", NONE).unwrap().0;
+    assert!(pandas.notices()[0].words(Place::Argument).contains("the line counts the columns"));
+    let plain = |row: &str| from(format!("1\n\n{row}\n").as_bytes(), "p", "xyz", HALF);
+    assert!(plain("1 2 3 4").is_ok() && plain("C 2 3 4").is_ok());
+    assert!(plain("0.5 2 3 4").unwrap_err().to_string().contains("the species is expected"));
 }
 
 #[test]

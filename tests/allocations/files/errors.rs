@@ -43,7 +43,8 @@ fn errors_say_where() {
         (
             DUMP.replace(" x type", " vz type"),
             "p:9: there is no column 'x' among 'id', 'vx', 'radius', 'z', 'y', 'vz', 'type'; name \
-             the columns x,y[,z][,r], with r, radius, d or diameter",
+             the columns x,y[,z][,r], with r, radius, d or diameter, or say which they are with \
+             --columns x=NAME,y=NAME",
         ),
         (
             DUMP.replace("-1 1\n", "-1 one\n"),

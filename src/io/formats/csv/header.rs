@@ -4,7 +4,7 @@ use anyhow::{Context, bail, ensure};
 
 use super::split::{self, Split};
 use crate::io::chosen::Chosen;
-use crate::io::lines::{Lines, Separator, is_comment, number, short, uncommented, words};
+use crate::io::lines::{Lines, Separator, is_comment, number, short, step_of, uncommented, words};
 use crate::io::particles::{Columns, DECIMAL_COMMAS, is_decimal_comma};
 use crate::io::{Declared, Notice, Options};
 
@@ -67,7 +67,8 @@ pub(super) fn read(lines: &mut Lines<'_>, options: Options) -> anyhow::Result<Ta
     let place = lines.place();
     let mut columns = columns;
     let by = Chosen::frame(options.columns, &mut columns, &place, split::by_name)?;
-    let split = by.map(|by| Split::new(by, &mut columns, options)).transpose()?;
+    let split = by.map(|by| Split::new(by, &mut columns, options)).transpose();
+    let split = split.with_context(|| place.clone())?;
     let bounds = comments.edges.map(|edges| edges.map(|edge| [0.0, edge]).to_vec());
     let declared = bounds
         .as_ref()
@@ -180,6 +181,15 @@ fn named_by(
         let columns = unnamed(count, options, comments.edges.is_some(), &place)?;
         let chosen = options.columns.is_some_and(|chosen| chosen.axes());
         let assumed = !chosen && comments.edges.is_none();
+        // As pandas writes columns without names.
+        if count > 2
+            && separator.cells(line).enumerate().all(|(k, cell)| step_of(cell) == Some(k as i64))
+        {
+            comments.notices.push(Notice::Assumed(format!(
+                "{place}: the line counts the columns, and is read as a particle; remove it if it \
+                 is a header"
+            )));
+        }
         return Ok((columns, separator, trailing, assumed, false));
     }
     ensure!(
