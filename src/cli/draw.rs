@@ -1,10 +1,11 @@
 //! `contactbench draw`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use anyhow::{Context, bail, ensure};
 
+use crate::cli::shared::input;
 use crate::cli::shared::limit::Limit;
 use crate::cli::shared::progress::Counted;
 use crate::cli::shared::scene::Source;
@@ -13,7 +14,8 @@ use crate::cli::shared::values;
 use crate::contact::Test;
 use crate::detect::Options;
 use crate::experiment::detectors;
-use crate::io::{self, Frame};
+use crate::io::pairs::List;
+use crate::io::{self, Frame, Place};
 use crate::number::plural;
 use crate::periodic::Periodic;
 use crate::present::draw;
@@ -104,8 +106,10 @@ pub fn draw(options: &Draw) -> anyhow::Result<ExitCode> {
         None => {
             let pairs = match &options.pairs {
                 None => Highlighted::from_scene(&scene, limit)?,
-                Some(path) => Highlighted::compare(&scene, draw::read(path, has_box)?, limit)
-                    .with_context(|| path.display().to_string())?,
+                Some(path) => {
+                    Highlighted::compare(&scene, draw::without_images(list(path)?, has_box)?, limit)
+                        .with_context(|| path.display().to_string())?
+                }
             };
             let Highlighted { contacts, missed, spurious, duplicates, .. } = &pairs;
             let wrong = [missed.len(), spurious.len(), duplicates.len()];
@@ -116,11 +120,8 @@ pub fn draw(options: &Draw) -> anyhow::Result<ExitCode> {
             let periodic = Periodic::new(scene, lattice)?;
             let boxed = match &options.pairs {
                 None => Boxed::new(&periodic, None, limit).with_context(|| name.clone())?,
-                Some(path) => {
-                    let list = io::pairs::read(path, &[], Frame::Only)?;
-                    Boxed::new(&periodic, Some(&list), limit)
-                        .with_context(|| path.display().to_string())?
-                }
+                Some(path) => Boxed::new(&periodic, Some(&list(path)?), limit)
+                    .with_context(|| path.display().to_string())?,
             };
             let across = format!(", {} of them across the box", boxed.across);
             (draw::svg_in_box(&boxed, &look)?, boxed.contacts, across, boxed.wrong)
@@ -138,6 +139,13 @@ pub fn draw(options: &Draw) -> anyhow::Result<ExitCode> {
     };
     say!("{name}: {what}, {contacts}{across}{wrong}; {place} ({size})");
     Ok(ExitCode::SUCCESS)
+}
+
+/// The pairs of another code.
+fn list(path: &Path) -> anyhow::Result<List> {
+    let list = io::pairs::read(path, &[], Frame::Only)?;
+    input::tell(&path.display().to_string(), &list.notices, Place::Argument);
+    Ok(list)
 }
 
 /// Writes a page that plays the frames of a motion or a file.

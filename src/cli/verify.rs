@@ -114,6 +114,7 @@ pub fn verify(options: &Verify) -> anyhow::Result<ExitCode> {
     }
     let frame = options.pairs_frame.or(options.input.frame).unwrap_or(Frame::Last);
     let list = pairs::read(&options.pairs, &columns, frame)?;
+    input::tell(&options.pairs.display().to_string(), &list.notices, Place::Argument);
     let (particles, about) = input::load(
         &options.file,
         &options.input,

@@ -4,7 +4,7 @@ mod doubts;
 
 use anyhow::{Context, bail, ensure};
 
-use crate::io::lines::{number, short, shown};
+use crate::io::lines::{number, short, shown, whole};
 use crate::io::particles::{Particles, digits, unused_sizes};
 use crate::io::units::{self, shifted};
 use crate::io::{Notice, Options, RadiusSource};
@@ -302,13 +302,6 @@ impl Columns {
 
 /// What to do about 1,5 for 1.5.
 pub(crate) const DECIMAL_COMMAS: &str = "; if the commas are decimal commas, write points";
-
-/// An id, also if it is written as 7.0, as tables of floats have it.
-fn whole(cell: &[u8]) -> Option<i64> {
-    let exact = |value: &f64| value.fract() == 0.0 && value.abs() < 9e15;
-    let text = std::str::from_utf8(cell).ok()?;
-    text.parse().ok().or_else(|| Some(number(cell).filter(exact)? as i64))
-}
 
 fn not_a_number(cell: &[u8]) -> &'static str {
     if is_decimal_comma(cell) {

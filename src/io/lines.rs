@@ -201,6 +201,21 @@ pub(crate) fn number(cell: &[u8]) -> Option<f64> {
     text.parse().ok().or_else(fortran)
 }
 
+/// A whole number, which some programs write as `12.0` or `1.2000e+01`.
+///
+/// None also for `1e+06` and `1.23457e+06`: `%g` keeps six digits, so what was written there may
+/// have been another number. With an exponent, every digit before the point has to stand there.
+pub(crate) fn whole(cell: &[u8]) -> Option<i64> {
+    let text = std::str::from_utf8(cell).ok()?;
+    if let Ok(whole) = text.parse() {
+        return Some(whole);
+    }
+    let (mantissa, exponent) = text.split_once(['e', 'E', 'd', 'D']).unwrap_or((text, "0"));
+    let places = mantissa.split_once('.').map_or(0, |(_, places)| places.len());
+    let complete = exponent.parse::<i64>().is_ok_and(|exponent| exponent <= places as i64);
+    number(cell).filter(|x| complete && x.fract() == 0.0 && x.abs() < 9e15).map(|x| x as i64)
+}
+
 /// A time step; none where it is no whole number.
 pub(crate) fn step_of(cell: &[u8]) -> Option<i64> {
     std::str::from_utf8(cell).ok()?.parse().ok()

@@ -14,10 +14,11 @@ use anyhow::{Context, ensure};
 use crate::io::Frame;
 use crate::io::formats::gzip::{self, Unpacking};
 use crate::io::formats::{npy, unread};
-use crate::io::frames::{Choice, Reader, chosen};
-use crate::io::lines::{Lines, Source, number, words};
+use crate::io::frames::{Choice, Once, Reader, chosen};
+use crate::io::lines::{Lines, Source, words};
 use crate::io::room::room;
 
+mod archive;
 mod array;
 mod columns;
 mod csv;
@@ -136,10 +137,13 @@ fn open<'a>(
     if head.starts_with(npy::MAGIC) {
         return Ok(Box::new(array::Array::new(source)));
     }
+    if head.starts_with(b"PK\x03\x04") {
+        return Ok(Box::new(Once::new(move || archive::read(source, columns))));
+    }
     unread::refuse(head, name, Some("write the pairs as CSV with a header i,j"))?;
     ensure!(
         !head.contains(&0),
-        "{name} is binary, and no npy file; write the pairs as CSV with a header i,j"
+        "{name} is binary, and no npy or npz file; write the pairs as CSV with a header i,j"
     );
     let lines = Lines::new(source);
     if head.starts_with(b"ITEM:") {
@@ -162,16 +166,6 @@ fn push(list: &mut List, pair: [i64; 2]) -> anyhow::Result<()> {
     room(&mut list.pairs)?;
     list.pairs.push(pair);
     Ok(())
-}
-
-/// A whole number; some programs write it as 12.0.
-fn whole(cell: &[u8]) -> Option<i64> {
-    let text = std::str::from_utf8(cell).ok()?;
-    // An exponent is the mark of %g, which keeps six digits of a number.
-    let plain = !cell.iter().any(|c| matches!(c, b'e' | b'E' | b'd' | b'D'));
-    text.parse().ok().or_else(|| {
-        number(cell).filter(|x| plain && x.fract() == 0.0 && x.abs() < 9e15).map(|x| x as i64)
-    })
 }
 
 /// Images are numbered in 32 bits.

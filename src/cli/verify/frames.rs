@@ -14,7 +14,7 @@ use crate::cli::shared::input;
 use crate::cli::shared::progress::Counted;
 use crate::cli::shared::terminal;
 use crate::cli::verify::{Verified, Verify, counted, left_out, words};
-use crate::io::{self, Frame, pairs};
+use crate::io::{self, Frame, Place, pairs};
 use crate::moving::Late;
 use crate::number::{number, plural, wrap};
 use crate::oracle::Errors;
@@ -104,6 +104,7 @@ fn all_of(options: &Verify, mut frames: Paired<'_, '_>) -> anyhow::Result<All> {
         input::tell_of(&options.file.display().to_string(), &particles, &about, &mut told);
         let (frame, step) = (about.frame, about.step);
         let list_frame = list.frame.unwrap_or(frame);
+        input::tell(&options.pairs.display().to_string(), &list.notices, Place::Argument);
         // Numbers that two particles share name neither.
         let ids = match particles.ids().map(Naming::by_id) {
             Some(Ok(_)) => particles.ids_copied()?,

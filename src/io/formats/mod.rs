@@ -7,7 +7,7 @@ pub(crate) mod gzip;
 mod lammps;
 mod mercury;
 pub mod npy;
-mod npz;
+pub(super) mod npz;
 mod ply;
 pub(crate) mod unread;
 mod vtk;

@@ -339,10 +339,15 @@ fn parse(text: &str, frames_known: bool) -> anyhow::Result<Header> {
         Some("i4") => Kind::I32,
         Some("u8") => Kind::U64,
         Some("i8") => Kind::I64,
+        Some("i1") => Kind::I8,
+        Some("u1") => Kind::U8,
+        Some("i2") => Kind::I16,
+        Some("u2") => Kind::U16,
         _ => bail!("the type {descr} is not read; convert with .astype('f8')"),
     };
     let big = match inner.as_bytes().first() {
-        Some(b'<') => false,
+        // A byte has no order.
+        Some(b'<' | b'|') => false,
         Some(b'>') => true,
         _ => bail!("the type {descr} is not read; convert with .astype('f8')"),
     };
@@ -362,7 +367,9 @@ fn parse(text: &str, frames_known: bool) -> anyhow::Result<Header> {
         .collect();
     let (frames, rows, columns) = match sizes.as_deref() {
         Some(&[rows]) => (None, rows, None),
-        Some(&[rows, columns @ 1..=1000]) => (None, rows, Some(columns as usize)),
+        Some(&[rows, columns]) if usize::try_from(columns).is_ok() => {
+            (None, rows, Some(columns as usize))
+        }
         // Of frames without particles there may be more than anybody can count.
         Some(&[frames, rows, columns @ 2..=4]) if frames_known && frames.min(rows) > 0 => {
             ensure!(

@@ -33,14 +33,23 @@ struct Local {
 
 pub(crate) fn read(mut source: Source<'_>, options: Options) -> anyhow::Result<(Particles, About)> {
     let mut arrays = Arrays::default();
-    while let Some(local) = local(&mut source)? {
+    members(&mut source, |member, name| arrays.member(member, name, options))?;
+    arrays.finish(source.name)
+}
+
+/// Calls `member` with each file of the archive, in order, and its name there.
+pub(crate) fn members(
+    source: &mut Source<'_>,
+    mut member: impl FnMut(Source<'_>, &str) -> anyhow::Result<()>,
+) -> anyhow::Result<()> {
+    while let Some(local) = local(source)? {
         let name = format!("{}: {}", source.name, short(&local.name));
         match (local.method, local.size) {
             (0, Some(size)) => {
                 let mut stored = Read::take(&mut *source.input, size);
                 let input = &mut BufReader::new(&mut stored);
-                let member = Source { input, name: &name, unpacking: source.unpacking };
-                arrays.member(member, &local.name, options)?;
+                let of_member = Source { input, name: &name, unpacking: source.unpacking };
+                member(of_member, &local.name)?;
                 std::io::copy(&mut stored, &mut std::io::sink())
                     .with_context(|| format!("cannot read {name}"))?;
             }
@@ -50,14 +59,14 @@ pub(crate) fn read(mut source: Source<'_>, options: Options) -> anyhow::Result<(
                     let unpacked = source.unpacking.unpacked(decoder);
                     let mut unpacked = BufReader::with_capacity(1 << 16, unpacked);
                     let input = &mut unpacked;
-                    let member = Source { input, name: &name, unpacking: source.unpacking };
-                    arrays.member(member, &local.name, options)?;
+                    let of_member = Source { input, name: &name, unpacking: source.unpacking };
+                    member(of_member, &local.name)?;
                     // To its end, so that the next file begins where it should.
                     std::io::copy(&mut unpacked, &mut std::io::sink())
                         .with_context(|| format!("cannot read {name}"))?;
                 }
                 if size.is_none() {
-                    descriptor(&mut source, local.wide)?;
+                    descriptor(source, local.wide)?;
                 }
             }
             (0, None) => {
@@ -69,7 +78,7 @@ pub(crate) fn read(mut source: Source<'_>, options: Options) -> anyhow::Result<(
             ),
         }
     }
-    arrays.finish(source.name)
+    Ok(())
 }
 
 fn local(source: &mut Source<'_>) -> anyhow::Result<Option<Local>> {

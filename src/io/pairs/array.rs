@@ -1,5 +1,7 @@
 //! npy: rows of two numbers, the pair; with images in a box of four (discs) or five (spheres).
-//! Where all frames are wanted, of three, five or six, and the first is the frame.
+//! Where all frames are wanted, of three, five or six, and the first is the frame. Fortran order
+//! and arrays whose rows are i and j (shape (2, pairs)) hold one number of all pairs after the
+//! other: they are read whole.
 
 use anyhow::{bail, ensure};
 
@@ -8,6 +10,7 @@ use super::{ascends, image, push};
 use crate::io::formats::npy::{self, Header};
 use crate::io::frames::{Choice, Reader, Step};
 use crate::io::lines::Source;
+use crate::io::notice::Notice;
 use crate::io::room::room;
 
 /// Rows that are read at once.
@@ -16,8 +19,9 @@ const ROWS: u64 = 4096;
 pub(super) struct Array<'a> {
     source: Source<'a>,
     header: Option<Header>,
-    /// The first column is the frame.
-    framed: bool,
+    begun: bool,
+    shape: Shape,
+    notices: Vec<Notice>,
     rows: Vec<[i64; 6]>,
     /// The next of them.
     at: usize,
@@ -27,54 +31,149 @@ pub(super) struct Array<'a> {
     ended: bool,
 }
 
+/// What the numbers of an array are.
+#[derive(Clone, Copy, Default)]
+struct Shape {
+    pairs: u64,
+    /// Numbers of each pair.
+    columns: usize,
+    /// The first of them is the frame.
+    framed: bool,
+    /// One number of all pairs stands after the other.
+    by_column: bool,
+}
+
+impl Shape {
+    /// With a notice where the array could be read another way; none where it holds no pairs.
+    fn of(header: &Header, all: bool) -> Option<(Shape, Option<Notice>)> {
+        let fits = |columns: u64| matches!(columns, 2 | 4 | 5) || all && matches!(columns, 3 | 6);
+        let framed = |columns: u64| all && matches!(columns, 3 | 5 | 6);
+        let shape = |pairs, columns: u64, by_column| Shape {
+            pairs,
+            columns: columns as usize,
+            framed: framed(columns),
+            by_column,
+        };
+        let rows = header.rows;
+        let columns = match header.columns {
+            // Nothing has no columns.
+            None | Some(0) if rows == 0 || header.columns.is_some() => return Some(none()),
+            None => return None,
+            Some(columns) => columns as u64,
+        };
+        if fits(columns) {
+            let either = rows == 2 && !header.fortran;
+            let notice = either.then(|| {
+                Notice::Assumed(format!(
+                    "the shape ({}) is taken as 2 pairs, one a row; write the transpose, \
+                     numpy.array([i, j]).T, if the rows are i and j",
+                    header.shape
+                ))
+            });
+            return Some((shape(rows, columns, header.fortran), notice));
+        }
+        fits(rows).then(|| (shape(columns, rows, !header.fortran), None))
+    }
+}
+
+/// No pairs.
+fn none() -> (Shape, Option<Notice>) {
+    (Shape { columns: 2, ..Shape::default() }, None)
+}
+
+impl Shape {
+    /// The place of the first number in a row of frame, pair and image.
+    fn first(&self) -> usize {
+        usize::from(!self.framed)
+    }
+
+    /// A whole number, of the pair `k`.
+    fn checked(&self, name: &str, k: u64, column: usize, value: f64) -> anyhow::Result<i64> {
+        ensure!(
+            value.fract() == 0.0 && value.abs() < 9e15,
+            "{name}: pair {k}: {value} is not the number of {}",
+            ["a frame", "a particle", "a particle", "an image"][column.min(3)]
+        );
+        Ok(value as i64)
+    }
+}
+
 impl<'a> Array<'a> {
     pub fn new(source: Source<'a>) -> Array<'a> {
-        let (header, rows, last) = (None, Vec::new(), None);
-        Array { source, header, framed: false, rows, at: 0, before: 0, last, ended: false }
+        Array {
+            source,
+            header: None,
+            begun: false,
+            shape: Shape::default(),
+            notices: Vec::new(),
+            rows: Vec::new(),
+            at: 0,
+            before: 0,
+            last: None,
+            ended: false,
+        }
+    }
+
+    /// The array behind a header that was read.
+    pub fn behind(source: Source<'a>, header: Header) -> Array<'a> {
+        Array { header: Some(header), ..Array::new(source) }
     }
 
     fn begin(&mut self, choice: &mut Choice) -> anyhow::Result<()> {
-        let header = npy::header(&mut self.source)?;
-        let columns = header.columns.filter(|_| !header.fortran);
-        self.framed = match columns {
-            Some(3 | 5 | 6) if choice.is_all() => true,
-            Some(2 | 4 | 5) => false,
-            _ => bail!(
-                "{}: the shape is ({}); pairs have the shape (pairs, 2), with images in a box \
-                 (pairs, 4) for discs and (pairs, 5) for spheres, in C order; with --frame all \
-                 one column more, the frame, may stand before these",
+        self.begun = true;
+        let header = match self.header.take() {
+            Some(header) => header,
+            None => npy::header(&mut self.source)?,
+        };
+        let Some((shape, notice)) = Shape::of(&header, choice.is_all()) else {
+            bail!(
+                "{}: the shape is ({}); pairs have the shape (pairs, 2) or (2, pairs), with images \
+                 in a box (pairs, 4) for discs and (pairs, 5) for spheres; with --frame all one \
+                 column more, the frame, may stand before these",
                 self.source.name,
                 header.shape
-            ),
+            )
         };
-        choice.sparse = self.framed;
+        choice.sparse = shape.framed;
+        self.notices.extend(notice);
+        self.shape = shape;
         self.header = Some(header);
+        if shape.by_column { self.by_column() } else { Ok(()) }
+    }
+
+    /// Reads one number of all pairs after the other.
+    fn by_column(&mut self) -> anyhow::Result<()> {
+        let Array { source, header: Some(header), rows, shape, .. } = self else { return Ok(()) };
+        let (name, first) = (source.name, shape.first());
+        for column in first..first + shape.columns {
+            header.values(source, shape.pairs, |k, value| {
+                let value = shape.checked(name, k, column, value)?;
+                if column == first {
+                    room(rows)?;
+                    rows.push([0; 6]);
+                }
+                rows[k as usize][column] = value;
+                Ok(())
+            })?;
+        }
         Ok(())
     }
 
     /// The next row, and its number; none at the end.
     fn row(&mut self) -> anyhow::Result<Option<([i64; 6], u64)>> {
-        let Array { source, header: Some(header), rows, at, before, .. } = self else {
+        let Array { source, header: Some(header), rows, at, before, shape, .. } = self else {
             return Ok(None);
         };
         if *at == rows.len() {
             *before += rows.len() as u64;
             rows.clear();
             *at = 0;
-            let name = source.name;
-            let columns = header.columns.unwrap_or(1);
-            let first = if self.framed { 0 } else { 1 };
-            let more = (header.rows - *before).min(ROWS);
+            let (name, columns, first) = (source.name, shape.columns, shape.first());
+            let more = (shape.pairs - *before).min(ROWS);
             let mut row = [0; 6];
             header.values(source, more * columns as u64, |k, value| {
-                let column = (k % columns as u64) as usize;
-                ensure!(
-                    value.fract() == 0.0 && value.abs() < 9e15,
-                    "{name}: pair {}: {value} is not the number of {}",
-                    *before + k / columns as u64,
-                    ["a frame", "a particle", "a particle", "an image"][(column + first).min(3)]
-                );
-                row[column + first] = value as i64;
+                let (pair, column) = (*before + k / columns as u64, (k % columns as u64) as usize);
+                row[column + first] = shape.checked(name, pair, column + first, value)?;
                 if column + 1 == columns {
                     room(rows)?;
                     rows.push(row);
@@ -98,15 +197,15 @@ impl<'a> Array<'a> {
 
 impl Reader<List> for Array<'_> {
     fn next(&mut self, choice: &mut Choice) -> anyhow::Result<Option<List>> {
-        if self.header.is_none() {
+        if !self.begun {
             self.begin(choice)?;
         }
-        let images = self.header.as_ref().and_then(|header| header.columns).unwrap_or(2)
-            - usize::from(self.framed)
-            - 2;
+        let framed = self.shape.framed;
+        let images = self.shape.columns.saturating_sub(2 + usize::from(framed));
         while !self.ended {
             let mut list = List { format: "npy", flat: images == 2, ..List::default() };
             list.images = (images > 0).then(Vec::new);
+            list.notices = std::mem::take(&mut self.notices);
             let mut step = Step::Keep;
             let mut empty = true;
             loop {
@@ -115,7 +214,7 @@ impl Reader<List> for Array<'_> {
                     break;
                 };
                 let place = || format!("{}: pair {k}", self.source.name);
-                if self.framed && (empty || self.last != Some(row[0])) {
+                if framed && (empty || self.last != Some(row[0])) {
                     if !empty {
                         self.back();
                         break;
@@ -138,7 +237,7 @@ impl Reader<List> for Array<'_> {
                     push(&mut list, [row[1], row[2]])?;
                 }
             }
-            if step == Step::Keep && !(self.framed && empty) {
+            if step == Step::Keep && !(framed && empty) {
                 return Ok(Some(list));
             }
         }

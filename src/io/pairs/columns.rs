@@ -5,8 +5,8 @@ use std::collections::HashMap;
 
 use anyhow::{Context, ensure};
 
-use crate::io::lines::{Lines, listed, short, shown};
-use crate::io::pairs::{List, image, whole};
+use crate::io::lines::{Lines, listed, short, shown, whole};
+use crate::io::pairs::{List, image};
 use crate::io::room::room;
 
 /// How the two particles are called.
@@ -116,6 +116,16 @@ impl Columns {
         Columns { pair: [0, 1], image, guessed, others, whole: Vec::new(), count }
     }
 
+    /// The columns of the two particles.
+    pub fn pair(&self) -> [usize; 2] {
+        self.pair
+    }
+
+    /// The columns of the image: none, two or three.
+    pub fn image(&self) -> &[usize] {
+        &self.image
+    }
+
     /// What this column holds is known otherwise.
     pub fn known(&mut self, column: usize) {
         let Some(m) = self.others.iter().position(|(k, _)| *k == column) else { return };
@@ -135,7 +145,11 @@ impl Columns {
             let found = cells.get(k).copied().unwrap_or_default();
             whole(found).with_context(|| {
                 let (place, found) = (lines.place(), shown(found));
-                format!("{place}: column {}: '{found}' is not the number of {what}", k + 1)
+                format!(
+                    "{place}: column {}: '{found}' is not the number of {what}; name the columns \
+                     of the two particles with --pairs-columns I,J, or mend the line",
+                    k + 1
+                )
             })
         };
         let pair = [number(self.pair[0], "a particle")?, number(self.pair[1], "a particle")?];
@@ -184,6 +198,11 @@ impl Columns {
 
 fn unnamed(k: usize) -> (usize, Other) {
     (k, Other::unnamed(k))
+}
+
+/// Whether an array of this name holds images, one in each row.
+pub(super) fn is_image(name: &str) -> bool {
+    IMAGES.contains(&&*plain(name))
 }
 
 /// Small letters and figures alone.

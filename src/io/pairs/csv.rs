@@ -1,13 +1,15 @@
 //! Two columns of whole numbers, and those of images: by a header, which may be a comment, or the
-//! first ones. Rows may say their frame.
+//! first ones. Rows may say their frame. Comments begin with `#` or, as in MATLAB, with `%`, and
+//! may stand behind a row.
 
 use anyhow::{Context, ensure};
 
+use super::ascends;
 use super::columns::Columns;
 use super::list::List;
-use super::{ascends, whole};
 use crate::io::frames::{Choice, Reader, Step};
-use crate::io::lines::{Lines, Separator, number, shown};
+use crate::io::lines::{Lines, Separator, number, short, shown, whole};
+use crate::io::notice::Notice;
 
 pub(super) struct Csv<'a> {
     lines: Lines<'a>,
@@ -18,6 +20,24 @@ pub(super) struct Csv<'a> {
     /// The frame or step of the last row.
     last: Option<i64>,
     ended: bool,
+    notices: Vec<Notice>,
+}
+
+/// The part of a line before a comment.
+fn uncommented(line: &[u8]) -> &[u8] {
+    let end = line.iter().position(|c| matches!(c, b'#' | b'%')).unwrap_or(line.len());
+    line[..end].trim_ascii_end()
+}
+
+/// Names alone: each cell begins with a letter or `_`.
+fn is_header(names: &[String]) -> bool {
+    let named = |name: &String| name.starts_with(|c: char| c.is_alphabetic() || c == '_');
+    names.iter().all(|name| named(name) && number(name.as_bytes()).is_none())
+}
+
+/// Names of the two particles, whatever the other columns are called.
+fn is_pair(names: &[String]) -> bool {
+    matches!(Columns::named(names, &[], String::new), Ok(Some(_)))
 }
 
 /// How the lines of a table are read.
@@ -61,7 +81,7 @@ impl Label {
 
 impl<'a> Csv<'a> {
     pub fn new(lines: Lines<'a>, chosen: &'a [&'a str]) -> Csv<'a> {
-        Csv { lines, chosen, layout: None, ahead: false, last: None, ended: false }
+        Csv { lines, chosen, layout: None, ahead: false, last: None, ended: false, notices: vec![] }
     }
 
     /// Reads up to the first pair, and learns what the columns hold.
@@ -76,14 +96,17 @@ impl<'a> Csv<'a> {
             if line.is_empty() {
                 continue;
             }
-            let comment = line.strip_prefix(b"#").map(<[u8]>::trim_ascii);
-            let line = comment.unwrap_or(line);
-            let separator = Separator::guess(line);
+            let comment = uncommented(line).is_empty();
+            let line = if comment { line[1..].trim_ascii() } else { line };
+            // A name may hold a % of its own, as in 'overlap %'.
+            let end = line.windows(2).position(|two| two == b" #").unwrap_or(line.len());
+            let line = &line[..end];
+            let separator = Separator::guess(uncommented(line));
             let cells: Vec<&[u8]> = separator.cells(line).collect();
             let names: Vec<String> =
                 cells.iter().map(|cell| String::from_utf8_lossy(cell).into_owned()).collect();
-            if comment.is_some() {
-                let header = cells.iter().all(|cell| number(cell).is_none());
+            let header = is_header(&names) || is_pair(&names);
+            if comment {
                 if let (true, Ok(Some(columns))) =
                     (header, Columns::named(&names, chosen, || lines.place()))
                 {
@@ -93,17 +116,27 @@ impl<'a> Csv<'a> {
                 continue;
             }
             ensure!(cells.len() >= 2, "{}: a pair needs two columns; write i,j", lines.place());
-            let header = cells.iter().take(2).any(|cell| number(cell).is_none());
-            let numbers = || (1..=cells.len()).map(|k| k.to_string()).collect();
             let label = if header { Label::named(&names) } else { None };
+            let count =
+                if header { cells.len() } else { separator.cells(uncommented(line)).count() };
+            let numbers = || (1..=count).map(|k| k.to_string()).collect();
             let names = if header { names } else { numbers() };
             let named = Columns::named(&names, chosen, || lines.place())?;
             ensure!(
-                named.is_some() || !header || cells.len() == 2,
+                named.is_some() || !header || names.len() == 2,
                 "{}: which columns hold the numbers of a pair? Name them with --pairs-columns I,J",
                 lines.place()
             );
-            let columns = named.unwrap_or_else(|| Columns::bare(cells.len()));
+            if header && named.is_none() {
+                self.notices.push(Notice::Assumed(format!(
+                    "line {} is taken for a header, with the names {} and {}; write i,j if it is \
+                     one, and numbers if it is a pair",
+                    lines.at(),
+                    short(&names[0]),
+                    short(&names[1])
+                )));
+            }
+            let columns = named.unwrap_or_else(|| Columns::bare(names.len()));
             self.layout = Some(Layout { separator, columns, label });
             self.ahead = !header;
         }
@@ -123,7 +156,7 @@ impl Reader<List> for Csv<'_> {
                 return Ok(Some(List { format: "CSV", ..List::default() }));
             }
         }
-        let Csv { lines, layout: Some(layout), ahead, last, ended, .. } = self else {
+        let Csv { lines, layout: Some(layout), ahead, last, ended, notices, .. } = self else {
             return Ok(None);
         };
         choice.sparse = layout.label.is_some();
@@ -131,6 +164,7 @@ impl Reader<List> for Csv<'_> {
         while !*ended {
             let sparse = choice.sparse;
             let mut list = List { format: "CSV", sparse, ..List::default() };
+            list.notices = std::mem::take(notices);
             let mut columns = layout.columns.clone();
             let (mut step, mut empty) = (Step::Keep, true);
             loop {
@@ -138,8 +172,8 @@ impl Reader<List> for Csv<'_> {
                     *ended = true;
                     break;
                 }
-                let line = lines.line();
-                if line.is_empty() || line.starts_with(b"#") {
+                let line = uncommented(lines.line());
+                if line.is_empty() {
                     continue;
                 }
                 let cells: Vec<&[u8]> = layout.separator.cells(line).collect();

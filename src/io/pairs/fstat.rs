@@ -4,9 +4,9 @@
 use anyhow::{Context, ensure};
 
 use super::list::List;
-use super::{push, whole};
+use super::push;
 use crate::io::frames::{Choice, Reader, Step};
-use crate::io::lines::{Lines, shown, words};
+use crate::io::lines::{Lines, shown, whole, words};
 use crate::sink::splitmix64;
 
 const FORMAT: &str = "MercuryDPM fstat";

@@ -3,6 +3,7 @@
 use anyhow::ensure;
 
 use super::Other;
+use crate::io::notice::Notice;
 
 /// A contact list as it was read.
 #[derive(Debug, Default, PartialEq)]
@@ -32,6 +33,8 @@ pub struct List {
     pub ids: bool,
     /// Every contact stands there from both sides (MercuryDPM), and was taken once.
     pub both_sides: bool,
+    /// Assumptions of the reader.
+    pub notices: Vec<Notice>,
 }
 
 impl List {

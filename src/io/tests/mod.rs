@@ -4,6 +4,7 @@
 mod boxes;
 mod codes;
 mod frames;
+mod lists;
 mod npy;
 mod refused;
 mod tables;

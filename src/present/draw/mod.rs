@@ -33,7 +33,7 @@ mod sheet;
 use anyhow::ensure;
 pub use boxed::Boxed;
 pub use flat::Slice;
-pub use pairs::{Highlighted, find, read};
+pub use pairs::{Highlighted, find, without_images};
 
 use crate::contact::Arithmetic;
 use crate::scene::AnyScene;

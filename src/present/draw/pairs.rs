@@ -1,14 +1,12 @@
 //! The pairs of a picture: contacts, near misses, and what a list got wrong.
 
-use std::path::Path;
-
 use anyhow::{Context, bail};
 
 use crate::contact::Arithmetic;
 use crate::contact::depth::depth;
 use crate::crowd;
 use crate::detect::{Options, table};
-use crate::io::{self, Frame};
+use crate::io::pairs::List;
 use crate::scene::{AnyScene, Radii, Real, Scene, array};
 use crate::sink::normalise;
 use crate::with_scene;
@@ -160,10 +158,9 @@ pub fn depth_of(scene: &AnyScene<'_>, [i, j]: [u32; 2]) -> f64 {
     })
 }
 
-/// Reads a list of pairs of any format of [`io::pairs`], whose numbers are places in the file from
-/// 0; images are refused, also those without a name if the file of the scene has a box.
-pub fn read(path: &Path, has_box: bool) -> anyhow::Result<Vec<[u32; 2]>> {
-    let mut list = io::pairs::read(path, &[], Frame::Only)?;
+/// The pairs of a list whose numbers are places in the file, from 0; images are refused, also those
+/// without a name if the file of the scene has a box.
+pub fn without_images(mut list: List, has_box: bool) -> anyhow::Result<Vec<[u32; 2]>> {
     if !has_box {
         list.without_box();
     }
@@ -197,6 +194,11 @@ pub(super) fn places(list: &[[i64; 2]]) -> anyhow::Result<Vec<[u32; 2]>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::io::{Frame, pairs};
+
+    fn read(path: &std::path::Path, has_box: bool) -> anyhow::Result<Vec<[u32; 2]>> {
+        without_images(pairs::read(path, &[], Frame::Only)?, has_box)
+    }
 
     fn discs(centres: &[[f64; 2]], r: f64) -> AnyScene<'static> {
         Scene::new(
