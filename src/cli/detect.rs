@@ -21,11 +21,12 @@ use crate::experiment::detectors;
 use crate::io;
 use crate::io::Frame;
 use crate::io::boxes::along;
+use crate::io::write::{Around, Extra, PairFormat, Style};
 use crate::number::plural;
 use crate::pair_list::PAIR_BYTES;
-use crate::periodic::{Contacts, Finder, IMAGE_PAIR_BYTES, Periodic};
+use crate::periodic::{Contacts, Finder, IMAGE_PAIR_BYTES, Periodic, without_shift};
 use crate::run::alloc;
-use crate::scene::Given;
+use crate::scene::{AnyScene, Given};
 use crate::sink::normalise_by;
 
 /// Options of `detect`.
@@ -53,6 +54,58 @@ pub struct Detect {
     /// standard output); with --frame all the first column is the frame
     #[arg(short, long)]
     output: Option<PathBuf>,
+    /// Names particles by the file's column id, with the header id1,id2 (default: with --frame all,
+    /// if the file has ids)
+    #[arg(long, conflicts_with = "places")]
+    ids: bool,
+    /// Names particles by their place in the file, from 0 (default: for one frame)
+    #[arg(long)]
+    places: bool,
+    /// More columns: overlap (a length, and as depth in mean radii), normal (unit vector from the
+    /// first particle to the second), ids
+    #[arg(long = "with", value_name = "COLUMNS", value_enum, value_delimiter = ',')]
+    extras: Vec<Extra>,
+}
+
+impl Detect {
+    /// The ids are read in any case.
+    fn needs_ids(&self) -> bool {
+        self.ids || self.extras.contains(&Extra::Ids)
+    }
+
+    /// The ids of particles, if they are asked for.
+    fn ids(&self, name: &str, ids: Option<Vec<i64>>) -> anyhow::Result<Option<Vec<i64>>> {
+        if !self.needs_ids() {
+            return Ok(None);
+        }
+        let ids = ids.with_context(|| {
+            format!(
+                "{name} has no column 'id' of whole numbers; leave out --ids and --with ids, or \
+                 name the column: --columns id=K"
+            )
+        })?;
+        let repeated = repeated(&ids)?;
+        ensure!(
+            repeated.is_none(),
+            "{name}: the id {} stands there twice and names no particle; mend it, or leave out \
+             --ids and --with ids",
+            repeated.unwrap_or_default()
+        );
+        Ok(Some(ids))
+    }
+}
+
+/// An id of two particles, if there is one.
+fn repeated(ids: &[i64]) -> anyhow::Result<Option<i64>> {
+    if ids.is_sorted_by(|a, b| a < b) {
+        return Ok(None);
+    }
+    let mut sorted = Vec::new();
+    let room = sorted.try_reserve_exact(ids.len());
+    room.with_context(|| format!("no memory for the order of {} ids", ids.len()))?;
+    sorted.extend_from_slice(ids);
+    sorted.sort_unstable();
+    Ok(sorted.windows(2).find(|two| two[0] == two[1]).map(|two| two[0]))
 }
 
 /// Reads, detects, writes the pairs, and says on standard error what was done.
@@ -70,16 +123,22 @@ pub fn detect(options: &Detect) -> anyhow::Result<ExitCode> {
         io::write::format(path)?;
     }
     crate::cli::use_threads(threads);
+    ensure!(
+        options.source.scene.as_deref() != Some("-"),
+        "'-' names no file; to read standard input give /dev/stdin"
+    );
     if let (Some(Frame::All), Some(text)) = (options.source.input.frame, &options.source.scene)
         && Path::new(text).exists()
     {
         return frames::detect(options, &spec, Path::new(text));
     }
-    let Some((name, Given { scene: given, lattice, .. })) = options.source.given()? else {
+    let found = options.source.with_ids(options.needs_ids())?;
+    let Some((name, (Given { scene: given, lattice, .. }, ids))) = found else {
         bail!("name a particle file, or a scene such as packed:n=1000 (contactbench list scenes)");
     };
+    let ids = options.ids(&name, ids)?;
     if let Some(lattice) = lattice {
-        return in_box(options, &spec, &name, Periodic::new(given, lattice)?);
+        return in_box(options, &spec, &name, Periodic::new(given, lattice)?, ids.as_deref());
     }
     let scene = given
         .as_stored(options.arithmetic)
@@ -96,15 +155,7 @@ pub fn detect(options: &Detect) -> anyhow::Result<ExitCode> {
     // What is left on the heap is the list of pairs and the detector's buffers.
     let memory = usage.map(|usage| usage.live_bytes.saturating_sub(pairs.capacity() as u64 * 8));
     normalise_by(threads, &mut pairs);
-    match &options.output {
-        Some(path) => io::write::pairs_of(path, &pairs, &given)?,
-        None => {
-            let mut out = std::io::BufWriter::new(std::io::stdout().lock());
-            io::write::csv(&mut out, &pairs)
-                .and_then(|()| out.flush())
-                .context("cannot write the pairs to standard output")?;
-        }
-    }
+    write_open(options, &pairs, &given, ids.as_deref())?;
     say!(
         "{name}: N = {}, {}D, {}, {:.3} ms, {} held by the detector, {}, {} arithmetic",
         scene.len(),
@@ -118,12 +169,42 @@ pub fn detect(options: &Detect) -> anyhow::Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
+/// Writes pairs of open space.
+fn write_open(
+    options: &Detect,
+    pairs: &[[u32; 2]],
+    scene: &AnyScene<'_>,
+    ids: Option<&[i64]>,
+) -> anyhow::Result<()> {
+    let path = options.output.as_deref();
+    let lines = path.map(io::write::format).transpose()? == Some(PairFormat::Vtk);
+    if !lines && !options.ids && options.extras.is_empty() {
+        return match path {
+            Some(path) => io::write::pairs(path, pairs),
+            None => {
+                let mut out = std::io::BufWriter::new(std::io::stdout().lock());
+                io::write::csv(&mut out, pairs)
+                    .and_then(|()| out.flush())
+                    .context("cannot write the pairs to standard output")
+            }
+        };
+    }
+    let mut contacts = Vec::new();
+    let room = contacts.try_reserve_exact(pairs.len());
+    room.with_context(|| format!("no memory for {} contacts", pairs.len()))?;
+    contacts.extend(without_shift(pairs));
+    let style =
+        Style { around: Around::Open(scene), ids, by_id: options.ids, extras: &options.extras };
+    io::write::contacts(path, &contacts, &style)
+}
+
 /// The same in a box that repeats: contacts with images of particles.
 fn in_box(
     options: &Detect,
     spec: &DetectorSpec,
     name: &str,
     periodic: Periodic<'_>,
+    ids: Option<&[i64]>,
 ) -> anyhow::Result<ExitCode> {
     let (scene, lattice) = (periodic.scene(), periodic.lattice());
     let memory_limit = options.limit.bytes(scene.len());
@@ -139,15 +220,13 @@ fn in_box(
         + contacts.shifted.capacity() as u64 * IMAGE_PAIR_BYTES;
     let pairs = contacts.sorted(scene.len(), memory_limit).with_context(|| name.to_string())?;
     let memory = usage.map(|usage| usage.live_bytes.saturating_sub(bytes));
-    match &options.output {
-        Some(path) => io::write::images_of(path, &pairs, scene, lattice)?,
-        None => {
-            let mut out = std::io::BufWriter::new(std::io::stdout().lock());
-            io::write::images_csv(&mut out, &pairs, scene.dim())
-                .and_then(|()| out.flush())
-                .context("cannot write the pairs to standard output")?;
-        }
-    }
+    let style = Style {
+        around: Around::Boxed(&periodic),
+        ids,
+        by_id: options.ids,
+        extras: &options.extras,
+    };
+    io::write::contacts(options.output.as_deref(), &pairs, &style)?;
     let across = pairs.iter().filter(|pair| pair.image != [0; 3]).count();
     say!(
         "{name}: N = {}, {}D, {}, {across} of them across the box, which repeats along {} \

@@ -1,7 +1,7 @@
 //! Files out: pairs of touching particles as CSV with the header `i,j`, npy of shape (pairs, 2) in
 //! u32, or lines in VTK legacy; in a box that repeats with the image of j, as `i,j,sx,sy[,sz]`, npy
-//! of shape (pairs, 2 + dim) in i32, or lines to the image; of several frames with the number of
-//! the frame before them ([`framed()`]); scenes as CSV, extended XYZ or npy.
+//! of shape (pairs, 2 + dim) in i32, or lines to the image; by id, or with more columns, if asked
+//! for ([`Style`]); of several frames with the number of the frame before them ([`framed()`]); scenes as CSV, extended XYZ or npy.
 //!
 //! Pairs are written as given: see [`crate::sink::normalise`] for the order in which lists are
 //! published. Numbers are the shortest that read back to the same bits.
@@ -14,11 +14,14 @@ use anyhow::{Context, bail, ensure};
 
 use crate::io::formats::npy;
 use crate::periodic::ImagePair;
-use crate::scene::{AnyScene, Given, Lattice, Real, Scene, array};
+use crate::scene::{Given, Lattice, Real, Scene, array};
 use crate::with_scene;
+use row::Directed;
 
 mod framed;
+mod row;
 pub use framed::{Framed, framed, of_file};
+pub use row::{Around, Extra, Style};
 
 /// What a file of pairs can be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -129,59 +132,34 @@ pub fn pairs(path: &Path, pairs: &[[u32; 2]]) -> anyhow::Result<()> {
     match format(path)? {
         PairFormat::Csv => create(path, |out| csv(out, pairs)),
         PairFormat::Npy => create(path, |out| npy(out, pairs)),
-        PairFormat::Vtk => bail!("{}: lines need the particles; see pairs_of", path.display()),
+        PairFormat::Vtk => bail!("{}: lines need the particles; see contacts", path.display()),
     }
 }
 
-/// Writes pairs of a scene to a file whose ending, `.csv`, `.npy` or `.vtk`, gives the format.
-pub fn pairs_of(path: &Path, pairs: &[[u32; 2]], scene: &AnyScene<'_>) -> anyhow::Result<()> {
-    match format(path)? {
-        PairFormat::Vtk => create(path, |out| with_scene!(scene, scene => vtk(out, pairs, scene))),
-        _ => self::pairs(path, pairs),
-    }
-}
-
-/// Writes contacts in a box to a file whose ending, `.csv`, `.npy` or `.vtk`, gives the format.
-pub fn images_of(
-    path: &Path,
+/// Writes contacts to a file whose ending, `.csv`, `.npy` or `.vtk`, gives the format; without one
+/// CSV to standard output.
+pub fn contacts<'a>(
+    path: Option<&Path>,
     pairs: &[ImagePair],
-    scene: &AnyScene<'_>,
-    lattice: &Lattice,
+    style: &Style<'a>,
 ) -> anyhow::Result<()> {
-    let dim = scene.dim();
-    match format(path)? {
-        PairFormat::Csv => create(path, |out| images_csv(out, pairs, dim)),
-        PairFormat::Npy => {
-            ensure!(
-                scene.len() <= i32::MAX as usize,
-                "{}: npy files of images are in i32, and there are {} particles; write .csv",
-                path.display(),
-                scene.len()
-            );
-            create(path, |out| images_npy(out, pairs, dim))
-        }
-        PairFormat::Vtk => {
-            create(path, |out| with_scene!(scene, scene => images_vtk(out, pairs, scene, lattice)))
-        }
+    if let Some(path) = path
+        && format(path)? == PairFormat::Vtk
+    {
+        return create(path, |out| match style.around {
+            Around::Open(scene) => with_scene!(scene, scene => vtk(out, pairs, scene, None, style)),
+            Around::Boxed(periodic) => {
+                let lattice = Some(periodic.lattice());
+                with_scene!(periodic.scene(), scene => vtk(out, pairs, scene, lattice, style))
+            }
+        });
     }
+    framed(path, false, |out| out.frame(0, style, pairs.iter().copied()))
 }
 
 /// Writes contacts in a box of so many dimensions to an npy file.
 pub fn images(path: &Path, pairs: &[ImagePair], dim: usize) -> anyhow::Result<()> {
     create(path, |out| images_npy(out, pairs, dim))
-}
-
-/// The header `i,j,sx,sy` and `,sz` for spheres, then one contact per line: i touches the image
-/// of j that is shifted by sx, sy and sz vectors of the box.
-pub fn images_csv(out: &mut dyn Write, pairs: &[ImagePair], dim: usize) -> io::Result<()> {
-    out.write_all(if dim == 2 { b"i,j,sx,sy\n" } else { b"i,j,sx,sy,sz\n" })?;
-    for ImagePair { i, j, image: [x, y, z] } in pairs {
-        match dim {
-            2 => writeln!(out, "{i},{j},{x},{y}")?,
-            _ => writeln!(out, "{i},{j},{x},{y},{z}")?,
-        }
-    }
-    Ok(())
 }
 
 /// NumPy version 1.0, '<i4', C order.
@@ -297,48 +275,27 @@ fn scene_npy<T: Real, const D: usize>(
         .try_for_each(|k| row(scene, k).try_for_each(|x| out.write_all(&x.to_le_bytes())))
 }
 
-/// Points with radii, and a line for each pair. Discs lie in the plane z = 0.
-fn vtk<T: Real, const D: usize>(
-    out: &mut dyn Write,
-    pairs: &[[u32; 2]],
-    scene: &Scene<'_, T, D>,
-) -> io::Result<()> {
-    writeln!(
-        out,
-        "# vtk DataFile Version 3.0\ncontacts\nASCII\nDATASET POLYDATA\nPOINTS {} double",
-        scene.len()
-    )?;
-    for k in 0..scene.len() {
-        line(
-            out,
-            array(&scene.centres()[k]).map(|x| x.wide()).into_iter().chain((D == 2).then_some(0.0)),
-            " ",
-        )?;
-    }
-    writeln!(out, "LINES {} {}", pairs.len(), 3 * pairs.len())?;
-    for [i, j] in pairs {
-        writeln!(out, "2 {i} {j}")?;
-    }
-    writeln!(out, "POINT_DATA {}\nSCALARS radius double 1\nLOOKUP_TABLE default", scene.len())?;
-    (0..scene.len()).try_for_each(|k| writeln!(out, "{:?}", scene.radius(k).wide()))
-}
-
 /// Points with radii, and a line for each contact; of one across the box two lines, from i to the
 /// image of j and from j to that of i. Images are points of their own behind the particles, of
-/// radius 0, and with 1 for `image`.
-fn images_vtk<T: Real, const D: usize>(
+/// radius 0, and with 1 for `image`. Discs lie in the plane z = 0.
+fn vtk<T: Real, const D: usize>(
     out: &mut dyn Write,
     pairs: &[ImagePair],
     scene: &Scene<'_, T, D>,
-    lattice: &Lattice,
+    lattice: Option<&Lattice>,
+    style: &Style<'_>,
 ) -> io::Result<()> {
     let n = scene.len();
-    let both = |pair: &ImagePair| {
-        let ImagePair { i, j, image } = *pair;
-        [(i, j, image), (j, i, image.map(i32::wrapping_neg))]
-    };
-    let across = || pairs.iter().filter(|pair| pair.image != [0; 3]);
-    let images = 2 * across().count();
+    let mut lines: Vec<Directed> = Vec::new();
+    let room = lines.try_reserve(2 * pairs.len());
+    room.map_err(|_| io::Error::from(io::ErrorKind::OutOfMemory))?;
+    for &pair in pairs {
+        let line = Directed::of(pair);
+        lines.push(line);
+        lines.extend((pair.image != [0; 3]).then(|| line.turned()));
+    }
+    let across = || lines.iter().filter(|line| line.image != [0; 3]);
+    let images = across().count();
     writeln!(
         out,
         "# vtk DataFile Version 3.0\ncontacts\nASCII\nDATASET POLYDATA\nPOINTS {} double",
@@ -347,31 +304,32 @@ fn images_vtk<T: Real, const D: usize>(
     let centre = |k: usize| array(&scene.centres()[k]).map(|x| x.wide());
     let flat = || (D == 2).then_some(0.0);
     for k in 0..n {
-        line(out, centre(k).into_iter().chain(flat()), " ")?;
+        self::line(out, centre(k).into_iter().chain(flat()), " ")?;
     }
-    for (_, of, image) in across().flat_map(both) {
-        let mut place = centre(of as usize);
-        for (vector, times) in lattice.vectors().iter().zip(image) {
+    for &Directed { to, image, .. } in across() {
+        let mut place = centre(to as usize);
+        for (vector, times) in lattice.iter().flat_map(|it| it.vectors()).zip(image) {
             (0..D).for_each(|k| place[k] += f64::from(times) * vector[k]);
         }
-        line(out, place.into_iter().chain(flat()), " ")?;
+        self::line(out, place.into_iter().chain(flat()), " ")?;
     }
-    let lines = pairs.len() + images / 2;
-    writeln!(out, "LINES {lines} {}", 3 * lines)?;
-    let mut image = n;
-    for pair in pairs {
-        if pair.image == [0; 3] {
-            writeln!(out, "2 {} {}", pair.i, pair.j)?;
-            continue;
-        }
-        for (from, ..) in both(pair) {
-            writeln!(out, "2 {from} {image}")?;
-            image += 1;
+    writeln!(out, "LINES {} {}", lines.len(), 3 * lines.len())?;
+    let mut next = n;
+    for &Directed { from, to, image } in &lines {
+        if image == [0; 3] {
+            writeln!(out, "2 {from} {to}")?;
+        } else {
+            writeln!(out, "2 {from} {next}")?;
+            next += 1;
         }
     }
     writeln!(out, "POINT_DATA {}\nSCALARS radius double 1\nLOOKUP_TABLE default", n + images)?;
     (0..n).try_for_each(|k| writeln!(out, "{:?}", scene.radius(k).wide()))?;
     (0..images).try_for_each(|_| writeln!(out, "0.0"))?;
-    writeln!(out, "SCALARS image int 1\nLOOKUP_TABLE default")?;
-    (0..n + images).try_for_each(|k| writeln!(out, "{}", u8::from(k >= n)))
+    if lattice.is_some() {
+        writeln!(out, "SCALARS image int 1\nLOOKUP_TABLE default")?;
+        (0..n + images).try_for_each(|k| writeln!(out, "{}", u8::from(k >= n)))?;
+    }
+    style.vtk_ids(out, (0..n as u32).chain(across().map(|line| line.to)))?;
+    style.vtk_lines(out, &lines)
 }

@@ -14,7 +14,7 @@ use crate::detect::Options;
 use crate::detect::any::AnyDetector;
 use crate::detect::spec::DetectorSpec;
 use crate::io;
-use crate::io::write::{Framed, framed};
+use crate::io::write::{Around, Framed, Style, framed};
 use crate::number::plural;
 use crate::periodic::{Contacts, Finder, Periodic, without_shift};
 use crate::scene::Given;
@@ -29,6 +29,8 @@ struct Done {
     particles: [usize; 2],
     dim: usize,
     time: Duration,
+    /// Contacts are named by ids; known from the first frame on.
+    by_id: Option<bool>,
 }
 
 /// Goes through the frames with one detector, writes the pairs, and says on standard error what was
@@ -39,16 +41,18 @@ pub(super) fn detect(
     path: &Path,
 ) -> anyhow::Result<ExitCode> {
     let input = &options.source.input;
-    let done = input::frames(path, input.options(), |frames| {
-        framed(options.output.as_deref(), |out| all(options, spec, path, frames, out))
+    let read = io::Options { ids: !options.places || options.needs_ids(), ..input.options() };
+    let done = input::frames(path, read, |frames| {
+        framed(options.output.as_deref(), true, |out| all(options, spec, path, frames, out))
     })?;
-    let Done { frames, pairs, particles: [least, most], dim, time } = done;
+    let Done { frames, pairs, particles: [least, most], dim, time, by_id } = done;
     let n = if least == most { most.to_string() } else { format!("{least} to {most}") };
     say!(
-        "{}: {}, N = {n}, {dim}D, {}, {:.3} ms, {spec}, {} arithmetic",
+        "{}: {}, N = {n}, {dim}D, {} by {}, {:.3} ms, {spec}, {} arithmetic",
         path.display(),
         plural(frames, "frame"),
         plural(pairs, "pair"),
+        if by_id == Some(true) { "id (--places: by place in the frame)" } else { "place" },
         time.as_secs_f64() * 1e3,
         options.arithmetic.name()
     );
@@ -71,6 +75,11 @@ fn all(
         progress.frame(about.frame);
         input::tell_of(&name, &particles, &about, &mut told);
         let place = || format!("{name}: {}", about.which());
+        let ids = particles.ids_copied()?;
+        let ids = if options.needs_ids() { options.ids(&place(), ids)? } else { ids };
+        let by_id = by_id(options, &place, ids.as_deref(), done.by_id)?;
+        done.by_id = Some(by_id);
+        let ids = ids.as_deref();
         let given = particles.given(&name, options.source.input.radius).with_context(place)?;
         let n = given.scene.len();
         let memory_limit = options.limit.bytes(n);
@@ -79,11 +88,32 @@ fn all(
             Some(kept) => search.insert(kept),
             None => search.insert(Search::new(options, spec, memory_limit)),
         };
-        let pairs = search.frame(options, given, about.frame, out, &mut done);
+        let pairs = search.frame(options, given, (about.frame, ids, by_id), out, &mut done);
         pairs.with_context(place)?;
     }
     ensure!(done.frames > 0, "{name} holds no frame of particles; is it of another format?");
     Ok(done)
+}
+
+/// Whether the contacts of a frame are named by ids: as in the frames before it, or because the
+/// first frame has an id for each particle.
+fn by_id(
+    options: &Detect,
+    place: &dyn Fn() -> String,
+    ids: Option<&[i64]>,
+    before: Option<bool>,
+) -> anyhow::Result<bool> {
+    let usable = match ids {
+        Some(ids) if !options.places => super::repeated(ids)?.is_none(),
+        _ => false,
+    };
+    ensure!(
+        usable || before != Some(true),
+        "{}: not every particle has an id of its own, as in the frames before; mend the column id, \
+         or give --places",
+        place()
+    );
+    Ok(before.unwrap_or(usable))
 }
 
 /// A detector and its lists.
@@ -107,12 +137,13 @@ impl Search {
         &mut self,
         options: &Detect,
         given: Given,
-        k: u64,
+        (k, ids, by_id): (u64, Option<&[i64]>, bool),
         out: &mut Framed<'_>,
         done: &mut Done,
     ) -> anyhow::Result<()> {
         let Search { memory_limit, detector, finder, pairs, contacts } = self;
         let (n, dim) = (given.scene.len(), given.scene.dim());
+        let style = |around| Style { around, ids, by_id, extras: &options.extras };
         match given.lattice {
             None => {
                 let scene = given.scene.as_stored(options.arithmetic)?;
@@ -123,7 +154,7 @@ impl Search {
                 done.time += started.elapsed();
                 normalise_by(options.threads, pairs);
                 done.pairs += pairs.len();
-                out.frame(k, n, 0, without_shift(pairs))?;
+                out.frame(k, &style(Around::Open(&given.scene)), without_shift(pairs))?;
             }
             Some(lattice) => {
                 let periodic = Periodic::new(given.scene, lattice)?;
@@ -133,7 +164,7 @@ impl Search {
                 done.time += started.elapsed();
                 let pairs = contacts.sorted(n, *memory_limit)?;
                 done.pairs += pairs.len();
-                out.frame(k, n, dim, pairs.into_iter())?;
+                out.frame(k, &style(Around::Boxed(&periodic)), pairs.into_iter())?;
             }
         }
         let [least, most] = done.particles;

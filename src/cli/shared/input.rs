@@ -4,6 +4,7 @@ use std::path::Path;
 
 use anyhow::{bail, ensure};
 
+use crate::cli::shared::scene::WithIds;
 use crate::cli::shared::values;
 use crate::io;
 use crate::io::boxes::{Axes, Edges};
@@ -73,17 +74,28 @@ impl Input {
     /// file is a file. One with a box that repeats is refused.
     pub fn scene(&self, text: &str) -> anyhow::Result<AnyScene<'static>> {
         let of_file = |particles: io::Particles| Ok(particles.scene(text, self.radius)?.into());
-        self.make(text, of_file)?.open(text)
+        self.make(text, false, of_file)?.open(text)
     }
 
     /// The same with the box in which it repeats, for those who know what to do with one.
     pub fn given(&self, text: &str) -> anyhow::Result<Given> {
-        self.make(text, |particles| particles.given(text, self.radius))
+        self.make(text, false, |particles| particles.given(text, self.radius))
+    }
+
+    /// The same with the ids of the particles, if they are wanted and there.
+    pub fn with_ids(&self, text: &str, wanted: bool) -> anyhow::Result<WithIds> {
+        let mut ids = None;
+        let given = self.make(text, wanted, |particles| {
+            ids = particles.ids_copied()?;
+            particles.given(text, self.radius)
+        })?;
+        Ok((given, ids))
     }
 
     fn make(
         &self,
         text: &str,
+        ids: bool,
         of: impl FnOnce(io::Particles) -> anyhow::Result<Given>,
     ) -> anyhow::Result<Given> {
         match self.origin(text)? {
@@ -93,7 +105,7 @@ impl Input {
                 Ok(given)
             }
             Origin::File(path, options) => {
-                let (particles, _) = load(&path, self, *options)?;
+                let (particles, _) = load(&path, self, io::Options { ids, ..*options })?;
                 tell(text, particles.notices(), Place::Argument);
                 of(particles)
             }

@@ -8,6 +8,9 @@ use crate::cli::shared::input::{Input, OPTIONS};
 use crate::cli::shared::values;
 use crate::scene::{AnyScene, Given};
 
+/// Particles and their ids.
+pub type WithIds = (Given, Option<Vec<i64>>);
+
 /// Where a scene comes from.
 #[derive(clap::Args)]
 pub struct Source {
@@ -29,6 +32,11 @@ impl Source {
     /// The same with the box in which it repeats, for those who know what to do with one.
     pub fn given(&self) -> anyhow::Result<Option<(String, Given)>> {
         self.named(|text| self.input.given(text))
+    }
+
+    /// The same with the ids of the particles, if they are wanted and there.
+    pub fn with_ids(&self, ids: bool) -> anyhow::Result<Option<(String, WithIds)>> {
+        self.named(|text| self.input.with_ids(text, ids))
     }
 
     fn named<T>(

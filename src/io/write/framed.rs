@@ -1,5 +1,5 @@
-//! Contacts of several frames in one file: rows as of one frame, with the number of the frame
-//! before them.
+//! Contacts of one frame or of several in one file: a row for each, with the number of the frame
+//! before it where there are several.
 
 use std::fs::File;
 use std::io::{self, BufWriter, Seek, Write};
@@ -7,6 +7,7 @@ use std::path::Path;
 
 use anyhow::{Context, bail, ensure};
 
+use super::row::{Directed, Extra, Number, Style};
 use super::{PairFormat, format, whole};
 use crate::io::formats::npy;
 use crate::periodic::ImagePair;
@@ -15,70 +16,107 @@ use crate::periodic::ImagePair;
 pub struct Framed<'a> {
     out: &'a mut dyn Write,
     format: PairFormat,
-    /// Numbers of an image in each row: none, or as many as there are dimensions.
-    images: Option<usize>,
+    /// The number of the frame stands before each row.
+    numbered: bool,
+    /// The columns, from the first frame on.
+    names: Option<Vec<&'static str>>,
+    /// The type of the numbers of npy.
+    kind: &'static str,
     rows: u64,
+    row: Vec<Number>,
 }
 
 impl Framed<'_> {
-    fn new(out: &mut dyn Write, format: PairFormat) -> Framed<'_> {
-        Framed { out, format, images: None, rows: 0 }
+    fn new(out: &mut dyn Write, format: PairFormat, numbered: bool) -> Framed<'_> {
+        Framed { out, format, numbered, names: None, kind: "<u4", rows: 0, row: Vec::new() }
     }
 
-    /// Writes the contacts of a frame of so many particles. Images have as many numbers as there
-    /// are dimensions, and none where boundaries are open.
+    /// Writes the contacts of a frame.
     ///
     /// # Errors
-    /// They have not as many as in the frame before; numbers too large for npy; those of the
-    /// system.
+    /// Other columns than in the frame before; numbers too large for npy; those of the system.
     pub fn frame(
         &mut self,
         k: u64,
-        particles: usize,
-        images: usize,
+        style: &Style<'_>,
         contacts: impl Iterator<Item = ImagePair>,
     ) -> anyhow::Result<()> {
-        match self.images {
-            None => self.begin(images).context("cannot write the pairs")?,
+        let names = style.names();
+        match &self.names {
+            None => self.begin(style, &names).context("cannot write the pairs")?,
             Some(before) => ensure!(
-                before == images,
-                "frame {k}: images have {images} numbers, and {before} in the frame before: the \
-                 box, or the dimension, comes and goes; give --open, or write frame by frame"
+                *before == names,
+                "frame {k}: the columns are {}, and {} in the frame before: the box, or the \
+                 dimension, comes and goes; give --open, or write frame by frame",
+                names.join(","),
+                before.join(",")
             ),
         }
-        self.images = Some(images);
-        let most = if images == 0 { u64::from(u32::MAX) } else { i32::MAX as u64 };
+        self.names = Some(names);
+        let most = match self.kind {
+            "<u4" => u64::from(u32::MAX),
+            "<i4" => i32::MAX as u64,
+            _ => 1 << 53,
+        };
         ensure!(
-            self.format != PairFormat::Npy || k <= most && particles as u64 <= most,
+            self.format != PairFormat::Npy || k <= most && style.len() as u64 <= most,
             "frame {k}: npy files of pairs hold numbers to {most}, and there are more frames or \
              particles; write .csv"
         );
-        for contact in contacts {
-            self.row(k, contact, images).context("cannot write the pairs")?;
+        let before = self.numbered.then_some(Number::Whole(k as i64));
+        let mut write = |contact: Directed| {
+            self.row.clear();
+            self.row.extend(before);
+            style.row(contact, &mut self.row);
             self.rows += 1;
+            row(self.out, self.format, self.kind, &self.row).context("cannot write the pairs")
+        };
+        if style.by_id {
+            style.directed(contacts)?.into_iter().try_for_each(write)
+        } else {
+            contacts.map(Directed::of).try_for_each(&mut write)
         }
-        Ok(())
     }
 
-    fn begin(&mut self, images: usize) -> io::Result<()> {
+    fn begin(&mut self, style: &Style<'_>, names: &[&str]) -> io::Result<()> {
+        self.kind = match style {
+            _ if style.extras.iter().any(|extra| *extra != Extra::Ids) => "<f8",
+            _ if style.by_id || style.has(Extra::Ids) => "<i8",
+            _ if style.images() > 0 => "<i4",
+            _ => "<u4",
+        };
         match self.format {
             PairFormat::Npy => Ok(()),
-            _ => writeln!(self.out, "frame,i,j{}", &",sx,sy,sz"[..3 * images]),
-        }
-    }
-
-    fn row(&mut self, k: u64, contact: ImagePair, images: usize) -> io::Result<()> {
-        let ImagePair { i, j, image } = contact;
-        if self.format == PairFormat::Npy {
-            for number in [k as u32, i, j] {
-                self.out.write_all(&number.to_le_bytes())?;
+            _ => {
+                let frame = if self.numbered { "frame," } else { "" };
+                writeln!(self.out, "{frame}{}", names.join(","))
             }
-            return image[..images].iter().try_for_each(|s| self.out.write_all(&s.to_le_bytes()));
         }
-        write!(self.out, "{k},{i},{j}")?;
-        image[..images].iter().try_for_each(|s| write!(self.out, ",{s}"))?;
-        writeln!(self.out)
     }
+}
+
+/// Writes the numbers of one contact.
+fn row(out: &mut dyn Write, format: PairFormat, kind: &str, row: &[Number]) -> io::Result<()> {
+    for (k, &number) in row.iter().enumerate() {
+        match (format, number) {
+            (PairFormat::Npy, number) => match (kind, number) {
+                ("<f8", Number::Whole(whole)) => out.write_all(&(whole as f64).to_le_bytes())?,
+                ("<f8", Number::Real(real)) => out.write_all(&real.to_le_bytes())?,
+                ("<i8", Number::Whole(whole)) => out.write_all(&whole.to_le_bytes())?,
+                // The low bits are those of i32 and of u32.
+                (_, Number::Whole(whole)) => out.write_all(&(whole as u32).to_le_bytes())?,
+                (_, Number::Real(_)) => {}
+            },
+            (_, number) => {
+                let comma = if k == 0 { "" } else { "," };
+                match number {
+                    Number::Whole(whole) => write!(out, "{comma}{whole}")?,
+                    Number::Real(real) => write!(out, "{comma}{real:?}")?,
+                }
+            }
+        }
+    }
+    if format == PairFormat::Npy { Ok(()) } else { out.write_all(b"\n") }
 }
 
 /// An error of the system, with the file.
@@ -90,34 +128,38 @@ pub fn of_file(error: anyhow::Error, path: &Path) -> anyhow::Error {
 }
 
 /// Writes to a file whose ending, `.csv` or `.npy`, gives the format; without one CSV to standard
-/// output. The file is there as a whole or not at all: see [`whole`].
+/// output. Rows say their frame if they are `numbered`. The file is there as a whole or not at all:
+/// see [`whole`].
 pub fn framed<T>(
     path: Option<&Path>,
+    numbered: bool,
     body: impl FnOnce(&mut Framed<'_>) -> anyhow::Result<T>,
 ) -> anyhow::Result<T> {
     let Some(path) = path else {
         let mut out = BufWriter::new(io::stdout().lock());
-        let done = body(&mut Framed::new(&mut out, PairFormat::Csv))?;
+        let done = body(&mut Framed::new(&mut out, PairFormat::Csv, numbered))?;
         out.flush().context("cannot write the pairs to standard output")?;
         return Ok(done);
     };
     let cannot = || format!("cannot write {}", path.display());
     match format(path)? {
-        PairFormat::Csv => whole(path, |out| body(&mut Framed::new(out, PairFormat::Csv)))
-            .map_err(|error| of_file(error, path)),
+        PairFormat::Csv => {
+            whole(path, |out| body(&mut Framed::new(out, PairFormat::Csv, numbered)))
+                .map_err(|error| of_file(error, path))
+        }
         // Its header says how many rows there are.
         PairFormat::Npy => {
             let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
             let rows = tempfile::tempfile_in(folder.unwrap_or(Path::new(".")));
             let mut rows = BufWriter::with_capacity(1 << 16, rows.with_context(cannot)?);
-            let mut framed = Framed::new(&mut rows, PairFormat::Npy);
+            let mut framed = Framed::new(&mut rows, PairFormat::Npy, numbered);
             let done = body(&mut framed)?;
-            let (count, images) = (framed.rows as usize, framed.images.unwrap_or(0));
+            let (count, kind) = (framed.rows as usize, framed.kind);
+            let columns = framed.names.map_or(2, |names| names.len()) + usize::from(numbered);
             let write = |out: &mut dyn Write| -> io::Result<()> {
                 let mut rows: File = rows.into_inner().map_err(|error| error.into_error())?;
                 rows.rewind()?;
-                let kind = if images == 0 { "<u4" } else { "<i4" };
-                npy::write_header(out, kind, count, 3 + images)?;
+                npy::write_header(out, kind, count, columns)?;
                 io::copy(&mut rows, out).map(drop)
             };
             whole(path, write).with_context(cannot)?;
