@@ -30,6 +30,16 @@ pub fn number(value: f64) -> String {
     }
 }
 
+/// A depth or a gap, which everywhere is relative to the mean radius of the two particles.
+pub fn mean_radii(depth: f64) -> String {
+    format!("{} mean radii", number(depth))
+}
+
+/// The same in a table.
+pub fn radii(depth: f64) -> String {
+    format!("{} r", number(depth))
+}
+
 /// A whole number as people write it: `1000000`, `1e6`, `1_000_000`. None if it is not one from 0
 /// to 2^53, or to 2^64 in digits.
 pub fn whole(text: &str) -> Option<u64> {

@@ -224,7 +224,8 @@ impl<'a> Differences<'a> {
                 }
             }
         }
-        if most == 0.0 {
+        let tie = |pair: &Pair| pair[0] != pair[1] && pair_depth(self.scene, *pair) == 0.0;
+        if most == 0.0 && !self.listed.iter().any(tie) {
             return Some(Deviation::Strict);
         }
         if most < TANGENT {

@@ -3,6 +3,7 @@
 mod compare;
 mod frames;
 mod hint;
+mod other;
 
 use std::io::Write;
 use std::path::PathBuf;
@@ -22,7 +23,7 @@ use crate::io;
 use crate::io::boxes::along;
 use crate::io::pairs::{self, List};
 use crate::io::{Frame, Place, Without};
-use crate::number::{number, plural, wrap};
+use crate::number::{mean_radii, number, plural, wrap};
 use crate::oracle::Errors;
 use crate::periodic::ImagePair;
 use crate::present::table::{Cell, Column, Table};
@@ -89,6 +90,8 @@ struct Verified<'a> {
     /// The file says that it repeats.
     repeats: bool,
     found: Verification,
+    /// The frame of the particles that the list is of, if it is another one.
+    other: Option<other::Other>,
 }
 
 /// Compares, prints the result, and says by the exit code whether the lists are the same.
@@ -125,7 +128,9 @@ pub fn verify(options: &Verify) -> anyhow::Result<ExitCode> {
         say!("{}: --frame all compares each of them", options.file.display());
     }
     input::tell(&options.file.display().to_string(), particles.notices(), Place::Argument);
-    let verified = Verified::new(options, list, particles, about, WORST, true)?;
+    let frame = about.frame;
+    let mut verified = Verified::new(options, list, particles, about, WORST, true)?;
+    verified.look_at_others(frame);
     let mut out = terminal::out();
     if options.json {
         terminal::json(&verified.json())?
@@ -196,17 +201,22 @@ impl Verified<'_> {
             let none = "hints are not given with --without: leave it out to have them";
             writeln!(out, "\n{}", wrap(none, terminal::width()).join("\n"))?;
         }
-        if let Some(reading) = &found.reading {
-            let hint = format!("hint: {}", self.sentence(reading));
-            writeln!(out, "\n{}", wrap(&hint, terminal::width()).join("\n"))?;
-            if reading.wrong == 0 {
-                return Ok(());
-            }
+        if let Some(hint) = self.hint() {
+            writeln!(out, "\n{}", wrap(&format!("hint: {hint}"), terminal::width()).join("\n"))?;
+        }
+        if found.reading.as_ref().is_some_and(|reading| reading.wrong == 0) {
+            return Ok(());
         }
         let Errors { missed, spurious, .. } = found.errors;
         self.couples(out, "missed", "overlap", &found.missed, missed)?;
         self.couples(out, "spurious", "gap", &found.spurious, spurious)?;
         Ok(())
+    }
+
+    /// How the list would agree.
+    fn hint(&self) -> Option<String> {
+        let reading = || self.found.reading.as_ref().map(|it| self.sentence(it));
+        self.other.map(|other| self.other_sentence(other)).or_else(reading)
     }
 
     /// What was compared, where it is not pairs as they are.
@@ -272,7 +282,8 @@ impl Verified<'_> {
             };
             list.iter().take(SHOWN).map(couple).collect()
         };
-        let hint = found.reading.as_ref().map(|it| self.flags(it).join(" "));
+        let flags = found.reading.as_ref().map(|it| self.flags(it).join(" "));
+        let hint = self.other.map(|other| self.other_flags(other)).or(flags);
         let axes = |lattice: &Lattice| lattice.periodic()[..self.scene.dim()].to_vec();
         let periodic = self.lattice.as_ref().map(axes);
         json!({
@@ -297,7 +308,7 @@ impl Verified<'_> {
             "within_skin": found.within_skin,
             "one_sided": found.one_sided.len(),
             "hint": hint.filter(|flags| !flags.is_empty()),
-            "reading": found.reading.as_ref().map(|it| self.sentence(it)),
+            "reading": self.hint(),
         })
     }
 }
@@ -320,7 +331,7 @@ fn errors(found: &Verification) -> Table {
     let errors = &found.errors;
     let worst = |pairs: u64, what: &str, size: f64| match pairs {
         0 => String::new(),
-        _ => format!("{what} {} mean radii", number(size)),
+        _ => format!("{what} {}", mean_radii(size)),
     };
     let overlap = worst(errors.missed, "deepest overlap", errors.deepest_miss);
     let gap = worst(errors.spurious, "widest gap", errors.widest_false);

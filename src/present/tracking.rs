@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 use crate::detect::spec::DetectorSpec;
 use crate::moving::{Followed, Moved, Tracked};
-use crate::number::{number, percent, plural};
+use crate::number::{number, percent, plural, radii};
 use crate::present::document::Block;
 use crate::present::table::{Cell, Column, Table};
 use crate::track::{Native, TrackerSpec};
@@ -101,7 +101,7 @@ pub fn words(name: &str, of: &str, followed: &Followed) -> Vec<Block> {
              frames in which the detector was asked, or what is mended was made anew. listed: \
              pairs looked at for each contact. missed: contacts that were not reported, summed \
              over the frames, and since which frame; late: the most frames until one was, and how \
-             deep it then was, in radii. All trackers ran beside each other, once: times are a \
+             deep it then was, in mean radii (r). All trackers ran beside each other, once: times are a \
              first look, not a measurement.",
         ),
     ]);
@@ -158,7 +158,7 @@ pub fn table(followed: &Followed) -> Table {
             if it.is_wrong() { Cell::count(late.missed).wrong() } else { Cell::count(late.missed) },
             since(late.first.map_or_else(String::new, |first| first.to_string())),
             reported(late.latest.to_string()),
-            reported(percent(late.deepest)),
+            if late.latest > 0 { Cell::from(radii(late.deepest)) } else { Cell::absent() },
         ]
     };
     let columns = vec![

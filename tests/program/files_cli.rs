@@ -364,7 +364,7 @@ fn verify_refuses_in_one_sentence() {
             &["which.dump"],
             "which columns hold the ids of a pair? Name them with --pairs-columns I,J; there are c_1 c_2",
         ),
-        (&["binary.csv"], "binary.csv is binary, and no npy file"),
+        (&["binary.csv"], "binary.csv is binary, and no npy or npz file"),
         (&["bad.csv", "--base", "2"], "--base 2: it must be 0 or 1"),
         (&["bad.csv", "--pairs-columns", "a,b"], "there is no column 'a'"),
         (&["nowhere.csv"], "cannot read nowhere.csv"),

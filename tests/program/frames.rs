@@ -217,6 +217,92 @@ fn of_many_frames_the_worst_are_shown() {
     assert!(ended.stdout.contains(words), "{}", ended.stdout);
 }
 
+/// An unsorted dump lists the particles otherwise in each frame: ids name the same contact.
+#[test]
+fn contacts_of_all_frames_are_named_by_id() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let frame = |step: u32, rows: &str| {
+        format!(
+            "ITEM: TIMESTEP\n{step}\nITEM: NUMBER OF ATOMS\n3\nITEM: BOX BOUNDS ff ff ff\n0 9\n0 \
+             9\n0 9\nITEM: ATOMS id x y z radius\n{rows}"
+        )
+    };
+    let text = frame(0, "7 1 1 1 0.5\n9 1.75 1 1 0.5\n8 5 5 5 0.5\n")
+        + &frame(1, "8 5 5 5 0.5\n9 1.5 1 1 0.5\n7 1 1 1 0.5\n");
+    file(folder, "u.dump", &text);
+    let all = ["detect", "u.dump", "--frame", "all"];
+    let ended = good(folder, &all);
+    assert_eq!(ended.stdout, "frame,id1,id2\n0,7,9\n1,7,9\n");
+    assert!(ended.stderr.contains("by id (--places"), "{}", ended.stderr);
+    let places = good(folder, &[&all[..], &["--places"]].concat()).stdout;
+    assert_eq!(places, "frame,i,j\n0,0,1\n1,1,2\n");
+    let with = ["--with", "overlap,normal,ids"];
+    let text = good(folder, &[&["detect", "u.dump"][..], &with].concat()).stdout;
+    let row = "1,2,0.5,1.0,-1.0,0.0,0.0,9,7";
+    assert_eq!(text, format!("i,j,overlap,depth,nx,ny,nz,id1,id2\n{row}\n"));
+    // By id the smaller stands first, and the normal goes from it to the other.
+    let text = good(folder, &[&["detect", "u.dump", "--ids"][..], &with].concat()).stdout;
+    assert_eq!(text, "id1,id2,overlap,depth,nx,ny,nz\n7,9,0.5,1.0,1.0,0.0,0.0\n");
+    for list in ["l.csv", "l.npy"] {
+        good(folder, &[&all[..], &["-o", list]].concat());
+        let verify = ["verify", "u.dump", "--pairs", list, "--frame", "all"];
+        let ids = if list == "l.npy" { &["--ids"][..] } else { &[] };
+        assert_eq!(json(folder, &[&verify[..], ids].concat())["same"], true, "{list}");
+    }
+    // Across a box: the image belongs to the second, whichever that is.
+    let boxed = ["detect", "u.dump", "--ids", "--box", "1.4,9,9", "--periodic", "x"];
+    let text = good(folder, &[&boxed[..], &["--with", "overlap"]].concat()).stdout;
+    assert!(text.starts_with("id1,id2,sx,sy,sz,overlap,depth\n7,9,-1,0,0,"), "{text}");
+    file(folder, "boxed.csv", text);
+    let verify = ["verify", "u.dump", "--box", "1.4,9,9", "--periodic", "x", "--pairs"];
+    good(folder, &[&verify[..], &["boxed.csv"]].concat());
+    good(folder, &["detect", "u.dump", "--ids", "--with", "overlap,normal", "-o", "l.vtk"]);
+    let lines = std::fs::read_to_string(folder.join("l.vtk")).unwrap();
+    for part in
+        ["SCALARS id long 1\nLOOKUP_TABLE default\n8\n9\n7\n", "CELL_DATA 1\nSCALARS overlap"]
+    {
+        assert!(lines.contains(part), "{part} in {lines}");
+    }
+    file(folder, "none.csv", "x,y,r\n0,0,1\n1,0,1\n");
+    file(folder, "twice.csv", "id,x,y,r\n4,0,0,1\n4,1,0,1\n");
+    refused(folder, &["detect", "none.csv", "--ids"], &["no column 'id'", "--columns id=K"]);
+    refused(folder, &["detect", "twice.csv", "--with", "ids"], &["the id 4 stands there twice"]);
+    refused(folder, &["detect", "packed:n=9", "--ids"], &["no column 'id'"]);
+}
+
+/// A list of another frame of the same file, alone and frame by frame.
+#[test]
+fn a_list_of_another_frame_is_named_by_its_frame() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    for flags in ["ff ff ff", "pp ff ff"] {
+        file(folder, "t.dump", dump(12, flags));
+        good(folder, &["detect", "t.dump", "--frame", "5", "-o", "five.csv"]);
+        let verify = ["verify", "t.dump", "--pairs", "five.csv", "--frame", "2"];
+        let ended = run(folder, &verify);
+        assert_eq!(ended.code, Some(1), "{}", ended.stderr);
+        assert!(ended.stdout.contains("that of frame 5"), "{}", ended.stdout);
+        let ended = run(folder, &[&verify[..], &["--json"]].concat());
+        let found: Value = serde_json::from_str(&ended.stdout).unwrap();
+        assert_eq!(found["hint"], "--frame 5");
+        // All lists one frame late: those of frame 0 to 10, called 1 to 11.
+        let all = ["detect", "t.dump", "--frame", "all", "--places"];
+        let text = good(folder, &all).stdout;
+        let late = |line: &str| -> Option<String> {
+            let (frame, rest) = line.split_once(',')?;
+            let frame: u32 = frame.parse().ok()?;
+            (frame < 11).then(|| format!("{},{rest}\n", frame + 1))
+        };
+        let head = text.lines().next().unwrap();
+        let rows: String = text.lines().filter_map(late).collect();
+        file(folder, "late.csv", format!("{head}\n{rows}"));
+        let ended = run(folder, &["verify", "t.dump", "--pairs", "late.csv", "--frame", "all"]);
+        assert_eq!(ended.code, Some(1), "{}", ended.stderr);
+        assert!(ended.stdout.contains("one frame before"), "{}", ended.stdout);
+    }
+}
+
 /// What `detect` writes of all frames, `verify` reads; and one pair that is taken out is missed.
 #[test]
 fn contacts_of_all_frames_are_written_and_read_again() {
@@ -225,7 +311,10 @@ fn contacts_of_all_frames_are_written_and_read_again() {
     for (flags, columns) in [("ff ff ff", "frame,i,j"), ("pp ff ff", "frame,i,j,sx,sy,sz")] {
         file(folder, "t.dump", dump(12, flags));
         for list in ["l.csv", "l.npy"] {
-            let said = good(folder, &["detect", "t.dump", "--frame", "all", "-o", list]).stderr;
+            let said = {
+                let detect = ["detect", "t.dump", "--frame", "all", "--places", "-o", list];
+                good(folder, &detect).stderr
+            };
             assert!(said.contains("t.dump: 12 frames, N = 40, 3D, "), "{said}");
             let verify = ["verify", "t.dump", "--pairs", list, "--frame", "all"];
             good(folder, &verify);
@@ -237,7 +326,7 @@ fn contacts_of_all_frames_are_written_and_read_again() {
         }
         let text = std::fs::read_to_string(folder.join("l.csv")).unwrap();
         assert_eq!(text.lines().next(), Some(columns));
-        let printed = good(folder, &["detect", "t.dump", "--frame", "all"]).stdout;
+        let printed = good(folder, &["detect", "t.dump", "--frame", "all", "--places"]).stdout;
         assert_eq!(printed, text);
         // Of each frame what is written of it alone.
         let alone = good(folder, &["detect", "t.dump", "--frame", "7"]).stdout;

@@ -31,9 +31,11 @@ impl Reading {
             Some(Deviation::Rounded(arithmetic)) => {
                 with.push(format!("contacts decided in {}", arithmetic.name()))
             }
-            Some(Deviation::Strict) => {
-                with.push("< in the place of <= (the pairs missed touch in one point)".into())
-            }
+            Some(Deviation::Strict) => with.push(
+                "contacts decided by <, where here it is <= (each pair missed is an exact tie: \
+                     the distance is the sum of the radii)"
+                    .into(),
+            ),
             Some(Deviation::Tangent) => {
                 with.push("any answer for pairs that are tangent to the last digits".into())
             }

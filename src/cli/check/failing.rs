@@ -10,7 +10,7 @@ use super::Check;
 use crate::check::{Differences, Failure, Report, Wrong, listed, regression};
 use crate::contact::Arithmetic;
 use crate::memory::default_limit;
-use crate::number::number;
+use crate::number::mean_radii;
 use crate::oracle;
 use crate::periodic::{ImagePair, depth};
 use crate::present::draw;
@@ -65,9 +65,9 @@ pub(super) fn rounding(failure: &Failure) -> Option<String> {
     (others && failure.arithmetic == Arithmetic::Exact).then(|| {
         let all = if count == 1 { "the pair".into() } else { format!("all {count} pairs") };
         format!(
-            "{all} that it gets wrong there: tangent to within {} mean radii; it seems to decide \
+            "{all} that it gets wrong there: tangent to within {}; it seems to decide \
              contacts in rounded arithmetic: let it say f64 (or f32), or decide exactly",
-            number(depth.abs())
+            mean_radii(depth.abs())
         )
     })
 }
@@ -145,10 +145,10 @@ pub(super) fn describe(
     writeln!(out, "WRONG: {detector} with {arithmetic} arithmetic, on {found_on}: {found}")?;
     last_words(wrong.as_ref().unwrap_or(found), out)?;
     if let Some((pair, depth)) = worst(failure) {
-        let size = number(depth.abs());
+        let size = mean_radii(depth.abs());
         let what = if depth >= 0.0 { "missed, overlap" } else { "spurious, gap" };
         writeln!(out, "  the worst there, of {} particles:", given.scene.len())?;
-        writeln!(out, "    {pair}: {what} {size} mean radii")?;
+        writeln!(out, "    {pair}: {what} {size}")?;
         for k in [pair.i, pair.j] {
             let (centre, radius) = listed::particle(&given.scene, k);
             let centre: Vec<String> = centre.iter().map(|x| format!("{x:?}")).collect();

@@ -55,6 +55,9 @@ impl<'a> Verified<'a> {
         let file = options.file.display().to_string();
         let ids = particles.ids().map(Naming::by_id);
         let (naming, others) = match (options.base, ids) {
+            (None, Some(Ok(ids))) if list.named_ids => {
+                (ids, vec![Naming::Base(0), Naming::Base(1)])
+            }
             (None, Some(ids)) if options.ids || list.ids => {
                 let ids = ids.context("the ids of the particles cannot be used")?;
                 (ids, vec![Naming::Base(0), Naming::Base(1)])
@@ -110,7 +113,7 @@ impl<'a> Verified<'a> {
         let flags = about.declared.and_then(|declared| declared.periodic);
         let repeats = flags.is_some_and(|flags| flags.contains(&true));
         let naming = naming.meaning();
-        Ok(Verified { options, list, naming, scene, lattice, boxed, repeats, found })
+        Ok(Verified { options, list, naming, scene, lattice, boxed, repeats, found, other: None })
     }
 }
 

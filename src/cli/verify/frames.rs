@@ -13,10 +13,11 @@ use crate::check::paired::Paired;
 use crate::cli::shared::input;
 use crate::cli::shared::progress::Counted;
 use crate::cli::shared::terminal;
+use crate::cli::verify::other::Shift;
 use crate::cli::verify::{Verified, Verify, counted, left_out, words};
 use crate::io::{self, Frame, Place, pairs};
 use crate::moving::Late;
-use crate::number::{number, plural, wrap};
+use crate::number::{mean_radii, plural, wrap};
 use crate::oracle::Errors;
 use crate::periodic::{Periodic, depth};
 use crate::present::table::{Cell, Column, Table};
@@ -72,6 +73,8 @@ struct All {
     others: Vec<String>,
     /// Of the first frame that is wrong.
     hint: Option<(String, String)>,
+    /// Whether lists are those of other frames.
+    shift: Shift,
 }
 
 /// Compares frame by frame, and prints a line of each.
@@ -126,6 +129,9 @@ fn all_of(options: &Verify, mut frames: Paired<'_, '_>) -> anyhow::Result<All> {
             );
         }
         all.note(&verified, ids.as_deref());
+        if !found.is_same() || !all.is_same() {
+            all.shift.note(&verified, ids.as_deref());
+        }
         if let Some(reading) = &found.reading {
             all.hint = Some((which, verified.sentence(reading)));
         }
@@ -154,6 +160,9 @@ fn all_of(options: &Verify, mut frames: Paired<'_, '_>) -> anyhow::Result<All> {
         });
     }
     all.late.end();
+    if let Some(words) = all.shift.sentence() {
+        all.hint = Some(("all frames".into(), words));
+    }
     all.by_step = frames.is_by_step();
     all.left_out = frames.left_out;
     all.without_rows = frames.without_rows;
@@ -335,17 +344,17 @@ impl All {
         )];
         if errors.missed > 0 {
             said.push(format!(
-                "missed, summed over the frames: {} in {}, the deepest overlap {} mean radii.",
+                "missed, summed over the frames: {} in {}, the deepest overlap {}.",
                 counted(errors.missed, "contact"),
                 counted(with, "frame"),
-                number(errors.deepest_miss)
+                mean_radii(errors.deepest_miss)
             ));
             let late = match latest {
                 0 => "None was listed later".into(),
                 _ => format!(
-                    "Listed late by {} at most, the overlap then up to {} mean radii",
+                    "Listed late by {} at most, the overlap then up to {}",
                     counted(latest, "frame"),
-                    number(deepest)
+                    mean_radii(deepest)
                 ),
             };
             let end = if never == 1 { "its end" } else { "their end" };
@@ -412,7 +421,7 @@ fn table(rows: &[&Row]) -> Table {
     let mut columns = vec![right(if steps { "step" } else { "frame" })];
     columns.extend(["touching", "listed", "missed", "spurious"].map(right));
     columns.extend(others.then(|| right("other")));
-    columns.push(right("deepest missed"));
+    columns.push(Column::right("deepest missed", "mean radii"));
     let row = |row: &&Row| {
         let Errors { missed, spurious, deepest_miss, .. } = row.errors;
         let at = row.step.map_or(row.frame.to_string(), |step| step.to_string());

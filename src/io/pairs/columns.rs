@@ -29,6 +29,9 @@ const AXES: [[&str; 3]; 4] = [["x", "y", "z"], ["a", "b", "c"], ["0", "1", "2"],
 /// What else holds whole numbers, and no images.
 const HARMLESS: [&str; 7] = ["index", "type", "ptype", "ntype", "patom", "natom", "id"];
 
+const REMEDY: &str = "; name the columns of the two particles with --pairs-columns I,J, or mend \
+                      the line";
+
 /// A column that was not looked at.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Other {
@@ -55,6 +58,8 @@ pub(super) struct Columns {
     image: Vec<usize>,
     /// Nobody says that those are images: they are until a number is not whole.
     guessed: bool,
+    /// They are called `id1` and `id2`.
+    ids: bool,
     others: Vec<(usize, Other)>,
     /// Which of the others have held whole numbers alone.
     whole: Vec<usize>,
@@ -85,6 +90,7 @@ impl Columns {
                 pair,
                 image,
                 guessed: false,
+                ids: false,
                 others: vec![],
                 whole: vec![],
                 count: usize::MAX,
@@ -105,7 +111,9 @@ impl Columns {
         };
         let others: Vec<(usize, Other)> = others.map(other).collect();
         let whole = (0..others.len()).filter(|&m| others[m].1.whole).collect();
-        Ok(Some(Columns { pair: [i, j], image, guessed: false, others, whole, count: names.len() }))
+        let ids = names[i].eq_ignore_ascii_case("id1");
+        let (pair, guessed, count) = ([i, j], false, names.len());
+        Ok(Some(Columns { pair, image, guessed, ids, others, whole, count }))
     }
 
     /// The first two of so many that have no names. Two or three more may be images.
@@ -113,7 +121,7 @@ impl Columns {
         let guessed = [4, 5].contains(&count);
         let image = if guessed { (2..count).collect() } else { Vec::new() };
         let others = if guessed { Vec::new() } else { (2..count).map(unnamed).collect() };
-        Columns { pair: [0, 1], image, guessed, others, whole: Vec::new(), count }
+        Columns { pair: [0, 1], image, guessed, ids: false, others, whole: Vec::new(), count }
     }
 
     /// The columns of the two particles.
@@ -145,11 +153,8 @@ impl Columns {
             let found = cells.get(k).copied().unwrap_or_default();
             whole(found).with_context(|| {
                 let (place, found) = (lines.place(), shown(found));
-                format!(
-                    "{place}: column {}: '{found}' is not the number of {what}; name the columns \
-                     of the two particles with --pairs-columns I,J, or mend the line",
-                    k + 1
-                )
+                let remedy = if self.pair.contains(&k) { REMEDY } else { "" };
+                format!("{place}: column {}: '{found}' is not the number of {what}{remedy}", k + 1)
             })
         };
         let pair = [number(self.pair[0], "a particle")?, number(self.pair[1], "a particle")?];
@@ -186,6 +191,7 @@ impl Columns {
     /// What is to be said of the columns when all lines are read.
     pub fn end(self, list: &mut List) {
         list.flat = self.image.len() == 2;
+        list.named_ids = self.ids;
         list.guessed = self.guessed && !self.image.is_empty();
         if !self.image.is_empty() {
             list.images.get_or_insert_default();

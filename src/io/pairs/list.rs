@@ -6,7 +6,7 @@ use super::Other;
 use crate::io::notice::Notice;
 
 /// A contact list as it was read.
-#[derive(Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct List {
     /// The format's name.
     pub format: &'static str,
@@ -31,6 +31,8 @@ pub struct List {
     pub walls: u64,
     /// The numbers are those that the program gave its particles (LAMMPS), not places in a file.
     pub ids: bool,
+    /// The columns are called `id1` and `id2`: the ids of the particles, if their file has any.
+    pub named_ids: bool,
     /// Every contact stands there from both sides (MercuryDPM), and was taken once.
     pub both_sides: bool,
     /// Assumptions of the reader.

@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 
 use crate::contact::Arithmetic;
 use crate::moving::Tracked;
-use crate::number::{number, percent, plural, with_interval};
+use crate::number::{number, percent, plural, radii, with_interval};
 use crate::present::document::Block;
 use crate::present::recommendation::{all, measured, ranked, why_out, words};
 use crate::present::table::{Cell, Column, Table};
@@ -94,7 +94,7 @@ pub fn blocks(head: &Head<'_>, verdict: Option<&Verdict>, found: &Found) -> [Vec
         Block::Table(missed(found)),
         Block::paragraph(format!(
             "Skins are in diameters of the largest body. since: the first frame with a missed \
-             contact; depth: of those that were reported late, the largest overlap, in radii. \
+             contact; depth: of those that were reported late, the largest overlap, in mean radii (r). \
              What missed nothing here may miss contacts elsewhere; {above}. contactbench track \
              follows any of these settings frame by frame.",
         )),
@@ -172,7 +172,7 @@ fn missed(found: &Found) -> Table {
             cell(whole, late.missed.to_string()),
             cell(whole, percent(share(it, found))),
             cell(late.missed > 0, first),
-            cell(late.latest > 0, percent(late.deepest)),
+            if late.latest > 0 { Cell::from(radii(late.deepest)) } else { Cell::absent() },
         ]
     });
     let columns = vec![

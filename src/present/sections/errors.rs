@@ -1,7 +1,7 @@
 //! Errors by cause, in a line per scene, arithmetic and group of detectors.
 
 use crate::findings::errors::{ErrorLine, ErrorTable};
-use crate::number::number;
+use crate::number::radii;
 use crate::oracle::{Causes, Errors};
 use crate::present::document::{Block, Text};
 use crate::present::table::{Cell, Column, Table};
@@ -51,7 +51,7 @@ fn row(line: &ErrorLine) -> Vec<Cell> {
     };
     let depth = |there: u64, depth: f64| match there {
         0 => Cell::absent(),
-        _ => format!("{} r", number(depth)).into(),
+        _ => radii(depth).into(),
     };
     let outcomes: Vec<&str> = sum
         .outcomes

@@ -123,7 +123,8 @@ fn verify_says_which_option_is_missing() {
     hint(&["near.csv", "--box", "4,4"], skin, json!("--skin 0.487"));
     list("i,j\n0,2\n1,2\n");
     file(folder, "row.csv", "x,y,r\n0.25,1,0.5\n3.25,1,0.5\n3.5,1.5,0.5\n");
-    let tangent = "< in the place of <= (the pairs missed touch in one point), all 2 pairs agree";
+    let tangent = "contacts decided by <, where here it is <= (each pair missed is an exact tie: the \
+                   distance is the sum of the radii), all 2 pairs agree";
     hint(&["row.csv", "--box", "4,4"], tangent, Value::Null);
     // A box of which the file does not say whether it repeats, or that was left out.
     list("1,2\n2,1\n");

@@ -1,0 +1,157 @@
+//! Whether a list that differs is that of another frame of the particles.
+
+use crate::check::listed::{Meaning, Touching};
+use crate::check::reading::words::counted;
+use crate::cli::shared::input;
+use crate::cli::verify::{Verified, Verify};
+use crate::io;
+
+/// Most particles, summed over frames, and most pairs that are compared for a hint.
+const MOST: u64 = 2_000_000;
+/// Frames after which lists that are one frame late or early are believed to be.
+const ENOUGH: u32 = 8;
+
+/// Another frame of the particles, of which a list is.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Other {
+    frame: u64,
+    /// Pairs that differ all the same.
+    wrong: u64,
+}
+
+impl Verified<'_> {
+    /// Pairs that differ.
+    pub(super) fn wrong(&self) -> u64 {
+        let found = &self.found;
+        found.errors.wrong() + (found.unknown.len() + found.one_sided.len()) as u64
+    }
+
+    /// Looks for the frame that fits the list best: among those around `given`, if the file has
+    /// others, and if no other reading explains the list. It has to be better by half.
+    pub(super) fn look_at_others(&mut self, given: u64) {
+        let Verify { file, .. } = self.options;
+        let explained = self.found.reading.as_ref().is_some_and(|reading| reading.wrong == 0);
+        let pairs = self.list.pairs.len() as u64;
+        // A pipe can be read once.
+        let is_file = std::fs::metadata(file).is_ok_and(|file| file.is_file());
+        if self.found.is_same() || explained || !is_file || !(1..=MOST).contains(&pairs) {
+            return;
+        }
+        let options = self.options;
+        let without = options.without;
+        let all = io::Options { ids: true, without, ..options.input.options() };
+        let mut best: Option<Other> = None;
+        // A hint is not worth an error.
+        let _ = input::frames(file, all, |frames| {
+            for frame in frames {
+                let (particles, about) = frame?;
+                let span = (MOST / (particles.len() as u64).max(1) / 2).max(1);
+                let frame = about.frame;
+                if frame > given.saturating_add(span) {
+                    break;
+                }
+                if frame == given || frame.saturating_add(span) < given {
+                    continue;
+                }
+                let Ok(other) =
+                    Verified::new(options, self.list.clone(), particles, about, 1, false)
+                else {
+                    continue;
+                };
+                let wrong = other.wrong();
+                if best.is_none_or(|best| wrong < best.wrong) {
+                    best = Some(Other { frame, wrong });
+                }
+                if wrong == 0 {
+                    break;
+                }
+            }
+            Ok(())
+        });
+        let least = self.found.reading.as_ref().map_or(u64::MAX, |reading| reading.wrong);
+        let half = self.wrong().div_ceil(2).min(least);
+        self.other = best.filter(|best| best.wrong < half);
+    }
+
+    /// The options for the other frame.
+    pub(super) fn other_flags(&self, other: Other) -> String {
+        let list = self.list.frame.filter(|_| self.options.pairs_frame.is_none());
+        let of_list = list.map_or(String::new(), |frame| format!(" --pairs-frame {frame}"));
+        format!("--frame {}{of_list}", other.frame)
+    }
+
+    pub(super) fn other_sentence(&self, other: Other) -> String {
+        let Other { frame, wrong } = other;
+        let pairs = self.list.pairs.len() as u64;
+        let flags = self.other_flags(other);
+        match wrong {
+            0 => format!(
+                "the list is that of frame {frame} of the particles: all {} agree there; give \
+                 {flags}",
+                counted(pairs, "pair")
+            ),
+            _ => format!(
+                "the list is nearest to frame {frame} of the particles: there all but {} agree; \
+                 give {flags}",
+                counted(wrong, "pair")
+            ),
+        }
+    }
+}
+
+/// Whether the lists of several frames are each that of the frame before, or of the frame after.
+#[derive(Default)]
+pub(super) struct Shift {
+    /// List and truth of the last frame, by the names in the list.
+    last: Option<[Vec<[i64; 2]>; 2]>,
+    compared: u32,
+    /// Lists that were not of the frame before, and not of the frame after.
+    refuted: [bool; 2],
+}
+
+impl Shift {
+    /// Adds a frame, from the first that differs on.
+    pub(super) fn note(&mut self, verified: &Verified<'_>, ids: Option<&[i64]>) {
+        let pairs = verified.list.pairs.len() as u64 + verified.found.contacts;
+        if self.compared >= ENOUGH || self.refuted == [true; 2] || pairs > MOST {
+            return;
+        }
+        let name = |k: u32| match verified.naming {
+            Meaning::Base(base) => i64::from(k) + base,
+            Meaning::Ids => ids.and_then(|ids| ids.get(k as usize)).copied().unwrap_or(-1),
+        };
+        let plain = |pairs: &mut Vec<[i64; 2]>| {
+            pairs.iter_mut().for_each(|pair| pair.sort_unstable());
+            pairs.sort_unstable();
+            pairs.dedup();
+        };
+        let mut list = verified.list.pairs.clone();
+        let mut truth: Vec<[i64; 2]> = match &verified.found.touching {
+            Touching::Open(pairs) => pairs.iter().map(|pair| pair.map(name)).collect(),
+            Touching::Boxed(pairs) => pairs.iter().map(|it| [it.i, it.j].map(name)).collect(),
+        };
+        plain(&mut list);
+        plain(&mut truth);
+        if let Some([last_list, last_truth]) = &self.last {
+            // Two frames without contacts show nothing.
+            self.compared += u32::from(!list.is_empty() && !truth.is_empty());
+            self.refuted[0] |= list != *last_truth;
+            self.refuted[1] |= truth != *last_list;
+        }
+        self.last = Some([list, truth]);
+    }
+
+    /// What the lists of two frames or more show.
+    pub(super) fn sentence(&self) -> Option<String> {
+        let which = match self.refuted {
+            _ if self.compared == 0 => return None,
+            [false, true] => "before",
+            [true, false] => "after",
+            _ => return None,
+        };
+        Some(format!(
+            "the list of each frame is that of the particles one frame {which}; write both at the \
+             same step, and the list after it was built"
+        ))
+    }
+}
