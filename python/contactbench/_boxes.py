@@ -1,10 +1,11 @@
-"""Boxes that repeat, and the arrays of a scene."""
+"""Periodic boxes, and what callers give as numbers."""
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, SupportsIndex, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -12,37 +13,119 @@ import numpy.typing as npt
 if TYPE_CHECKING:
     from ._contactbench import Doubles, Edges
 
+#: Integers up to this magnitude are numbers of float64.
+_EXACT = 2**53
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, eq=False)
 class Box:
-    """A box in which a scene repeats.
+    """A periodic box. Two boxes are equal if their vectors, flags and corners are.
 
     Parameters
     ----------
     edges : array_like, shape (D,) or (D, D)
-        Lengths along the axes; or D vectors, one per row, of any direction.
-    periodic : sequence of D bool, or bool
-        Along which of them the scene repeats. The others decide nothing.
+        Lengths along the axes; or D vectors, one per row, of any direction. Discs may have a third
+        length, or a third vector, of zeros.
+    periodic : bool, str, or sequence of D bool
+        Along which vectors the box is periodic: all or none; the axes as on the command line
+        (``"xy"``, ``"true"``, ``"none"``, ``"false"``); or one bool (or 0 or 1) for each vector, as
+        in ``atoms.pbc``. The other vectors decide nothing. None, and other text, is a ValueError.
     origin : array_like, shape (D,), optional
         The corner from which the vectors start. It decides no exact contact.
 
     Examples
     --------
-    A channel that repeats along x:
+    A channel that is periodic along x:
 
     >>> import contactbench
-    >>> box = contactbench.Box([4.0, 1.0], periodic=[True, False])
+    >>> box = contactbench.Box([4.0, 1.0], periodic="x")
+    >>> box == contactbench.Box([4.0, 1.0], periodic=[True, False])
+    True
     >>> pairs, images = contactbench.contacts([[0.25, 0.5], [3.75, 0.5]], 0.25, box=box)
     >>> pairs.tolist(), images.tolist()
     ([[0, 1]], [[-1, 0]])
     """
 
     edges: npt.ArrayLike
-    periodic: Sequence[bool] | bool = True
+    periodic: Sequence[bool] | npt.NDArray[np.bool_] | bool | str = True
     origin: npt.ArrayLike | None = None
+
+    def _dim(self) -> int:
+        shape = np.shape(self.edges)
+        return shape[0] if shape and shape[0] in (2, 3) else 3
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Box):
+            return NotImplemented
+        return self._dim() == other._dim() and edges_of(self, self._dim()) == edges_of(
+            other, other._dim()
+        )
+
+    def __hash__(self) -> int:
+        return hash(repr(edges_of(self, self._dim())))
 
 
 BoxLike: TypeAlias = "Box | npt.ArrayLike"
+
+
+def numbers(value: object, name: str) -> Doubles:
+    """An array of float64 that has the numbers given, to the last bit; else a ValueError."""
+    if value is None:
+        raise ValueError(f"{name} is None; give numbers")
+    if np.ma.is_masked(value):
+        raise ValueError(
+            f"{name} has masked numbers, which would be taken for data; leave their particles out"
+        )
+    array = np.asarray(value)
+    if array.dtype.kind not in "iuf":
+        raise ValueError(
+            f"{name} has the type {array.dtype}; give real numbers, as with .astype(float)"
+        )
+    if array.dtype.kind in "iu" and array.size and (array.max() > _EXACT or array.min() < -_EXACT):
+        raise ValueError(
+            f"{name} has an integer beyond 2^53, which float64 would round; give smaller ones"
+        )
+    doubles = np.require(array, np.float64, ["C", "A"])
+    if array.dtype.kind == "f" and array.dtype.itemsize > 8:
+        if not np.array_equal(doubles, array, equal_nan=True):
+            raise ValueError(
+                f"{name} has the type {array.dtype}, and float64 would round it; round it yourself "
+                "with .astype(float)"
+            )
+    return doubles
+
+
+def count(value: SupportsIndex, name: str, least: int = 0, most: int = 2**63 - 1) -> int:
+    """A whole number within bounds; else a ValueError."""
+    number = operator.index(value)
+    if not least <= number <= most:
+        raise ValueError(f"{name} is {number}; give a whole number from {least} to {most}")
+    return number
+
+
+def limit(value: SupportsIndex | None) -> int | None:
+    """A limit in bytes, or None."""
+    return None if value is None else count(value, "memory_limit")
+
+
+def _flags(periodic: object, dim: int) -> list[bool]:
+    """Along which of the vectors a box is periodic."""
+    words = "give a bool, one for each vector, or the axes, as in 'xy', or 'true' or 'none'"
+    if isinstance(periodic, str):
+        axes = {"true": "xyz"[:dim], "none": "", "false": ""}.get(periodic, periodic or "?")
+        if len(set(axes)) != len(axes) or not set(axes) <= set("xyz"[:dim]):
+            raise ValueError(f"periodic of the box is {periodic!r} in {dim} dimensions; {words}")
+        return [axis in axes for axis in "xyz"[:dim]]
+    flags = np.asarray(periodic)
+    if flags.dtype.kind not in "biu" or not np.isin(flags, (0, 1)).all():
+        raise ValueError(f"periodic of the box is {periodic!r}; {words}")
+    if flags.shape == ():
+        flags = np.broadcast_to(flags, (dim,))
+    if flags.shape != (dim,):
+        raise ValueError(
+            f"periodic of the box has the shape {flags.shape}; {words}, in {dim} dimensions"
+        )
+    return [bool(flag) for flag in flags]
 
 
 def edges_of(box: BoxLike | None, dim: int) -> Edges | None:
@@ -50,7 +133,14 @@ def edges_of(box: BoxLike | None, dim: int) -> Edges | None:
     if box is None:
         return None
     box = box if isinstance(box, Box) else Box(box)
-    edges = np.asarray(box.edges, dtype=np.float64)
+    edges = numbers(box.edges, "box")
+    periodic: Any = box.periodic
+    if dim == 2 and edges.shape in ((3,), (3, 3)):
+        third = edges[2:] if edges.ndim == 1 else np.concatenate([edges[2], edges[:, 2]])
+        if not third.any():
+            edges = edges[:2] if edges.ndim == 1 else edges[:2, :2]
+            if not isinstance(periodic, str) and np.shape(periodic) == (3,):
+                periodic = periodic[:2]
     if edges.shape == (dim,):
         edges = np.diag(edges)
     if edges.shape != (dim, dim):
@@ -58,25 +148,27 @@ def edges_of(box: BoxLike | None, dim: int) -> Edges | None:
             f"the box has the shape {edges.shape}; in {dim} dimensions it is {dim} lengths, or "
             f"{dim} rows of {dim} numbers"
         )
-    flags = np.broadcast_to(np.asarray(box.periodic, dtype=bool), np.shape(box.periodic) or (dim,))
-    origin = np.zeros(dim) if box.origin is None else np.asarray(box.origin, dtype=np.float64)
-    for name, array in (("periodic", flags), ("origin", origin)):
-        if array.shape != (dim,):
-            raise ValueError(f"{name} of the box has the shape {array.shape}; give {dim} of them")
+    flags = _flags(periodic, dim)
+    origin = np.zeros(dim)
+    if box.origin is not None:
+        origin = numbers(box.origin, "origin of the box") + 0.0
+    if origin.shape != (dim,):
+        raise ValueError(f"origin of the box has the shape {origin.shape}; give {dim} numbers")
     vectors = np.eye(3)
-    vectors[:dim, :dim] = edges
+    vectors[:dim, :dim] = edges + 0.0  # no -0.0, so that equal boxes have one hash
     more = 3 - dim
-    return vectors.tolist(), flags.tolist() + [False] * more, origin.tolist() + [0.0] * more
+    return vectors.tolist(), flags + [False] * more, origin.tolist() + [0.0] * more
 
 
 def arrays(
     x: npt.ArrayLike, r: npt.ArrayLike, box: BoxLike | None
 ) -> tuple[Doubles, Doubles, Edges | None]:
     """What native functions take; copies only what is not contiguous, aligned and of this type."""
-    centres = np.require(x, np.float64, ["C", "A"])
+    centres, radii = numbers(x, "x"), numbers(r, "r")
     if centres.size == 0 and centres.ndim < 2:
-        centres = centres.reshape(0, 3)
-    radii = np.require(r, np.float64, ["C", "A"])
+        edges = box.edges if isinstance(box, Box) else box
+        flat = edges is not None and np.shape(edges)[:1] == (2,)
+        centres = centres.reshape(0, 2 if flat else 3)
     dim = centres.shape[-1] if centres.ndim == 2 else 0
     return centres, radii, edges_of(box, dim) if dim in (2, 3) else None
 
@@ -84,6 +176,8 @@ def arrays(
 def whole(pairs: object, name: str, width: int, kind: type = np.int64) -> npt.NDArray[Any]:
     """Rows of `width` whole numbers."""
     rows = list(pairs) if isinstance(pairs, (set, frozenset)) else pairs
+    if np.ma.is_masked(rows):
+        raise ValueError(f"{name} has masked numbers; leave their rows out")
     array = np.asarray(rows)
     if array.size == 0:
         return np.empty((0, width), dtype=kind)

@@ -134,13 +134,12 @@ BAD = [
     (([1.0, 2.0], 1.0), "x has the shape [2]"),
     ((np.zeros((3, 4)), 1.0), "x has the shape [3, 4]"),
     ((np.zeros((3, 2)), [1.0, 2.0]), "3 centres but 2 radii"),
-    ((np.zeros((3, 2)), [1.0]), "3 centres but 1 radii"),
     ((np.zeros((3, 2)), np.ones((3, 1))), "r has the shape [3, 1]"),
     (([[0.0, np.nan]], 1.0), "particle 0: y is NaN"),
     (([[0.0, 0.0], [np.inf, 0.0]], 1.0), "particle 1: x is inf"),
     (([[0.0, 0.0]], -1.0), "the radius of all particles is -1"),
-    (([[0.0, 0.0]], [-1.0]), "particle 0: the radius is -1"),
-    (([["a", "b"]], 1.0), "could not convert"),
+    (([[0.0, 0.0]] * 2, [1.0, -1.0]), "particle 1: the radius is -1"),
+    (([["a", "b"]], 1.0), "x has the type <U1"),
 ]
 
 
