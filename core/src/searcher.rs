@@ -2,6 +2,7 @@
 //! are given.
 
 use crate::contact::Arithmetic;
+use crate::crowd;
 use crate::detect::any::AnyDetector;
 use crate::detect::spec::DetectorSpec;
 use crate::detect::{Options, Refusal};
@@ -37,6 +38,21 @@ impl<'a> Loaded<'a> {
             Loaded::Open(scene) => scene.len(),
             Loaded::InBox(periodic) => periodic.scene().len(),
         }
+    }
+
+    /// Refuses a scene whose contacts are sure to take more than `limit` bytes: of particles as
+    /// given. Those with images are foreseen when images are made.
+    ///
+    /// # Errors
+    /// [`Refusal::Crowd`].
+    pub fn within(&self, limit: u64) -> Result<(), Refusal> {
+        crowd::within(
+            match self {
+                Loaded::Open(scene) => scene,
+                Loaded::InBox(periodic) => periodic.scene(),
+            },
+            limit,
+        )
     }
 
     /// The scene as detectors get it in an arithmetic.

@@ -208,6 +208,7 @@ fn in_box(
 ) -> anyhow::Result<ExitCode> {
     let (scene, lattice) = (periodic.scene(), periodic.lattice());
     let memory_limit = options.limit.bytes(scene.len());
+    crowd::within(scene, memory_limit).with_context(|| name.to_string())?;
     let mut detector = spec.make(Options { memory_limit, threads: options.threads });
     let started = Instant::now();
     let (mut contacts, mut finder) = (Contacts::default(), Finder::new(memory_limit));

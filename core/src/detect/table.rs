@@ -447,9 +447,17 @@ pub fn find(name: &str) -> Option<&'static Entry> {
     TABLE.iter().find(|entry| entry.name == name)
 }
 
-/// The names of all detectors and controls, for messages.
+impl Entry {
+    /// Returns whether it serves measurements only: `nothing`, and the twins.
+    pub fn is_control(&self) -> bool {
+        matches!(self.role, Role::Nothing | Role::Twin(_))
+    }
+}
+
+/// The names of all detectors, without controls, for messages.
 pub fn names() -> String {
-    TABLE.iter().map(|entry| entry.name).collect::<Vec<_>>().join(", ")
+    let detectors = TABLE.iter().filter(|entry| !entry.is_control());
+    detectors.map(|entry| entry.name).collect::<Vec<_>>().join(", ")
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! The contacts of a periodic scene, by any detector, call after call.
 
 use super::contacts::{Contacts, List};
+use super::crowded;
 use super::images::Images;
 use super::made::Made;
 use super::stored::Copies;
@@ -8,7 +9,7 @@ use super::{ImagePair, Periodic};
 use crate::contact::{Arithmetic, Asked, Decided, Imaged};
 use crate::detect::any::{AnyDetector, Searched};
 use crate::pair_list::{Allowance, PairList};
-use crate::probe::{Op, Probe, Tally};
+use crate::probe::{Op, Probe, Silent, Tally};
 use crate::refusal::Refusal;
 use crate::scene::{AnyScene, Scene, Stored};
 use crate::sink::Sink;
@@ -43,7 +44,8 @@ impl Finder {
     ///
     /// # Errors
     /// What the detector refuses for the scene with its images, what
-    /// [`Images::make`](super::images::Images::make) does, [`Refusal::Pairs`] if there are more
+    /// [`Images::make`](super::images::Images::make) does, [`Refusal::Pairs`] (in small boxes
+    /// [`Refusal::Crowd`], before the search) if there are more
     /// contacts than a list may hold, [`Refusal::Stored`] if a rounded arithmetic cannot hold the
     /// images; `contacts` is then as it was.
     pub fn list(
@@ -133,6 +135,7 @@ impl Search<'_> {
     {
         let Search { periodic, detector, arithmetic, limit, tally, contacts, found } = self;
         let made = buffers.images.make(scene, periodic.lattice(), arithmetic, limit)?;
+        crowded::within(&made, limit)?;
         let (test, decide) = (arithmetic.test(), |a, b| made.touch(a, b));
         let searched = match buffers.copies.of(&made, arithmetic)? {
             Some(stored) => Searched::Stored(stored.into(), test),
@@ -147,11 +150,16 @@ impl Search<'_> {
         let plain = PairList::behind(std::mem::take(&mut contacts.plain), &allowance);
         let shifted = List::behind(std::mem::take(&mut contacts.shifted), limit);
         let mut sorted = Sorted { made: &made, level: Level::best(), plain, shifted };
+        let (owners, spared) = (made.particles(), crowded::spares_images(&made));
         let result = match tally {
+            None if spared => crowded::search(&searched, owners, &mut Silent, &mut sorted),
             None => detector.list_images(&searched, &mut sorted),
             Some(tally) => {
                 tally.add(Op::GhostMade, made.ghosts());
-                detector.count_images(&searched, tally, &mut sorted)
+                match spared {
+                    true => crowded::search(&searched, owners, tally, &mut sorted),
+                    false => detector.count_images(&searched, tally, &mut sorted),
+                }
             }
         };
         let (plain, shifted) = sorted.end();

@@ -127,11 +127,12 @@ impl<const D: usize> Frame<D> {
         Ok(Frame { periodic, vectors, numbers, own, duals, origin, lengths, off })
     }
 
-    /// Numbers of the frame's own vectors as numbers of the given ones; `None` beyond 2^29.
+    /// Numbers of the frame's own vectors as numbers of the given ones; beyond 2^29, which of the
+    /// given vectors, and its number.
     #[inline]
-    pub fn given(&self, image: [i32; 3]) -> Option<[i32; 3]> {
+    pub fn given(&self, image: [i32; 3]) -> Result<[i32; 3], (usize, i64)> {
         if image == [0; 3] || self.numbers == AS_GIVEN {
-            return Some(image);
+            return Ok(image);
         }
         let mut given = [0; 3];
         for (b, number) in given.iter_mut().enumerate() {
@@ -139,11 +140,11 @@ impl<const D: usize> Frame<D> {
             let sum: i64 =
                 (0..3).map(|a| i64::from(image[a]) * i64::from(self.numbers[a][b])).sum();
             if sum.unsigned_abs() >= 1 << 29 {
-                return None;
+                return Err((b, sum));
             }
             *number = sum as i32;
         }
-        Some(given)
+        Ok(given)
     }
 
     /// Are its vectors those that were given?
@@ -199,9 +200,10 @@ impl<const D: usize> Frame<D> {
             }
             image[a] = -(boxes as i32);
         }
-        self.given(image).ok_or_else(|| {
-            let a = (0..3).max_by_key(|&a| image[a].abs()).unwrap_or(0);
-            Refusal::Away { particle: index, vector: a, boxes: -f64::from(image[a]) }
+        self.given(image).map_err(|(vector, number)| Refusal::Away {
+            particle: index,
+            vector,
+            boxes: -(number as f64),
         })
     }
 

@@ -290,7 +290,7 @@ impl<const D: usize> Images<D> {
             }
             for_half(ranges, |shift| {
                 // Always: so large numbers were refused.
-                let Some(shift) = frame.given(shift) else { return };
+                let Ok(shift) = frame.given(shift) else { return };
                 let image = std::array::from_fn(|a| wrap[a] + shift[a]);
                 add(image, frame.place(x, image));
             });

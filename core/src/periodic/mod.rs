@@ -12,7 +12,8 @@
 //! * **How it is found:** every image that can matter becomes a further body of an open scene
 //!   ([`images`]), and any detector of the table searches that, by a [`Finder`], which keeps its
 //!   buffers and is what is timed. Boxes may be smaller than the reach, skewed, tilted by many box
-//!   lengths, and open along some vectors; particles may lie far outside.
+//!   lengths, and open along some vectors; particles may lie far outside. In boxes smaller than the
+//!   reach each particle is compared with all bodies instead (`crowded.rs`).
 //! * **The truth** goes over all pairs and all their images ([`truth()`]).
 //!
 //! **Rounded arithmetics** decide from the coordinates of images, as a simulation code does that
@@ -24,10 +25,11 @@
 //! use contactbench_core::contact::Arithmetic;
 //! use contactbench_core::detect::{Options, table};
 //! use contactbench_core::periodic::{self, Periodic};
-//! use contactbench_core::scene::{Lattice, Radii, Scene};
+//! use contactbench_core::scene::{Lattice, Radii, Scene, points};
 //!
 //! // One sphere in a unit cube touches six images of itself: three contacts, seen from both sides.
-//! let scene = Scene::new(vec![nalgebra::Point::from([0.2, 0.3, 0.4])], Radii::Uniform(0.5))?;
+//! let x = [[0.2, 0.3, 0.4]];
+//! let scene = Scene::new(points(&x), Radii::Uniform(0.5))?;
 //! let cube = Lattice::along_axes([1.0; 3], [true; 3])?;
 //! let scene = Periodic::new(scene.into(), cube)?;
 //! let mut detector = table::find("nbs").expect("it is there").make(Options::default());
@@ -41,6 +43,7 @@
 //! ```
 
 mod contacts;
+mod crowded;
 mod finder;
 pub(crate) mod frame;
 pub mod images;

@@ -18,6 +18,7 @@
 //! exact truth of those is between the two ([`truth_as_stored`]).
 
 use super::contacts::List;
+use super::crowded;
 use super::frame::{Frame, MOST, U};
 use super::images::Images;
 use super::made::touches;
@@ -26,11 +27,13 @@ use super::{IMAGE_PAIR_BYTES, ImagePair, Periodic};
 use crate::contact::depth::depth_of_image;
 use crate::contact::image::Shift;
 use crate::contact::{Arithmetic, Test};
+use crate::detect::any::Searched;
 use crate::detect::{Options, table};
 use crate::oracle::{self, NoTruth, SAMPLE};
+use crate::probe::Silent;
 use crate::refusal::Refusal;
 use crate::scene::{AnyScene, Scene, array};
-use crate::sink::{Digest, splitmix64};
+use crate::sink::{Digest, Visit, splitmix64};
 
 /// Up to this number of particles every pair is tested.
 pub const BRUTE_FORCE: usize = 3_000;
@@ -128,9 +131,16 @@ where
 {
     let mut images = Images::default();
     let images = images.make(scene, periodic.lattice(), arithmetic, limit)?;
+    crowded::within(&images, limit)?;
     let stored = stored(&AnyScene::from(images.open()?), arithmetic)?;
-    let truth = oracle::truth_as_stored(&stored, test, limit)?;
     let mut list = List::new(limit);
+    if crowded::is_small(&images) {
+        let mut sink = Visit(|a, b| images.pair(a, b).into_iter().for_each(|pair| list.push(pair)));
+        let searched = Searched::Stored(stored, test);
+        crowded::search(&searched, images.particles(), &mut Silent, &mut sink)?;
+        return Ok(list.end(scene.len())?);
+    }
+    let truth = oracle::truth_as_stored(&stored, test, limit)?;
     let pairs = truth.pairs.iter().filter_map(|&[a, b]| images.pair(a, b));
     pairs.for_each(|pair| list.push(pair));
     Ok(list.end(scene.len())?)
@@ -211,7 +221,7 @@ pub(super) fn tested<const D: usize>(
                 return Err(Refusal::Images { particles: n as u64, images, reach, needed, limit });
             }
             for_all(ranges, |image| {
-                let Some(given) = frame.given(image) else { return };
+                let Ok(given) = frame.given(image) else { return };
                 if i == j && image <= [0; 3] || apart(frame, at(i), at(j), given, sum) {
                     return;
                 }

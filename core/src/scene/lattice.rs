@@ -82,9 +82,10 @@ impl Lattice {
                 if let Some((vector, length)) = lengths.find(|(_, length)| out(*length)) {
                     return Err(LatticeError::Range { vector, length });
                 }
-                // Beside a vector of no length there is no direction.
+                // Beside a vector of no length there is no direction, and it is the one to mend.
+                let none = (0..3).find(|&v| periodic[v] && most(v) == 0.0);
                 let height = if height.is_nan() { 0.0 } else { height };
-                return Err(LatticeError::Flat { vector, height });
+                return Err(LatticeError::Flat { vector: none.unwrap_or(vector), height });
             }
         }
         Ok(lattice)

@@ -158,6 +158,7 @@ impl Search {
             }
             Some(lattice) => {
                 let periodic = Periodic::new(given.scene, lattice)?;
+                crowd::within(periodic.scene(), *memory_limit)?;
                 contacts.clear();
                 let started = Instant::now();
                 finder.list(&periodic, &mut **detector, options.arithmetic, contacts)?;

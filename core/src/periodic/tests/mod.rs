@@ -1,6 +1,7 @@
 //! Detectors against the truth, the truth against what is known, and both against themselves.
 
 mod agreement;
+mod crowded;
 mod extremes;
 mod finder;
 mod golden;

@@ -1,0 +1,126 @@
+//! Boxes smaller than the reach: how many contacts there will be, and how to find them without the
+//! pairs of two images.
+//!
+//! A detector that is given all bodies finds pairs of two images too, which are dropped. In a box
+//! smaller than the reach a particle has many images, and their pairs grow with the square of their
+//! number. Then each particle is compared with all bodies instead: n·B tests for n particles and B
+//! bodies, which is linear in the answer, since in such a box most bodies touch. Which way is taken
+//! depends on the scene alone, and the contacts are the same.
+
+use super::IMAGE_PAIR_BYTES;
+use super::made::Made;
+use crate::contact::Bodies;
+use crate::detect::Detector;
+use crate::detect::any::{Searched, run_any};
+use crate::probe::Probe;
+use crate::refusal::Refusal;
+use crate::scene::{AnyScene, Real, array};
+use crate::sink::{Sink, splitmix64};
+
+/// Fewer images cost less than the estimate.
+const FEW: u64 = 1024;
+/// A box of the reach or larger has fewer images for each particle.
+const EACH: u64 = 16;
+/// A detector tests this many pairs of two images in the time of a test of a particle.
+const CHEAPER: f64 = 8.0;
+/// Pairs drawn for an estimate, at most.
+const DRAWN: u64 = 1 << 16;
+/// An estimate is sure of its value less this many standard errors.
+const SURE: f64 = 4.0;
+
+/// Returns whether the box has so many images that pairs of two of them may cost the most.
+pub(super) fn is_small<const D: usize>(made: &Made<'_, D>) -> bool {
+    made.ghosts() >= FEW && made.ghosts() > EACH * u64::from(made.particles())
+}
+
+/// Refuses a scene whose contacts with images are sure to take more than `limit` bytes; looks at a
+/// sample, and only in small boxes. The contacts of particles as given are foreseen by
+/// [`crate::crowd::within`].
+///
+/// # Errors
+/// [`Refusal::Crowd`].
+pub(super) fn within<const D: usize>(made: &Made<'_, D>, limit: u64) -> Result<(), Refusal> {
+    let (n, images) = (u64::from(made.particles()), made.ghosts());
+    let (pairs, most) = (n as f64 * images as f64, (limit / IMAGE_PAIR_BYTES) as f64);
+    if !is_small(made) || pairs <= most {
+        return Ok(());
+    }
+    let drawn = ((64.0 * pairs / most.max(1.0)) as u64).clamp(FEW, DRAWN);
+    let body = |k: u64| splitmix64(k);
+    let touching = (0..drawn)
+        .filter(|&k| made.overlap(body(2 * k) % n, n + body(2 * k + 1) % images))
+        .count() as f64;
+    let (scale, least) = (pairs / drawn as f64, touching - SURE * touching.sqrt());
+    if least * scale <= most {
+        return Ok(());
+    }
+    Err(Refusal::Crowd { particles: n, each: 2.0 * touching * scale / n as f64, limit })
+}
+
+/// Returns whether testing each particle against all bodies costs less than the pairs of two images
+/// that a detector would find, by a sample of them.
+pub(super) fn spares_images<const D: usize>(made: &Made<'_, D>) -> bool {
+    if !is_small(made) {
+        return false;
+    }
+    let (n, images) = (u64::from(made.particles()), made.ghosts());
+    let body = |k: u64| n + splitmix64(k) % images;
+    let touching = (0..FEW).filter(|&k| made.overlap(body(2 * k), body(2 * k + 1))).count() as f64;
+    let wasted = touching / FEW as f64 * 0.5 * images as f64 * images as f64;
+    wasted > CHEAPER * n as f64 * (n + images) as f64
+}
+
+impl<const D: usize> Made<'_, D> {
+    /// Returns whether two bodies touch, rounded: for estimates.
+    fn overlap(&self, a: u64, b: u64) -> bool {
+        let at = |body: u64| match (body as usize).checked_sub(self.owners.len()) {
+            Some(image) => array(&self.centres[image]),
+            None => array(&self.owners[body as usize]),
+        };
+        let (p, q) = (at(a), at(b));
+        let square: f64 = (0..D).map(|k| (p[k] - q[k]) * (p[k] - q[k])).sum();
+        let reach = self.radii.get(a as usize) + self.radii.get(b as usize);
+        square <= reach * reach
+    }
+}
+
+/// Hands every contact of one of the first `owners` bodies to `sink`: tests each of them against
+/// all bodies behind it.
+pub(super) fn search(
+    searched: &Searched<'_>,
+    owners: u32,
+    probe: &mut impl Probe,
+    sink: &mut impl Sink,
+) -> Result<(), Refusal> {
+    let mut direct = OfOwners(owners);
+    match searched {
+        Searched::Plane(bodies) => direct.detect(bodies.bodies()?, probe, sink),
+        Searched::Space(bodies) => direct.detect(bodies.bodies()?, probe, sink),
+        Searched::Stored(AnyScene::Plane(scene), test) => {
+            run_any(&mut direct, scene, *test, probe, sink)
+        }
+        Searched::Stored(AnyScene::Space(scene), test) => {
+            run_any(&mut direct, scene, *test, probe, sink)
+        }
+    }
+}
+
+struct OfOwners(u32);
+
+impl<T: Real, const D: usize> Detector<T, D> for OfOwners {
+    fn detect<B: Bodies<T, D>, P: Probe, S: Sink>(
+        &mut self,
+        bodies: B,
+        probe: &mut P,
+        sink: &mut S,
+    ) -> Result<(), Refusal> {
+        for i in 0..self.0 {
+            for j in i + 1..bodies.len() as u32 {
+                if bodies.touch(i, j, probe) {
+                    sink.contact(i, j);
+                }
+            }
+        }
+        Ok(())
+    }
+}
