@@ -9,7 +9,8 @@
 
 Two particles touch when |xi - xj| <= ri + rj, decided exactly for the numbers given. All lengths are
 in one unit, that of the coordinates. What cannot be answered is an exception with one sentence:
-`ValueError` for what is wrong with the input, `MemoryError` for what would take too much memory.
+`ValueError` for what is wrong with the input, `Refused` (a `ValueError`) where a detector cannot
+answer, `MemoryError` for what would take too much memory.
 
 Arrays are read where they are, without a copy, if they are contiguous and of float64; the
 interpreter's lock is released meanwhile, so no other thread may write to them until a call returns.
@@ -17,7 +18,7 @@ interpreter's lock is released meanwhile, so no other thread may write to them u
 
 from ._boxes import Box
 from ._checking import Check, Failure, check
-from ._contactbench import DETECTORS, __version__
+from ._contactbench import DETECTORS, Refused, __version__
 from ._contacts import Detector, Verlet, contacts
 from ._recommending import Recommendation, recommend
 from ._records import load, provenance, scene
@@ -31,6 +32,7 @@ __all__ = [
     "Failure",
     "Pairs",
     "Recommendation",
+    "Refused",
     "Verification",
     "Verlet",
     "__version__",

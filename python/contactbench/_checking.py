@@ -51,7 +51,7 @@ class Failure:
 
 @dataclass(frozen=True)
 class Check:
-    """What `check` found. It is true where nothing was wrong.
+    """What `check` found. It is true if answers were compared and none was wrong.
 
     Attributes
     ----------
@@ -74,11 +74,13 @@ class Check:
     cut: bool
 
     def __bool__(self) -> bool:
-        return not self.failures
+        return not self.failures and self.cases > 0
 
     def __str__(self) -> str:
         if self.failures:
             return "\n".join(map(str, self.failures))
+        if not self.cases:
+            return f"nothing was compared: {sum(self.refused.values())} scenes were refused"
         return f"right in {self.cases} cases" + (", and not all were asked" if self.cut else "")
 
 
@@ -96,9 +98,10 @@ def check(
     ----------
     detector : callable
         ``detector(x, r)`` takes centres (N, D) and N radii, and gives pairs: an array of whole
-        numbers (M, 2), or a set or list of pairs, in any order, each once. A `NotImplementedError`
-        refuses the scene; any other exception is a failure. Scenes in boxes are left out. A call
-        that never returns is not noticed.
+        numbers (M, 2), or a set or list of pairs, in any order, each once. A `NotImplementedError`,
+        `Refused` or `MemoryError` refuses the scene; any other exception is a failure. A detector that refuses
+        every scene does not pass. Scenes in boxes are left out. A call that never returns is not
+        noticed.
     arithmetic : str
         How contacts are to be decided: by the exact sign, or, of a detector that rounds, by one of
         the rounded tests of `contacts`.

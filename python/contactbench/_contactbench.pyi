@@ -15,6 +15,8 @@ DEFAULT: str
 DETECTORS: list[str]
 __version__: str
 
+class Refused(ValueError): ...
+
 def limit_for(particles: int) -> int: ...
 
 class Detector:

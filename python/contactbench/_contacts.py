@@ -2,21 +2,53 @@
 
 from __future__ import annotations
 
-from typing import TypeAlias
+from typing import Any, TypeAlias, overload
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _contactbench as native
-from ._boxes import BoxLike, arrays
+from ._boxes import BoxLike, arrays, count, limit
 
-Contacts: TypeAlias = "tuple[npt.NDArray[np.uint32], npt.NDArray[np.int32] | None]"
+Pairs: TypeAlias = npt.NDArray[np.uint32]
+Images: TypeAlias = npt.NDArray[np.int32]
+
+
+def _threads(threads: int) -> int:
+    return count(threads, "threads", 1, 1024)
 
 
 def _named(detector: str) -> str:
     return native.DEFAULT if detector == "auto" else detector
 
 
+@overload
+def contacts(
+    x: npt.ArrayLike,
+    r: npt.ArrayLike,
+    box: None = None,
+    detector: str = "auto",
+    arithmetic: str = "exact",
+    threads: int = 1,
+) -> tuple[Pairs, None]: ...
+@overload
+def contacts(
+    x: npt.ArrayLike,
+    r: npt.ArrayLike,
+    box: BoxLike,
+    detector: str = "auto",
+    arithmetic: str = "exact",
+    threads: int = 1,
+) -> tuple[Pairs, Images]: ...
+@overload
+def contacts(
+    x: npt.ArrayLike,
+    r: npt.ArrayLike,
+    box: BoxLike | None,
+    detector: str = "auto",
+    arithmetic: str = "exact",
+    threads: int = 1,
+) -> tuple[Pairs, Images | None]: ...
 def contacts(
     x: npt.ArrayLike,
     r: npt.ArrayLike,
@@ -24,7 +56,7 @@ def contacts(
     detector: str = "auto",
     arithmetic: str = "exact",
     threads: int = 1,
-) -> Contacts:
+) -> tuple[Pairs, Images | None]:
     """The pairs of particles that touch or overlap: |xi - xj| <= ri + rj.
 
     Parameters
@@ -52,13 +84,21 @@ def contacts(
         there once for each image that touches, and a particle may touch its own.
     images : ndarray of int32, shape (M, D), or None
         Particle i touches the image of j at ``x[j] + images[k] @ vectors``; 0 where the box is open.
-        None without a box.
+        None without a box. These are the shifts ``S`` of ASE and matscipy: the distance vector is
+        ``x[j] - x[i] + S @ cell``. A list there has each pair from both sides; with a cutoff of
+        2 r it is this one (``cutoff`` is a distance between centres, r = cutoff / 2), but for pairs
+        at exactly the cutoff, which touch here (<=). Images are numbered below 2^29: a particle
+        farther from its box is a `ValueError`.
 
     Raises
     ------
     ValueError
-        Shapes that do not fit, numbers that are not finite, negative radii, a box that encloses
-        nothing, an unknown detector, what the detector refuses.
+        Shapes that do not fit, numbers that are not finite or that float64 would round, masked
+        numbers, negative radii, a box that encloses nothing, an unknown detector.
+    Refused
+        The detector cannot answer for this scene; a `ValueError`, too.
+    KeyboardInterrupt
+        Ctrl-C ends the call at once.
     MemoryError
         Arrays or pairs would take more than 16 KiB for each particle (at least 256 MiB, at most 4
         GiB or a quarter of the machine's memory). Radii in another unit than the centres are the
@@ -72,8 +112,8 @@ def contacts(
     ([[0, 1]], [[-1, 0]])
     """
     centres, radii, edges = arrays(x, r, box)
-    limit = native.limit_for(len(centres)) if centres.ndim == 2 else None
-    return native.Detector(_named(detector), arithmetic, threads, limit).contacts(
+    most = native.limit_for(len(centres)) if centres.ndim == 2 else None
+    return native.Detector(_named(detector), arithmetic, _threads(threads), most).contacts(
         centres, radii, edges
     )
 
@@ -82,7 +122,9 @@ class Detector:
     """A detector that keeps its buffers: a call for a scene like the one before allocates its answer
     and nothing else.
 
-    It may be used by several threads; one waits for the other.
+    It may be used by several threads; one waits for the other. It can be pickled and copied, with
+    buffers of its own. A process forked while it works, or after it has started threads, must make
+    its own: a RuntimeError says so.
 
     Parameters
     ----------
@@ -110,7 +152,13 @@ class Detector:
         threads: int = 1,
         memory_limit: int | None = None,
     ) -> None:
-        self._native = native.Detector(_named(detector), arithmetic, threads, memory_limit)
+        self._native = native.Detector(
+            _named(detector), arithmetic, _threads(threads), limit(memory_limit)
+        )
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """A copy, or what is unpickled, has buffers of its own."""
+        return type(self), (self.name, self.arithmetic, self.threads, self.memory_limit)
 
     @property
     def name(self) -> str:
@@ -132,7 +180,21 @@ class Detector:
         """Bytes for its arrays, and as many for pairs."""
         return self._native.memory_limit
 
-    def contacts(self, x: npt.ArrayLike, r: npt.ArrayLike, box: BoxLike | None = None) -> Contacts:
+    @overload
+    def contacts(
+        self, x: npt.ArrayLike, r: npt.ArrayLike, box: None = None
+    ) -> tuple[Pairs, None]: ...
+    @overload
+    def contacts(
+        self, x: npt.ArrayLike, r: npt.ArrayLike, box: BoxLike
+    ) -> tuple[Pairs, Images]: ...
+    @overload
+    def contacts(
+        self, x: npt.ArrayLike, r: npt.ArrayLike, box: BoxLike | None
+    ) -> tuple[Pairs, Images | None]: ...
+    def contacts(
+        self, x: npt.ArrayLike, r: npt.ArrayLike, box: BoxLike | None = None
+    ) -> tuple[Pairs, Images | None]:
         """The pairs that touch; see the function `contacts`."""
         return self._native.contacts(*arrays(x, r, box))
 
@@ -197,7 +259,12 @@ class Verlet:
         memory_limit: int | None = None,
     ) -> None:
         tracker = f"verlet({_named(detector)},rule={rule},skin={skin})"
-        self._native = native.Verlet(tracker, arithmetic, threads, memory_limit)
+        self._asked = (detector, skin, rule, arithmetic, threads, memory_limit)
+        self._native = native.Verlet(tracker, arithmetic, _threads(threads), limit(memory_limit))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """A copy, or what is unpickled, has no list: its next frame is the first."""
+        return type(self), self._asked
 
     @property
     def name(self) -> str:
@@ -229,7 +296,21 @@ class Verlet:
         """Whether the list was built in the last frame."""
         return self._native.done[4]
 
-    def contacts(self, x: npt.ArrayLike, r: npt.ArrayLike, box: BoxLike | None = None) -> Contacts:
+    @overload
+    def contacts(
+        self, x: npt.ArrayLike, r: npt.ArrayLike, box: None = None
+    ) -> tuple[Pairs, None]: ...
+    @overload
+    def contacts(
+        self, x: npt.ArrayLike, r: npt.ArrayLike, box: BoxLike
+    ) -> tuple[Pairs, Images]: ...
+    @overload
+    def contacts(
+        self, x: npt.ArrayLike, r: npt.ArrayLike, box: BoxLike | None
+    ) -> tuple[Pairs, Images | None]: ...
+    def contacts(
+        self, x: npt.ArrayLike, r: npt.ArrayLike, box: BoxLike | None = None
+    ) -> tuple[Pairs, Images | None]:
         """The pairs that touch in the next frame; see the function `contacts`."""
         return self._native.contacts(*arrays(x, r, box))
 

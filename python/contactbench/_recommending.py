@@ -10,7 +10,7 @@ from typing import Any
 import numpy.typing as npt
 
 from . import _contactbench as native
-from ._boxes import BoxLike, arrays
+from ._boxes import BoxLike, arrays, count, limit
 
 #: Loads the native module alone, which takes a hundredth of the time of the package with NumPy, and
 #: serves; the first argument is its file.
@@ -81,7 +81,10 @@ def recommend(
         As `contacts`; a scene without particles.
     """
     program = [sys.executable, "-I", "-S", "-c", _RUNNER, str(native.__file__)]
-    text = native.recommend(*arrays(x, r, box), arithmetic, threads, seconds, memory_limit, program)
+    text = native.recommend(
+        *arrays(x, r, box), arithmetic, count(threads, "threads", 1, 1024), seconds,
+        limit(memory_limit), program,
+    )  # fmt: skip
     said = json.loads(text)
     return Recommendation(
         said["use"], said["because"], said["cannot_tell_apart"] or [], said["detectors"]

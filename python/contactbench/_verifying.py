@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _contactbench as native
-from ._boxes import BoxLike, arrays, whole
+from ._boxes import BoxLike, arrays, count, limit, whole
 
 
 @dataclass(frozen=True)
@@ -158,8 +158,9 @@ def verify(
         if len(shifts) != len(listed):
             raise ValueError(f"{len(listed)} pairs but {len(shifts)} images; give one for each")
     found = native.verify(
-        centres, radii, listed, shifts, edges, arithmetic, base, both_sides, skin, most, threads,
-        memory_limit,
+        centres, radii, listed, shifts, edges, arithmetic, count(base, "base", -(2**62), 2**62),
+        both_sides, skin, count(most, "most"), count(threads, "threads", 1, 1024),
+        limit(memory_limit),
     )  # fmt: skip
     found["missed"], found["spurious"] = Pairs(*found["missed"]), Pairs(*found["spurious"])
     return Verification(**found)

@@ -9,11 +9,11 @@ use contactbench::check::{Failure as Found, Limits, Report, Wrong, battery};
 use contactbench_core::periodic::ImagePair;
 use contactbench_core::scene::AnyScene;
 use numpy::{PyArray2, PyArrayMethods, PyReadonlyArray2};
-use pyo3::exceptions::{PyException, PyNotImplementedError};
+use pyo3::exceptions::{PyException, PyMemoryError, PyNotImplementedError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::failure::{Failure, work};
+use crate::failure::{Failure, Refused, work};
 use crate::given::{arithmetic, made};
 
 /// Asks `function(x, r)`, which gives an array of whole numbers (M, 2), about every open scene of
@@ -68,10 +68,15 @@ pub fn check<'py>(
 
 /// What the function says; an error if it is to stop.
 fn answer(py: Python<'_>, function: &Py<PyAny>, scene: &AnyScene<'static>) -> PyResult<Answer> {
+    py.check_signals()?;
     let (x, r, _) = made(py, scene)?;
     let pairs = match function.call1(py, (x, r)) {
         Ok(pairs) => pairs,
-        Err(error) if error.is_instance_of::<PyNotImplementedError>(py) => {
+        Err(error)
+            if error.is_instance_of::<PyNotImplementedError>(py)
+                || error.is_instance_of::<Refused>(py)
+                || error.is_instance_of::<PyMemoryError>(py) =>
+        {
             return Ok(Answer::Declined(error.value(py).to_string()));
         }
         Err(error) if error.is_instance_of::<PyException>(py) => {

@@ -4,11 +4,13 @@ use std::borrow::Cow;
 
 use contactbench_core::contact::Arithmetic;
 use contactbench_core::periodic::Contacts;
+use contactbench_core::refusal::reserve;
 use contactbench_core::scene::{AnyScene, Lattice, Radii, Scene, Storage, array, points};
 use contactbench_core::sink::smaller_first;
 use contactbench_core::with_scene;
 use numpy::{
-    IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods,
+    IntoPyArray, PyArray1, PyArray2, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn,
+    PyUntypedArrayMethods,
 };
 use pyo3::prelude::*;
 
@@ -23,8 +25,6 @@ pub struct Arrays<'a> {
     x: &'a [f64],
     dim: usize,
     r: &'a [f64],
-    /// One radius is for all.
-    one: bool,
     edges: Option<Edges>,
 }
 
@@ -51,8 +51,8 @@ impl<'a> Arrays<'a> {
             )));
         }
         let apart = |_| Failure::value("an array is not contiguous; give a copy of it");
-        let (x, one) = (x.as_slice().map_err(apart)?, r.shape().is_empty());
-        Ok(Arrays { x, dim, r: r.as_slice().map_err(apart)?, one, edges })
+        let x = x.as_slice().map_err(apart)?;
+        Ok(Arrays { x, dim, r: r.as_slice().map_err(apart)?, edges })
     }
 
     /// How many particles there are.
@@ -63,7 +63,7 @@ impl<'a> Arrays<'a> {
     /// The scene: the same memory.
     pub fn scene(&self) -> Result<AnyScene<'a>, Failure> {
         let radii = match *self.r {
-            [r] if self.one => Radii::Uniform(r),
+            [r] => Radii::Uniform(r),
             _ => Radii::Each(Cow::Borrowed(self.r)),
         };
         Ok(match self.dim {
@@ -84,6 +84,47 @@ impl<'a> Arrays<'a> {
     }
 }
 
+/// Arrays that are kept from being freed, for work that may outlast its call.
+pub struct Held {
+    arrays: Arrays<'static>,
+    _kept: [Py<PyArrayDyn<f64>>; 2],
+}
+
+impl Held {
+    /// As [`Arrays::new`].
+    pub fn new(
+        x: &PyReadonlyArrayDyn<'_, f64>,
+        r: &PyReadonlyArrayDyn<'_, f64>,
+        edges: Option<Edges>,
+    ) -> Result<Held, Failure> {
+        let Arrays { x: centres, dim, r: radii, edges } = Arrays::new(x, r, edges)?;
+        let kept = [x, r].map(|array| (**array).clone().unbind());
+        // SAFETY: the memory belongs to the two arrays, of which a reference is kept beside: they
+        // are not freed, and NumPy does not resize an array that has other references. The slices
+        // are given out for no longer than this lives.
+        let arrays = unsafe { Arrays { x: longer(centres), dim, r: longer(radii), edges } };
+        Ok(Held { arrays, _kept: kept })
+    }
+
+    /// Whether a detection may take long enough to be interrupted: whichever detector it is, of few
+    /// particles in open space it takes some milliseconds.
+    pub fn are_many(&self) -> bool {
+        self.arrays.edges.is_some() || self.arrays.len() > 2000
+    }
+
+    /// The arrays.
+    pub fn arrays(&self) -> Arrays<'_> {
+        self.arrays
+    }
+}
+
+/// # Safety
+/// The memory is there for as long as the slice is used.
+pub unsafe fn longer<T>(numbers: &[T]) -> &'static [T] {
+    // SAFETY: the caller's promise.
+    unsafe { std::slice::from_raw_parts(numbers.as_ptr(), numbers.len()) }
+}
+
 /// An arithmetic by its name.
 pub fn arithmetic(name: &str) -> Result<Arithmetic, Failure> {
     name.parse().map_err(Failure::value)
@@ -99,17 +140,20 @@ pub fn answer(
     boxed: Option<usize>,
 ) -> PyResult<(Pairs, Option<Images>)> {
     let Contacts { plain: mut pairs, shifted } = contacts;
-    let plain = pairs.len();
-    let images = boxed.map(|dim| {
-        let mut images = vec![0; (plain + shifted.len()) * dim];
-        for (row, pair) in images[plain * dim..].chunks_mut(dim).zip(&shifted) {
-            row.copy_from_slice(&pair.image[..dim]);
+    let images = match boxed {
+        Some(dim) => {
+            let mut images = Vec::new();
+            reserve(&mut images, (pairs.len() + shifted.len()) * dim).map_err(Failure::from)?;
+            images.resize(pairs.len() * dim, 0);
+            images.extend(shifted.iter().flat_map(|pair| &pair.image[..dim]));
+            Some(rows(py, images, dim)?)
         }
-        rows(py, images, dim)
-    });
+        None => None,
+    };
+    reserve(&mut pairs, shifted.len()).map_err(Failure::from)?;
     pairs.extend(shifted.iter().map(|pair| [pair.i, pair.j]));
     pairs.shrink_to_fit();
-    Ok((rows(py, pairs.into_flattened(), 2)?, images.transpose()?))
+    Ok((rows(py, pairs.into_flattened(), 2)?, images))
 }
 
 /// Brings the pairs into the form in which they are given; needs no Python.

@@ -36,6 +36,8 @@ mod _contactbench {
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
         use contactbench_core::detect::table::{DEFAULT, Role, TABLE};
         let detectors = TABLE.iter().filter(|entry| entry.role == Role::Detector);
+        super::failure::quiet();
+        module.add("Refused", module.py().get_type::<super::failure::Refused>())?;
         module.add("DEFAULT", DEFAULT)?;
         module.add("DETECTORS", detectors.map(|entry| entry.name).collect::<Vec<_>>())?;
         module.add("__version__", env!("CARGO_PKG_VERSION"))

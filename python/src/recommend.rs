@@ -13,8 +13,8 @@ use contactbench_core::memory::limit_for;
 use numpy::PyReadonlyArrayDyn;
 use pyo3::prelude::*;
 
-use crate::failure::{Failure, by_threads, work};
-use crate::given::{Arrays, Edges, arithmetic};
+use crate::failure::{Failure, by_threads, patient, work};
+use crate::given::{Edges, Held, arithmetic};
 
 /// The race of `contactbench recommend`, as the JSON of its option `--json`. Detectors work in
 /// processes of their own, which `program` starts: an interpreter that calls [`serve`].
@@ -31,7 +31,8 @@ pub fn recommend(
     memory_limit: Option<u64>,
     program: Vec<String>,
 ) -> PyResult<String> {
-    let arrays = Arrays::new(&x, &r, edges)?;
+    let held = Held::new(&x, &r, edges)?;
+    let arrays = held.arrays();
     let arithmetic = self::arithmetic(arithmetic)?;
     if !(0.1..1e6).contains(&seconds) {
         return Err(Failure::value(format!(
@@ -44,7 +45,8 @@ pub fn recommend(
             Failure::value("the scene has no particles; there is nothing to recommend").into()
         );
     }
-    work(py, || {
+    patient(py, true, move |stop| {
+        let arrays = held.arrays();
         let given = match arrays.lattice()? {
             Some(lattice) => Given::in_box(arrays.owned()?, lattice)?,
             None => arrays.owned()?.into(),
@@ -58,7 +60,7 @@ pub fn recommend(
             time: Duration::from_secs_f64(seconds),
             program,
         };
-        let race = by_threads(threads, || Ok(race::run(&question, &mut |_| {})?))?;
+        let race = by_threads(threads, || Ok(race::run(&question, &mut |_| stop.look())?))?;
         Ok(recommendation::as_json(Verdict::new(&race).as_ref(), &race, arrays.len()).to_string())
     })
 }

@@ -1,35 +1,38 @@
 //! Detectors and trackers that keep their buffers.
 
 use std::collections::BTreeMap;
-use std::sync::{Mutex, PoisonError};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use contactbench_core::contact::Arithmetic;
-use contactbench_core::crowd;
 use contactbench_core::detect::Options;
-use contactbench_core::detect::spec::{self, DetectorSpec};
+use contactbench_core::detect::spec::{self, DetectorSpec, SpecError};
 use contactbench_core::memory;
 use contactbench_core::pair_list::PAIR_BYTES;
 use contactbench_core::periodic::Contacts;
 use contactbench_core::probe::Op;
 use contactbench_core::searcher::{Loaded, Searcher};
-use contactbench_core::track::{self, Tracker};
+use contactbench_core::track::{self, Tracker, TrackerSpec};
 use numpy::{PyArray2, PyReadonlyArrayDyn};
 use pyo3::prelude::*;
 use rayon::ThreadPool;
 
-use crate::failure::{Failure, pool, work};
-use crate::given::{Arrays, Edges, answer, arithmetic, tidy};
+use crate::failure::{Failure, patient, pool};
+use crate::given::{Arrays, Edges, Held, answer, arithmetic, tidy};
 
 type Answer = (Py<PyArray2<u32>>, Option<Py<PyArray2<i32>>>);
 
 /// A detector of the table, which can use so many threads.
 fn detector(text: &str, threads: usize) -> Result<DetectorSpec, Failure> {
     let spec = spec::parse(text).map_err(Failure::value)?;
-    within(&spec, threads)?;
+    usable(&spec, threads)?;
     Ok(spec)
 }
 
-fn within(spec: &DetectorSpec, threads: usize) -> Result<(), Failure> {
+fn usable(spec: &DetectorSpec, threads: usize) -> Result<(), Failure> {
+    if spec.entry.is_control() {
+        return Err(Failure::value(SpecError::Unknown { name: spec.entry.name.into() }));
+    }
     if threads > 1 && !spec.entry.threads {
         return Err(Failure::value(format!(
             "{} is sequential and cannot use {threads} threads; give threads=1, or take \
@@ -52,16 +55,14 @@ fn by<R: Send>(crew: &Option<ThreadPool>, work: impl FnOnce() -> R + Send) -> R 
     }
 }
 
-/// Refuses an open scene whose pairs are sure to be too many.
+/// Refuses a scene whose pairs are sure to be too many.
 fn loaded<'a>(
     arrays: &Arrays<'a>,
     arithmetic: Arithmetic,
     limit: u64,
 ) -> Result<Loaded<'a>, Failure> {
     let loaded = Loaded::new(&arrays.scene()?, arrays.lattice()?, arithmetic)?;
-    if let Loaded::Open(scene) = &loaded {
-        crowd::within(scene, limit)?;
-    }
+    loaded.within(limit)?;
     Ok(loaded)
 }
 
@@ -89,6 +90,62 @@ pub fn limit_for(particles: usize) -> u64 {
     memory::limit_for(particles)
 }
 
+/// Something that one call uses at a time, made again where a call was given up.
+struct Owned<T> {
+    of: Mutex<Arc<Mutex<T>>>,
+    /// The process that has made it.
+    process: u32,
+    /// It has threads, which a forked process has not.
+    threads: bool,
+}
+
+impl<T> Owned<T> {
+    fn new(made: T, threads: usize) -> Owned<T> {
+        let of = Mutex::new(Arc::new(Mutex::new(made)));
+        Owned { of, process: std::process::id(), threads: threads > 1 }
+    }
+
+    /// It, for a call; in a forked process only if nothing of it is left in the other.
+    fn lend(&self) -> Result<Arc<Mutex<T>>, Failure> {
+        if self.process != std::process::id() {
+            let idle = |lent: &Arc<Mutex<T>>| !self.threads && lent.try_lock().is_ok();
+            return match self.of.try_lock() {
+                Ok(lent) if idle(&lent) => Ok(lent.clone()),
+                _ => Err(Failure::Forked),
+            };
+        }
+        Ok(self.of.lock().unwrap_or_else(PoisonError::into_inner).clone())
+    }
+
+    /// Does long work with it. If the call is given up, the next one has what `fresh` makes.
+    fn patient<R: Send + 'static>(
+        &self,
+        py: Python<'_>,
+        long: bool,
+        fresh: impl FnOnce() -> Result<T, Failure>,
+        work: impl FnOnce(&mut T) -> Result<R, Failure> + Send + 'static,
+    ) -> PyResult<R>
+    where
+        T: Send + 'static,
+    {
+        let lent = self.lend()?;
+        let done = Arc::new(AtomicBool::new(false));
+        let ended = done.clone();
+        let result = patient(py, long, move |_| {
+            let mut held = lent.lock().unwrap_or_else(PoisonError::into_inner);
+            let result = work(&mut held);
+            ended.store(true, Ordering::Relaxed);
+            result
+        });
+        // A panic, too, may leave it half changed.
+        if !done.load(Ordering::Relaxed) {
+            let made = Arc::new(Mutex::new(fresh()?));
+            *self.of.lock().unwrap_or_else(PoisonError::into_inner) = made;
+        }
+        result
+    }
+}
+
 /// See the class of the package.
 #[pyclass(frozen)]
 pub struct Detector {
@@ -96,7 +153,16 @@ pub struct Detector {
     arithmetic: Arithmetic,
     threads: usize,
     limit: u64,
-    searcher: Mutex<(Searcher, Option<ThreadPool>)>,
+    searcher: Owned<Search>,
+}
+
+type Search = (Searcher, Option<ThreadPool>);
+
+impl Detector {
+    fn fresh(&self) -> Result<Search, Failure> {
+        let options = Options { memory_limit: self.limit, threads: self.threads };
+        Ok((Searcher::new(&self.spec, options), crew(self.threads)?))
+    }
 }
 
 #[pymethods]
@@ -111,7 +177,7 @@ impl Detector {
         let spec = self::detector(detector, threads)?;
         let limit = memory_limit.unwrap_or_else(memory::default_limit);
         let options = Options { memory_limit: limit, threads };
-        let searcher = Mutex::new((Searcher::new(&spec, options), crew(threads)?));
+        let searcher = Owned::new((Searcher::new(&spec, options), crew(threads)?), threads);
         Ok(Detector { arithmetic: self::arithmetic(arithmetic)?, spec, threads, limit, searcher })
     }
 
@@ -143,16 +209,17 @@ impl Detector {
         r: PyReadonlyArrayDyn<'_, f64>,
         edges: Option<Edges>,
     ) -> PyResult<Answer> {
-        let arrays = Arrays::new(&x, &r, edges)?;
-        let (found, boxed) = work(py, || {
-            let scene = loaded(&arrays, self.arithmetic, self.limit)?;
-            let mut held = self.searcher.lock().unwrap_or_else(PoisonError::into_inner);
-            let (searcher, crew) = &mut *held;
-            let mut contacts = room(&arrays, self.limit);
-            by(crew, || searcher.list(&scene, self.arithmetic, &mut contacts))?;
+        let held = Held::new(&x, &r, edges)?;
+        let (arithmetic, limit, long) = (self.arithmetic, self.limit, held.are_many());
+        let search = move |(searcher, crew): &mut Search| {
+            let arrays = held.arrays();
+            let scene = loaded(&arrays, arithmetic, limit)?;
+            let mut contacts = room(&arrays, limit);
+            by(crew, || searcher.list(&scene, arithmetic, &mut contacts))?;
             tidy(&mut contacts);
             Ok((contacts, boxed(&scene)))
-        })?;
+        };
+        let (found, boxed) = self.searcher.patient(py, long, || self.fresh(), search)?;
         answer(py, found, boxed)
     }
 
@@ -164,15 +231,15 @@ impl Detector {
         r: PyReadonlyArrayDyn<'_, f64>,
         edges: Option<Edges>,
     ) -> PyResult<BTreeMap<&'static str, u64>> {
-        let arrays = Arrays::new(&x, &r, edges)?;
-        work(py, || {
-            let scene = loaded(&arrays, self.arithmetic, self.limit)?;
-            let mut held = self.searcher.lock().unwrap_or_else(PoisonError::into_inner);
-            let mut contacts = Contacts::default();
-            let tally = held.0.count(&scene, self.arithmetic, &mut contacts)?;
+        let held = Held::new(&x, &r, edges)?;
+        let (arithmetic, limit, long) = (self.arithmetic, self.limit, held.are_many());
+        let search = move |(searcher, _): &mut Search| {
+            let scene = loaded(&held.arrays(), arithmetic, limit)?;
+            let tally = searcher.count(&scene, arithmetic, &mut Contacts::default())?;
             let counted = Op::ALL.iter().map(|&op| (op.name(), tally.get(op)));
             Ok(counted.filter(|&(_, count)| count > 0).collect())
-        })
+        };
+        self.searcher.patient(py, long, || self.fresh(), search)
     }
 }
 
@@ -186,24 +253,27 @@ struct Done {
     built: bool,
 }
 
-struct Course {
-    tracker: Box<dyn Tracker>,
-    crew: Option<ThreadPool>,
-    done: Done,
-}
+type Course = (Box<dyn Tracker>, Option<ThreadPool>);
 
 /// See the class of the package.
 #[pyclass(frozen)]
 pub struct Verlet {
-    name: String,
+    spec: TrackerSpec,
     arithmetic: Arithmetic,
     limit: u64,
-    course: Mutex<Course>,
+    threads: usize,
+    course: Owned<Course>,
+    done: Mutex<Done>,
 }
 
 impl Verlet {
-    fn with<R>(&self, look: impl FnOnce(&mut Course) -> R) -> R {
-        look(&mut self.course.lock().unwrap_or_else(PoisonError::into_inner))
+    fn fresh(&self) -> Result<Course, Failure> {
+        let options = Options { memory_limit: self.limit, threads: self.threads };
+        Ok((self.spec.make(options), crew(self.threads)?))
+    }
+
+    fn done(&self) -> MutexGuard<'_, Done> {
+        self.done.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
@@ -217,17 +287,17 @@ impl Verlet {
         memory_limit: Option<u64>,
     ) -> Result<Verlet, Failure> {
         let spec = track::parse(tracker).map_err(Failure::value)?;
-        within(spec.detector(), threads)?;
+        usable(spec.detector(), threads)?;
         let limit = memory_limit.unwrap_or_else(memory::default_limit);
-        let tracker = spec.make(Options { memory_limit: limit, threads });
-        let course = Mutex::new(Course { tracker, crew: crew(threads)?, done: Done::default() });
         let arithmetic = self::arithmetic(arithmetic)?;
-        Ok(Verlet { name: spec.to_string(), arithmetic, limit, course })
+        let made = spec.make(Options { memory_limit: limit, threads });
+        let course = Owned::new((made, crew(threads)?), threads);
+        Ok(Verlet { spec, arithmetic, limit, threads, course, done: Mutex::default() })
     }
 
     #[getter]
-    fn name(&self) -> &str {
-        &self.name
+    fn name(&self) -> String {
+        self.spec.to_string()
     }
 
     #[getter]
@@ -247,42 +317,48 @@ impl Verlet {
         r: PyReadonlyArrayDyn<'_, f64>,
         edges: Option<Edges>,
     ) -> PyResult<Answer> {
-        let arrays = Arrays::new(&x, &r, edges)?;
-        let (found, boxed) = work(py, || {
-            let scene = loaded(&arrays, self.arithmetic, self.limit)?;
-            let mut contacts = room(&arrays, self.limit);
-            self.with(|Course { tracker, crew, done }| {
-                let step = by(crew, || match &scene {
-                    Loaded::Open(scene) => {
-                        let test = self.arithmetic.test();
-                        tracker.step(scene, test, None, &mut contacts.plain)
-                    }
-                    Loaded::InBox(scene) => {
-                        tracker.step_in_box(scene, self.arithmetic, None, &mut contacts)
-                    }
-                })?;
-                done.steps += 1;
-                done.builds += u64::from(step.built);
-                done.dangerous += u64::from(step.dangerous);
-                (done.listed, done.built) = (step.listed, step.built);
-                Ok::<_, Failure>(())
+        let held = Held::new(&x, &r, edges)?;
+        let (arithmetic, limit, long) = (self.arithmetic, self.limit, held.are_many());
+        let search = move |(tracker, crew): &mut Course| {
+            let arrays = held.arrays();
+            let scene = loaded(&arrays, arithmetic, limit)?;
+            let mut contacts = room(&arrays, limit);
+            let step = by(crew, || match &scene {
+                Loaded::Open(scene) => {
+                    tracker.step(scene, arithmetic.test(), None, &mut contacts.plain)
+                }
+                Loaded::InBox(scene) => tracker.step_in_box(scene, arithmetic, None, &mut contacts),
             })?;
             tidy(&mut contacts);
-            Ok((contacts, boxed(&scene)))
-        })?;
+            Ok((contacts, boxed(&scene), step))
+        };
+        let (found, boxed, step) = self.course.patient(py, long, || self.fresh(), search)?;
+        let mut done = self.done();
+        done.steps += 1;
+        done.builds += u64::from(step.built);
+        done.dangerous += u64::from(step.dangerous);
+        (done.listed, done.built) = (step.listed, step.built);
+        drop(done);
         answer(py, found, boxed)
     }
 
     /// The next frame is taken as the first.
-    fn forget(&self, py: Python<'_>) {
-        py.detach(|| self.with(|course| course.tracker.forget()));
+    fn forget(&self, py: Python<'_>) -> PyResult<()> {
+        self.course.patient(
+            py,
+            true,
+            || self.fresh(),
+            |(tracker, _)| {
+                tracker.forget();
+                Ok(())
+            },
+        )
     }
 
     /// Steps, builds, dangerous builds, pairs listed in the last step, and whether that built.
-    #[getter]
-    fn done(&self, py: Python<'_>) -> (u64, u64, u64, u64, bool) {
-        let Done { steps, builds, dangerous, listed, built } =
-            py.detach(|| self.with(|course| course.done));
+    #[getter(done)]
+    fn told(&self) -> (u64, u64, u64, u64, bool) {
+        let Done { steps, builds, dangerous, listed, built } = *self.done();
         (steps, builds, dangerous, listed, built)
     }
 }

@@ -10,8 +10,8 @@ use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray2, PyReadonlyArrayDy
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::failure::{Failure, by_threads, work};
-use crate::given::{Arrays, Edges, arithmetic, rows};
+use crate::failure::{Failure, by_threads, patient};
+use crate::given::{Arrays, Edges, Held, arithmetic, longer, rows};
 
 /// Pairs, images in a box, and depths in mean radii.
 type Worst = (Py<PyArray2<u32>>, Option<Py<PyArray2<i32>>>, Py<PyArray1<f64>>);
@@ -35,7 +35,8 @@ pub fn verify<'py>(
     threads: usize,
     memory_limit: Option<u64>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let arrays = Arrays::new(&x, &r, edges)?;
+    let given = Held::new(&x, &r, edges)?;
+    let arrays = given.arrays();
     let apart = |_| Failure::value("an array is not contiguous; give a copy of it");
     let list = pairs.as_slice().map_err(apart)?.as_chunks::<2>().0;
     let width = images.as_ref().map(|images| images.as_array().ncols());
@@ -57,20 +58,26 @@ pub fn verify<'py>(
         explain: true,
         without: None,
     };
-    let listed = Listed { pairs: list, images: images.as_deref() };
-    let (found, causes) = work(py, || by_threads(threads, || held(&arrays, listed, base, terms)))?;
     let boxed = arrays.lattice()?.is_some().then_some(if x_is_flat(&x) { 2 } else { 3 });
+    let no_images = images.iter().flatten().all(|image| *image == [0; 3]);
+    let count = list.len();
+    // SAFETY: the array of pairs is kept beside.
+    let (list, kept) = unsafe { (longer(list), (*pairs).clone().unbind()) };
+    let (found, causes) = patient(py, true, move |_| {
+        let (_kept, images) = (kept, images);
+        let listed = Listed { pairs: list, images: images.as_deref() };
+        by_threads(threads, || held(&given.arrays(), listed, base, terms))
+    })?;
     let out = PyDict::new(py);
     out.set_item("same", found.is_same())?;
     out.set_item("contacts", found.contacts)?;
-    out.set_item("listed", list.len())?;
+    out.set_item("listed", count)?;
     out.set_item("errors", errors(py, &found.errors)?)?;
     out.set_item("missed", worst(py, &found.missed, boxed)?)?;
     out.set_item("spurious", worst(py, &found.spurious, boxed)?)?;
     out.set_item("unknown", rows(py, found.unknown.clone().into_flattened(), 2)?)?;
     out.set_item("one_sided", rows(py, found.one_sided.clone().into_flattened(), 2)?)?;
     out.set_item("within_skin", found.within_skin)?;
-    let no_images = images.iter().flatten().all(|image| *image == [0; 3]);
     let meaning = Naming::Base(base).meaning();
     let reading = found.reading.as_ref().map(|reading| reading.sentence(meaning, no_images));
     out.set_item("hint", reading)?;
