@@ -5,7 +5,7 @@ use std::path::Path;
 
 use anyhow::{Context, anyhow};
 
-use crate::experiment::Experiment;
+use crate::experiment::{Experiment, text_of};
 use crate::nearest::hint;
 use crate::scene::spec::GENERATORS;
 
@@ -67,16 +67,13 @@ pub fn find(name: &str) -> anyhow::Result<(Experiment, String)> {
             known.join(", ")
         ));
     }
-    let text = std::fs::read_to_string(path)
-        .with_context(|| format!("cannot read the experiment {name}"))?;
-    let experiment = Experiment::read_to_run(path);
+    let read = text_of(path).and_then(|text| Ok((Experiment::read_to_run(path)?, text)));
     if path.extension().is_some_and(|ending| ending == "toml") {
-        return Ok((experiment?, text));
+        return read;
     }
-    let experiment = experiment.map_err(|error| {
+    read.map_err(|error| {
         anyhow!("{error:#} (an experiment; for a file of particles: contactbench recommend {name})")
-    });
-    Ok((experiment?, text))
+    })
 }
 
 fn parse(name: &str, text: &str) -> anyhow::Result<Experiment> {

@@ -15,9 +15,10 @@ pub mod plan;
 pub mod scenes;
 pub mod shard;
 
+use std::io::Read;
 use std::path::Path;
 
-use anyhow::Context;
+use anyhow::{Context, ensure};
 use serde::Deserialize;
 
 use crate::contact::Arithmetic;
@@ -143,16 +144,51 @@ pub struct ExternalRunner {
     pub name: String,
     /// Program and arguments; `{threads}` in an argument stands for the number of threads.
     pub command: Vec<String>,
-    /// How to get it, for rows that say `unavailable`.
+    /// How to get it, for rows that say `unavailable`. Whoever says this expects that it may not
+    /// be there.
     #[serde(default)]
     pub install: String,
+    /// A run without it is no failure.
+    #[serde(default)]
+    pub optional: bool,
+}
+
+impl ExternalRunner {
+    /// Whether a run in which it cannot be started has failed in nothing.
+    pub fn is_optional(&self) -> bool {
+        self.optional || !self.install.is_empty()
+    }
+}
+
+/// The bytes of an experiment file, at most; the largest of ours has 15 kB.
+const MOST_BYTES: u64 = 1 << 20;
+
+/// The text of an experiment file, which is read no further than its bound.
+pub fn text_of(path: &Path) -> anyhow::Result<String> {
+    let mut bytes = Vec::new();
+    let file = std::fs::File::open(path);
+    file.and_then(|file| file.take(MOST_BYTES + 1).read_to_end(&mut bytes))
+        .with_context(|| format!("cannot read the experiment {}", path.display()))?;
+    short_enough(&String::from_utf8_lossy(&bytes))
+        .with_context(|| format!("in {}", path.display()))?;
+    String::from_utf8(bytes).with_context(|| format!("{} is not text (UTF-8)", path.display()))
+}
+
+fn short_enough(text: &str) -> anyhow::Result<()> {
+    let scenes = text.matches("[[scene]]").count();
+    ensure!(
+        text.len() as u64 <= MOST_BYTES,
+        "an experiment has at most {} KiB, and this text is longer, with {scenes} [[scene]] tables \
+         in what was read; give a scene lists of values, or write several experiments",
+        MOST_BYTES >> 10
+    );
+    Ok(())
 }
 
 impl Experiment {
     /// Reads and checks an experiment file.
     pub fn read(path: &Path) -> anyhow::Result<Experiment> {
-        let text = std::fs::read_to_string(path)
-            .with_context(|| format!("cannot read the experiment {}", path.display()))?;
+        let text = text_of(path)?;
         Experiment::parse(&text, path.parent().unwrap_or(Path::new(".")))
             .with_context(|| format!("in {}", path.display()))
     }
@@ -160,8 +196,7 @@ impl Experiment {
     /// As [`Experiment::read`], for a run that is to begin: names in claims and figures must be of
     /// rows that it will have.
     pub fn read_to_run(path: &Path) -> anyhow::Result<Experiment> {
-        let text = std::fs::read_to_string(path)
-            .with_context(|| format!("cannot read the experiment {}", path.display()))?;
+        let text = text_of(path)?;
         let named = |text: &str, folder: &Path| {
             let (experiment, document) = Experiment::checked(text, folder)?;
             known::check(&experiment, &document)?;
@@ -177,6 +212,7 @@ impl Experiment {
     }
 
     fn checked<'a>(text: &'a str, folder: &Path) -> anyhow::Result<(Experiment, Document<'a>)> {
+        short_enough(text)?;
         let (mut experiment, document) =
             Document::read(text).map_err(|problem| problem.located(text))?;
         experiment.detectors = detectors::expand(&experiment.detectors)

@@ -1,6 +1,6 @@
 //! Scenes of an experiment: a generator, and lists of values to sweep over.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 use std::path::Path;
 
 use anyhow::{Context, bail, ensure};
@@ -68,16 +68,66 @@ pub struct Quick {
     pub params: Params,
 }
 
+/// Scenes of an experiment, at most: a plan holds all of them.
+const MOST_SCENES: u64 = 100_000;
+/// Scenes times detectors, arithmetics and numbers of threads, at most.
+const MOST_CELLS: u64 = 1_000_000;
+
 impl Experiment {
-    /// All scenes of the experiment, in the order run.
+    /// All scenes of the experiment, in the order run. Too many are refused before one is made.
     pub fn plan(&self, quick: bool) -> anyhow::Result<Vec<Spec>> {
-        let mut specs = Vec::new();
-        for sweep in &self.scenes {
-            let sweep = if quick { sweep.quickened() } else { sweep.clone() };
+        let of_run = |sweep: &SceneSweep| if quick { sweep.quickened() } else { sweep.clone() };
+        let sweeps: Vec<SceneSweep> = self.scenes.iter().map(of_run).collect();
+        self.bounded(&sweeps)?;
+        let mut specs = Specs::default();
+        for sweep in &sweeps {
             sweep.add(&mut specs).with_context(|| format!("line {}", sweep.line))?;
         }
-        Ok(specs)
+        Ok(specs.all)
     }
+
+    /// An error if there are more scenes, or more cells, than can be planned.
+    fn bounded(&self, sweeps: &[SceneSweep]) -> anyhow::Result<()> {
+        let mut scenes = 0u64;
+        for sweep in sweeps {
+            let factors = sweep.factors();
+            let product = factors.iter().fold(1, |all, (_, count)| count.saturating_mul(all));
+            scenes = scenes.saturating_add(product);
+            if scenes > MOST_SCENES {
+                let factors: Vec<String> = factors
+                    .into_iter()
+                    .filter(|(_, count)| *count > 1)
+                    .map(|(name, count)| format!("{count} values of {name}"))
+                    .collect();
+                let sum = if scenes > product { " with those above" } else { "" };
+                let of =
+                    if factors.is_empty() { String::new() } else { factors.join(" x ") + ": " };
+                bail!(
+                    "line {}: scene {}: {of}{scenes} scenes{sum}, and an experiment has at most \
+                     {MOST_SCENES}; shorten a list",
+                    sweep.line,
+                    sweep.name
+                );
+            }
+        }
+        let names = self.detectors.len().saturating_mul(self.arithmetics.len());
+        let most = names.saturating_add(self.runners.len()).saturating_mul(self.threads.len());
+        let entrants = if most as u64 > MOST_CELLS { most } else { self.entrants().len() };
+        let cells = scenes.saturating_mul(entrants as u64);
+        ensure!(
+            cells <= MOST_CELLS,
+            "{scenes} scenes x {entrants} detectors (with arithmetics and threads): {cells} cells, \
+             and an experiment has at most {MOST_CELLS}; shorten a list"
+        );
+        Ok(())
+    }
+}
+
+/// The scenes planned so far, each once.
+#[derive(Default)]
+struct Specs {
+    all: Vec<Spec>,
+    known: HashSet<String>,
 }
 
 impl SceneSweep {
@@ -113,7 +163,22 @@ impl SceneSweep {
         Ok(())
     }
 
-    fn add(&self, specs: &mut Vec<Spec>) -> anyhow::Result<()> {
+    /// The lists whose product the scenes are, with their lengths.
+    fn factors(&self) -> Vec<(&str, u64)> {
+        let len = |list: &[toml::Value]| list.len() as u64;
+        let all_cases = self.name == generate::hard::NAME && !self.params.contains_key("case");
+        let own = [
+            ("n", self.n.as_ref().map_or(1, |list| list.len() as u64)),
+            ("dim", self.dim.len() as u64),
+            ("seed", self.seed.len() as u64),
+            ("order", self.order.len() as u64),
+            ("case", if all_cases { hard::cases().count() as u64 } else { 1 }),
+        ];
+        let params = self.params.iter().map(|(name, list)| (name.as_str(), len(list)));
+        own.into_iter().chain(params).collect()
+    }
+
+    fn add(&self, specs: &mut Specs) -> anyhow::Result<()> {
         let generator = generate::table::find(&self.name)?;
         let numbers = match &self.n {
             Some(numbers) => numbers.to_vec(),
@@ -143,12 +208,12 @@ impl SceneSweep {
                             let spec = Spec::new(&self.name, dim, n, seed, order, &combination)?;
                             let spec = Spec { course, ..spec };
                             ensure!(
-                                !specs.contains(&spec),
+                                specs.known.insert(format!("{spec:?}")),
                                 "scene {} stands there twice with the same parameters; leave one \
                                  out",
                                 spec.name
                             );
-                            specs.push(spec);
+                            specs.all.push(spec);
                         }
                     }
                 }

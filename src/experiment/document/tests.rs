@@ -185,3 +185,38 @@ fn whole_numbers_may_have_an_exponent_and_lists_may_lack_brackets() {
     let error = error(&text("1.5", "1e3", "\"nbs\"", "1e1"));
     assert!(error.contains("1.5 stands where a whole number of at least 0 is expected"), "{error}");
 }
+
+/// The product of lists is known before one scene is made: a test that made them would not end.
+#[test]
+fn plans_are_bounded_before_they_are_made() {
+    let list = |unit: &str| (1..=2000).map(|k| format!("{k}{unit}")).collect::<Vec<_>>().join(", ");
+    let [whole, broken] = ["", ".5"].map(list);
+    let lists = format!("n = [{whole}]\nseed = [{whole}]\nspacing = [{broken}]\n");
+    let plan = |detectors: &str, rest: &str| {
+        let head = "name = \"t\"\ntitle = \"t\"\nquestion = \"?\"\nreading = \"-\"\n";
+        let text = format!("{head}detectors = [{detectors}]\n{rest}");
+        Experiment::parse(&text, Path::new(".")).map(|_| ()).map_err(|error| format!("{error:#}"))
+    };
+    let packed = "[[scene]]\nname = \"loose\"\n";
+    let refused = plan("\"nbs\"", &format!("{packed}{lists}")).unwrap_err();
+    for words in ["line 6", "8000000000 scenes", "2000 values of seed", "at most 100000"] {
+        assert!(refused.contains(words), "{refused}");
+    }
+    // Of a quick run, too, and of several scenes together.
+    let quick = format!("{packed}n = 5\nquick = {{ n = [{whole}], seed = [{whole}] }}\n");
+    assert!(plan("\"nbs\"", &quick).unwrap_err().contains("4000000 scenes"));
+    let half = format!("{packed}n = [{whole}]\nseed = [{}]\n", "1, 2, 3, 4, 5, 6, 7");
+    let many = (1..=8).map(|dim| half.replace("\nn =", &format!("\nspacing = {dim}.5\nn =")));
+    let refused = plan("\"nbs\"", &many.collect::<String>()).unwrap_err();
+    assert!(refused.contains("112000 scenes with those above"), "{refused}");
+    // Cells, and the text itself.
+    let some =
+        format!("{packed}n = [{whole}]\nseed = [{}]\n", &whole[..whole.find(", 41,").unwrap()]);
+    let all = format!("threads = [1, 2, 3, 4, 5, 6, 7, 8]\n{some}");
+    let refused = plan("\"@all\"", &all).unwrap_err();
+    assert!(refused.contains("cells, and an experiment has at most 1000000"), "{refused}");
+    let tables = format!("{packed}n = 10\n").repeat(200_000);
+    let refused = plan("\"nbs\"", &tables).unwrap_err();
+    assert!(refused.contains("200000 [[scene]] tables"), "{refused}");
+    assert_eq!(plan("\"nbs\"", &format!("{packed}n = [{whole}]\n")), Ok(()));
+}
