@@ -55,7 +55,7 @@ pub fn check<'py>(
             None => Ok(report?),
         }
     })?;
-    let Report { cases, scenes, cut, refused, failures } = report;
+    let Report { cases, scenes, cut, refused, failures, .. } = report;
     let out = PyDict::new(py);
     out.set_item("cases", cases)?;
     out.set_item("scenes", scenes)?;

@@ -210,6 +210,8 @@ impl<'a> Checker<'a> {
                         .or_default() += 1;
                 } else {
                     self.report.cases += 1;
+                    let of = (contender.name().to_string(), arithmetic.name());
+                    *self.report.compared.entry(of).or_default() += 1;
                 }
                 if let Some(found) = answer.wrong(&truth) {
                     let (smallest, wrong) =

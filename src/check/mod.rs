@@ -76,6 +76,8 @@ impl Default for Limits {
 pub struct Report {
     /// Detections compared with the truth.
     pub cases: u64,
+    /// The same of each detector in each arithmetic; one without an entry was never compared.
+    pub compared: BTreeMap<(String, &'static str), u64>,
     /// Scenes tried, by where they are from.
     pub scenes: BTreeMap<&'static str, u64>,
     /// True if the time was over before a [`battery`] was complete.
@@ -84,6 +86,35 @@ pub struct Report {
     pub refused: BTreeMap<String, u64>,
     /// The first failure of each detector.
     pub failures: Vec<Failure>,
+}
+
+/// What a check has shown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// Every answer that was compared is right.
+    Right,
+    /// A detector is wrong.
+    Wrong,
+    /// No answer was compared: all scenes were refused. It is not a pass.
+    Nothing,
+}
+
+impl Report {
+    /// The verdict on all detectors.
+    pub fn verdict(&self) -> Verdict {
+        if !self.failures.is_empty() {
+            Verdict::Wrong
+        } else if self.cases == 0 {
+            Verdict::Nothing
+        } else {
+            Verdict::Right
+        }
+    }
+
+    /// Whether an answer of this detector in this arithmetic was compared with the truth.
+    pub fn has_compared(&self, detector: &str, arithmetic: Arithmetic) -> bool {
+        self.compared.contains_key(&(detector.to_string(), arithmetic.name()))
+    }
 }
 
 /// A detector that is wrong.

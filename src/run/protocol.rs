@@ -55,8 +55,8 @@ impl Request {
         if let Request::Load(trajectory) = self {
             if trajectory.box_dim().is_some() && version < 3 {
                 return Err(format!(
-                    "the runner speaks protocol {version}, which knows no boxes that repeat; let \
-                     it speak protocol 3, or take the scene with open boundaries"
+                    "periodic scenes are skipped, because the runner speaks protocol {version}, \
+                     which has no boxes; that is fine unless its detector takes boxes (protocol 3)"
                 ));
             }
             if !trajectory.boxes.is_empty() && version < 4 {

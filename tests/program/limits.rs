@@ -36,8 +36,8 @@ fn a_crowd_is_refused_by_every_verb_before_it_is_tried() {
         (&["recommend", "heap.csv.gz", "--seconds", "1"], 2),
         (&["draw", "heap.csv.gz"], 2),
         (&["draw", "heap.csv.gz", "--pairs", "pairs.csv"], 2),
-        // A refusal is not wrong.
-        (&["check", "--scene", "heap.csv.gz"], 0),
+        // A refusal is not wrong, and a check in which all refuse is not passed.
+        (&["check", "--scene", "heap.csv.gz"], 2),
     ] {
         let ended = run(folder, arguments);
         let said = ended.stdout + &ended.stderr;

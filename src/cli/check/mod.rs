@@ -14,7 +14,7 @@ use failing::{describe, refusals};
 use group::{Group, detectors, runners};
 use verdicts::{as_json, verdicts};
 
-use crate::check::{self, Limits, Report, contender};
+use crate::check::{self, Limits, Report, Verdict, Wrong, contender};
 use crate::cli::shared::arithmetic::arithmetic;
 use crate::cli::shared::ci::Outputs;
 use crate::cli::shared::input::{Input, OPTIONS};
@@ -86,7 +86,8 @@ struct Checked<'a> {
     path: Option<&'a str>,
 }
 
-/// Runs the checks; exit code 1 if a detector disagrees with the truth.
+/// Runs the checks; exit code 1 if a detector disagrees with the truth, 2 if nothing was compared.
+/// A check compares nothing if all detectors refuse all scenes, or all of a named scene.
 pub fn check(options: &Check) -> anyhow::Result<ExitCode> {
     let started = Instant::now();
     let (seconds, deadline) = (options.seconds, options.deadline);
@@ -160,27 +161,45 @@ pub fn check(options: &Check) -> anyhow::Result<ExitCode> {
     // A runner in several arithmetics.
     names.dedup();
     let cases: u64 = reports.iter().map(|checked| checked.report.cases).sum();
-    let right =
-        broken.is_empty() && reports.iter().all(|checked| checked.report.failures.is_empty());
-    // Whoever refuses everything has shown nothing.
-    let silent = cases == 0 && options.runner.is_some() && !names.is_empty();
-    let verdict = match (right, silent) {
-        (true, false) => "all agree with all pairs tested",
-        (_, true) => "WRONG: it has refused all of them",
-        _ => "WRONG",
+    let verdict = overall(&reports, &broken);
+    let words = match verdict {
+        Verdict::Right => "all agree with all pairs tested".into(),
+        Verdict::Wrong => "WRONG".into(),
+        Verdict::Nothing => nothing_compared(&reports),
     };
-    writeln!(
-        out,
-        "check: {cases} detections by {}: {verdict}",
-        if names.is_empty() { "nobody".into() } else { names.join(", ") }
-    )?;
-    let right = right && !silent;
+    let names = if names.is_empty() { "no detector".into() } else { names.join(", ") };
+    writeln!(out, "check: {cases} detections by {names}: {words}")?;
     if options.json {
-        let value = as_json(&reports, &broken, right, options);
+        let value = as_json(&reports, &broken, verdict == Verdict::Right, options);
         terminal::json(&value)?;
     }
-    options.ci.write("check", &verdicts(&reports, &broken, silent, options))?;
-    Ok(if right { ExitCode::SUCCESS } else { ExitCode::from(1) })
+    options.ci.write("check", &verdicts(&reports, &broken, options))?;
+    Ok(match verdict {
+        Verdict::Right => ExitCode::SUCCESS,
+        Verdict::Wrong => ExitCode::from(1),
+        Verdict::Nothing => ExitCode::from(2),
+    })
+}
+
+/// The verdict on all scenes: a failure anywhere is one, and a scene without a comparison is not
+/// passed.
+fn overall(reports: &[Checked<'_>], broken: &[Wrong]) -> Verdict {
+    let any = |wanted| reports.iter().any(|checked| checked.report.verdict() == wanted);
+    if !broken.is_empty() || any(Verdict::Wrong) {
+        Verdict::Wrong
+    } else if reports.is_empty() || any(Verdict::Nothing) {
+        Verdict::Nothing
+    } else {
+        Verdict::Right
+    }
+}
+
+fn nothing_compared(reports: &[Checked<'_>]) -> String {
+    let nothing = |checked: &&Checked<'_>| checked.report.verdict() == Verdict::Nothing;
+    let scenes: Vec<&str> =
+        reports.iter().filter(nothing).filter_map(|checked| checked.path).collect();
+    let place = if scenes.is_empty() { "".into() } else { format!(" of {}", scenes.join(", ")) };
+    format!("nothing was compared{place}: every answer was refused; this is not a pass")
 }
 
 /// A detector that panics is reported like any other that is wrong, and shrinking makes it panic

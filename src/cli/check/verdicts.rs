@@ -4,17 +4,12 @@ use serde_json::{Value, json};
 
 use super::failing::{regression_file, rounding, worst};
 use super::{Check, Checked};
-use crate::check::{Failure, Wrong};
+use crate::check::{Failure, Verdict, Wrong};
 use crate::cli::shared::ci::{Case, Outcome};
 
 /// Every detector in every arithmetic, on every given scene or on those of the battery, for
 /// continuous integration.
-pub(super) fn verdicts(
-    reports: &[Checked<'_>],
-    broken: &[Wrong],
-    silent: bool,
-    options: &Check,
-) -> Vec<Case> {
+pub(super) fn verdicts(reports: &[Checked<'_>], broken: &[Wrong], options: &Check) -> Vec<Case> {
     let case = |wrong: &Wrong| Case {
         class: "protocol".into(),
         name: "conversation".into(),
@@ -45,8 +40,15 @@ pub(super) fn verdicts(
                         "not asked to the end: it is wrong in {}",
                         other.arithmetic.name()
                     )),
-                    (None, None) if silent => Outcome::Failed("it has refused all scenes".into()),
-                    (None, None) => Outcome::Passed,
+                    (None, None) if report.has_compared(name, *arithmetic) => Outcome::Passed,
+                    // Beside others that answered it is skipped; alone it would pass unseen.
+                    (None, None) => {
+                        let why = "nothing was compared: every answer was refused".into();
+                        match report.verdict() {
+                            Verdict::Nothing => Outcome::Failed(why),
+                            _ => Outcome::Skipped(why),
+                        }
+                    }
                 };
                 cases.push(Case {
                     class: class.clone(),

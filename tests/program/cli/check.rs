@@ -115,3 +115,31 @@ fn check_takes_scenes() {
     assert_eq!(std::fs::read_dir(folder).unwrap().count(), before + 1);
     assert_eq!(run(folder, &["check", "--scene", "none.csv"]).code, Some(2));
 }
+
+/// Refusals alone show nothing: not of one detector, and not beside a scene that was compared.
+#[test]
+fn a_check_that_compared_nothing_is_no_pass() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    file(folder, "far.csv", "x,y,r\n0,0,0.5\n1e12,0,0.5\n");
+    file(folder, "two.csv", "x,y,r\n0,0,1\n2,0,1\n");
+    let outputs = ["--junit", "a.xml", "--summary", "a.md"];
+    for scenes in [&["--scene", "far.csv"][..], &["--scene", "far.csv", "--scene", "two.csv"]] {
+        let check = [&["check", "--detector", "nbs"][..], scenes, &outputs].concat();
+        let ended = run(folder, &check);
+        assert_eq!(ended.code, Some(2), "{}", ended.stdout);
+        assert!(ended.stdout.contains("nothing was compared of far.csv"), "{}", ended.stdout);
+        assert!(!ended.stdout.contains("all agree"), "{}", ended.stdout);
+        let junit = std::fs::read_to_string(folder.join("a.xml")).unwrap();
+        let failed = "<testcase classname=\"far.csv\" name=\"nbs, exact arithmetic\"><failure ";
+        assert!(junit.contains(failed) && junit.contains("failures=\"1\""), "{junit}");
+        let json = run(folder, &[&["check", "--detector", "nbs", "--json"][..], scenes].concat());
+        assert_eq!(json.code, Some(2));
+        assert!(json.stdout.contains("\"passed\": false"), "{}", json.stdout);
+    }
+    // One that refuses beside others that answer is named, and no failure.
+    let all = run(folder, &["check", "--scene", "far.csv", "--junit", "b.xml"]);
+    assert_eq!(all.code, Some(0), "{}", all.stdout);
+    let junit = std::fs::read_to_string(folder.join("b.xml")).unwrap();
+    assert!(junit.contains("name=\"nbs, exact arithmetic\"><skipped "), "{junit}");
+}

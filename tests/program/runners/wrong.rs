@@ -96,7 +96,7 @@ fn every_way_to_be_wrong_is_told() {
         "print(json.dumps({",
         "print('hello', file=channel)\nprint(json.dumps({",
         none,
-        &["it breaks the protocol: the runner's answer is not a reply", "hello", "by nobody"],
+        &["it breaks the protocol: the runner's answer is not a reply", "hello", "by no detector"],
     );
     told(
         "    return pairs\n",
@@ -153,13 +153,13 @@ fn every_way_to_be_wrong_is_told() {
     );
     // Refuses all.
     told("    pairs = []\n", "    raise ValueError('too hard')\n", none, &["too hard"]);
-    told(
-        "reply = answer(scene, **asked)",
-        "reply = answer(scene, **asked) if asked['request'] == 'load' else {'reply': 'refused', \
-         'reason': 'no'}",
-        none,
-        &["it has refused all of them", "my-detector: no"],
-    );
+    let refuses = "reply = answer(scene, **asked) if asked['request'] == 'load' else {'reply': \
+                   'refused', 'reason': 'no'}";
+    let ended = changed(folder.path(), "reply = answer(scene, **asked)", refuses, none);
+    assert_eq!(ended.code, Some(2), "{}", ended.stdout);
+    for words in ["check: 0 detections by my-detector: nothing was compared", "my-detector: no"] {
+        assert!(ended.stdout.contains(words), "{words}: {}", ended.stdout);
+    }
 }
 
 /// Near-tangent couples, subnormal numbers: what only the hard scenes of the battery show.
