@@ -206,7 +206,7 @@ impl Follower {
         tracked.times.push(started.elapsed());
         tracked.builds.take(step.built, step.dangerous, tracked.late.missed);
         tracked.building += step.building;
-        tracked.listed += step.listed;
+        tracked.listed = tracked.listed.saturating_add(step.listed);
         tracked.reported += contacts.len();
         tracked.bytes = tracked.bytes.max(tracker.formula_bytes());
         true

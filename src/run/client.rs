@@ -64,6 +64,8 @@ pub struct Client {
     samples: u32,
     /// Frames of the trajectory loaded last.
     frames: usize,
+    /// The most pairs that its answer can be from, if that is known.
+    most_listed: Option<u64>,
     /// That trajectory, where the runner gets its frames one by one.
     by_frame: Option<Trajectory>,
     /// How long the last answer took.
@@ -142,6 +144,7 @@ impl Client {
             memory_limit: start.memory_limit,
             samples: 0,
             frames: 1,
+            most_listed: None,
             by_frame: None,
             waited: Duration::ZERO,
             hello: Hello::default(),
@@ -239,8 +242,9 @@ impl Client {
         };
         let waited_ns = self.waited.as_nanos() as u64;
         let memory_limit = Some(self.memory_limit).filter(|_| cfg!(target_os = "linux"));
-        possible::check(reply, &Asked { min_ns, frames: self.frames, waited_ns, memory_limit })
-            .err()
+        let Client { frames, most_listed, .. } = *self;
+        let asked = Asked { min_ns, frames, waited_ns, memory_limit, most_listed };
+        possible::check(reply, &asked).err()
     }
 
     /// Sends a message and waits for the answer, whatever it says.
@@ -249,6 +253,9 @@ impl Client {
             Some("load") => {
                 self.samples = 0;
                 self.frames = message["frames"].as_array().map_or(1, Vec::len);
+                let open = message["box"].is_null() && message["boxes"].is_null();
+                let n = message["n"].as_u64().filter(|_| open);
+                self.most_listed = n.map(|n| n.saturating_mul(n));
             }
             Some("sample") => self.samples += 1,
             _ => {}

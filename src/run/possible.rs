@@ -1,11 +1,15 @@
 //! What a reply can say. Numbers that nobody can have measured break the protocol, and what breaks
 //! it is decided here alone: for `run`, `recommend` and `check`.
 
+use crate::probe::Op;
 use crate::run::protocol::{Reply, Steps};
 
 /// A sample is not longer than a runner is asked for where it has so many detections: one of them
 /// may take less than the clock can tell.
 pub const MOST_CALLS: u64 = 1 << 20;
+
+/// No machine looks at more pairs than this in a nanosecond.
+const MOST_LISTED_PER_NS: u64 = 1000;
 
 /// What a reply is held to.
 #[derive(Clone, Copy, Debug)]
@@ -18,6 +22,8 @@ pub struct Asked {
     pub waited_ns: u64,
     /// Bytes of address space that the runner has, where the system holds it to them.
     pub memory_limit: Option<u64>,
+    /// Ordered pairs of particles in open space; none in a box, where images are pairs, too.
+    pub most_listed: Option<u64>,
 }
 
 /// What is impossible in a reply, in one sentence without an end; `Ok` if nothing is.
@@ -31,7 +37,10 @@ pub fn check(reply: &Reply, asked: &Asked) -> Result<(), String> {
             answers(steps, *contacts, digest, asked)?;
             memory(reply, asked)
         }
-        Reply::Count { steps, contacts, digest, .. } => answers(steps, *contacts, digest, asked),
+        Reply::Count { counts, steps, contacts, digest } => {
+            answers(steps, *contacts, digest, asked)?;
+            count(counts.get(Op::ContactTest.name()).copied(), steps, *contacts)
+        }
         _ => Ok(()),
     }
 }
@@ -47,7 +56,56 @@ fn answers(steps: &Steps, contacts: u64, digest: &str, asked: &Asked) -> Result<
     if steps.last() != (contacts, digest.to_string()) {
         return Err("contacts and digest are not those of the last frame".into());
     }
-    Ok(())
+    let frames = steps.contacts.iter().enumerate();
+    frames.map(|(k, &contacts)| tracked(steps, k, contacts, asked)).collect()
+}
+
+/// What a tracker says of frame `k`, in which it found `contacts`.
+fn tracked(steps: &Steps, k: usize, contacts: u64, asked: &Asked) -> Result<(), String> {
+    let built = steps.built.get(k);
+    let listed = steps.listed.get(k).copied();
+    Err(if let Some(listed) = listed.filter(|&listed| listed < contacts) {
+        format!(
+            "it says step_listed {listed} in frame {k}, and found {contacts} contacts there: \
+             every contact is a pair that was looked at"
+        )
+    } else if let Some((listed, most)) =
+        listed.zip(asked.most_listed).filter(|(it, most)| it > most)
+    {
+        format!(
+            "it says step_listed {listed} in frame {k}, and its particles have {most} pairs, each \
+             counted from both sides"
+        )
+    } else if listed.unwrap_or(0).div_ceil(MOST_LISTED_PER_NS) > asked.waited_ns {
+        format!(
+            "it says step_listed {} in frame {k}, within {} ns",
+            listed.unwrap_or(0),
+            asked.waited_ns
+        )
+    } else if k == 0 && contacts > 0 && built == Some(&false) {
+        "it says step_built false in frame 0: a pass begins with a reset, and what was found was \
+         built after it"
+            .into()
+    } else if steps.dangerous.get(k) == Some(&true) && built != Some(&true) {
+        format!(
+            "it says step_dangerous true in frame {k}, and not step_built: a build is dangerous, \
+             not a frame without one"
+        )
+    } else {
+        return Ok(());
+    })
+}
+
+/// Contact tests are as many as contacts, in all frames together; 0 where they are not counted.
+fn count(tests: Option<u64>, steps: &Steps, contacts: u64) -> Result<(), String> {
+    let all = steps.contacts.iter().fold(0u64, |all, &one| all.saturating_add(one)).max(contacts);
+    match tests.filter(|&tests| tests > 0 && tests < all) {
+        None => Ok(()),
+        Some(tests) => Err(format!(
+            "it says contact_test {tests}, and found {all} contacts: each takes a test; leave the \
+             operation out where it is not counted"
+        )),
+    }
 }
 
 fn sample(reply: &Reply, asked: &Asked) -> Result<(), String> {
@@ -125,13 +183,31 @@ fn one(reply: &Reply, asked: &Asked) -> Result<(), String> {
     })
 }
 
+/// Whether a frame was answered from what an earlier one left, or from more than its contacts.
+fn keeps_a_list(steps: &Steps) -> bool {
+    let longer = steps.listed.iter().zip(&steps.contacts).any(|(listed, found)| listed > found);
+    longer || steps.built.contains(&false)
+}
+
 fn memory(reply: &Reply, asked: &Asked) -> Result<(), String> {
     let &Reply::Memory {
-        peak_bytes, live_bytes, allocations, warm_allocations, formula_bytes, ..
+        peak_bytes,
+        live_bytes,
+        allocations,
+        warm_allocations,
+        formula_bytes,
+        ref steps,
+        ..
     } = reply
     else {
         return Ok(());
     };
+    if [peak_bytes, live_bytes, allocations] == [0; 3] && keeps_a_list(steps) {
+        return Err("it says peak_bytes, live_bytes and allocations 0, and keeps a list from \
+                    frame to frame: a list takes memory; answer unsupported where it cannot be \
+                    measured"
+            .into());
+    }
     if peak_bytes < live_bytes {
         return Err(format!(
             "it says peak_bytes {peak_bytes} and live_bytes {live_bytes}: the most bytes held are \
@@ -162,6 +238,7 @@ mod tests {
         frames: 1,
         waited_ns: 1_000_000_000,
         memory_limit: Some(1 << 30),
+        most_listed: Some(100 * 100),
     };
 
     fn sample(time_ns: u64, calls: u64, elapsed_ns: u64) -> Reply {
@@ -231,6 +308,69 @@ mod tests {
         }
         let error = check(&builder, &asked).unwrap_err();
         assert!(error.contains("building_ns 12000000"), "{error}");
+    }
+
+    /// Steps of three frames with 5 contacts each.
+    fn tracked(listed: &[u64], built: &[bool], dangerous: &[bool]) -> Box<Steps> {
+        Box::new(Steps {
+            contacts: vec![5; 3],
+            digests: vec![String::new(); 3],
+            listed: listed.to_vec(),
+            built: built.to_vec(),
+            dangerous: dangerous.to_vec(),
+        })
+    }
+
+    fn counted(tests: u64, steps: Box<Steps>) -> Reply {
+        let counts = [("contact_test".to_string(), tests)].into();
+        Reply::Count { counts, contacts: 5, digest: String::new(), steps }
+    }
+
+    #[test]
+    fn trackers_say_what_can_be() {
+        let asked = Asked { frames: 3, ..ASKED };
+        let once = [true, false, false];
+        for (steps, words) in [
+            (tracked(&[5, 9, 9], &once, &[false; 3]), ""),
+            (tracked(&[5; 3], &[true; 3], &[false, true, false]), ""),
+            (tracked(&[], &[], &[]), ""),
+            (tracked(&[0; 3], &once, &[]), "step_listed 0 in frame 0, and found 5"),
+            (tracked(&[9, 4, 9], &[true; 3], &[]), "step_listed 4 in frame 1"),
+            (tracked(&[9, 9, 1 << 63], &once, &[]), "particles have 10000 pairs"),
+            (tracked(&[9; 3], &[false; 3], &[]), "step_built false in frame 0"),
+            (tracked(&[9; 3], &once, &[false, true, false]), "step_dangerous true in frame 1"),
+            (tracked(&[9; 3], &[], &[false, true, false]), "step_dangerous true in frame 1"),
+        ] {
+            match check(&counted(0, steps), &asked) {
+                Ok(()) => assert_eq!(words, ""),
+                Err(error) => assert!(!words.is_empty() && error.contains(words), "{error}"),
+            }
+        }
+        let boxed = Asked { most_listed: None, ..asked };
+        let steps = || tracked(&[9, 9, 1 << 62], &once, &[]);
+        let error = check(&counted(0, steps()), &boxed).unwrap_err();
+        assert!(error.contains("within 1000000000 ns"), "{error}");
+        // 15 contacts in all.
+        let fair = || tracked(&[9; 3], &once, &[]);
+        assert_eq!(check(&counted(15, fair()), &asked), Ok(()));
+        for tests in [1, 14] {
+            let error = check(&counted(tests, fair()), &asked).unwrap_err();
+            assert!(error.contains("found 15 contacts"), "{error}");
+        }
+        let error = check(&counted(4, Box::default()), &ASKED).unwrap_err();
+        assert!(error.contains("contact_test 4, and found 5"), "{error}");
+        for (bytes, steps, good) in [
+            (0, fair(), false),
+            (8, fair(), true),
+            // Asks anew in every frame.
+            (0, tracked(&[5; 3], &[true; 3], &[]), true),
+        ] {
+            let mut reply = memory(bytes, bytes, 0);
+            if let Reply::Memory { steps: said, contacts, .. } = &mut reply {
+                (*said, *contacts) = (steps, 5);
+            }
+            assert_eq!(check(&reply, &asked).is_ok(), good, "{reply:?}");
+        }
     }
 
     #[test]
