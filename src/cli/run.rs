@@ -13,7 +13,7 @@ use crate::cli::shared::{terminal, values};
 use crate::experiment::shard::Part;
 use crate::experiment::{Experiment, builtin, detectors};
 use crate::record::row::{Record, Row, WriteError, Writer};
-use crate::record::{folder, ledger, machines, provenance, row};
+use crate::record::{copies, folder, ledger, machines, provenance, row};
 use crate::run::contender::is_build;
 use crate::run::interrupt::Interrupted;
 use crate::run::origins::{Origins, fingerprint};
@@ -154,8 +154,9 @@ fn run_named(options: &Run, name: &str) -> anyhow::Result<ExitCode> {
     let mut origins = Origins::append(&folder)
         .with_context(|| format!("cannot write {}", folder.join(ledger::FILE).display()))?;
     interrupt::install().context("cannot listen to Ctrl-C")?;
-    for (experiment, text) in &found {
-        write(&copy(&folder, experiment), detectors::in_full(text).as_bytes())?;
+    let texts: Vec<String> = found.iter().map(|(_, text)| detectors::in_full(text)).collect();
+    for ((experiment, _), text) in found.iter().zip(&texts) {
+        write(&copy(&folder, experiment), text.as_bytes())?;
     }
     let names: Vec<String> = experiments.iter().map(|experiment| experiment.name.clone()).collect();
     // Also where what is resumed has not come so far.
@@ -168,6 +169,8 @@ fn run_named(options: &Run, name: &str) -> anyhow::Result<ExitCode> {
     };
     let shard = options.shard.map(|part| part.shard.to_string());
     let mut provenance = provenance::gather(&names, options.quick, shard, &bandwidth, &label);
+    let copies = names.iter().map(String::as_str).zip(texts.iter().map(String::as_str));
+    provenance[copies::FIELD] = copies::field(copies);
     if let Some(base) = base {
         provenance[BASE] = base.into();
     }
@@ -330,8 +333,10 @@ fn previous(path: &Path, resume: bool, here: &str) -> anyhow::Result<Record> {
             path.display()
         );
     }
-    folder::sound(path.parent().unwrap_or(Path::new(".")))?;
+    let of = path.parent().unwrap_or(Path::new("."));
+    folder::sound(of)?;
     let record = row::read(path)?;
+    copies::unsealed(of, provenance::all(of).iter()).iter().for_each(|it| say!("note: {it}"));
     for warning in &record.warnings {
         say!("{warning}");
     }

@@ -43,6 +43,25 @@ pub(crate) fn scene(id: &CellId) -> Projection {
     if id.scene == file::NAME { scene.without(&["dim", "n"]) } else { scene }
 }
 
+/// What tells a timed sample from all others: its cell, its machine in it, what was timed, when it
+/// began, and where.
+pub(crate) type Began = (CellId, Pass, u64, Option<u32>);
+
+/// Which sample a row is of; none where nothing was timed, or it is not known when.
+pub(crate) fn began(row: &Row) -> Option<Began> {
+    row.time_ns?;
+    Some((row.id.clone(), row.pass, row.began_ms?, row.processor))
+}
+
+/// What a timed row measured.
+pub(crate) fn times(row: &Row) -> ([Option<u64>; 6], &[u64], Option<&str>) {
+    (
+        [row.time_ns, row.calls, row.elapsed_ns, row.first_ns, row.alone_ns, row.building_ns],
+        &row.rounds_ns,
+        row.digest.as_deref(),
+    )
+}
+
 impl Index {
     pub fn new(rows: &[Row]) -> Index {
         let mut ended = HashMap::new();

@@ -267,10 +267,29 @@ fn together(rows: &[Row]) -> Vec<(usize, String)> {
         }
     }
     let mut found = Vec::new();
+    found.extend(twice(rows));
     scenes.values().for_each(|votes| differ(votes, "scene_hash", &mut found));
     answers.values().for_each(|votes| differ(votes, "digest", &mut found));
     contacts.values().for_each(|votes| differ(votes, "number of contacts", &mut found));
     found.dedup_by_key(|fault: &mut (usize, String)| fault.0);
+    found
+}
+
+/// Rows of a sample that another row has, with other times.
+fn twice(rows: &[Row]) -> Vec<(usize, String)> {
+    let (mut begun, mut found) = (HashMap::new(), Vec::new());
+    for (k, row) in rows.iter().enumerate() {
+        let Some(began) = done::began(row) else { continue };
+        let first: &Row = begun.entry(began).or_insert(row);
+        if done::times(first) != done::times(row) {
+            let began = row.began_ms.unwrap_or(0);
+            let words = format!(
+                "it is of the sample that began at {began} ms, as another row is, \
+                                 which has another time"
+            );
+            found.push((k, words));
+        }
+    }
     found
 }
 

@@ -7,7 +7,7 @@ use serde_json::Value;
 use crate::record::faults::{self, Damaged, Fault, is_word};
 use crate::record::file::SEALED;
 use crate::record::seal::{self, Flaw};
-use crate::record::{ledger, provenance};
+use crate::record::{copies, ledger, provenance};
 
 /// The folder of the copies of the experiments.
 pub const EXPERIMENTS: &str = "experiments";
@@ -34,6 +34,10 @@ pub fn sound(folder: &Path) -> Result<(), Damaged> {
                 found.push(fault("its name is none of an experiment".into()));
             }
         }
+    }
+    // Of a provenance that is not whole nothing is believed.
+    if found.is_empty() {
+        found = copies::faults(folder);
     }
     faults::sound(found)
 }
@@ -77,7 +81,8 @@ fn damage(path: &Path) -> Option<String> {
         Err(error) => return Some(format!("it is not whole: {error}")),
     };
     type Is = fn(&Value) -> bool;
-    let kinds: [(&str, Is, &str); 7] = [
+    let kinds: [(&str, Is, &str); 8] = [
+        (copies::FIELD, Value::is_object, "an object of names and sums"),
         ("machine", Value::is_string, "text"),
         ("revision", Value::is_string, "text"),
         ("shard", Value::is_string, "text"),

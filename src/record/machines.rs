@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 
 use crate::record::hardware::Hardware;
 use crate::record::merge::Part;
-use crate::record::{file, provenance};
+use crate::record::{copies, file, provenance};
 
 /// A machine, as far as a provenance describes it: the name alone may be that of many.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -103,6 +103,12 @@ impl Labels {
                 [one] => all[name] = json!(one),
                 several => all[name] = json!(several.join(", ")),
             }
+        }
+        // What was not sealed in a part is not sealed by being put beside others.
+        let sealed = parts.iter().find(|part| copies::are_sealed(part.provenances()));
+        if let Some(part) = sealed {
+            let copies = part.experiments.iter().map(|(name, text)| (name.as_str(), text.as_str()));
+            all[copies::FIELD] = copies::field(copies);
         }
         all["record_schema"] = json!(file::SCHEMA);
         all["merged_from"] =

@@ -8,12 +8,13 @@ use anyhow::{Context, bail, ensure};
 use serde_json::Value;
 
 use crate::record::column::COLUMNS;
+use crate::record::done::Began;
 use crate::record::id::Projection;
 use crate::record::ledger::Ledger;
 use crate::record::machines::{Labels, Machine, described};
 use crate::record::outcome::Pass;
 use crate::record::row::{Measurement, Row};
-use crate::record::{done, file, folder, provenance};
+use crate::record::{copies, done, file, folder, provenance};
 
 /// A result folder as read.
 pub struct Part {
@@ -21,7 +22,7 @@ pub struct Part {
     pub folder: PathBuf,
     /// Its rows.
     pub rows: Vec<Row>,
-    /// Sentences about lines left out.
+    /// Sentences about lines left out, and about copies that are not sealed.
     pub warnings: Vec<String>,
     /// Name and text of its experiments.
     pub experiments: BTreeMap<String, String>,
@@ -50,10 +51,12 @@ impl Part {
         let copies = folder::experiments(folder);
         let experiments = copies.into_iter().map(read).collect::<anyhow::Result<_>>()?;
         let (provenance, others) = (provenance::of_folder(folder), provenance::others(folder));
+        let mut warnings = record.warnings;
+        warnings.extend(copies::unsealed(folder, provenance.iter().chain(&others)));
         Ok(Part {
             folder: folder.to_path_buf(),
             rows: record.rows,
-            warnings: record.warnings,
+            warnings,
             experiments,
             provenance,
             others,
@@ -105,6 +108,7 @@ pub fn merge(parts: &[Part]) -> anyhow::Result<Merged> {
     // Samples of the folders before: one that was merged before calls their blocks by other
     // numbers.
     let mut samples: HashSet<String> = HashSet::new();
+    let mut begun: HashMap<Began, (Row, usize)> = HashMap::new();
     for (k, part) in parts.iter().enumerate() {
         let (mut fresh, mut here) = (Vec::new(), HashMap::new());
         for row in &part.rows {
@@ -113,6 +117,12 @@ pub fn merge(parts: &[Part]) -> anyhow::Result<Merged> {
             let label = here.entry(name.to_string());
             let label = label.or_insert_with(|| labels.label(part.machine(name), name));
             row.id.machine = Some(label.clone());
+            if let Some(began) = done::began(&row) {
+                let (before, at) = begun.entry(began).or_insert_with(|| (row.clone(), k));
+                let folders = [&parts[*at].folder, &part.folder].map(|folder| folder.display());
+                one_sample(before, &row)
+                    .with_context(|| format!("in {} and {}", folders[0], folders[1]))?;
+            }
             let known = sample(&row)?.is_some_and(|sample| samples.contains(&sample));
             if seen.insert(serde_json::to_string(&row)?) && !known {
                 fresh.push(row);
@@ -161,6 +171,24 @@ pub fn merge(parts: &[Part]) -> anyhow::Result<Merged> {
     }
     let provenance = labels.provenance(parts);
     Ok(Merged { rows, repeated, renumbered, provenance })
+}
+
+/// One processor takes one sample at a time: two rows of one sample say the same.
+fn one_sample(a: &Row, b: &Row) -> anyhow::Result<()> {
+    let ns = |row: &Row| row.time_ns.unwrap_or(0);
+    ensure!(
+        done::times(a) == done::times(b),
+        "the sample of {} ({}) with N = {} that began at {} ms on {} is there twice, with {} and \
+         {} ns: one of them was edited",
+        a.id.contender(),
+        a.id.scene,
+        a.id.n,
+        a.began_ms.unwrap_or(0),
+        a.id.machine.as_deref().unwrap_or("its machine"),
+        ns(a),
+        ns(b)
+    );
+    Ok(())
 }
 
 /// A timed row, whatever the number of its block.

@@ -1,6 +1,7 @@
 //! The record: one JSON line per measurement, appended and never edited.
 
 pub mod column;
+pub mod copies;
 pub mod done;
 pub mod faults;
 pub mod file;

@@ -214,12 +214,12 @@ fn no_path_leaves_the_folder_and_what_stands_beside_the_record_is_whole() {
         link("samples.jsonl", &folder.join("whole/samples.jsonl"));
         link("summary.csv", &folder.join("nowhere.csv"));
     }
-    // A copy of an experiment that says that it is another.
+    // A copy of another experiment.
     let copy = folder.join("a/experiments/t.toml");
     std::fs::write(&copy, EXPERIMENT.replace("\"t\"", "\"u\"")).unwrap();
     let ended = run(folder, &["report", "a"]);
     assert_eq!(ended.code, Some(1), "{}", ended.stderr);
-    assert!(ended.stderr.contains("a/experiments/t.toml: it is of the experiment u"));
+    assert!(ended.stderr.contains("a/experiments/t.toml: its SHA-256 is "));
 }
 
 #[cfg(unix)]
@@ -230,4 +230,86 @@ fn refused_link(folder: &Path, name: &str) {
         let words = format!("a/{name}: it is a link that leads out of the folder");
         assert!(ended.stderr.contains(&words), "{}", ended.stderr);
     }
+}
+
+/// A claim loosened after the run, or a plan cut together with its rows, is damage like any other.
+#[test]
+fn copies_of_experiments_are_under_the_seal() {
+    let (folder, text) = measured();
+    let folder = folder.path();
+    let copy = folder.join("a/experiments/t.toml");
+    let before = std::fs::read_to_string(&copy).unwrap();
+    let edited = "a/experiments/t.toml: its SHA-256 is ";
+    std::fs::write(&copy, format!("{before}# loosened\n")).unwrap();
+    refused(folder, &["1 fault: ", edited, "it was edited"]);
+    // The plan cut, and the rows with it: no line is torn or changed.
+    std::fs::write(&copy, before.replace("n = [50, 80]", "n = [50]")).unwrap();
+    let rows: String = text.split_inclusive('\n').filter(|it| !it.contains("\"n\":80,")).collect();
+    assert_ne!(rows, text);
+    std::fs::write(folder.join("a/samples.jsonl"), rows).unwrap();
+    refused(folder, &[edited]);
+    std::fs::write(folder.join("a/samples.jsonl"), &text).unwrap();
+    std::fs::remove_file(&copy).unwrap();
+    refused(folder, &["a/experiments/t.toml: the copy is missing"]);
+    std::fs::write(&copy, &before).unwrap();
+    file(&folder.join("a/experiments"), "u.toml", &before);
+    refused(folder, &["a/experiments/u.toml: the run had no experiment of this name"]);
+    std::fs::remove_file(folder.join("a/experiments/u.toml")).unwrap();
+    // A merged record is sealed as its parts are.
+    let merged = folder.join("whole/experiments/t.toml");
+    std::fs::write(&merged, format!("{before}# loosened\n")).unwrap();
+    assert_eq!(run(folder, &["report", "whole"]).code, Some(1));
+    std::fs::write(&merged, &before).unwrap();
+    let resumed = run(folder, &["run", "t.toml", "--resume", "--out", "a"]);
+    assert_eq!(resumed.code, Some(0), "{}", resumed.stderr);
+}
+
+#[test]
+fn a_record_made_before_copies_were_sealed_says_so_and_is_sealed_once() {
+    let (folder, _) = measured();
+    let folder = folder.path();
+    let path = folder.join("a/provenance.json");
+    let mut fields: Value = serde_json::from_slice(&std::fs::read(&path).unwrap()).unwrap();
+    let fields = fields.as_object_mut().unwrap();
+    assert!(fields.remove("experiments_sha256").is_some());
+    fields.remove("check");
+    let text = seal::sealed(&serde_json::to_string_pretty(fields).unwrap());
+    std::fs::write(&path, text + "\n").unwrap();
+    let words = "made before copies of experiments were sealed";
+    let report = run(folder, &["report", "a"]);
+    assert_eq!(report.code, Some(0), "{}", report.stderr);
+    assert!(report.stdout.contains(words), "{}", report.stdout);
+    let compared = run(folder, &["compare", "whole", "a"]);
+    assert!(compared.code == Some(0) && compared.stderr.contains(words), "{}", compared.stderr);
+    let sealed = run(folder, &["report", "a", "--seal"]);
+    assert!(sealed.code == Some(0) && !sealed.stdout.contains(words), "{}", sealed.stdout);
+    assert_eq!(run(folder, &["report", "a", "--seal"]).code, Some(2));
+    file(&folder.join("a/experiments"), "t.toml", EXPERIMENT.replace("[50, 80]", "[50]"));
+    assert_eq!(run(folder, &["report", "a"]).code, Some(1));
+    assert_eq!(run(folder, &["report", "a", "--seal"]).code, Some(1));
+}
+
+/// A processor takes one sample at a time: the same beginning with another time is an edit.
+#[test]
+fn a_sample_has_one_time() {
+    let (folder, text) = measured();
+    let folder = folder.path();
+    let time = line(&text, &["\"pass\":\"time\""]);
+    let slower = forged(&text, time, |row| {
+        let ns = row["time_ns"].as_u64().unwrap() * 10;
+        (row["time_ns"], row["elapsed_ns"], row["calls"]) = (ns.into(), ns.into(), 1.into());
+    });
+    let ns = |text: &str| -> u64 {
+        let row = seal::unsealed(text.lines().nth(time - 1).unwrap());
+        serde_json::from_str::<Value>(&row).unwrap()["time_ns"].as_u64().unwrap()
+    };
+    file(&folder.join("a"), "samples.jsonl", &slower);
+    let ended = run(folder, &["merge", "whole", "a", "--out", "b"]);
+    assert_eq!(ended.code, Some(2), "{}", ended.stdout);
+    let both = format!("is there twice, with {} and {} ns", ns(&text), ns(&slower));
+    assert!(ended.stderr.contains(&both) && !folder.join("b").exists(), "{}", ended.stderr);
+    // In one file, too.
+    let twice = format!("{text}{}\n", slower.lines().nth(time - 1).unwrap());
+    file(&folder.join("a"), "samples.jsonl", twice);
+    refused(folder, &["it is of the sample that began at"]);
 }

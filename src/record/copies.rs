@@ -1,0 +1,106 @@
+//! The copies of experiments in a result folder are under its seal: each provenance holds the
+//! SHA-256 of the copies that its run began with. A claim that is loosened afterwards, or a plan
+//! that is cut, is found wherever the folder is read.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use anyhow::{Context, ensure};
+use serde_json::{Value, json};
+use sha2::{Digest, Sha256};
+
+use crate::record::faults::Fault;
+use crate::record::{folder, provenance};
+
+/// The field of a provenance with the SHA-256 of each copy, by name.
+pub const FIELD: &str = "experiments_sha256";
+
+/// The SHA-256 of a text, as `sha256sum` prints it.
+fn sha256(text: &[u8]) -> String {
+    Sha256::digest(text).iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// The field of these copies: names and texts.
+pub fn field<'a>(copies: impl Iterator<Item = (&'a str, &'a str)>) -> Value {
+    json!(copies.map(|(name, text)| (name, sha256(text.as_bytes()))).collect::<BTreeMap<_, _>>())
+}
+
+/// What the provenances of a folder say of its copies.
+fn known(provenances: &[Value]) -> Vec<(&str, &str)> {
+    let fields = provenances.iter().filter_map(|it| it.get(FIELD)?.as_object()).flatten();
+    fields.filter_map(|(name, sum)| Some((name.as_str(), sum.as_str()?))).collect()
+}
+
+/// Whether a provenance holds the sums of its copies. Runs of older versions did not note them.
+pub fn are_sealed<'a>(mut provenances: impl Iterator<Item = &'a Value>) -> bool {
+    provenances.any(|provenance| provenance.get(FIELD).is_some_and(Value::is_object))
+}
+
+/// The warning of a folder whose copies are not under its seal; none where they are.
+pub fn unsealed<'a>(folder: &Path, provenances: impl Iterator<Item = &'a Value>) -> Option<String> {
+    (!are_sealed(provenances)).then(|| {
+        let name = folder.file_name().unwrap_or_default().to_string_lossy();
+        format!(
+            "the record {name} was made before copies of experiments were sealed: an edit of a \
+             claim or plan in {}/ would not be noticed",
+            folder::EXPERIMENTS
+        )
+    })
+}
+
+/// Copies that are not those of the run: edited, added or missing.
+pub(super) fn faults(folder: &Path) -> Vec<Fault> {
+    let provenances = provenance::all(folder);
+    if !are_sealed(provenances.iter()) {
+        return Vec::new();
+    }
+    let known = known(&provenances);
+    let place = |name: &str| folder.join(folder::EXPERIMENTS).join(format!("{name}.toml"));
+    let fault = |name: &str, what: String| Fault { place: place(name).display().to_string(), what };
+    let mut found = Vec::new();
+    let copies: BTreeMap<String, _> = folder::experiments(folder).into_iter().collect();
+    for (name, path) in &copies {
+        let is = std::fs::read(path).map(|text| sha256(&text)).unwrap_or_default();
+        match known.iter().find(|(other, sum)| other == name && *sum != is) {
+            Some((_, sum)) => found.push(fault(
+                name,
+                format!(
+                    "its SHA-256 is {is}, and by the provenance that of the run is {sum}: it was \
+                     edited"
+                ),
+            )),
+            None if known.iter().all(|(other, _)| other != name) => {
+                found.push(fault(name, "the run had no experiment of this name".into()));
+            }
+            None => {}
+        }
+    }
+    let mut missing: Vec<&str> = known.iter().map(|(name, _)| *name).collect();
+    missing.retain(|name| !copies.contains_key(*name));
+    missing.dedup();
+    found.extend(missing.into_iter().map(|name| fault(name, "the copy is missing".into())));
+    found
+}
+
+/// Puts the copies of a folder under its seal, as they are. Only for a folder without one: what a
+/// seal says is never changed.
+pub fn seal(folder: &Path) -> anyhow::Result<usize> {
+    let path = folder.join(provenance::FILE);
+    let mut fields = provenance::of_folder(folder)
+        .with_context(|| format!("cannot read {}: there is nothing to seal", path.display()))?;
+    ensure!(
+        !are_sealed(provenance::all(folder).iter()),
+        "{} is sealed already; a seal is made once",
+        folder.display()
+    );
+    let read = |(name, path): (String, std::path::PathBuf)| {
+        let text = std::fs::read_to_string(&path);
+        Ok((name, text.with_context(|| format!("cannot read {}", path.display()))?))
+    };
+    let copies = folder::experiments(folder).into_iter().map(read);
+    let copies = copies.collect::<anyhow::Result<Vec<(String, String)>>>()?;
+    fields[FIELD] = field(copies.iter().map(|(name, text)| (name.as_str(), text.as_str())));
+    std::fs::write(&path, provenance::text(&fields)?)
+        .with_context(|| format!("cannot write {}", path.display()))?;
+    Ok(copies.len())
+}
