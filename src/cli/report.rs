@@ -18,8 +18,8 @@ use crate::present::sections::failures;
 use crate::present::{document, latex, report};
 use crate::record::faults::{self, Fault};
 use crate::record::merge::Part;
-use crate::record::row::Record;
-use crate::record::{folder, row};
+use crate::record::row::{Outcome, Record};
+use crate::record::{copies, folder, row};
 
 /// Options of `report`.
 #[derive(clap::Args)]
@@ -31,13 +31,23 @@ pub struct Report {
     /// Print the main results as a table for a paper or a README instead, and write nothing
     #[arg(long, value_enum, value_name = "FORMAT")]
     table: Option<latex::Format>,
+    /// Put the copies of experiments of an older record under its seal, and make no report
+    #[arg(long, conflicts_with = "table")]
+    seal: bool,
 }
 
 /// Makes the report of a result folder again.
 pub fn report(options: &Report) -> anyhow::Result<ExitCode> {
+    if options.seal {
+        read(&options.folder)?;
+        let count = copies::seal(&options.folder)?;
+        writeln!(terminal::out(), "sealed: {count} copies of experiments")?;
+        return Ok(ExitCode::SUCCESS);
+    }
     let Some(format) = options.table else { return finish(&options.folder, &options.ci) };
     let (record, experiments) = read(&options.folder)?;
-    for warning in report::partial(&options.folder, &experiments, &record.rows) {
+    let partial = report::partial(&options.folder, &experiments, &record.rows);
+    for warning in record.warnings.iter().chain(&partial) {
         say!("warning: {warning}");
     }
     let text = latex::tables(&experiments, &cells::cells(&record.rows), format);
@@ -120,7 +130,7 @@ pub(super) fn finish(folder: &Path, ci: &Outputs) -> anyhow::Result<ExitCode> {
         let folder = quoted(&folder.display().to_string());
         writeln!(out, "builds:  contactbench compare {folder}")?;
     }
-    // Who is wrong comes first, once each; then the claims.
+    // What is wrong, crashed or was not started comes first, once each; then the claims.
     let mut cases: Vec<Case> = report.culprits.iter().map(culprit).collect();
     if cases.is_empty() {
         let (class, name) = ("record".into(), "every answer is right".into());
@@ -137,7 +147,8 @@ pub(super) fn finish(folder: &Path, ci: &Outputs) -> anyhow::Result<ExitCode> {
 
 /// A contender that is wrong, for continuous integration.
 fn culprit(found: &Culprit) -> Case {
-    let (class, name) = ("record".into(), format!("{} is right", found.name));
+    let is = if found.outcome == Outcome::Unavailable { "was started" } else { "is right" };
+    let (class, name) = ("record".into(), format!("{} {is}", found.name));
     Case { class, name, result: ci::Outcome::Failed(failures::culprit(found)) }
 }
 

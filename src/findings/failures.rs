@@ -3,7 +3,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::cells::series::Line;
-use crate::cells::{Cell, label, series};
+use crate::cells::{Cell, CellId, label, series};
+use crate::experiment::Experiment;
 use crate::record::row::Outcome;
 
 /// What a detector failed to do on a scene.
@@ -23,13 +24,15 @@ pub struct Failure {
     pub more: usize,
 }
 
-/// A contender that is wrong, or one of ours that crashed.
+/// A contender that is wrong, crashed, or could not be started.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Culprit {
     /// The contender.
     pub name: String,
-    /// Wrong or crashed.
+    /// Wrong, crashed or unavailable.
     pub outcome: Outcome,
+    /// The first of its cells.
+    pub id: CellId,
     /// In so many cells.
     pub cells: usize,
     /// The first of them.
@@ -38,25 +41,65 @@ pub struct Culprit {
     pub reason: String,
 }
 
-/// Each that gave a wrong answer, once, then each of ours that crashed.
-pub fn culprits(cells: &[&Cell]) -> Vec<Culprit> {
-    let mut found: BTreeMap<(bool, String), Culprit> = BTreeMap::new();
+/// Each contender once: those that gave a wrong answer; those that crashed (ours anywhere, others
+/// everywhere); and runners of these experiments that could not be started.
+#[derive(Debug, Default)]
+pub struct Culprits {
+    /// Failures.
+    pub all: Vec<Culprit>,
+    /// Runners that could not be started, and are optional.
+    pub absent: Vec<Culprit>,
+}
+
+impl Culprits {
+    /// From the cells of these experiments.
+    pub fn new(cells: &[&Cell], experiments: &[Experiment]) -> Culprits {
+        let runner = |culprit: &Culprit| {
+            let own = experiments.iter().filter(|it| it.name == culprit.id.experiment);
+            own.flat_map(|it| &it.runners).find(|it| it.name == culprit.id.contender())
+        };
+        let (mut all, mut absent) = (Vec::new(), Vec::new());
+        for culprit in culprits(cells) {
+            match runner(&culprit) {
+                _ if culprit.outcome != Outcome::Unavailable => all.push(culprit),
+                Some(known) if known.is_optional() => absent.push(culprit),
+                Some(_) => all.push(culprit),
+                // A library that was not compiled: what is missing is said elsewhere.
+                None => {}
+            }
+        }
+        Culprits { all, absent }
+    }
+}
+
+fn culprits(cells: &[&Cell]) -> Vec<Culprit> {
+    // How all cells of a contender ended.
+    let line = |cell: &Cell| (cell.id.experiment.clone(), cell.id.contender(), cell.id.threads());
+    let mut ends: BTreeMap<(String, String, u32), BTreeSet<Outcome>> = BTreeMap::new();
+    for cell in cells {
+        ends.entry(line(cell)).or_default().insert(cell.overall().0);
+    }
+    let everywhere = |cell: &Cell| ends.get(&line(cell)).is_some_and(|ends| ends.len() == 1);
+    let mut found: BTreeMap<(u8, String), Culprit> = BTreeMap::new();
     for cell in cells {
         let (outcome, reason) = cell.overall();
-        let wrong = outcome == Outcome::Wrong;
-        if !(wrong || outcome == Outcome::Crashed && cell.role.is_ours()) {
-            continue;
-        }
+        let rank = match outcome {
+            Outcome::Wrong => 0,
+            Outcome::Crashed if cell.role.is_ours() || everywhere(cell) => 1,
+            Outcome::Unavailable if everywhere(cell) => 2,
+            _ => continue,
+        };
         let name = series::label(&Line::new(cell), cells);
         let fields = ["experiment", "scene", "dim", "n", "seed"].map(String::from);
         let new = || Culprit {
             name: name.clone(),
+            id: cell.id.clone(),
             outcome,
             cells: 0,
             first: label::place(&cell.id, &fields),
             reason: reason.to_string(),
         };
-        found.entry((!wrong, name.clone())).or_insert_with(new).cells += 1;
+        found.entry((rank, name.clone())).or_insert_with(new).cells += 1;
     }
     found.into_values().collect()
 }

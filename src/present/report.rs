@@ -12,7 +12,7 @@ use crate::experiment::{Experiment, Table};
 use crate::findings::claim::{self, Verdict};
 use crate::findings::conditions::Conditions;
 use crate::findings::coverage::{Coverage, Scope, Summary};
-use crate::findings::failures::{Culprit, culprits};
+use crate::findings::failures::{Culprit, Culprits};
 use crate::findings::price::Price;
 use crate::findings::verdicts::Matrix;
 use crate::findings::winners::{Contest, contests};
@@ -118,9 +118,9 @@ pub fn write(
         parts.push(part);
     }
     let (path, page) = (folder.join("report.md"), page::path(folder));
-    let culprits = culprits(&cells.iter().collect::<Vec<_>>());
+    let culprits = Culprits::new(&cells.iter().collect::<Vec<_>>(), experiments);
     // Nothing is more important.
-    let wrong: Vec<String> = culprits.iter().map(sections::failures::culprit).collect();
+    let wrong: Vec<String> = culprits.all.iter().map(sections::failures::culprit).collect();
     let said = [&wrong[..], &warnings[..]].concat();
     let origin = Origin { provenance, conditions: &conditions, ledger: &ledger };
     let text = document::markdown(&blocks(&parts, &said, &origin));
@@ -145,9 +145,12 @@ pub fn write(
         let path = folder.join(name);
         std::fs::write(&path, text).with_context(|| format!("cannot write {}", path.display()))?;
     }
+    // Failures on the page say it, too.
+    let optional = culprits.absent.iter().map(sections::failures::culprit);
+    warnings.extend(optional.map(|it| format!("{it} (it is optional)")));
     Ok(Report {
         terminal: terminal(&parts, &wrong, &conditions),
-        culprits,
+        culprits: culprits.all,
         figures: parts.iter().flat_map(|part| &part.figures).flat_map(|it| it.1.clone()).collect(),
         verdicts: parts.into_iter().flat_map(|part| part.verdicts).collect(),
         path,

@@ -157,7 +157,7 @@ fn floods_are_bounded_and_lines_that_are_no_text_are_named() {
         cases.iter().map(|(name, script, _)| runner(name, "sh", script)).collect();
     file(folder, "t.toml", format!("{HEAD}{runners}"));
     let ended = run(folder, &["run", "t.toml", "--out", "result"]);
-    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    assert_eq!(ended.code, Some(1), "{}", ended.stderr);
     let rows = row::read(&folder.join("result").join(row::FILE)).unwrap().rows;
     for (name, _, words) in &cases {
         let row = rows.iter().find(|row| row.id.detector == *name).unwrap();

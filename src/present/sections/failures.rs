@@ -8,8 +8,12 @@ use crate::record::row::Outcome;
 
 /// Who is wrong, in a sentence.
 pub fn culprit(culprit: &Culprit) -> String {
-    let Culprit { name, outcome, cells, first, reason } = culprit;
-    let what = if *outcome == Outcome::Wrong { "WRONG" } else { "CRASHED" };
+    let Culprit { name, outcome, cells, first, reason, .. } = culprit;
+    let what = match outcome {
+        Outcome::Wrong => "WRONG",
+        Outcome::Unavailable => "NOT STARTED",
+        _ => "CRASHED",
+    };
     let cells = plural(*cells, "cell");
     let reason = if reason.is_empty() { String::new() } else { format!(": {reason}") };
     format!("{what}: {name}, in {cells}, first in {first}{reason}")

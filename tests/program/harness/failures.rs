@@ -61,7 +61,7 @@ fn impossible_numbers_are_refused() {
     );
     let folder = tempfile::tempdir().unwrap();
     let (rows, code, stderr) = rows(folder.path(), &text);
-    assert_eq!(code, Some(0), "{stderr}");
+    assert_eq!(code, Some(1), "those that crash everywhere are failures: {stderr}");
     for (name, script, words) in &cases {
         let own = of(&rows, name, 25);
         let last = own.last().unwrap();
@@ -323,5 +323,43 @@ fn pairs_that_are_wrong_are_counted_and_never_taken_from_another_runner() {
                 && row.reason.contains("it gave others"),
             "{row:?}"
         );
+    }
+}
+
+/// A runner of the experiment's own that cannot start is named with the reason and fails the run,
+/// unless it is optional; one that crashed in every scene fails it, too.
+#[test]
+fn a_runner_that_cannot_start_fails_the_run_unless_it_is_optional() {
+    let crashes = fake(&[("load", "exit 3")]);
+    let crashes = runner("mine", "sh", &crashes);
+    let absent = "[[runner]]\nname = \"mine\"\ncommand = [\"./nothere\"]\n";
+    let optional = format!("{absent}optional = true\n");
+    let installed = format!("{absent}install = \"make\"\n");
+    for (runner, code, words) in [
+        (absent, 1, "NOT STARTED: mine, in 2 cells, first in experiment = t"),
+        (&*crashes, 1, "CRASHED: mine, in 2 cells"),
+        (&optional, 0, "NOT STARTED: mine, in 2 cells"),
+        (&installed, 0, "NOT STARTED: mine, in 2 cells"),
+    ] {
+        let folder = tempfile::tempdir().unwrap();
+        let folder = folder.path();
+        let scene = "[[scene]]\nname = \"packed\"\nn = [50, 60]\n";
+        let text = format!("{HEAD}detectors = [\"nbs\"]\n{scene}{runner}");
+        crate::common::file(folder, "t.toml", text);
+        let summary = ["--summary", "a.md", "--junit", "a.xml"];
+        let run = [&["run", "t.toml", "--out", "result"][..], &summary].concat();
+        let ended = crate::common::run(folder, &run);
+        assert_eq!(ended.code, Some(code), "{runner}: {}", ended.stdout);
+        let words: Vec<&str> = words.split(", ").collect();
+        for words in words {
+            assert!(ended.stdout.contains(words), "{words}: {}", ended.stdout);
+        }
+        let summary = std::fs::read_to_string(folder.join("a.md")).unwrap();
+        assert_eq!(summary.contains("| failed | record | mine "), code == 1, "{summary}");
+        if runner != crashes {
+            assert!(ended.stdout.contains("cannot start ./nothere"), "{}", ended.stdout);
+        }
+        // The report of the record says the same.
+        assert_eq!(crate::common::run(folder, &["report", "result"]).code, Some(code));
     }
 }

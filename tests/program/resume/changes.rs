@@ -2,7 +2,7 @@
 
 use contactbench::record::{provenance, row};
 
-use super::{experiment, start, steady, undisturbed};
+use super::{WHOLE, experiment, start, steady, undisturbed};
 use crate::common::{fake, file, refused, run, runner, say};
 
 #[test]
@@ -173,7 +173,7 @@ fn a_run_resumed_on_other_hardware_of_the_same_name_is_of_another_machine() {
         std::fs::write(result.join("samples.jsonl"), if resumed == 1 { &half } else { &rows })
             .unwrap();
         let ended = start(folder.path(), &["--resume"]);
-        assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+        assert_eq!(ended.code, WHOLE, "{}", ended.stderr);
         let note = format!("the record was begun on {here}, this is {here}-2");
         assert!(ended.stderr.contains(&note), "{}", ended.stderr);
         let record = row::read(&result.join("samples.jsonl")).unwrap();

@@ -7,7 +7,7 @@ use contactbench::record::row;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use super::{ROWS, experiment, start, steady, undisturbed};
+use super::{ROWS, WHOLE, experiment, start, steady, undisturbed};
 use crate::common::file;
 
 #[test]
@@ -21,7 +21,7 @@ fn a_record_that_was_cut_is_completed() {
         let torn = &lines[kept][..lines[kept].len() / 2];
         std::fs::write(&path, lines[..kept].concat() + torn).unwrap();
         let ended = start(folder.path(), &["--resume"]);
-        assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+        assert_eq!(ended.code, WHOLE, "{}", ended.stderr);
         assert!(ended.stderr.contains(&format!("line {} is torn", kept + 1)), "{}", ended.stderr);
         assert!(
             ended.stderr.contains(&format!("resuming: {kept} rows are there already")),
@@ -36,7 +36,7 @@ fn a_record_that_was_cut_is_completed() {
         assert_eq!(steady(folder.path()), expected, "after {kept} rows");
     }
     let before = std::fs::read(&path).unwrap();
-    assert_eq!(start(folder.path(), &["--resume"]).code, Some(0));
+    assert_eq!(start(folder.path(), &["--resume"]).code, WHOLE);
     assert_eq!(std::fs::read(&path).unwrap(), before, "a complete run has nothing to resume");
 }
 
@@ -94,7 +94,7 @@ fn a_run_killed_at_random_moments_is_completed() {
             assert!(readable() >= rows, "kill {kill} of seed {seed}: rows were lost");
         }
         let ended = start(folder.path(), &["--resume"]);
-        assert_eq!(ended.code, Some(0), "kill {kill} of seed {seed}: {}", ended.stderr);
+        assert_eq!(ended.code, WHOLE, "kill {kill} of seed {seed}: {}", ended.stderr);
         assert_eq!(
             steady(folder.path()),
             expected,
@@ -137,6 +137,6 @@ fn a_full_disk_costs_no_row() {
     ] {
         assert!(last.contains(words), "no '{words}' in: {last}");
     }
-    assert_eq!(start(folder, &["--resume"]).code, Some(0));
+    assert_eq!(start(folder, &["--resume"]).code, WHOLE);
     assert_eq!(steady(folder), expected);
 }

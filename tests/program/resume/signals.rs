@@ -8,7 +8,7 @@ use contactbench::record::row;
 use contactbench::record::row::Pass;
 use rustix::process::{Pid, Signal, kill_process};
 
-use super::{experiment, start, steady};
+use super::{WHOLE, experiment, start, steady};
 use crate::common::{fake, file, runner, say};
 
 /// A detector that hangs until a file says otherwise; the numbers of its processes are in `pids`.
@@ -96,10 +96,10 @@ fn ctrl_c_ends_a_run_with_its_record_and_a_report() {
         }
     }
     file(folder, "go", "");
-    assert_eq!(start(folder, &["--resume"]).code, Some(0));
+    assert_eq!(start(folder, &["--resume"]).code, WHOLE);
     let resumed = steady(folder);
     std::fs::remove_dir_all(folder.join("result")).unwrap();
-    assert_eq!(start(folder, &[]).code, Some(0));
+    assert_eq!(start(folder, &[]).code, WHOLE);
     assert_eq!(resumed, steady(folder), "an interrupted run is completed");
 }
 
