@@ -13,13 +13,14 @@ use crate::cli::shared::ci::{Case, Outcome, Outputs};
 use crate::cli::shared::terminal;
 use crate::findings::compare::{
     Absent, Builds, Compared, Judgement, Options as How, Summary, Timing, compare as cell_by_cell,
-    control, floors, records,
+    control, floors, pooled, records,
 };
 use crate::findings::conditions::Conditions;
 use crate::number::plural;
 use crate::present::document::indented;
 use crate::present::sections::{compare as words, conditions as doubtful};
 use crate::record::merge::Part;
+use crate::stats::interval::Interval;
 
 /// Options of `compare`.
 #[derive(clap::Args)]
@@ -33,12 +34,15 @@ pub struct Compare {
     /// (default: one that has a twin in both folders)
     #[arg(long, value_name = "DETECTOR", requires = "b")]
     against: Option<String>,
-    /// Percent by which times may differ and still be equal
+    /// Percent by which times may differ and not count
     #[arg(long, value_name = "PERCENT", default_value_t = 5.0, allow_negative_numbers = true)]
     band: f64,
     /// The two are of one machine, though its name differs (containers often have new names)
     #[arg(long, requires = "b")]
     same_machine: bool,
+    /// Judge times of two different machines, as multiples of a control's; they are never gated
+    #[arg(long, requires = "b", conflicts_with = "gate_time")]
+    across_machines: bool,
     /// Cells that are slower are failures, if they are more than chance explains
     #[arg(long)]
     gate_time: bool,
@@ -98,13 +102,9 @@ pub fn compare(options: &Compare) -> anyhow::Result<ExitCode> {
         "nothing can be compared: each of the {} cells has results on one side only",
         cells.len()
     );
-    let decidable = cells.iter().filter_map(|cell| cell.timing.as_ref()).any(Timing::is_decidable);
-    ensure!(
-        !options.gate_time || decidable && summary.decides(),
-        "--gate-time: no time could be judged ({}; an interval needs six blocks, and a verdict \
-         one narrow enough); leave it out, or measure what can be compared",
-        words::pairing(&how)
-    );
+    if let Some(why) = words::ungated(&summary, &how).filter(|_| options.gate_time) {
+        bail!("--gate-time: {why}");
+    }
     let slower = options.gate_time && summary.is_slower();
     let cases: Vec<Case> = cells.iter().map(|cell| case(cell, options, slower)).collect();
     let failed = cases.iter().filter(|case| matches!(case.result, Outcome::Failed(_))).count();
@@ -145,6 +145,7 @@ fn folders_apart(parts: &[Part], options: &Compare) -> anyhow::Result<(How, Vec<
         side_by_side: None,
         against: control(&a, &b, options.against.as_deref()),
         machines: records::two_machines(both).filter(|_| !options.same_machine),
+        across: options.across_machines,
         builds: records::two_builds(both),
     };
     let cells = cell_by_cell(&a, &b, &how);
@@ -192,10 +193,13 @@ impl Comparison<'_> {
     fn print(&self, out: &mut impl Write) -> anyhow::Result<()> {
         let Comparison { options, parts, how, cells, .. } = *self;
         let measured = |part: &Part| {
-            format!("{}, measured on {}", part.folder.display(), list(records::machines(part)))
+            format!("{}, measured on {}", part.folder.display(), processors(part).join(", "))
         };
         let width = terminal::width();
         let mut say = |head: &str, text: &str| write!(out, "{}", indented(head, text, width));
+        if let Some(two) = &how.machines {
+            say("NOTE: ", &words::machines(two))?;
+        }
         let names: &[&str] =
             if parts.len() == 1 { &["A: the base, B: this build, in"] } else { &["A:", "B:"] };
         for (name, part) in names.iter().zip(parts) {
@@ -226,6 +230,16 @@ impl Comparison<'_> {
         let times = words::times(cells, how, options.all);
         if !times.rows.is_empty() {
             writeln!(out, "{}", times.plain(terminal::width()))?;
+        }
+        let mut say = |head: &str, text: &str| write!(out, "{}", indented(head, text, width));
+        for one in &pooled(cells) {
+            say("pooled: ", &words::pooled(one))?;
+        }
+        if how.side_by_side.is_some() {
+            say("NOTE: ", &words::placement())?;
+        }
+        if let Some((name, factor)) = &self.summary.moved {
+            say("NOTE: ", &words::moved(name, *factor))?;
         }
         for line in words::summary(&self.summary, options.band, options.gate_time) {
             writeln!(out, "{line}")?;
@@ -264,16 +278,32 @@ impl Comparison<'_> {
                 "slower_by_chance": summary.by_chance,
                 "failed": failed,
             },
+            "moved_twin": summary.moved.as_ref().map(|(name, factor)| {
+                json!({"twin": name, "factor": factor})
+            }),
+            "pooled": pooled(cells).iter().map(pooled_json).collect::<Vec<_>>(),
             "passed": *failed == 0,
             "cells": cells.iter().map(|cell| as_json(cell, how)).collect::<Vec<_>>(),
         })
     }
 }
 
+/// The machines of a record with their processors.
+fn processors(part: &Part) -> Vec<String> {
+    records::machines(part).iter().map(|name| words::machine(&part.machine(name))).collect()
+}
+
+fn pooled_json((name, ratio): &(String, Interval)) -> Value {
+    let Interval { median, low, high, coverage, count } = ratio;
+    json!({"detector": name, "ratio": median, "low": low, "high": high, "coverage": coverage,
+           "cells": count})
+}
+
 fn side(part: &Part) -> Value {
     json!({
         "folder": part.folder.display().to_string(),
         "machines": records::machines(part),
+        "processors": processors(part),
         "revision": records::field(part, "revision"),
         "profile": records::field(part, "profile"),
         "doubts": doubtful::doubts(&conditions(part)),
@@ -286,16 +316,19 @@ fn conditions(part: &Part) -> Conditions {
 
 fn as_json(cell: &Compared, how: &How) -> Value {
     let time = cell.timing.as_ref().map(|timing| {
-        let Timing { a_ns, b_ns, ratio, judgement, least, .. } = timing;
+        let Timing { a_ns, b_ns, multiples, ratio, judgement, least, .. } = timing;
         json!({
             "a_ns": a_ns,
             "b_ns": b_ns,
+            "a_of_control": multiples.map(|[a, _]| a),
+            "b_of_control": multiples.map(|[_, b]| b),
             "ratio": ratio.median,
             "low": ratio.low,
             "high": ratio.high,
             "coverage": ratio.coverage,
             "blocks": ratio.count,
             "verdict": judgement,
+            "excludes_1": ratio.excludes(1.0),
             "least": least,
             "note": words::note(timing, how),
         })

@@ -4,12 +4,14 @@
 mod builds;
 pub mod records;
 mod timing;
+mod twins;
 
 use std::collections::{BTreeMap, BTreeSet};
 
 pub use builds::Builds;
 use timing::timing;
-pub use timing::{Judgement, Note, Timing};
+pub use timing::{Judgement, Note, PLACEMENT, Timing};
+pub use twins::{SEEN, pooled};
 
 use crate::cells::label::place;
 use crate::cells::{AxisValue, Cell, cells, ids};
@@ -31,8 +33,10 @@ pub struct Options {
     pub side_by_side: Option<BTreeMap<String, Noise>>,
     /// Times are taken as multiples of this detector's in the same block.
     pub against: Option<Against>,
-    /// The machines of the two records where they differ: without a reference no time is judged.
+    /// The machines of the two records where they differ: no time is judged.
     pub machines: Option<[Machine; 2]>,
+    /// Times are judged across machines nevertheless, as multiples of the reference.
+    pub across: bool,
     /// The kinds of builds where they differ: no time is judged.
     pub builds: Option<[String; 2]>,
 }
@@ -138,6 +142,11 @@ pub struct Summary {
     /// The slowdown that would have been found: its median over the cells that can be judged, and
     /// the largest.
     pub least: Option<(f64, f64)>,
+    /// Cells within the band whose interval excludes 1: a difference, and a small one.
+    pub small: usize,
+    /// A twin that moved though it is equal code, and by what factor: where it did, nothing is
+    /// decided.
+    pub moved: Option<(String, f64)>,
 }
 
 impl Summary {
@@ -149,6 +158,10 @@ impl Summary {
             *judged.entry(timing.judgement).or_default() += 1;
         }
         let timings = cells.iter().filter_map(|cell| cell.timing.as_ref());
+        let moved = timings.clone().find_map(|timing| match &timing.note {
+            Some(Note::Twin(name, factor)) => Some((name.clone(), *factor)),
+            _ => None,
+        });
         let timings: Vec<&Timing> = timings.filter(|timing| timing.is_decidable()).collect();
         let least: Vec<f64> = timings.iter().map(|timing| timing.least).collect();
         Summary {
@@ -160,6 +173,8 @@ impl Summary {
             by_chance: timings.iter().map(|timing| (1.0 - timing.ratio.coverage) / 2.0).sum(),
             least: median(&least)
                 .map(|typical| (typical, least.iter().copied().fold(1.0, f64::max))),
+            small: timings.iter().filter(|timing| timing.is_small()).count(),
+            moved,
         }
     }
 
@@ -173,7 +188,12 @@ impl Summary {
         slower > 0 && at_least(slower, cells, self.by_chance / cells as f64) <= 0.05
     }
 
-    /// Is any time found to be equal, slower or faster?
+    /// Whether a typical slowdown by [`SEEN`] would be found.
+    pub fn sees(&self) -> bool {
+        self.least.is_some_and(|(typical, _)| typical <= SEEN)
+    }
+
+    /// Is any time found to be within the band, slower or faster?
     pub fn decides(&self) -> bool {
         use Judgement::{NotJudged, Undecided};
         self.judged.keys().any(|verdict| !matches!(verdict, NotJudged | Undecided))
@@ -273,7 +293,11 @@ pub fn compare(a: &[Row], b: &[Row], options: &Options) -> Vec<Compared> {
         }
         cell
     };
-    keys.into_iter().map(compared).collect()
+    let mut found = keys.into_iter().map(compared).collect::<Vec<_>>();
+    if options.side_by_side.is_none() {
+        twins::void(&mut found, &b);
+    }
+    found
 }
 
 /// Compares a cell that both records have.

@@ -2,7 +2,7 @@
 
 use super::{Against, Options, Record};
 use crate::cells::Cell;
-use crate::stats::interval::{Blocks, COVERAGE, Interval};
+use crate::stats::interval::{Blocks, COVERAGE, Interval, median};
 use crate::stats::unpaired;
 
 /// What came of the times of a cell.
@@ -15,8 +15,9 @@ pub enum Judgement {
     Faster,
     /// Neither is shown; or there are too few blocks.
     Undecided,
-    /// The whole interval lies within the band.
-    Equal,
+    /// The whole interval lies within the band. It may exclude 1.
+    #[serde(rename = "within-the-band")]
+    WithinBand,
     /// Not of one machine, or not of one kind of build; or the detector that it is taken against
     /// has no times.
     NotJudged,
@@ -29,7 +30,7 @@ impl Judgement {
             Judgement::Slower => "slower",
             Judgement::Faster => "faster",
             Judgement::Undecided => "undecided",
-            Judgement::Equal => "equal",
+            Judgement::WithinBand => "within the band",
             Judgement::NotJudged => "not judged",
         }
     }
@@ -42,6 +43,9 @@ pub struct Timing {
     pub a_ns: f64,
     /// The same in B.
     pub b_ns: f64,
+    /// With a reference: the medians, in A and in B, of the multiples of its time in the same
+    /// block. The ratio is of these.
+    pub multiples: Option<[f64; 2]>,
     /// B over A; with a reference, each first divided by the reference's time in the same block.
     pub ratio: Interval,
     /// The verdict.
@@ -67,9 +71,21 @@ pub enum Note {
     FewBlocks(usize, usize),
     /// Two runs without a control that both have.
     NoControl,
+    /// This twin moved by this factor, though it is equal code.
+    Twin(String, f64),
 }
 
+/// Equal sources of a detector, built twice, differ by up to this factor by where the linker puts
+/// the code: in 5 of 36 cells, on a quiet machine (docs/COMPARE.md). A floor from one binary cannot
+/// show that, so no floor between two builds is lower.
+pub const PLACEMENT: f64 = 1.07;
+
 impl Timing {
+    /// A difference is shown, and it is smaller than what counts.
+    pub fn is_small(&self) -> bool {
+        self.judgement == Judgement::WithinBand && self.ratio.excludes(1.0)
+    }
+
     /// Could these times have been judged, whatever the verdict?
     pub fn is_decidable(&self) -> bool {
         self.judgement != Judgement::NotJudged && self.ratio.coverage >= COVERAGE
@@ -87,14 +103,17 @@ pub(super) fn timing(
         let ratio = in_b.ratio(in_a)?;
         let noise = floors.get(&in_a.id.experiment)?;
         let n = in_a.id.n;
-        let judgement = judge(&ratio, options.band, noise.decides(&ratio, n));
+        let beyond = ratio.median.ln().abs() > PLACEMENT.ln() && noise.decides(&ratio, n);
+        let judgement = judge(&ratio, options.band, beyond);
         let few = Note::FewBlocks(in_a.times.len(), in_b.times.len());
         let note = (ratio.coverage < COVERAGE).then_some(few);
-        let least = least(&ratio, noise.floor_at(n));
-        return Some(Timing { a_ns, b_ns, ratio, judgement, note, least });
+        let least = least(&ratio, noise.floor_at(n).max(PLACEMENT));
+        let multiples = None;
+        return Some(Timing { a_ns, b_ns, multiples, ratio, judgement, note, least });
     }
     let plain = |cell: &Cell| cell.times.values().map(|&t| t as f64).collect::<Vec<_>>();
     let mut times = (plain(in_a), plain(in_b));
+    let mut multiples = None;
     let doubt = match &options.against {
         Some(Against { detector, .. }) if *detector == in_a.id.contender() => Some(Note::Reference),
         Some(Against { detector: name, .. }) => {
@@ -102,7 +121,8 @@ pub(super) fn timing(
                 (Some(to_a), Some(to_b)) if to_a.id == to_b.id => {
                     times =
                         (quotients(&in_a.times, &to_a.times), quotients(&in_b.times, &to_b.times));
-                    None
+                    multiples = Some([median(&times.0)?, median(&times.1)?]);
+                    options.machines.as_ref().filter(|_| !options.across).map(|_| Note::Machines)
                 }
                 _ => Some(Note::NoReference(name.clone())),
             }
@@ -118,7 +138,7 @@ pub(super) fn timing(
     let few = Note::FewBlocks(times.0.len(), times.1.len());
     let note = doubt.or((ratio.coverage < COVERAGE).then_some(few));
     let least = least(&ratio, drift);
-    Some(Timing { a_ns, b_ns, ratio, judgement, note, least })
+    Some(Timing { a_ns, b_ns, multiples, ratio, judgement, note, least })
 }
 
 /// Within a block both met the same state of the machine.
@@ -145,7 +165,7 @@ fn judge(ratio: &Interval, band: f64, beyond: bool) -> Judgement {
     if ratio.coverage < COVERAGE {
         Judgement::Undecided
     } else if 1.0 / (1.0 + band) <= ratio.low && ratio.high <= 1.0 + band {
-        Judgement::Equal
+        Judgement::WithinBand
     } else if beyond {
         if ratio.median > 1.0 { Judgement::Slower } else { Judgement::Faster }
     } else {

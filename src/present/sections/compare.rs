@@ -1,13 +1,14 @@
 //! Two records compared: tables for a terminal, and the words for what was found.
 
 use crate::findings::compare::{
-    Absent, Against, Change, Compared, Judgement, Lack, Note, Options, Summary, Timing,
+    Absent, Against, Change, Compared, Judgement, Lack, Note, Options, PLACEMENT, Summary, Timing,
 };
 use crate::findings::noise::Noise;
 use crate::number::{number, percent, plural};
 use crate::present::table::{Cell, Column, Table};
 use crate::record::hardware::size_of;
 use crate::record::machines::Machine;
+use crate::stats::interval::{COVERAGE, Interval};
 
 /// `digest 0x01 -> 0x02`.
 pub fn change(Change { what, a, b }: &Change) -> String {
@@ -44,20 +45,32 @@ pub fn note(timing: &Timing, options: &Options) -> String {
         Some(Note::Reference) => "it is the reference".into(),
         Some(Note::NoReference(name)) => format!("{name} has no times on this scene in both"),
         Some(Note::NoControl) => "no control in both".into(),
+        Some(Note::Twin(name, factor)) => moved(name, *factor),
         Some(Note::FewBlocks(a, b)) => format!("too few blocks: {a} and {b}"),
     }
 }
 
-fn machines(machines: &[Machine; 2]) -> String {
-    let [a, b] = machines.each_ref().map(|Machine { name, hardware }| {
-        let name = if name.is_empty() { "an unnamed machine" } else { name };
-        let cores = hardware.cores.map(|cores| plural(cores as usize, "core"));
-        let caches = hardware.caches.iter().filter(|(level, _)| level.as_str() > "L1z");
-        let caches = caches.map(|(level, size)| format!("{level} {}", cache(size)));
-        let known: Vec<String> =
-            hardware.cpu.clone().into_iter().chain(cores).chain(caches).collect();
-        if known.is_empty() { name.into() } else { format!("{name} ({})", known.join(", ")) }
-    });
+/// The sentence about a twin that moved.
+pub fn moved(name: &str, factor: f64) -> String {
+    format!(
+        "{name} is equal code and moved by {factor:.2}: nothing is decided; compare builds side by \
+         side with contactbench run --against PROGRAM"
+    )
+}
+
+/// A machine with its processor: names of virtual machines tell nothing.
+pub fn machine(Machine { name, hardware }: &Machine) -> String {
+    let name = if name.is_empty() { "an unnamed machine" } else { name };
+    let cores = hardware.cores.map(|cores| plural(cores as usize, "core"));
+    let caches = hardware.caches.iter().filter(|(level, _)| level.as_str() > "L1z");
+    let caches = caches.map(|(level, size)| format!("{level} {}", cache(size)));
+    let known: Vec<String> = hardware.cpu.clone().into_iter().chain(cores).chain(caches).collect();
+    if known.is_empty() { name.into() } else { format!("{name} ({})", known.join(", ")) }
+}
+
+/// The sentence about two machines.
+pub fn machines(machines: &[Machine; 2]) -> String {
+    let [a, b] = machines.each_ref().map(machine);
     let same = if a == b { ", which differ in family, stepping, flags or memory" } else { "" };
     format!("two machines: {a} and {b}{same}")
 }
@@ -83,17 +96,22 @@ pub fn pairing(how: &Options) -> String {
     }
     match (&how.against, &how.builds, &how.machines) {
         (_, Some(found), _) => format!("{}: shown, not judged", builds(found)),
+        (Some(_), _, Some(found)) if !how.across => format!(
+            "{}: shown, not judged; --across-machines judges multiples of a control's time",
+            machines(found)
+        ),
         (Some(Against { detector, drift: None }), ..) => {
             format!("shown, not judged: {detector} has no times on a scene of both")
         }
         (Some(Against { detector, drift: Some(drift) }), ..) => format!(
             "each a multiple of that of {detector} in the same block. What changed {detector} \
              itself is hidden; its own times are up to {} apart between the two (nine in ten \
-             cells): nothing less is told",
+             cells): no smaller change is reported",
             percent(drift - 1.0)
         ),
         (None, _, Some(found)) => format!(
-            "{}: shown, not judged; --against DETECTOR compares multiples of its time",
+            "{}: shown, not judged; --against DETECTOR --across-machines judges multiples of its \
+             time",
             machines(found)
         ),
         (None, None, None) => "shown, not judged: the folders were measured at different times, \
@@ -124,6 +142,12 @@ pub fn ratio(timing: &Timing) -> String {
     format!("{:.3} ({:.3} to {:.3})", ratio.median, ratio.low, ratio.high)
 }
 
+/// The verdict of a cell, marked where a difference is shown within the band.
+fn verdict(timing: &Timing) -> String {
+    let but = if timing.is_small() { ", not 1" } else { "" };
+    format!("{}{but}", timing.judgement.name())
+}
+
 /// The times of those cells that became slower or faster, or of all; the largest change first.
 pub fn times(cells: &[Compared], how: &Options, all: bool) -> Table {
     let shown =
@@ -136,28 +160,99 @@ pub fn times(cells: &[Compared], how: &Options, all: bool) -> Table {
     timed.sort_by(|(a, _), (b, _)| {
         a.judgement.cmp(&b.judgement).then(b.ratio.median.total_cmp(&a.ratio.median))
     });
+    // The columns are of what the ratio is of.
+    let control = how.against.as_ref().filter(|_| how.side_by_side.is_none());
+    let unit = control.map_or("ns".into(), |control| format!("/ {}", control.detector));
     let columns = vec![
         Column::left(""),
         Column::left("B / A"),
-        Column::right("A ns", ""),
-        Column::right("B ns", ""),
+        Column::right(&format!("A {unit}"), ""),
+        Column::right(&format!("B {unit}"), ""),
         Column::left("cell"),
     ];
+    let shown = |ns: f64, multiple: Option<f64>| match (control, multiple) {
+        (None, _) => number(ns),
+        (Some(_), Some(multiple)) => format!("{multiple:.3}"),
+        (Some(_), None) => format!("{} ns", number(ns)),
+    };
     let row = |(timing, place): (&Timing, &str)| {
         // Of two builds the head of the table has spoken.
         let place = match note(timing, how) {
-            note if note.is_empty() || how.builds.is_some() => place.to_string(),
+            // Of machines and twins a line of its own speaks.
+            note if note.is_empty()
+                || how.builds.is_some()
+                || matches!(timing.note, Some(Note::Machines | Note::Twin(..))) =>
+            {
+                place.to_string()
+            }
             note => format!("{place}: {note}"),
         };
+        let [a, b] = timing.multiples.map_or([None; 2], |both| both.map(Some));
         vec![
-            timing.judgement.name().into(),
+            verdict(timing).into(),
             ratio(timing).into(),
-            number(timing.a_ns).into(),
-            number(timing.b_ns).into(),
+            shown(timing.a_ns, a).into(),
+            shown(timing.b_ns, b).into(),
             Cell::from(place),
         ]
     };
     Table::new("", columns).with(timed.into_iter().map(row))
+}
+
+/// How far a comparison sees: `by 12%`, `of 47 times`.
+fn seen(least: f64) -> String {
+    if least < 2.0 {
+        format!("by {}", percent(least - 1.0))
+    } else {
+        format!("of {least:.0} times")
+    }
+}
+
+/// Why times cannot be gated, if they cannot be.
+pub fn ungated(found: &Summary, how: &Options) -> Option<String> {
+    if let Some(two) = &how.machines {
+        return Some(format!("no time could be judged ({})", machines(two)));
+    }
+    if let Some((name, factor)) = &found.moved {
+        return Some(moved(name, *factor));
+    }
+    let Some((typical, _)) = found.least else {
+        return Some(format!(
+            "no time could be judged ({}; an interval needs six blocks); leave it out, or measure \
+             what can be compared",
+            pairing(how)
+        ));
+    };
+    if !found.sees() {
+        let but = if how.side_by_side.is_some() {
+            "give it more blocks, or a quieter machine"
+        } else {
+            "use contactbench run --against PROGRAM"
+        };
+        let seen = seen(typical);
+        return Some(format!("this comparison can only find slowdowns {seen}: {but}"));
+    }
+    (!found.decides()).then(|| "every cell is undecided; give it more blocks".into())
+}
+
+/// The ratio of a detector over its cells, in a line.
+pub fn pooled((name, ratio): &(String, Interval)) -> String {
+    let Interval { median, low, high, coverage, count } = ratio;
+    let interval = if *coverage < COVERAGE {
+        "; too few cells for an interval".into()
+    } else {
+        format!(", 95% interval {low:.3} to {high:.3}")
+    };
+    format!("{name}: B / A {median:.3}, the median of {}{interval}", plural(*count, "cell"))
+}
+
+/// What two builds of equal sources differ by, in a sentence.
+pub fn placement() -> String {
+    format!(
+        "two builds of equal sources differ by up to {} by where the linker puts the code \
+         (docs/COMPARE.md): no smaller difference is called slower or faster",
+        percent(PLACEMENT - 1.0)
+    )
 }
 
 /// What must be the same, and the times, in a line each; the times with how they are gated.
@@ -171,13 +266,18 @@ pub fn summary(found: &Summary, band_percent: f64, gated: bool) -> [String; 2] {
         lacking => format!(", {lacking} measured in part in one: see --all"),
     };
     let compared = plural(found.cells - found.absent, "cell");
-    let judged: Vec<String> =
-        found.judged.iter().map(|(verdict, count)| format!("{count} {}", verdict.name())).collect();
+    let count = |(verdict, count): (&Judgement, &usize)| {
+        let but = match (verdict, found.small) {
+            (Judgement::WithinBand, small @ 1..) => format!(" ({small} of them not 1)"),
+            _ => String::new(),
+        };
+        format!("{count} {}{but}", verdict.name())
+    };
+    let judged: Vec<String> = found.judged.iter().map(count).collect();
     let mut judged = if judged.is_empty() { "none".into() } else { judged.join(", ") };
     if let Some((typical, most)) = found.least {
-        let [typical, most] = [typical, most].map(|least| percent(least - 1.0));
-        judged +=
-            &format!("; a slowdown by {typical} would show (median of cells; at most {most})");
+        judged += &format!("; a slowdown {} would show", seen(typical));
+        judged += &format!(" (median of cells; at most {})", seen(most));
     }
     if found.least.is_some() {
         judged += &format!("; of equal code {:.1} would be slower by chance", found.by_chance);
@@ -189,6 +289,6 @@ pub fn summary(found: &Summary, band_percent: f64, gated: bool) -> [String; 2] {
              only{lacking})",
             found.absent
         ),
-        format!("times ({gate}, equal within {band_percent} %): {judged}"),
+        format!("times ({gate}, band {band_percent} %): {judged}"),
     ]
 }

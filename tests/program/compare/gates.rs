@@ -150,8 +150,22 @@ fn counts_bytes_and_digests_are_gated_and_times_are_not() {
         &["no time could be judged", "two machines"],
     );
     assert!(all["times"].as_str().unwrap().contains("two machines: "), "{}", all["times"]);
-    let (code, all) = json(&["--gate-time", "--against", "nbs"]);
-    assert_eq!((code, &sweep(&all)["time"]["verdict"]), (Some(1), &"slower".into()));
+    // A control in both does not make one machine of two, and two are never gated.
+    refused(
+        folder,
+        &["compare", "a", "slower", "--gate-time", "--against", "nbs"],
+        &["no time could be judged", "two machines"],
+    );
+    let across = ["--against", "nbs", "--across-machines"];
+    let (code, all) = json(&across[..2]);
+    assert_eq!((code, &sweep(&all)["time"]["verdict"]), (Some(0), &"not-judged".into()));
+    let (code, all) = json(&across);
+    assert_eq!((code, &sweep(&all)["time"]["verdict"]), (Some(0), &"slower".into()));
+    let gated = [&["compare", "a", "slower", "--gate-time"], &across[..]].concat();
+    assert_eq!(run(folder, &gated).code, Some(2));
+    // Names of virtual machines tell nothing: processors are named, and first.
+    let ended = good(folder, &["compare", "a", "slower"]);
+    assert!(ended.stdout.starts_with("NOTE: two machines: "), "{}", ended.stdout);
     changed(folder, "a", "slower", slower, |fields| fields["profile"] = "another".into());
     let (code, all) = json(&["--against", "nbs"]);
     assert_eq!(
@@ -209,4 +223,38 @@ fn what_cannot_be_compared_is_refused() {
     let old = old.display().to_string();
     let ended = good(folder, &["compare", &old, &old, "--strict", "--against", "nbs"]);
     assert!(ended.stdout.contains("the same everywhere"), "{}", ended.stdout);
+}
+
+/// The gate is passed only by a comparison that could have failed.
+#[test]
+fn a_gate_that_sees_nothing_is_not_passed() {
+    let folder = started();
+    let folder = folder.path();
+    let times = |factor: fn(u64) -> u64, of: &'static str| {
+        move |row: &mut Value| {
+            if let Some(time) = row["time_ns"].as_u64()
+                && row["detector"].as_str().is_some_and(|name| name.starts_with(of))
+            {
+                row["time_ns"] = (time * factor(row["block"].as_u64().unwrap())).into();
+            }
+        }
+    };
+    changed(folder, "a", "same", |_| (), |_| ());
+    good(folder, &["compare", "a", "same", "--gate-time"]);
+    // Equal code that moved.
+    changed(folder, "a", "moved", times(|_| 6, "nbs-twin"), |_| ());
+    let words = ["nbs-twin is equal code and moved by 6.00: nothing is decided"];
+    refused(folder, &["compare", "a", "moved", "--gate-time"], &words);
+    let ended = good(folder, &["compare", "a", "moved"]);
+    assert!(ended.stdout.contains(words[0]) && !ended.stdout.contains("slower "), "a verdict");
+    // Times that scatter by a factor of 50.
+    changed(folder, "a", "noisy", times(|block| [1, 50][block as usize % 2], "sweep"), |_| ());
+    let ended = run(folder, &["compare", "noisy", "noisy", "--gate-time"]);
+    assert_eq!(ended.code, Some(0), "one of two detectors sees: {}", ended.stderr);
+    changed(folder, "a", "noisy", times(|block| [1, 50][block as usize % 2], "nbs"), |_| ());
+    refused(
+        folder,
+        &["compare", "noisy", "noisy", "--gate-time", "--against", "sweep"],
+        &["this comparison can only find slowdowns of ", "run --against"],
+    );
 }

@@ -1,0 +1,56 @@
+//! What the twins of two records say of a comparison, and what its cells say together.
+
+use std::collections::BTreeMap;
+
+use super::{Compared, Judgement, Note, Record};
+use crate::stats::interval::{Interval, at_least, interval};
+
+/// A twin that moved by more than this leaves nothing to be decided: a gate must see as much.
+pub const SEEN: f64 = 1.25;
+/// Chance makes twins of equal code move in so large a share of comparisons with as many cells.
+const LUCK: f64 = 0.25;
+
+/// Voids the verdicts where a twin is called slower or faster than it was, though it is equal code:
+/// all of them, if it moved far or in more cells than chance explains, or else those of its scene.
+pub(super) fn void(found: &mut [Compared], record: &Record) {
+    use Judgement::{Faster, Slower};
+    let twins = |cell: &&Compared| {
+        let known = record.cells.get(&cell.id);
+        known.is_some_and(|known| known.role.twin_of().is_some())
+    };
+    let timed: Vec<(&Compared, f64, f64)> = found
+        .iter()
+        .filter(twins)
+        .filter_map(|cell| {
+            let timing = cell.timing.as_ref().filter(|timing| timing.is_decidable())?;
+            let moved = matches!(timing.judgement, Slower | Faster);
+            let factor = timing.ratio.median.max(1.0 / timing.ratio.median);
+            Some((cell, if moved { factor } else { 1.0 }, 1.0 - timing.ratio.coverage))
+        })
+        .collect();
+    let moved: Vec<_> = timed.iter().filter(|(_, factor, _)| *factor > 1.0).collect();
+    let Some((worst, most, _)) = moved.iter().max_by(|a, b| a.1.total_cmp(&b.1)) else { return };
+    let by_chance = timed.iter().map(|(.., share)| share).sum::<f64>() / timed.len() as f64;
+    let all = *most > SEEN || at_least(moved.len(), timed.len(), by_chance) <= LUCK;
+    let note = Note::Twin(worst.id.contender(), *most);
+    let scenes: Vec<_> = moved.iter().map(|(cell, ..)| cell.id.scene_id()).collect();
+    for cell in found.iter_mut().filter(|cell| all || scenes.contains(&cell.id.scene_id())) {
+        if let Some(timing) = cell.timing.as_mut().filter(|timing| timing.is_decidable()) {
+            timing.judgement = Judgement::NotJudged;
+            timing.note = Some(note.clone());
+        }
+    }
+}
+
+/// The ratio of each detector over all its cells that can be judged, in the order of names: the
+/// median of theirs, with the interval of that.
+pub fn pooled(cells: &[Compared]) -> Vec<(String, Interval)> {
+    let mut ratios: BTreeMap<String, Vec<f64>> = BTreeMap::new();
+    for cell in cells {
+        if let Some(timing) = cell.timing.as_ref().filter(|timing| timing.is_decidable()) {
+            ratios.entry(cell.id.contender()).or_default().push(timing.ratio.median);
+        }
+    }
+    let several = ratios.into_iter().filter(|(_, ratios)| ratios.len() > 1);
+    several.filter_map(|(name, ratios)| Some((name, interval(&ratios)?))).collect()
+}
