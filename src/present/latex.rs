@@ -8,7 +8,7 @@ use crate::cells::{Cell, series};
 use crate::experiment::Experiment;
 use crate::findings::noise::Noise;
 use crate::findings::winners;
-use crate::number::number;
+use crate::number::with_interval;
 use crate::present::escape::one_line;
 use crate::present::table::{self, Column, Table};
 use crate::record::row::Outcome;
@@ -64,8 +64,8 @@ fn table(group: &series::Group<'_>, own: &[&Cell], noise: &Noise) -> Table {
     let columns = vec![
         Column::right("N", ""),
         Column::left("detector"),
-        Column::right("time / N", "ns"),
-        Column::right("95% interval", "ns"),
+        Column::right("time / fastest", ""),
+        Column::right("time / N in this run", "ns"),
         Column::right("peak memory / N", "bytes"),
         Column::right("contact tests / N", ""),
         Column::right("missed / added", "pairs"),
@@ -77,14 +77,19 @@ fn table(group: &series::Group<'_>, own: &[&Cell], noise: &Noise) -> Table {
         let firsts: Vec<&Cell> =
             entries.iter().filter_map(|(_, seeds)| seeds.first().copied()).collect();
         let winner = winners::winner(&firsts, noise).map(Line::new);
+        let timed = |seeds: &&Seeds<'_>| {
+            series::outcome(seeds).0.is_good() && series::time(seeds).is_some()
+        };
+        let first = entries.iter().map(|(_, seeds)| *seeds).find(timed);
         for (k, (line, seeds)) in entries.into_iter().enumerate() {
             let mut row = vec![
                 if k == 0 { table::Cell::count(n) } else { "".into() },
                 series::label(line, own).into(),
             ];
+            row.push(to_fastest(seeds, first));
             row.extend(numbers(n, seeds));
             if winner.as_ref() == Some(line) {
-                row[2].strong = true;
+                row[3].strong = true;
             }
             made.rows.push(row);
         }
@@ -92,9 +97,25 @@ fn table(group: &series::Group<'_>, own: &[&Cell], noise: &Noise) -> Table {
     made
 }
 
-/// Time, interval, memory, tests and errors: medians over seeds; an interval only where there is
-/// one seed.
-fn numbers(n: u64, seeds: &Seeds<'_>) -> [table::Cell; 5] {
+/// The time over that of the first, which has the shortest median: paired within blocks, with the
+/// interval, where there is one seed; else of the medians over seeds.
+fn to_fastest(seeds: &Seeds<'_>, first: Option<&Seeds<'_>>) -> table::Cell {
+    let Some(first) = first.filter(|_| series::outcome(seeds).0.is_good()) else {
+        return table::Cell::absent();
+    };
+    match (&seeds[..], &first[..]) {
+        ([cell], [first]) if cell.id == first.id => "1".into(),
+        ([cell], [first]) => match cell.ratio(first) {
+            Some(ratio) => with_interval(&ratio).into(),
+            None => table::Cell::absent(),
+        },
+        _ => series::time(seeds).zip(series::time(first)).map(|(time, first)| time / first).into(),
+    }
+}
+
+/// Time, memory, tests and errors: medians over seeds. An interval of absolute times would hold in
+/// one run alone.
+fn numbers(n: u64, seeds: &Seeds<'_>) -> [table::Cell; 4] {
     let particles = n.max(1) as f64;
     let per = |name: &str| {
         let found: Option<Vec<f64>> = seeds.iter().map(|cell| cell.variable(name, None)).collect();
@@ -102,13 +123,6 @@ fn numbers(n: u64, seeds: &Seeds<'_>) -> [table::Cell; 5] {
     };
     let (outcome, time) = (series::outcome(seeds).0, series::time(seeds));
     let good = outcome.is_good();
-    let interval = match seeds[..] {
-        [cell] => cell.time().filter(|time| time.count > 1),
-        _ => None,
-    };
-    let interval = interval.map_or_else(table::Cell::absent, |time| {
-        format!("{} to {}", number(time.low / particles), number(time.high / particles)).into()
-    });
     let shown = if good { time.map(|time| time / particles).into() } else { outcome.name().into() };
     let compared =
         seeds.iter().all(|cell| cell.errors.is_some()) && (good || outcome == Outcome::Wrong);
@@ -119,7 +133,7 @@ fn numbers(n: u64, seeds: &Seeds<'_>) -> [table::Cell; 5] {
         true => format!("{missed} / {added}").into(),
         false => table::Cell::absent(),
     };
-    [shown, interval, per("peak_bytes"), per("contact_test"), errors]
+    [shown, per("peak_bytes"), per("contact_test"), errors]
 }
 
 #[cfg(test)]
@@ -151,14 +165,22 @@ mod tests {
     #[test]
     fn markdown_has_a_line_per_n_and_detector() {
         let found = made(Format::Markdown);
-        assert!(found.starts_with("**packed, 2D**\n\n| N | detector | time / N (ns) |"), "{found}");
         assert!(
-            found.contains("| 100 | my\\_50% & {\\[fast\\]}\\\\ | **50** | 50 to 50 | – | – | – |"),
+            found.starts_with(
+                "**packed, 2D**\n\n| N | detector | time / fastest | time / N in this run (ns) |"
+            ),
             "{found}"
         );
-        assert!(found.contains("|  | nbs | 125 | 100 to 150 | 12 | 3 | 2 / 1 |"), "{found}");
         assert!(
-            found.contains("|  | direct | timeout | – | – | – | – |") && !found.contains("twin"),
+            found.contains("| 100 | my\\_50% & {\\[fast\\]}\\\\ | 1 | **50** | – | – | – |"),
+            "{found}"
+        );
+        assert!(
+            found.contains("|  | nbs | 2.50 (2.00 to 3.00) | 125 | 12 | 3 | 2 / 1 |"),
+            "{found}"
+        );
+        assert!(
+            found.contains("|  | direct | – | timeout | – | – | – |") && !found.contains("twin"),
             "{found}"
         );
     }
@@ -168,12 +190,15 @@ mod tests {
         let found = made(Format::Latex);
         assert!(
             found.contains(
-                "100 & my\\_50\\% \\& \\{{[}fast{]}\\}\\textbackslash{} & \\textbf{50} & \
-                 50 to 50 & -- & -- & -- \\\\\n"
+                "100 & my\\_50\\% \\& \\{{[}fast{]}\\}\\textbackslash{} & 1 & \\textbf{50} & \
+                 -- & -- & -- \\\\\n"
             ),
             "{found}"
         );
-        assert!(found.contains(" & nbs & 125 & 100 to 150 & 12 & 3 & 2 / 1 \\\\\n"), "{found}");
+        assert!(
+            found.contains(" & nbs & 2.50 (2.00 to 3.00) & 125 & 12 & 3 & 2 / 1 \\\\\n"),
+            "{found}"
+        );
         let plain = found.replace("\\{", "").replace("\\}", "");
         assert_eq!(plain.matches('{').count(), plain.matches('}').count());
         let table =

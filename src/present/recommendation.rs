@@ -19,10 +19,6 @@ fn error(standing: &Standing) -> String {
     }
 }
 
-fn range(interval: &Interval) -> String {
-    format!("{} to {}", number(interval.low), number(interval.high))
-}
-
 /// The recommendation in a sentence.
 pub fn sentence(verdict: &Verdict, race: &Race, n: usize) -> String {
     words(verdict, race, n, "per particle", vec![error(&race.standings[verdict.choice])])
@@ -34,14 +30,15 @@ fn words(verdict: &Verdict, race: &Race, n: usize, per: &str, own: Vec<String>) 
     let name = |k: usize| &*standings[k].who.name;
     let choice = &standings[verdict.choice];
     let mut parts = Vec::new();
-    if let Some(time) = per_particle(choice, n) {
-        parts.push(format!("{} ns {per} ({})", number(time.median), range(&time)));
-    }
+    // Ratios first: they are the same from run to run, and times are not.
     if let Some((k, ratio)) = &verdict.next {
         let next =
             if verdict.tied.is_empty() { "the next" } else { "the next that can be told apart" };
         let (next, takes) = (format!("{next}, {},", name(*k)), with_interval(ratio));
         parts.push(format!("{next} takes {takes} times as long"));
+    }
+    if let Some(time) = per_particle(choice, n) {
+        parts.push(format!("{} ns {per} in this run", number(time.median)));
     }
     if let Some(bytes) = bytes_per_particle(choice, n) {
         parts.push(format!("{} bytes per particle", number(bytes)));
@@ -89,16 +86,32 @@ fn ranked(race: &Race, n: usize) -> Vec<&Standing> {
     standings
 }
 
-/// Its name, marked if it is the choice; time, and bytes.
-fn measured(standing: &Standing, race: &Race, verdict: Option<&Verdict>, n: usize) -> [Cell; 3] {
+/// The heads of what was [`measured`], of a `kind` in this unit. An interval of absolute times
+/// would hold in one run alone.
+fn heads(kind: &str, unit: &str) -> Vec<Column> {
+    vec![
+        Column::left(kind),
+        Column::right("time / fastest", ""),
+        Column::right(&format!("{unit} in this run"), ""),
+        Column::right("bytes / particle", ""),
+    ]
+}
+
+/// Its name, marked if it is the choice; its time over that of the fastest, its time, and bytes.
+fn measured(standing: &Standing, race: &Race, verdict: Option<&Verdict>, n: usize) -> [Cell; 4] {
     let name = &standing.who.name;
+    let base = fastest(&race.standings).map(|k| &race.standings[k]);
+    let to_fastest = match base {
+        Some(base) if base.who.name == *name => "1".into(),
+        Some(base) => ratio(&standing.times, &base.times)
+            .map_or_else(Cell::absent, |ratio| with_interval(&ratio).into()),
+        None => Cell::absent(),
+    };
     let chosen = verdict.is_some_and(|verdict| race.standings[verdict.choice].who.name == *name);
-    let time = per_particle(standing, n).map_or_else(Cell::absent, |time| {
-        let [median, low, high] = [time.median, time.low, time.high].map(number);
-        format!("{median} ({low} to {high})").into()
-    });
+    let time = per_particle(standing, n);
+    let time = time.map_or_else(Cell::absent, |time| number(time.median).into());
     let name = if chosen { format!("{name} <") } else { name.clone() };
-    [name.into(), time, bytes_per_particle(standing, n).into()]
+    [name.into(), to_fastest, time, bytes_per_particle(standing, n).into()]
 }
 
 /// Why it has no time; none if it has one.
@@ -117,12 +130,8 @@ pub fn table(race: &Race, verdict: Option<&Verdict>, n: usize) -> Table {
         let measured = measured(standing, race, verdict, n);
         measured.into_iter().chain([said.into()]).collect()
     };
-    let columns = vec![
-        Column::left("detector"),
-        Column::right("ns per particle", ""),
-        Column::right("bytes / particle", ""),
-        Column::left("error"),
-    ];
+    let mut columns = heads("detector", "ns per particle");
+    columns.push(Column::left("error"));
     Table::new("", columns).with(ranked(race, n).into_iter().map(row))
 }
 

@@ -6,7 +6,7 @@ use crate::contact::Arithmetic;
 use crate::moving::Tracked;
 use crate::number::{number, percent, plural, radii, with_interval};
 use crate::present::document::Block;
-use crate::present::recommendation::{all, measured, ranked, why_out, words};
+use crate::present::recommendation::{all, heads, measured, ranked, why_out, words};
 use crate::present::table::{Cell, Column, Table};
 use crate::present::tracking;
 use crate::recommend::motion::{Found, POPULAR};
@@ -120,12 +120,8 @@ fn table(verdict: Option<&Verdict>, found: &Found) -> Table {
         let built = standing.builds.map_or_else(Cell::absent, |it| Cell::count(it.built));
         measured(standing, race, verdict, n).into_iter().chain([built]).collect()
     };
-    let columns = vec![
-        Column::left("tracker"),
-        Column::right("ns / particle, frame", ""),
-        Column::right("bytes / particle", ""),
-        Column::right("built", ""),
-    ];
+    let mut columns = heads("tracker", "ns / particle, frame");
+    columns.push(Column::right("built", ""));
     let timed = ranked(race, n).into_iter().filter(|standing| why_out(standing).is_none());
     Table::new("", columns).with(timed.map(row))
 }

@@ -90,7 +90,8 @@ fn recommend_takes_files_dimensions_and_arithmetics() {
     assert_eq!((ended.code, &*ended.stderr), (Some(0), ""), "{}", ended.stdout);
     let last = ended.stdout.split("\n\nuse ").nth(1).unwrap();
     assert!(
-        last.contains(" ns per particle (") && last.contains(" bytes per particle; exact"),
+        last.contains(" ns per particle in this run")
+            && last.contains(" bytes per particle; exact"),
         "{last}"
     );
     assert!(ended.stdout.starts_with("packed:n=400: 400 discs, "), "{}", ended.stdout);

@@ -46,7 +46,7 @@ fn names_a_safe_tracker(scene: &str) {
     assert_eq!((&plain["built"], plain["outcome"].as_str()), (&41.into(), Some("ok")));
     assert!(plain["ns_per_particle"]["blocks"] == found["blocks"], "{plain}");
     let because = found["because"].as_str().unwrap();
-    assert!(because.contains("ns per particle and frame ("), "{because}");
+    assert!(because.contains("ns per particle and frame in this run"), "{because}");
     assert!(because.contains("of 41 frames"), "{because}");
     // By two paths.
     let contacts = found["moved"]["contacts"].as_f64().unwrap();
