@@ -44,6 +44,10 @@ pub use contactbench_core::{
     sink, track, wide, with_scene,
 };
 
+#[cfg(test)]
+#[path = "../tests/program/committed.rs"]
+mod committed;
+
 pub mod cells;
 pub mod check;
 pub mod cli;

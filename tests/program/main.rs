@@ -5,6 +5,7 @@ mod browser;
 mod check_finds;
 mod cli;
 mod codes;
+mod committed;
 mod common;
 mod compare;
 mod errors;

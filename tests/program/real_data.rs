@@ -1,6 +1,6 @@
-//! Real particle sets, where they are at hand (`../shared/data`, which is not part of the project):
-//! the number of touching couples that exact rational arithmetic gave, from every detector that
-//! does not refuse.
+//! Real particle sets, which are not part of the project: `CONTACTBENCH_DATA` names their folder.
+//! The number of contacts that exact rational arithmetic gave, from every detector that does not
+//! refuse.
 
 use std::path::PathBuf;
 
@@ -12,11 +12,11 @@ use contactbench::sink::Digest;
 use contactbench::{io, oracle};
 
 fn data(file: &str) -> Option<PathBuf> {
-    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/data").join(file);
-    if !path.exists() {
-        crate::common::untested("real particle sets", "../shared/data");
-    }
-    path.exists().then_some(path)
+    let Some(folder) = std::env::var_os("CONTACTBENCH_DATA") else {
+        crate::common::untested("real particle sets", "CONTACTBENCH_DATA");
+        return None;
+    };
+    Some(PathBuf::from(folder).join(file))
 }
 
 fn all_find(name: &str, scene: &AnyScene<'static>, expected: u64) {

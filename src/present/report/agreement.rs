@@ -164,9 +164,8 @@ fn report_page_and_terminal_agree_on_all_committed_records() {
     // One that is too large for the repository, and those of `examples/codes` and of `ranks`, which
     // have rows of their own.
     let absent = ["reference-accuracy", "reference-settings", "reference-ranks"];
-    let results = Path::new(env!("CARGO_MANIFEST_DIR")).join("results");
     let mut seen = 0;
-    for folder in std::fs::read_dir(results).unwrap().map(|entry| entry.unwrap().path()) {
+    for folder in crate::committed::committed() {
         let name = folder.file_name().unwrap().to_string_lossy().into_owned();
         if absent.contains(&name.as_str()) {
             continue;
