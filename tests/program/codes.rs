@@ -4,7 +4,7 @@
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-use crate::common::{self, file, good, untested};
+use crate::common::{self, file, foreign, good, not_started, untested};
 
 const PAGE: &str = include_str!("../../docs/YOUR-CODE.md");
 const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/codes");
@@ -23,23 +23,38 @@ fn starts(program: &str) -> bool {
     command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok()
 }
 
-/// A program that ends well in `folder`.
-fn ends(folder: &Path, command: &[&str]) {
+/// Runs a program in `folder` to a good end; the reason if MPI could not start.
+fn ends(folder: &Path, command: &[&str]) -> Result<(), String> {
     let mut started = Command::new(command[0]);
     let ended = started.args(&command[1..]).current_dir(folder).stdin(Stdio::null()).output();
     let ended = common::ended(ended.unwrap());
-    assert_eq!(ended.code, Some(0), "{command:?}: {}{}", ended.stdout, ended.stderr);
+    let said = format!("{}{}", ended.stdout, ended.stderr);
+    match not_started(&said) {
+        Some(reason) if ended.code != Some(0) => Err(reason),
+        _ => Ok(assert_eq!(ended.code, Some(0), "{command:?}: {said}")),
+    }
 }
 
 /// Puts the lines of the page before the line `before` of the example, runs that in the code, and
 /// asks for the commands of the page: the lists of a careful setting miss nothing.
 fn the_page_holds(section: &str, language: &str, script: &str, before: &str, command: &[&str]) {
+    let what = format!("docs/YOUR-CODE.md, {section}");
     if !starts(command[0]) {
-        return untested(&format!("docs/YOUR-CODE.md, {section}"), "installation of it");
+        return untested(&what, "installation of it");
     }
     if !starts("python3") {
-        return untested(&format!("docs/YOUR-CODE.md, {section}"), "python3");
+        return untested(&what, "python3");
     }
+    foreign(&what, || of_the_page(section, language, script, before, command));
+}
+
+fn of_the_page(
+    section: &str,
+    language: &str,
+    script: &str,
+    before: &str,
+    command: &[&str],
+) -> Result<(), String> {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     let text = std::fs::read_to_string(Path::new(FOLDER).join(script)).unwrap();
@@ -49,8 +64,8 @@ fn the_page_holds(section: &str, language: &str, script: &str, before: &str, com
         "import sys; sys.path.insert(0, '{FOLDER}'); sys.dont_write_bytecode = True; import cases; \
          cases.write_start('start.data', cases.CHUTE, quick=True)"
     );
-    ends(folder, &["python3", "-c", &start]);
-    ends(folder, command);
+    ends(folder, &["python3", "-c", &start])?;
+    ends(folder, command)?;
     let mut commands = 0;
     for line in block(section, "text").lines() {
         let words: Vec<&str> = line.split(' ').collect();
@@ -62,6 +77,7 @@ fn the_page_holds(section: &str, language: &str, script: &str, before: &str, com
         commands += 1;
     }
     assert_eq!(commands, 2);
+    Ok(())
 }
 
 #[test]
@@ -89,12 +105,16 @@ fn settings_are_told_apart_or_say_how_to_get_the_code() {
     if !starts("python3") {
         return untested("examples/codes", "python3");
     }
+    foreign("examples/codes", settings_are_told_apart);
+}
+
+fn settings_are_told_apart() -> Result<(), String> {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     let driver = format!("{FOLDER}/codes.py");
     let quick = ["--quick", "--blocks", "1", "--codes", "lammps"];
     let place = ["--contactbench", common::PROGRAM, "--out", "out"];
-    ends(folder, &[&["python3", &driver], &quick[..], &place].concat());
+    ends(folder, &[&["python3", &driver], &quick[..], &place].concat())?;
     let table = std::fs::read_to_string(folder.join("out/settings.csv")).unwrap();
     let page = std::fs::read_to_string(folder.join("out/report.md")).unwrap();
     let mut table = csv::Reader::from_reader(table.as_bytes());
@@ -108,11 +128,15 @@ fn settings_are_told_apart_or_say_how_to_get_the_code() {
             assert_eq!(of(row, "outcome"), "unavailable");
             assert!(of(row, "reason").contains("apt-get install lammps"));
         }
-        return assert!(page.contains("apt-get install lammps"));
+        assert!(page.contains("apt-get install lammps"));
+        return Ok(());
     }
     let mut missed = 0;
     for row in 0..rows.len() {
         let setting = of(row, "setting");
+        if let Some(reason) = not_started(of(row, "reason")) {
+            return Err(reason);
+        }
         let said = of(row, "missed").parse::<u64>();
         let said = said.unwrap_or_else(|_| panic!("{setting}: {}", of(row, "reason")));
         assert_eq!((of(row, "outcome"), of(row, "spurious")), ("ok", "0"), "{setting}");
@@ -127,4 +151,24 @@ fn settings_are_told_apart_or_say_how_to_get_the_code() {
         }
     }
     assert!(missed > 0);
+    Ok(())
+}
+
+/// A program of others that cannot start is tried once more, then named with the reason; one that
+/// starts and fails is a failure.
+#[test]
+fn programs_of_others_are_tried_twice() {
+    let tries = std::cell::Cell::new(0);
+    let starts_at = |first: u32| {
+        tries.set(0);
+        foreign("trying twice, which is tested", || {
+            tries.set(tries.get() + 1);
+            if tries.get() < first { Err("no daemon".into()) } else { Ok(()) }
+        });
+        tries.get()
+    };
+    assert_eq!([1, 2].map(starts_at), [1, 2]);
+    let daemon = "[host:1] *** An error occurred in MPI_Init\nORTE was unable to start a daemon\n";
+    assert!(not_started(daemon).unwrap().contains("MPI_Init"));
+    assert_eq!(not_started("ERROR: Unknown pair style\n"), None);
 }

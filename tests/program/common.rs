@@ -158,7 +158,7 @@ pub fn runner(name: &str, program: &str, script: &str) -> String {
 }
 
 /// What could not be tested here, and why.
-static UNTESTED: Mutex<BTreeMap<String, &str>> = Mutex::new(BTreeMap::new());
+static UNTESTED: Mutex<BTreeMap<String, String>> = Mutex::new(BTreeMap::new());
 
 unsafe extern "C" {
     fn atexit(callback: extern "C" fn()) -> std::ffi::c_int;
@@ -166,9 +166,10 @@ unsafe extern "C" {
 
 /// Notes that `what` cannot be tested here because `missing` is not there. The test passes; one
 /// line after the results of all tests says what was left out.
-pub fn untested(what: &str, missing: &'static str) {
+pub fn untested(what: &str, missing: &str) {
     static AT_EXIT: Once = Once::new();
-    UNTESTED.lock().unwrap_or_else(PoisonError::into_inner).insert(what.to_string(), missing);
+    let mut untested = UNTESTED.lock().unwrap_or_else(PoisonError::into_inner);
+    untested.insert(what.to_string(), missing.to_string());
     // SAFETY: `atexit` may be called at any time before the end of the process, and `summary` may
     // be called from C: it takes nothing, gives nothing, and does not unwind.
     AT_EXIT.call_once(|| assert_eq!(unsafe { atexit(summary) }, 0));
@@ -179,6 +180,26 @@ extern "C" fn summary() {
     let all: Vec<String> =
         untested.iter().map(|(what, missing)| format!("{what} (no {missing})")).collect();
     eprintln!("NOT TESTED HERE, {} in all: {}\n", all.len(), all.join("; "));
+}
+
+/// Runs a test of programs of others: one test at a time, because several MPI programs that start
+/// together fail. `test` gives the reason if a program could not start. It is then run once more,
+/// and after that left out: the closing summary names it with the reason.
+pub fn foreign(what: &str, test: impl Fn() -> Result<(), String>) {
+    static ALONE: Mutex<()> = Mutex::new(());
+    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Err(reason) = test().or_else(|_| test()) {
+        untested(what, &format!("start in two tries: {reason}"));
+    }
+}
+
+/// The reason why MPI could not start, if that is why a program failed.
+pub fn not_started(stderr: &str) -> Option<String> {
+    let signs = ["ompi_mpi_init", "MPI_Init", "MPI_INIT", "unable to start a daemon", "orte_init"];
+    let of_start = |line: &&str| {
+        signs.iter().any(|sign| line.to_ascii_lowercase().contains(&sign.to_ascii_lowercase()))
+    };
+    stderr.lines().find(of_start).map(|line| line.trim().to_string())
 }
 
 /// Is there such a program? If not, the test passes, and is named among those left out.
