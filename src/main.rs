@@ -34,7 +34,7 @@ fn main() -> ExitCode {
         }
     };
     let result = match cli.verb {
-        None => run::standard(),
+        None => run::standard(cli.quick),
         Some(Verb::Run(options)) => run::run(&options),
         Some(Verb::Report(options)) => report::report(&options),
         Some(Verb::Compare(options)) => compare::compare(&options),

@@ -35,6 +35,7 @@ pub use shared::terminal::say;
 #[command(
     version,
     about,
+    args_conflicts_with_subcommands = true,
     after_help = "Without a verb the standard reproduction is run: the book's scaling figures, on \
                   this machine, in minutes.\n\nExit codes: 0 all is well; 1 a detector was wrong, \
                   a machine-independent claim failed, a record is damaged, or two lists or \
@@ -44,6 +45,9 @@ pub struct Cli {
     /// What to do.
     #[command(subcommand)]
     pub verb: Option<Verb>,
+    /// The standard reproduction in seconds: small scenes, few blocks
+    #[arg(long)]
+    pub quick: bool,
 }
 
 /// What can be done.

@@ -48,20 +48,21 @@ pub struct Run {
     ci: Outputs,
 }
 
-/// The standard reproduction.
-pub fn standard() -> anyhow::Result<ExitCode> {
+/// Runs the standard reproduction; a quick one has small scenes and few blocks.
+pub fn standard(quick: bool) -> anyhow::Result<ExitCode> {
     let names = builtin::all()?
         .into_iter()
         .filter(|experiment| experiment.standard)
         .map(|experiment| experiment.name)
         .collect();
+    let time = if quick { "a quick look in seconds" } else { "about four minutes" };
     say!(
-        "the standard reproduction: the book's scaling experiments, about four minutes; results \
-         go to a new folder under results/standard"
+        "the standard reproduction: the book's scaling experiments, {time}; results go to a new \
+         folder under results/standard"
     );
     let options = Run {
         experiments: names,
-        quick: false,
+        quick,
         resume: false,
         out: None,
         against: None,

@@ -96,7 +96,9 @@ fn the_example_workflow_passes() {
         for name in names {
             let value = format!("{}: ${{{{ inputs.{name} }}}}", name.to_uppercase());
             assert!(action.contains(&value), "action.yml does not hand on {name}");
-            command.env(name.to_uppercase(), input(name));
+            // One detector: all of them are checked elsewhere, and take a minute.
+            let value = if name == "detector" { "nbs".into() } else { input(name) };
+            command.env(name.to_uppercase(), value);
         }
         command.output().unwrap()
     };
