@@ -58,7 +58,7 @@ pub struct Done {
     pub never: f64,
     /// Frames until the latest was.
     pub latest: f64,
-    /// The largest overlap then, in mean radii.
+    /// The largest overlap of a missed contact, in mean radii.
     pub deepest: f64,
     /// Builds that LAMMPS would call dangerous.
     pub dangerous: f64,
@@ -127,7 +127,7 @@ impl Done {
             first: value("first_wrong"),
             never: value("never")?,
             latest: value("latest")?,
-            deepest: value("deepest_late")?,
+            deepest: value("search_deepest_miss")?,
             dangerous: value("dangerous")?,
             rightly: value("dangerous_rightly")?,
             missing: value("missing_builds")?,
