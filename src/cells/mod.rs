@@ -16,7 +16,7 @@ use std::collections::{BTreeMap, BTreeSet};
 pub use crate::cells::expression::{Expression, Reading};
 use crate::cells::state::States;
 use crate::oracle::{Causes, Errors};
-use crate::record::column::{COLUMNS, Column, TIME};
+use crate::record::column::{COLUMNS, Column, FIRST, TIME};
 pub use crate::record::id::{CellId, FIELDS};
 use crate::record::role::Role;
 use crate::record::row::{Measurement, Outcome, Pass, Row};
@@ -198,6 +198,12 @@ impl Cell {
     /// The median time of a wrong answer: never compared with anything, but shown, marked.
     pub fn wrong_time(&self) -> Option<f64> {
         self.blocks().filter(|_| self.overall().0 == Outcome::Wrong).map(|time| time.median)
+    }
+
+    /// Nanoseconds of the first detection of each process, by block.
+    pub fn first_times(&self) -> &Blocks {
+        static NONE: Blocks = Blocks::new();
+        self.others_ns.get(FIRST).unwrap_or(&NONE)
     }
 
     fn blocks(&self) -> Option<Interval> {

@@ -177,6 +177,11 @@ pub fn ratio(a: &Seeds<'_>, b: &Seeds<'_>) -> Option<Interval> {
     ratio_of(a, |cell| &cell.times, b, |cell| &cell.times)
 }
 
+/// The same ratio of the first detections of the processes, which find their memory untouched.
+pub fn cold_ratio(a: &Seeds<'_>, b: &Seeds<'_>) -> Option<Interval> {
+    ratio_of(a, Cell::first_times, b, Cell::first_times)
+}
+
 /// The same of other numbers per block.
 pub fn ratio_of<'a>(
     a: &Seeds<'a>,

@@ -38,6 +38,8 @@ pub struct Library {
     pub name: String,
     /// Its time over that of the reference.
     pub ratio: Interval,
+    /// The same of first detections: a library that asks for new memory at each call loses less.
+    pub cold: Option<Interval>,
     /// The libraries that may be as fast as the reference; none where it is decided which of the
     /// two is faster.
     pub open: Vec<String>,
@@ -216,10 +218,12 @@ fn library(
     let ratio = |line: &Line| series::ratio(group.at(line, n)?, group.at(own, n)?);
     let (first, _) = *libraries.first()?;
     let to_first = ratio(first)?;
+    let cold = series::cold_ratio(group.at(first, n)?, group.at(own, n)?);
     let behind = to_first.median < 1.0 && noise.decides(&to_first, n);
     let open = libraries.iter().filter(|it| !noise.slower(ratio(it.0).as_ref(), n));
     let open = open.filter(|_| !behind).map(|it| label(it.0)).collect();
-    Some(Library { title: group.title.clone(), n, name: label(first), ratio: to_first, open })
+    let (title, name) = (group.title.clone(), label(first));
+    Some(Library { title, n, name, ratio: to_first, cold, open })
 }
 
 impl Library {

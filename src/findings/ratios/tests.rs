@@ -153,6 +153,16 @@ fn a_noisy_one_leaves_it_open() {
 }
 
 #[test]
+fn first_detections_are_compared_with_each_other() {
+    let mut lab = Lab::new("e", "packed");
+    lab.detector("nbs").time(&[100; 6]).edit(|row| row.first_ns = Some(200));
+    lab.detector("other").time(&[700; 6]).edit(|row| row.first_ns = Some(800));
+    let found = ratios(&lab, "nbs").unwrap();
+    let [library] = &*found.libraries else { panic!("{found:?}") };
+    assert!(near(Some(library.ratio), 7.0) && near(library.cold, 4.0), "{library:?}");
+}
+
+#[test]
 fn seeds_are_compared_with_their_own_and_threads_with_one() {
     let mut lab = Lab::new("e", "packed");
     for (seed, scale) in [(1, 1), (2, 10), (3, 100)] {

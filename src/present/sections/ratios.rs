@@ -93,6 +93,10 @@ pub fn blocks(found: &Ratios) -> Vec<Block> {
     let mut out = vec![Block::Paragraph(headline(found))];
     out.extend(libraries);
     if !found.libraries.is_empty() {
+        out.push(Block::paragraph(
+            "Times are of warm detections: ours reuse their buffers, and most libraries ask for \
+             new memory at each call. Both cold: the ratio of first detections in a new process.",
+        ));
         out.push(Block::Paragraph(near_fastest(found)));
     }
     out.extend([Block::Table(fastest(found)), Block::Paragraph(how)]);
@@ -115,6 +119,7 @@ fn libraries(found: &[Library], reference: &str) -> Table {
         Column::right("N", ""),
         Column::left("fastest library"),
         Column::right(format!("its time / {reference}"), ""),
+        Column::right("both cold", ""),
         Column::left("decided"),
     ];
     let row = |it: &Library| {
@@ -123,6 +128,7 @@ fn libraries(found: &[Library], reference: &str) -> Table {
             Cell::count(it.n),
             it.name.as_str().into(),
             Cell::ratio(&it.ratio),
+            it.cold.into(),
             if it.decided() { "yes".into() } else { undecided(&it.open) },
         ]
     };
