@@ -22,7 +22,7 @@ use crate::io::write::append;
 use crate::number::{number, percent, plural, times, with_interval};
 use crate::present::document::{Block, plain};
 use crate::present::table::{Cell, Column, Table};
-use crate::ranks::model::{Growth, Network, Step, step};
+use crate::ranks::model::{FARTHEST, Growth, Network, Step, step};
 use crate::ranks::share::Share;
 #[cfg(feature = "mpi")]
 use crate::ranks::share::{Origin, agreed};
@@ -306,13 +306,22 @@ fn table(rows: &[Row]) -> Table {
     Table::new("", columns).with(rows.iter().map(line))
 }
 
+/// A model is worth two digits.
+fn two_digits(ms: f64) -> String {
+    let decimals = 1 - ms.abs().log10().floor().clamp(-9.0, 9.0) as i32;
+    let scale = 10f64.powi(decimals);
+    format!("{:.*}", decimals.max(0) as usize, (ms * scale).round() / scale)
+}
+
 fn model(rows: &[Row], network: Network) -> Vec<Block> {
     let Some(row) = rows.iter().filter(|row| row.ranks > 1).max_by_key(|row| row.ranks) else {
         return vec![Block::paragraph("The model needs what two ranks or more send.")];
     };
+    let one = rows.iter().find(|one| one.ranks == 1 && one.n * row.ranks as u64 == row.n);
+    let one_ms = one.map(|one| one.step_ms);
     let of = |growth| {
-        let steps = (0..=10).filter_map(move |k| step(row, network, growth, 1 << k));
-        steps.collect::<Vec<Step>>()
+        let at = |ranks| step(row, one_ms, network, growth, ranks);
+        (0..).map_while(move |k| at(1 << k)).collect::<Vec<Step>>()
     };
     let (long, alike) = (of(Growth::Long), of(Growth::Alike));
     let columns = vec![
@@ -328,21 +337,25 @@ fn model(rows: &[Row], network: Network) -> Vec<Block> {
         vec![
             Cell::count(long.ranks),
             Cell::count(long.n as u64),
-            Cell::number(long.ms),
+            Cell::from(two_digits(long.ms)),
             Cell::from(percent(long.efficiency)),
             Cell::count(alike.halo as u64),
-            Cell::number(alike.ms),
+            Cell::from(two_digits(alike.ms)),
             Cell::from(percent(alike.efficiency)),
         ]
     };
+    let measured = step(row, one_ms, network, Growth::Long, row.ranks as u64);
     let words = format!(
-        "Model, not measured: {} own particles in each rank, messages of {} s and {} bytes/s, from \
-         the search alone and the halo of {} ranks. Long: the scene grows along its slabs; alike: \
-         in its shape, so that slabs become thin.",
+        "Model, not measured: {} own particles in each rank, messages of {} s and {} bytes/s. With \
+         {} the model of the search gives {} ms, and {} ms were measured; the difference is added \
+         to every step below, which go to {FARTHEST} times as many ranks. Long: the scene grows \
+         along its slabs; alike: in its shape, so that slabs become thin.",
         number(row.n as f64 / row.ranks as f64),
         number(network.latency_s),
         number(network.bytes_per_s),
-        row.ranks
+        plural(row.ranks, "rank"),
+        measured.map_or("no".into(), |step| two_digits(step.search_ms)),
+        two_digits(row.step_ms)
     );
     vec![
         Block::paragraph(words),

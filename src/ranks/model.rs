@@ -1,7 +1,8 @@
 //! What a step would take on more ranks than there are here.
 //!
 //! ```text
-//! step(R) = s (own + h) + latency (log2 R, rounded up, + messages) + h b / bandwidth
+//! search(R) = s (own + h) + latency (log2 R, rounded up, + messages) + h b / bandwidth
+//! step(R)   = search(R) + measured step - search(measured R)
 //! ```
 //!
 //! s is the measured time of the search per particle in a rank, own ones and those of others, while
@@ -11,12 +12,16 @@
 //! area that grows as N^((D - 1) / D). Messages are one, or as many as slabs fit into a layer of h.
 //! Numbers of bytes are told to all first, in log2 R steps.
 //!
-//! What it leaves out: ranks that share memory and cores take longer than alone (the row says by
-//! how much here), and slabs are not quite equal.
+//! The model of the search leaves out the pass before it, shared memory and cores, and unequal slabs.
+//! What they add to the measured step is added to the others, unchanged. No step is foretold for more
+//! than [`FARTHEST`] times the measured ranks.
 
 use serde::Serialize;
 
 use super::Row;
+
+/// The model goes no further than this many times the ranks that were measured.
+pub const FARTHEST: u64 = 64;
 
 /// A network between ranks.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,6 +64,8 @@ pub struct Step {
     pub ms: f64,
     /// The time of one rank with as many own particles over that.
     pub efficiency: f64,
+    /// What the model of the search gives without the measured step.
+    pub search_ms: f64,
 }
 
 /// How the scene grows with the number of ranks, of which each has as many particles as now.
@@ -70,8 +77,29 @@ pub enum Growth {
     Alike,
 }
 
-/// The step on `ranks` ranks, from what was measured on several; none from a row of one rank.
-pub fn step(row: &Row, network: Network, growth: Growth, ranks: u64) -> Option<Step> {
+/// Foretells the step on `ranks` ranks from one that was measured on several. `one_ms` is the
+/// measured step of one rank with as many own particles; without it the model gives that, too. None
+/// if the row is of one rank, or `ranks` is beyond [`FARTHEST`].
+pub fn step(
+    row: &Row,
+    one_ms: Option<f64>,
+    network: Network,
+    growth: Growth,
+    ranks: u64,
+) -> Option<Step> {
+    if ranks > FARTHEST * row.ranks as u64 {
+        return None;
+    }
+    let of = |ranks| search(row, network, growth, ranks);
+    let (found, measured, one) = (of(ranks)?, of(row.ranks as u64)?, of(1)?);
+    let one_ms = one_ms.unwrap_or(one.ms);
+    let beside = row.step_ms - measured.ms;
+    let ms = if ranks == 1 { one_ms } else { found.ms + beside };
+    Some(Step { ms, efficiency: one_ms / ms, ..found })
+}
+
+/// The search on `ranks` ranks and what they send, without what else a step has.
+fn search(row: &Row, network: Network, growth: Growth, ranks: u64) -> Option<Step> {
     // Around a box the last slab meets the first.
     let borders = if row.around { row.ranks } else { row.ranks.checked_sub(1)? };
     if row.ranks < 2 || row.n == 0 {
@@ -90,7 +118,7 @@ pub fn step(row: &Row, network: Network, growth: Growth, ranks: u64) -> Option<S
     let messages = if ranks > 1 { (halo / own).ceil() + (ranks as f64).log2().ceil() } else { 0.0 };
     let network_ms = 1e3 * (network.latency_s * messages + halo * bytes / network.bytes_per_s);
     let ms = each_ms * (own + halo) + network_ms;
-    Some(Step { ranks, n, halo, ms, efficiency: each_ms * own / ms })
+    Some(Step { ranks, n, halo, ms, efficiency: each_ms * own / ms, search_ms: ms })
 }
 
 #[cfg(test)]
@@ -134,20 +162,34 @@ mod tests {
 
     #[test]
     fn steps_are_those_of_the_formula() {
-        let one = step(&row(), NETWORK, Growth::Alike, 1).unwrap();
+        let one = search(&row(), NETWORK, Growth::Alike, 1).unwrap();
         assert_eq!((one.halo, one.efficiency), (0.0, 1.0));
         assert!((one.ms - 1.0).abs() < 1e-12);
-        let long = step(&row(), NETWORK, Growth::Long, 8).unwrap();
+        let long = search(&row(), NETWORK, Growth::Long, 8).unwrap();
         assert_eq!((long.n, long.halo), (8000.0, 100.0));
         // 1.1 ms of search, four messages of 1 ms, 2.8 ms on the way.
         assert!((long.ms - (1.1 + 4.0 + 2.8)).abs() < 1e-9, "{long:?}");
         // Eight times as many in the same shape: four times the area.
-        let alike = step(&row(), NETWORK, Growth::Alike, 16).unwrap();
+        let alike = search(&row(), NETWORK, Growth::Alike, 16).unwrap();
         assert!((alike.halo - 400.0).abs() < 1e-9, "{alike:?}");
         // Slabs thinner than a layer of the halo: more messages.
-        let thin = step(&row(), NETWORK, Growth::Alike, 1 << 20).unwrap();
+        let thin = search(&row(), NETWORK, Growth::Alike, 1 << 20).unwrap();
         assert!(thin.halo > thin.n / 1048576.0 && thin.efficiency < 0.02, "{thin:?}");
-        assert_eq!(step(&Row { ranks: 1, ..row() }, NETWORK, Growth::Long, 8), None);
+        assert_eq!(search(&Row { ranks: 1, ..row() }, NETWORK, Growth::Long, 8), None);
+    }
+
+    #[test]
+    fn a_step_begins_at_the_measured_one() {
+        let row = Row { step_ms: 8.0, ..row() };
+        let at = |one_ms, ranks| step(&row, one_ms, NETWORK, Growth::Long, ranks);
+        // 1.1 + 2.0 + 2.8 ms by the model alone, 8 measured: 2.1 more at each number of ranks.
+        let measured = at(Some(4.0), 2).unwrap();
+        assert!((measured.search_ms - 5.9).abs() < 1e-9 && (measured.ms - 8.0).abs() < 1e-9);
+        assert!((measured.efficiency - 0.5).abs() < 1e-9, "{measured:?}");
+        assert!((at(Some(4.0), 8).unwrap().ms - (7.9 + 2.1)).abs() < 1e-9);
+        assert_eq!(at(Some(4.0), 1).unwrap().ms, 4.0);
+        assert!((at(None, 1).unwrap().ms - 1.0).abs() < 1e-9);
+        assert!(at(None, 128).is_some() && at(None, 129).is_none());
     }
 
     #[test]
