@@ -7,6 +7,9 @@ use crate::present::document::{Block, Text};
 use crate::present::table::{Cell, Column, Table};
 use crate::stats::interval::median;
 
+/// Fewer cells than this say nothing about predictions.
+const FEWEST: usize = 10;
+
 /// The section of a report; `None` where nothing could be fitted.
 pub fn blocks(found: Option<&CostModel>) -> Vec<Block> {
     let Some(found) = found else {
@@ -25,16 +28,17 @@ pub fn blocks(found: Option<&CostModel>) -> Vec<Block> {
     let mut out = vec![Block::paragraph(how), Block::Table(costs(found))];
     if found.couples > 0 {
         out.push(Block::paragraph(format!(
-            "Of {} of detectors at the N measured (and more than a tenth apart) it names the \
+            "Of {} of detectors at the N it was fitted to (and more than a tenth apart) it names the \
              faster one in {}.",
             plural(found.couples, "couple"),
             percent(found.right as f64 / found.couples as f64)
         )));
     }
-    if let Some(typical) = median(&found.held_out) {
+    let enough = found.held_out.len() >= FEWEST;
+    if let Some(typical) = median(&found.held_out).filter(|_| enough) {
         let worst = found.held_out.iter().copied().fold(1.0, f64::max);
         out.push(Block::Paragraph(
-            Text::from("Fitted without the largest N of each detector, it misses the times there ")
+            Text::from("Fitted without the largest N of every scene, it misses the times there ")
                 .strong(format!("by a factor of {typical:.2}"))
                 .plain(format!(
                     " (median of {}; at most {worst:.2}): what it foretells beyond the N measured \
