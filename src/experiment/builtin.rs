@@ -84,6 +84,7 @@ fn parse(name: &str, text: &str) -> anyhow::Result<Experiment> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::experiment::claims::Set;
 
     #[test]
     fn every_file_is_in_the_list_and_well_formed() {
@@ -99,6 +100,8 @@ mod tests {
         assert_eq!(files, listed);
         for (experiment, (name, _)) in all().unwrap().iter().zip(FILES) {
             assert_eq!(experiment.name, *name);
+            let unsaid = experiment.claims.iter().find(|claim| claim.set == Set::Unknown);
+            assert!(unsaid.is_none(), "{name}: set = ... is missing: {unsaid:?}");
             assert!(
                 experiment.plan(true).unwrap().len() <= 16,
                 "{name}: a quick run has few scenes"
@@ -108,12 +111,9 @@ mod tests {
 
     #[test]
     fn experiments_of_committed_records_are_still_read() {
-        let results = Path::new(env!("CARGO_MANIFEST_DIR")).join("results");
         let mut count = 0;
-        for folder in std::fs::read_dir(results).unwrap() {
-            let Ok(files) = std::fs::read_dir(folder.unwrap().path().join("experiments")) else {
-                continue;
-            };
+        for folder in crate::committed::committed() {
+            let Ok(files) = std::fs::read_dir(folder.join("experiments")) else { continue };
             for file in files {
                 let path = file.unwrap().path();
                 Experiment::read(&path).unwrap_or_else(|error| panic!("{error:#}"));

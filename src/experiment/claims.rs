@@ -24,9 +24,27 @@ pub struct Claim {
     /// Which rows; all without.
     #[serde(rename = "where", default)]
     pub filter: Where,
+    /// When its limit was set.
+    #[serde(default)]
+    pub set: Set,
     /// Where the claim comes from.
     #[serde(default)]
     pub source: String,
+}
+
+/// When the limit of a claim was set. One that was chosen with the data at hand proves less.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Set {
+    /// The experiment does not say.
+    #[default]
+    Unknown,
+    /// By a publication.
+    Published,
+    /// Before the first record of the experiment.
+    Before,
+    /// After it.
+    After,
 }
 
 /// What is checked, in every cell or over all of them. Claims about times (`faster`, and any
@@ -115,6 +133,18 @@ impl ClaimKind {
 }
 
 impl Claim {
+    /// Where the claim comes from, and when its limit was set.
+    pub fn origin(&self) -> String {
+        let set = match self.set {
+            Set::Unknown => "",
+            Set::Published => "published",
+            Set::Before => "ours, set before the data",
+            Set::After => "ours, set after the data",
+        };
+        let parts = [set, &self.source];
+        parts.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join(": ")
+    }
+
     /// Is it about times, which are of one machine?
     pub fn uses_time(&self) -> bool {
         match &self.kind {

@@ -91,7 +91,7 @@ pub fn verdicts(experiment: &Experiment, cells: &[Cell], coverage: &Coverage<'_>
         Verdict {
             experiment: experiment.name.clone(),
             claim: claim.name.clone(),
-            source: claim.source.clone(),
+            source: claim.origin(),
             status,
             machine_independent: !claim.uses_time(),
             evidence: Evidence { found, of_machine: claim.uses_time(), without, uncovered },
