@@ -284,6 +284,19 @@ fn blocks(parts: &[Part<'_>], warnings: &[String], origin: &Origin<'_>) -> Vec<B
     out
 }
 
+/// Which program made a record, and when: a reader sees how old it is.
+fn program(fields: &Value) -> String {
+    let text = |name: &str| fields.get(name).and_then(Value::as_str).unwrap_or_default();
+    let date = text("date_utc").split('T').next().filter(|date| !date.is_empty());
+    let short = |revision: &str| revision.get(..7).map(String::from);
+    let revisions: Vec<String> = text("revision").split(", ").filter_map(short).collect();
+    let date = date.map(|date| format!(" on {date}")).unwrap_or_default();
+    match &*revisions {
+        [] => date,
+        all => format!("{date}, with the program of commit {},", all.join(", ")),
+    }
+}
+
 /// Title, the command that made it, the score of the claims, warnings; each question with its
 /// answer: who won where.
 fn head(parts: &[Part<'_>], warnings: &[String], origin: &Origin<'_>) -> Vec<Block> {
@@ -296,7 +309,8 @@ fn head(parts: &[Part<'_>], warnings: &[String], origin: &Origin<'_>) -> Vec<Blo
     out.extend(sections::coverage::blocks(&summaries(parts)));
     out.extend(doubts(origin.conditions));
     if let Some(command) = origin.provenance.and_then(|fields| fields.get("command")).map(command) {
-        out.extend([Block::paragraph("Made by"), Block::Code(command)]);
+        let program = origin.provenance.map(program).unwrap_or_default();
+        out.extend([Block::paragraph(format!("Made{program} by")), Block::Code(command)]);
     }
     let verdicts: Vec<Verdict> = parts.iter().flat_map(|part| part.verdicts.clone()).collect();
     out.push(Block::Paragraph(match &*verdicts {
