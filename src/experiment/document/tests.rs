@@ -92,7 +92,7 @@ fn a_claim_takes_the_keys_of_its_kind() {
             "kind = \"at-most\"\nvalue = \"n\"\nto = \"1\"\nwithin = 0.1",
             "line 12, column 1",
             "a claim of kind at-most has no key 'within'; it takes value, \
-             to, than, and like every claim name, kind, where, source",
+             to, than, and like every claim name, kind, where, set, source",
         ),
         (
             "kind = \"constant\"\nvalue = \"n\"\nwithn = 1",
