@@ -18,7 +18,7 @@ fn a_table_of_several_times_is_a_trajectory_to_all_verbs() {
     assert!(last.stderr.contains("frame 1, the last of 0 to 1"), "{}", last.stderr);
     assert_eq!(good(folder, &["detect", "dem.csv", "--frame", "0"]).stdout, "i,j\n");
     let all = good(folder, &["detect", "dem.csv", "--frame", "all"]);
-    assert_eq!(all.stdout, "frame,i,j\n1,0,1\n");
+    assert_eq!(all.stdout, "frame,id1,id2\n1,1,2\n");
     let verify = |pairs| run(folder, &["verify", "dem.csv", "--pairs", pairs, "--frame", "all"]);
     assert_eq!((verify("pairs.csv").code, verify("wrong.csv").code), (Some(0), Some(1)));
     let track = good(folder, &["track", "dem.csv", "--json"]).stdout;

@@ -101,7 +101,8 @@ fn bad_files_are_refused_with_place_and_remedy() {
             "csv",
             NONE,
             "p:1: 5 columns without a header; put a header line such as x,y,z,r before them, or \
-             say which is which with --columns x=1,y=2 and so on",
+             say which is which with --columns x=1,y=2 and so on (a packing of \
+             YADE: --columns x=1,y=2,z=3,r=4)",
         ),
         (
             b"x,y,r\n1,2,3\n",

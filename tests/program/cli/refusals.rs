@@ -46,7 +46,7 @@ fn bad_files_are_refused_with_place_and_remedy() {
             [
                 "bare.csv",
                 "holds no radii",
-                "give --radius R (half the diameter; in an experiment radius = R), or add a column",
+                "add a column named r, or give --radius R (half the diameter; in an experiment",
             ],
         ),
         ("fake.npy", "x,y,r\n0,0,1\n", ["fake.npy", "is not a NumPy file", "numpy.save"]),
