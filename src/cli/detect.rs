@@ -10,6 +10,7 @@ use std::time::Instant;
 use anyhow::{Context, bail, ensure};
 
 use crate::cli::shared::arithmetic::arithmetic;
+use crate::cli::shared::input::doubt;
 use crate::cli::shared::limit::Limit;
 use crate::cli::shared::scene::Source;
 use crate::cli::shared::values;
@@ -19,13 +20,14 @@ use crate::detect::spec::DetectorSpec;
 use crate::detect::{Options, table};
 use crate::experiment::detectors;
 use crate::io;
-use crate::io::Frame;
 use crate::io::boxes::along;
 use crate::io::write::{Around, Extra, PairFormat, Style};
+use crate::io::{Frame, RadiusSource};
 use crate::number::plural;
 use crate::pair_list::PAIR_BYTES;
 use crate::periodic::{Contacts, Finder, IMAGE_PAIR_BYTES, Periodic, without_shift};
 use crate::run::alloc;
+use crate::scene::doubts::Touching;
 use crate::scene::{AnyScene, Given};
 use crate::sink::normalise_by;
 
@@ -133,12 +135,13 @@ pub fn detect(options: &Detect) -> anyhow::Result<ExitCode> {
         return frames::detect(options, &spec, Path::new(text));
     }
     let found = options.source.with_ids(options.needs_ids())?;
-    let Some((name, (Given { scene: given, lattice, .. }, ids))) = found else {
+    let Some((name, (Given { scene: given, lattice, source, .. }, ids))) = found else {
         bail!("name a particle file, or a scene such as packed:n=1000 (contactbench list scenes)");
     };
-    let ids = options.ids(&name, ids)?;
+    let (ids, source) = (options.ids(&name, ids)?, source.as_ref());
     if let Some(lattice) = lattice {
-        return in_box(options, &spec, &name, Periodic::new(given, lattice)?, ids.as_deref());
+        let periodic = Periodic::new(given, lattice)?;
+        return in_box(options, &spec, &name, periodic, ids.as_deref(), source);
     }
     let scene = given
         .as_stored(options.arithmetic)
@@ -155,6 +158,8 @@ pub fn detect(options: &Detect) -> anyhow::Result<ExitCode> {
     // What is left on the heap is the list of pairs and the detector's buffers.
     let memory = usage.map(|usage| usage.live_bytes.saturating_sub(pairs.capacity() as u64 * 8));
     normalise_by(threads, &mut pairs);
+    let touching = Touching::open(&given, &pairs);
+    doubt(&name, &given, source, options.arithmetic, Some(&touching));
     write_open(options, &pairs, &given, ids.as_deref())?;
     say!(
         "{name}: N = {}, {}D, {}, {:.3} ms, {} held by the detector, {}, {} arithmetic",
@@ -205,6 +210,7 @@ fn in_box(
     name: &str,
     periodic: Periodic<'_>,
     ids: Option<&[i64]>,
+    source: Option<&RadiusSource>,
 ) -> anyhow::Result<ExitCode> {
     let (scene, lattice) = (periodic.scene(), periodic.lattice());
     let memory_limit = options.limit.bytes(scene.len());
@@ -221,6 +227,7 @@ fn in_box(
         + contacts.shifted.capacity() as u64 * IMAGE_PAIR_BYTES;
     let pairs = contacts.sorted(scene.len(), memory_limit).with_context(|| name.to_string())?;
     let memory = usage.map(|usage| usage.live_bytes.saturating_sub(bytes));
+    doubt(name, scene, source, options.arithmetic, Some(&Touching::boxed(&periodic, &pairs)));
     let style = Style {
         around: Around::Boxed(&periodic),
         ids,

@@ -5,13 +5,13 @@ use std::process::ExitCode;
 
 use anyhow::{Context, bail, ensure};
 
-use crate::cli::shared::input;
+use crate::cli::shared::input::{self, doubt_given};
 use crate::cli::shared::limit::Limit;
 use crate::cli::shared::progress::Counted;
 use crate::cli::shared::scene::Source;
 use crate::cli::shared::sequence::{FRAMES, Sequence, Wanted, sequence};
 use crate::cli::shared::values;
-use crate::contact::Test;
+use crate::contact::{Arithmetic, Test};
 use crate::detect::Options;
 use crate::experiment::detectors;
 use crate::io::pairs::List;
@@ -90,9 +90,11 @@ pub fn draw(options: &Draw) -> anyhow::Result<ExitCode> {
         "--motion, --frames and --tracker belong to a page that plays; give it a place with -o \
          NAME.html"
     );
-    let Some((name, Given { scene, lattice, has_box, .. })) = options.source.given()? else {
+    let Some((name, given)) = options.source.given()? else {
         bail!("there is nothing to draw; name a particle file, or a scene such as packed:n=200");
     };
+    doubt_given(&name, &given, Arithmetic::Exact);
+    let Given { scene, lattice, has_box, .. } = given;
     let limit = options.limit.bytes(scene.len());
     let look = Look {
         title: name.clone(),
@@ -158,7 +160,8 @@ fn page(options: &Draw) -> anyhow::Result<ExitCode> {
     let tracker = detectors::parse_tracker(options.tracker.as_deref().unwrap_or(TRACKER))?;
     let play = |sequence: Sequence<'_>| play(options, &tracker, sequence);
     let Draw { motion, frames, .. } = *options;
-    let wanted = Wanted { motion, otherwise: None, frames, of_file: FRAMES };
+    let wanted =
+        Wanted { motion, otherwise: None, frames, of_file: FRAMES, arithmetic: Arithmetic::Exact };
     let done = sequence(&options.source, &wanted, play)?;
     done.moving().context(
         "a page plays frames, and there is one; add --motion drift, or take a file of several \

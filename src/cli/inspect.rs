@@ -10,6 +10,7 @@ use crate::cli::shared::input::{self, Input};
 use crate::cli::shared::terminal;
 use crate::io::{self, About, Frame, Notice, Particles, Place, RadiusSource};
 use crate::number::{number, wrap};
+use crate::scene::doubts::is_scaled;
 use crate::scene::stats::stats;
 
 mod boxes;
@@ -47,7 +48,11 @@ pub fn inspect(options: &Inspect) -> anyhow::Result<ExitCode> {
     let (mut lines, mut warnings) = (Vec::new(), Vec::new());
     of_file(options, &particles, &about, &mut lines, &mut warnings);
     boxes::report(&particles, &about, &options.input, &mut lines);
-    of_centres(&particles, options.input.dim, &mut lines, &mut warnings);
+    of_centres(&particles, &mut lines, &mut warnings);
+    let scaled = || is_scaled(particles.len(), particles.dim(), |k| particles.centre(k));
+    if about.radius == RadiusSource::Missing && scaled() {
+        warnings.push(Notice::Scaled.words(Place::Argument));
+    }
     if about.radius != RadiusSource::Missing {
         let source = about.radius.clone();
         let given = particles.given(&options.file.display().to_string(), options.input.radius)?;
@@ -150,7 +155,7 @@ fn of_file(
         format!("{}{which}", about.frames),
         vec![("frames", json!(about.frames)), ("frame", json!(about.frame))],
     ));
-    if about.frames > 1 {
+    if about.frames > 1 && options.input.frame != Some(Frame::All) {
         warnings.push(format!(
             "the file has {} frames, numbered from 0; this is frame {}",
             about.frames, about.frame
@@ -175,18 +180,11 @@ fn of_file(
         text,
         vec![("radius_source", json!(kind)), ("radius_column", json!(column))],
     ));
-    // `of_centres` warns of planes, in boxes and outside.
-    let notices = particles.notices().iter().filter(|notice| **notice != Notice::Plane);
-    warnings.extend(notices.map(|notice| notice.words(Place::Argument)));
+    warnings.extend(particles.notices().iter().map(|notice| notice.words(Place::Argument)));
 }
 
 /// What the centres say.
-fn of_centres(
-    particles: &Particles,
-    asked: Option<u32>,
-    lines: &mut Vec<Line>,
-    warnings: &mut Vec<String>,
-) {
+fn of_centres(particles: &Particles, lines: &mut Vec<Line>, warnings: &mut Vec<String>) {
     let (n, dim) = (particles.len(), particles.dim());
     if n == 0 {
         warnings.push("there are no particles".into());
@@ -206,15 +204,6 @@ fn of_centres(
         text.join(", "),
         vec![("low", json!(low[..dim])), ("high", json!(high[..dim]))],
     ));
-    if asked.is_none() && dim == 3 && low[2] == 0.0 && high[2] == 0.0 && n > 1 {
-        warnings.push("z is 0 for all: these may be discs; then give --dim 2".into());
-    }
-    if (0..dim).all(|k| low[k] >= 0.0 && high[k] <= 1.0 && high[k] - low[k] > 0.9) && n > 100 {
-        warnings.push(
-            "all coordinates are from 0 to 1, and fill that range: are they scaled by a box?"
-                .into(),
-        );
-    }
     // -0 is where 0 is.
     let key = |k: u32| particles.centre(k as usize).map(|x| (x + 0.0).to_bits());
     let mut order: Vec<u32> = (0..n as u32).collect();
@@ -228,9 +217,6 @@ fn of_centres(
     if duplicates > 0 {
         let first =
             order.windows(2).find(|pair| key(pair[0]) == key(pair[1])).map_or(0, |pair| pair[0]);
-        warnings.push(format!(
-            "{duplicates} particles have the centre of another, such as particle {first} (from \
-             0): was something written twice?"
-        ));
+        warnings.push(Notice::Coincident(duplicates as u64, first).words(Place::Argument));
     }
 }

@@ -9,11 +9,13 @@ use anyhow::{Context, bail, ensure};
 use contactbench_core::ranks::alike;
 use contactbench_core::ranks::{Failure, World, threads};
 
+use crate::cli::shared::input::doubt_given;
 #[cfg(feature = "mpi")]
 use crate::cli::shared::input::tell;
 use crate::cli::shared::limit::Limit;
 use crate::cli::shared::scene::Source;
 use crate::cli::shared::{terminal, values};
+use crate::contact::Arithmetic;
 use crate::detect::table;
 use crate::experiment::{detectors, shard};
 #[cfg(feature = "mpi")]
@@ -102,6 +104,7 @@ pub fn ranks(options: &Ranks) -> anyhow::Result<ExitCode> {
     }
     let origin = input.origin(name)?;
     let given = (!options.each).then(|| input.given(name)).transpose()?;
+    given.iter().for_each(|given| doubt_given(name, given, Arithmetic::Exact));
     let mut rows = Vec::new();
     for &ranks in &options.ranks {
         let of = |world: &_| -> anyhow::Result<Row> {
@@ -177,6 +180,7 @@ fn by_mpi<'a>(
     }
     if !options.unchecked {
         let all = if options.each { origin.row(size) } else { origin.whole() }?;
+        doubt_given(name, &all, Arithmetic::Exact);
         row.whole = Some(whole(&all, setting(all.scene.len())).context("one process")?);
     }
     say(options, &[row])

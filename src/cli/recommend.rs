@@ -64,7 +64,8 @@ pub fn recommend(options: &Recommend) -> anyhow::Result<ExitCode> {
     ensure!((1..=1024).contains(&threads), "--threads {threads}: give a number from 1 to 1024");
     let of_frames = |sequence: Sequence<'_>| moving(options, sequence);
     let Recommend { motion, frames, .. } = *options;
-    let wanted = Wanted { motion, otherwise: None, frames, of_file: FRAMES };
+    let wanted =
+        Wanted { motion, otherwise: None, frames, of_file: FRAMES, arithmetic: options.arithmetic };
     let (name, given) = match sequence(&options.source, &wanted, of_frames)? {
         Seen::Moving(code) => return Ok(code),
         Seen::Still(still) => *still,

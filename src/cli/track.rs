@@ -69,7 +69,13 @@ pub fn track(options: &Track) -> anyhow::Result<ExitCode> {
     let trackers: Vec<TrackerSpec> =
         texts.into_iter().map(detectors::parse_tracker).collect::<Result<_, _>>()?;
     let Track { motion, frames, .. } = *options;
-    let wanted = Wanted { motion, otherwise: Some(MOTION), frames, of_file: u64::MAX };
+    let wanted = Wanted {
+        motion,
+        otherwise: Some(MOTION),
+        frames,
+        of_file: u64::MAX,
+        arithmetic: options.arithmetic,
+    };
     let done =
         sequence(&options.source, &wanted, |sequence| followed(options, &trackers, sequence))?;
     done.moving().context(

@@ -12,7 +12,7 @@ use std::process::ExitCode;
 use anyhow::ensure;
 use serde_json::{Value, json};
 
-use crate::check::listed::{Meaning, Taken, Verification, WORST, particle};
+use crate::check::listed::{Meaning, Taken, Touching, Verification, WORST, particle};
 use crate::check::reading::words::counted;
 use crate::cli::shared::arithmetic::arithmetic;
 use crate::cli::shared::input::{self, Input};
@@ -25,9 +25,9 @@ use crate::io::pairs::{self, List};
 use crate::io::{Frame, Place, Without};
 use crate::number::{mean_radii, number, plural, wrap};
 use crate::oracle::Errors;
-use crate::periodic::ImagePair;
+use crate::periodic::{ImagePair, Periodic};
 use crate::present::table::{Cell, Column, Table};
-use crate::scene::{AnyScene, Lattice};
+use crate::scene::{self, AnyScene, Lattice};
 
 /// So many pairs are shown of each kind.
 const SHOWN: usize = 5;
@@ -128,9 +128,12 @@ pub fn verify(options: &Verify) -> anyhow::Result<ExitCode> {
         say!("{}: --frame all compares each of them", options.file.display());
     }
     input::tell(&options.file.display().to_string(), particles.notices(), Place::Argument);
-    let frame = about.frame;
+    let (frame, source) = (about.frame, particles.source.clone());
     let mut verified = Verified::new(options, list, particles, about, WORST, true)?;
     verified.look_at_others(frame);
+    let (file, touching) = (options.file.display().to_string(), verified.looks());
+    let (scene, arithmetic) = (&verified.scene, options.arithmetic);
+    input::doubt(&file, scene, source.as_ref(), arithmetic, touching.as_ref());
     let mut out = terminal::out();
     if options.json {
         terminal::json(&verified.json())?
@@ -152,6 +155,17 @@ fn numbers(numbers: &[i32], between: &str) -> String {
 }
 
 impl Verified<'_> {
+    /// What the contacts look like; none of a box that does not suit the scene.
+    fn looks(&self) -> Option<scene::doubts::Touching> {
+        Some(match (&self.found.touching, self.lattice) {
+            (Touching::Open(pairs), _) => scene::doubts::Touching::open(&self.scene, pairs),
+            (Touching::Boxed(pairs), lattice) => {
+                let periodic = Periodic::new(self.scene.clone(), lattice?).ok()?;
+                scene::doubts::Touching::boxed(&periodic, pairs)
+            }
+        })
+    }
+
     fn print(&self, out: &mut impl Write) -> anyhow::Result<()> {
         let Verified { options, list, found, .. } = self;
         writeln!(

@@ -281,10 +281,11 @@ fn finished(
         particles.notices.push(Notice::Boundaries);
     }
     let repeats = particles.lattice.as_ref().is_some_and(|lattice| lattice.periodic()[2]);
-    if options.dim.is_none() && repeats && particles.is_flat() {
-        particles.notices.push(Notice::Plane);
+    if options.dim.is_none() && particles.is_flat() {
+        particles.notices.push(if repeats { Notice::Plane } else { Notice::Flat });
     }
     particles.notices.extend(particles.cut_to().map(Notice::Digits));
+    particles.source = Some(about.radius.clone());
     Ok((particles, about))
 }
 

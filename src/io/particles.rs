@@ -38,6 +38,8 @@ pub struct Particles {
     pub(crate) notices: Vec<Notice>,
     /// Names of columns or arrays that are not used: one of them may hold the sizes.
     pub(crate) unused: Vec<String>,
+    /// Where the radii come from.
+    pub(crate) source: Option<RadiusSource>,
     /// See [`Particles::first`].
     pub(crate) first: Option<u64>,
     /// How many of the coordinates looked at have how many significant digits.
@@ -54,8 +56,20 @@ impl Particles {
     pub(crate) fn of(centres: Centres, radii: Option<Vec<f64>>) -> Particles {
         let (ids, groups, lattice, notices) = (None, None, None, Vec::new());
         let digits = digits::Counts::default();
-        let (has_box, first, unused) = (false, None, Vec::new());
-        Particles { centres, radii, ids, groups, lattice, has_box, notices, unused, first, digits }
+        let (has_box, first, unused, source) = (false, None, Vec::new(), None);
+        Particles {
+            centres,
+            radii,
+            ids,
+            groups,
+            lattice,
+            has_box,
+            notices,
+            unused,
+            source,
+            first,
+            digits,
+        }
     }
 
     /// The number of particles.
@@ -252,8 +266,8 @@ impl Particles {
                 Scene::<f64, 3>::new(points, radii).with_context(|| name.to_string())?,
             ),
         };
-        let Particles { lattice, has_box, notices, .. } = self;
-        Ok(Given { scene, lattice, has_box, notices })
+        let Particles { lattice, has_box, notices, source, .. } = self;
+        Ok(Given { scene, lattice, has_box, notices, source })
     }
 }
 

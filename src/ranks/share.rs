@@ -117,9 +117,10 @@ impl Share {
         let n = given.scene.len() as u64;
         let end = |k: usize| (n * k as u64 / ranks as u64) as u32;
         let rows: Vec<u32> = (end(rank)..end(rank + 1)).collect();
-        let Given { lattice, has_box, notices, .. } = given;
+        let Given { lattice, has_box, notices, source, .. } = given;
         let (scene, notices) = (given.scene.reordered(&rows), notices.clone());
-        let given = Given { scene, lattice: *lattice, has_box: *has_box, notices };
+        let source = source.clone();
+        let given = Given { scene, lattice: *lattice, has_box: *has_box, notices, source };
         Share { given, first: end(rank).into(), frames: 1 }
     }
 }

@@ -33,6 +33,7 @@ use crate::run::origins::Origins;
 use crate::run::passes::Running;
 use crate::run::plan::{self, Job, describe};
 use crate::run::trajectory::Trajectory;
+use crate::scene::doubts::{Touching, doubts};
 use crate::scene::generate::hard;
 use crate::scene::spec::Spec;
 use crate::scene::stats::Stats;
@@ -110,10 +111,14 @@ impl Stage<'_> {
         self.blocks(running, blocks, &mut judge)
     }
 
-    /// Says once what the scene's file leaves open.
+    /// Says once what the scene's file leaves open, and what is doubtful about it.
     fn note(&mut self, given: &Given) {
         let path = self.spec.params.get("path").and_then(|path| path.as_str()).unwrap_or_default();
-        for notice in &given.notices {
+        let doubts = given.source.as_ref().map(|source| {
+            let touching = Touching::search(given);
+            doubts(&given.scene, source, Arithmetic::Exact, touching.as_ref())
+        });
+        for notice in given.notices.iter().chain(doubts.iter().flatten()) {
             let text = format!("{path}: {}", notice.words(Place::Experiment));
             if self.noted.insert(text.clone()) {
                 self.progress.note(&text);

@@ -3,8 +3,8 @@
 use anyhow::bail;
 
 use crate::contact::Arithmetic;
-use crate::io::Notice;
 use crate::io::boxes::{KNOWN_TO, along};
+use crate::io::{Notice, RadiusSource};
 use crate::periodic::Periodic;
 use crate::scene::{AnyScene, Lattice};
 use crate::searcher::{LoadError, Loaded};
@@ -20,11 +20,19 @@ pub struct Given {
     pub has_box: bool,
     /// What that file leaves open.
     pub notices: Vec<Notice>,
+    /// Where the file's radii come from; none of a scene that is made, which is not doubted.
+    pub source: Option<RadiusSource>,
 }
 
 impl<S: Into<AnyScene<'static>>> From<S> for Given {
     fn from(scene: S) -> Given {
-        Given { scene: scene.into(), lattice: None, has_box: false, notices: Vec::new() }
+        Given {
+            scene: scene.into(),
+            lattice: None,
+            has_box: false,
+            notices: Vec::new(),
+            source: None,
+        }
     }
 }
 

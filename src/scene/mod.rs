@@ -1,6 +1,7 @@
 //! Scenes: what they are asked to be, the generators, the catalogue of hard cases, and what they
 //! turned out to be.
 
+pub mod doubts;
 pub mod generate;
 mod given;
 pub mod hard;

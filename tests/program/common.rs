@@ -36,12 +36,15 @@ pub fn good(folder: &Path, arguments: &[&str]) -> Ended {
     ended
 }
 
-/// A run that ends with exit code 2 and one line on standard error with all these words.
+/// A run that ends with exit code 2 and one line of refusal on standard error, the last, with all
+/// these words. Notices about a file may stand before it.
 pub fn refused(folder: &Path, arguments: &[&str], words: &[&str]) -> Ended {
     let ended = run(folder, arguments);
+    let refusal = |line: &&str| line.starts_with("contactbench: ");
+    let lines = ended.stderr.lines();
     assert_eq!(
-        (ended.code, ended.stderr.lines().count()),
-        (Some(2), 1),
+        (ended.code, lines.clone().filter(refusal).count(), lines.last().filter(refusal).is_some()),
+        (Some(2), 1, true),
         "{arguments:?}: {}{}",
         ended.stdout,
         ended.stderr

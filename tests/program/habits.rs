@@ -85,7 +85,7 @@ fn few_digits_are_recognised() {
         ("lattice.csv", &|k, axis| format!("{}", [k / 4, k % 4, k][axis] as f64 * 0.5)),
         ("round.csv", &|k, axis| format!("{:e}", (1 + k + axis) as f64 * 1e7)),
     ] {
-        assert_eq!(said(name, of), "", "{name}");
+        assert!(!said(name, of).contains("digits"), "{name}");
     }
 }
 

@@ -8,6 +8,7 @@ mod codes;
 mod committed;
 mod common;
 mod compare;
+mod doubts;
 mod errors;
 mod files_cli;
 mod frames;

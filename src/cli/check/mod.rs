@@ -17,7 +17,7 @@ use verdicts::{as_json, verdicts};
 use crate::check::{self, Limits, Report, Verdict, Wrong, contender};
 use crate::cli::shared::arithmetic::arithmetic;
 use crate::cli::shared::ci::Outputs;
-use crate::cli::shared::input::{Input, OPTIONS};
+use crate::cli::shared::input::{Input, OPTIONS, doubt_given};
 use crate::cli::shared::{terminal, values};
 use crate::contact::Arithmetic;
 use crate::detect::Options;
@@ -111,7 +111,13 @@ pub fn check(options: &Check) -> anyhow::Result<ExitCode> {
     quiet_panics();
     let mut out: Box<dyn Write> =
         if options.json { Box::new(std::io::sink()) } else { Box::new(terminal::out()) };
-    let read = |path: &String| Ok((path.clone(), options.input.given(path)?));
+    let f32 = options.arithmetic.contains(&Arithmetic::F32);
+    let arithmetic = if f32 { Arithmetic::F32 } else { Arithmetic::Exact };
+    let read = |path: &String| {
+        let given = options.input.given(path)?;
+        doubt_given(path, &given, arithmetic);
+        Ok((path.clone(), given))
+    };
     let scenes = options.scene.iter().map(read).collect::<anyhow::Result<Vec<_>>>()?;
     let mut broken = Vec::new();
     let groups = match &options.runner {

@@ -7,17 +7,19 @@ use std::time::{Duration, Instant};
 use anyhow::{Context, ensure};
 
 use crate::cli::detect::Detect;
-use crate::cli::shared::input;
+use crate::cli::shared::input::{self, Told};
 use crate::cli::shared::progress::Counted;
 use crate::crowd;
 use crate::detect::Options;
 use crate::detect::any::AnyDetector;
 use crate::detect::spec::DetectorSpec;
 use crate::io;
+use crate::io::RadiusSource;
 use crate::io::write::{Around, Framed, Style, framed};
 use crate::number::plural;
 use crate::periodic::{Contacts, Finder, Periodic, without_shift};
-use crate::scene::Given;
+use crate::scene::doubts::Touching;
+use crate::scene::{AnyScene, Given};
 use crate::sink::normalise_by;
 
 /// What was done.
@@ -69,11 +71,11 @@ fn all(
     let name = path.display().to_string();
     let mut done = Done { particles: [usize::MAX, 0], ..Done::default() };
     let mut search: Option<Search> = None;
-    let (progress, mut told) = (Counted::new(None), Vec::new());
+    let (progress, mut told) = (Counted::new(None), Told::default());
     for frame in frames {
         let (particles, about) = frame?;
         progress.frame(about.frame);
-        input::tell_of(&name, &particles, &about, &mut told);
+        told.of_reader(&name, &particles, &about);
         let place = || format!("{name}: {}", about.which());
         let ids = particles.ids_copied()?;
         let ids = if options.needs_ids() { options.ids(&place(), ids)? } else { ids };
@@ -88,9 +90,15 @@ fn all(
             Some(kept) => search.insert(kept),
             None => search.insert(Search::new(options, spec, memory_limit)),
         };
-        let pairs = search.frame(options, given, (about.frame, ids, by_id), out, &mut done);
+        let mut doubt = |scene: &AnyScene<'_>, source: Option<&RadiusSource>, found: &Touching| {
+            let place = input::place(&name, &about);
+            told.of_contacts(&place, scene, source, options.arithmetic, Some(found));
+        };
+        let of_frame = (about.frame, ids, by_id);
+        let pairs = search.frame(options, given, of_frame, out, &mut done, &mut doubt);
         pairs.with_context(place)?;
     }
+    told.end(&name);
     ensure!(done.frames > 0, "{name} holds no frame of particles; is it of another format?");
     Ok(done)
 }
@@ -115,6 +123,8 @@ fn by_id(
     );
     Ok(before.unwrap_or(usable))
 }
+/// Hears what a frame's particles and contacts are.
+type Doubt<'a> = dyn FnMut(&AnyScene<'_>, Option<&RadiusSource>, &Touching) + 'a;
 
 /// A detector and its lists.
 struct Search {
@@ -140,6 +150,7 @@ impl Search {
         (k, ids, by_id): (u64, Option<&[i64]>, bool),
         out: &mut Framed<'_>,
         done: &mut Done,
+        doubt: &mut Doubt<'_>,
     ) -> anyhow::Result<()> {
         let Search { memory_limit, detector, finder, pairs, contacts } = self;
         let (n, dim) = (given.scene.len(), given.scene.dim());
@@ -154,6 +165,7 @@ impl Search {
                 done.time += started.elapsed();
                 normalise_by(options.threads, pairs);
                 done.pairs += pairs.len();
+                doubt(&scene, given.source.as_ref(), &Touching::open(&scene, pairs));
                 out.frame(k, &style(Around::Open(&given.scene)), without_shift(pairs))?;
             }
             Some(lattice) => {
@@ -165,6 +177,8 @@ impl Search {
                 done.time += started.elapsed();
                 let pairs = contacts.sorted(n, *memory_limit)?;
                 done.pairs += pairs.len();
+                let found = Touching::boxed(&periodic, &pairs);
+                doubt(periodic.scene(), given.source.as_ref(), &found);
                 out.frame(k, &style(Around::Boxed(&periodic)), pairs.into_iter())?;
             }
         }

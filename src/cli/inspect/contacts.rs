@@ -10,10 +10,11 @@ use crate::contact::depth::depth;
 use crate::contact::{Arithmetic, Test};
 use crate::crowd::Crowd;
 use crate::detect::{Options, table};
-use crate::io::RadiusSource;
+use crate::io::{Notice, Place, RadiusSource};
 use crate::number::{number, plural};
 use crate::pair_list::{Allowance, PairList};
 use crate::periodic::{self, ImagePair, Periodic};
+use crate::scene::doubts::{Touching, doubts, f32_spacing};
 use crate::scene::{AnyScene, Radii, Real, Scene, Stored, array};
 use crate::sink::{Sink, Visit, normalise};
 use crate::{oracle, with_scene};
@@ -160,13 +161,10 @@ pub(super) fn report(
             ("radius_max", json!(most)),
         ],
     ));
-    if least == 0.0 {
-        warnings.push("there are radii of 0: points".into());
-    }
-    let each = match contacts {
+    let touching = match contacts {
         Contacts::Refused(reason) => {
             warnings.push(format!("contacts were not looked for: {reason}"));
-            return;
+            None
         }
         Contacts::TooMany(each) => {
             lines.push(Line(
@@ -174,7 +172,7 @@ pub(super) fn report(
                 format!("about {each:.0} per particle, too many to look for"),
                 vec![("coordination", json!(each))],
             ));
-            *each
+            Some(Touching::estimated(*each))
         }
         Contacts::Found { open, boxed: pairs, near, overlap } => {
             let count = open.len() + pairs.len();
@@ -211,13 +209,6 @@ pub(super) fn report(
                 ),
                 vec![("near_tangent", json!(near))],
             ));
-            if count == 0 && n > 1 {
-                warnings.push(
-                    "nothing touches: are the radii in the units of the coordinates, and not too \
-                     small by a half?"
-                        .into(),
-                );
-            }
             if *near > 0 && 10 * near > count as u64 {
                 warnings.push(format!(
                     "{} within 1e-9 of just touching: codes that round in different ways will \
@@ -226,27 +217,20 @@ pub(super) fn report(
                     if *near == 1 { "it" } else { "them" }
                 ));
             }
-            each
+            Some(match periodic {
+                Some(periodic) => Touching::boxed(periodic, pairs),
+                None => Touching::open(scene, open),
+            })
         }
     };
-    // Equal bodies that do not overlap have at most 12 neighbours, or 6.
-    let crowded = if scene.dim() == 2 { 9.0 } else { 18.0 };
-    if each > crowded {
-        let what = match source {
-            _ if each > 5.0 * crowded => {
-                "the radii may be in another unit than the coordinates".into()
-            }
-            RadiusSource::Column(name) => {
-                format!("'{name}' may hold diameters: name the column d then")
-            }
-            RadiusSource::Given => "--radius may have been given a diameter".into(),
-            _ => "the sizes may be too large, or in other units".into(),
-        };
-        warnings.push(format!(
-            "{each:.1} contacts per particle are more than a packing of hard bodies has; {what}"
-        ));
+    let doubts = doubts(scene, source, Arithmetic::F32, touching.as_ref());
+    // Those without radii are warned of as well: see `of_centres`.
+    let doubts = doubts.iter().filter(|notice| !matches!(notice, Notice::Coincident(..)));
+    warnings.extend(doubts.map(|notice| notice.words(Place::Argument)));
+    if matches!(contacts, Contacts::Refused(_)) {
+        return;
     }
-    offset(scene, periodic, mean, contacts, lines, warnings);
+    offset(scene, periodic, mean, contacts, lines);
 }
 
 /// How far from the origin the scene is, and what f32 would make of it.
@@ -256,7 +240,6 @@ fn offset(
     mean: f64,
     contacts: &Contacts,
     lines: &mut Vec<Line>,
-    warnings: &mut Vec<String>,
 ) {
     let largest = with_scene!(scene, scene => {
         let coordinates = scene.centres().iter().flat_map(array);
@@ -267,7 +250,7 @@ fn offset(
         return;
     }
     // The spacing of f32 at that place, against the radius.
-    let spacing = largest * 2f64.powi(-23) / mean;
+    let spacing = f32_spacing(scene);
     let mut text = format!(
         "{} mean diameters from the origin at most; numbers of f32 are up to {spacing:.1e} radii \
          apart there",
@@ -283,12 +266,6 @@ fn offset(
         values.extend([("f32_missed", json!(missed)), ("f32_spurious", json!(spurious))]);
     }
     lines.push(Line("offset", text, values));
-    if spacing > 1e-3 {
-        warnings.push(format!(
-            "the scene is so far from the origin that f32 places bodies only to {spacing:.1e} \
-             radii: shift it, or use f64"
-        ));
-    }
 }
 
 /// How many contacts f32 would miss, and how many it would add.

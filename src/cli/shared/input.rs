@@ -6,11 +6,13 @@ use anyhow::{bail, ensure};
 
 use crate::cli::shared::scene::WithIds;
 use crate::cli::shared::values;
+use crate::contact::Arithmetic;
 use crate::io;
 use crate::io::boxes::{Axes, Edges};
-use crate::io::{Boundaries, Chosen, Format, Frame, Notice, Place};
+use crate::io::{Boundaries, Chosen, Format, Frame, Notice, Place, RadiusSource};
 use crate::nearest::{hint, nearest};
 use crate::ranks::share::Origin;
+use crate::scene::doubts::{Touching, doubts};
 use crate::scene::spec::{GENERATORS, Spec};
 use crate::scene::{AnyScene, Given};
 
@@ -73,8 +75,12 @@ impl Input {
     /// The scene of a file, or of a generator such as `packed:dim=3,n=1000`. What is there as a
     /// file is a file. One with a box that repeats is refused.
     pub fn scene(&self, text: &str) -> anyhow::Result<AnyScene<'static>> {
-        let of_file = |particles: io::Particles| Ok(particles.scene(text, self.radius)?.into());
-        self.make(text, false, of_file)?.open(text)
+        let given = self.make(text, false, |particles| {
+            let source = particles.source.clone();
+            Ok(Given { source, ..particles.scene(text, self.radius)?.into() })
+        })?;
+        doubt_given(text, &given, Arithmetic::Exact);
+        given.open(text)
     }
 
     /// The same with the box in which it repeats, for those who know what to do with one.
@@ -190,17 +196,95 @@ pub fn tell(name: &str, notices: &[Notice], place: Place) {
     }
 }
 
-/// The same of a frame among others: what has been told of those before it is not told again.
-pub fn tell_of(name: &str, particles: &io::Particles, about: &io::About, told: &mut Vec<Notice>) {
-    let name = match about.frame {
+/// Prints what is doubtful about the particles of a file and these contacts; nothing of a scene that
+/// is made.
+pub fn doubt(
+    name: &str,
+    scene: &AnyScene<'_>,
+    source: Option<&RadiusSource>,
+    arithmetic: Arithmetic,
+    touching: Option<&Touching>,
+) {
+    if let Some(source) = source {
+        tell(name, &doubts(scene, source, arithmetic, touching), Place::Argument);
+    }
+}
+
+/// The same for verbs that do not list contacts themselves.
+pub fn doubt_given(name: &str, given: &Given, arithmetic: Arithmetic) {
+    if given.source.is_some() {
+        let touching = Touching::search(given);
+        doubt(name, &given.scene, given.source.as_ref(), arithmetic, touching.as_ref());
+    }
+}
+
+/// What has been said of the frames of a file: each notice once, and that nothing touches only if
+/// nothing does in any.
+#[derive(Default)]
+pub struct Told {
+    notices: Vec<Notice>,
+    /// That nothing touches in the last frame, and what follows from it.
+    waiting: Vec<Notice>,
+    touched: bool,
+}
+
+impl Told {
+    /// Prints what the reader assumed of a frame.
+    pub fn of_reader(&mut self, name: &str, particles: &io::Particles, about: &io::About) {
+        self.tell(&place(name, about), particles.notices());
+    }
+
+    /// Prints what is doubtful about a frame.
+    pub fn of_contacts(
+        &mut self,
+        place: &str,
+        scene: &AnyScene<'_>,
+        source: Option<&RadiusSource>,
+        arithmetic: Arithmetic,
+        touching: Option<&Touching>,
+    ) {
+        let Some(source) = source else { return };
+        let found = doubts(scene, source, arithmetic, touching);
+        let apart = found.contains(&Notice::Apart);
+        let waits = |notice: &Notice| apart && matches!(notice, Notice::Apart | Notice::Scaled);
+        let (waiting, now): (Vec<_>, Vec<_>) = found.into_iter().partition(waits);
+        self.touched |= !apart;
+        self.waiting = waiting;
+        self.tell(place, &now);
+    }
+
+    /// The same, where the verb does not list the contacts. Once something touches, later frames
+    /// are not searched.
+    pub fn of_given(&mut self, place: &str, given: &Given, arithmetic: Arithmetic) {
+        if !self.touched && given.source.is_some() {
+            let touching = Touching::search(given);
+            let source = given.source.as_ref();
+            self.of_contacts(place, &given.scene, source, arithmetic, touching.as_ref());
+        }
+    }
+
+    /// After the last frame.
+    pub fn end(self, name: &str) {
+        if !self.touched {
+            tell(name, &self.waiting, Place::Argument);
+        }
+    }
+
+    fn tell(&mut self, name: &str, notices: &[Notice]) {
+        for notice in notices {
+            if !self.notices.iter().any(|told| told.is_like(notice)) {
+                tell(name, std::slice::from_ref(notice), Place::Argument);
+                self.notices.push(notice.clone());
+            }
+        }
+    }
+}
+
+/// The file, and its frame, where that is not the first.
+pub fn place(name: &str, about: &io::About) -> String {
+    match about.frame {
         0 => name.to_string(),
         _ => format!("{name}: {}", about.which()),
-    };
-    for notice in particles.notices() {
-        if !told.contains(notice) {
-            tell(&name, std::slice::from_ref(notice), Place::Argument);
-            told.push(notice.clone());
-        }
     }
 }
 

@@ -5,8 +5,9 @@ use std::path::Path;
 
 use anyhow::{Context, ensure};
 
-use crate::cli::shared::input;
+use crate::cli::shared::input::{self, Told};
 use crate::cli::shared::scene::Source;
+use crate::contact::Arithmetic;
 use crate::io::{self, Frame, Place};
 use crate::moving::Recorded;
 use crate::scene::Given;
@@ -41,6 +42,8 @@ pub struct Wanted {
     pub frames: Option<u64>,
     /// Of a file, where nobody says how many.
     pub of_file: u64,
+    /// How contacts are decided.
+    pub arithmetic: Arithmetic,
 }
 
 /// What became of them.
@@ -85,7 +88,9 @@ pub fn sequence<T>(
     let motion = motion.or(otherwise);
     let moves = motion.is_some() || frames.is_none();
     ensure!(moves, "--frames says how many, and nothing moves; add --motion drift");
-    Ok(match (source.given()?, motion) {
+    let given = source.given()?;
+    given.iter().for_each(|(name, given)| input::doubt_given(name, given, wanted.arithmetic));
+    Ok(match (given, motion) {
         (None, _) => Seen::Nothing,
         (Some((name, given)), None) => Seen::Still(Box::new((name, given))),
         (Some((name, given)), Some(motion)) => {
@@ -127,6 +132,7 @@ fn of_file<T>(
     let Some(second) = frames.next() else {
         input::tell(&text, first.0.notices(), Place::Argument);
         let given = first.0.given(&text, radius)?;
+        input::doubt_given(&text, &given, wanted.arithmetic);
         return Ok(match wanted.otherwise {
             Some(motion) => Seen::Moving(moved(&name, &given, motion, wanted.frames, body)?),
             None => Seen::Still(Box::new((name, given))),
@@ -136,6 +142,7 @@ fn of_file<T>(
     let particles = first.0.len();
     let all = [Ok(first), second].into_iter().chain(frames);
     let mut recorded = Recorded::new(all, &text, radius);
+    let mut told = Told::default();
     // Whoever asks for all frames wants no fewer.
     let of_file = if source.input.frame.is_some() { u64::MAX } else { wanted.of_file };
     let made = body(Sequence {
@@ -144,7 +151,12 @@ fn of_file<T>(
         recorded: true,
         particles,
         count: wanted.frames.unwrap_or(of_file),
-        next: &mut |_| recorded.next_frame(),
+        next: &mut |_| {
+            let given = recorded.next_frame()?;
+            given.iter().for_each(|given| told.of_given(&text, given, wanted.arithmetic));
+            Ok(given)
+        },
     })?;
+    told.end(&text);
     Ok(Seen::Moving(made))
 }

@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 
 use crate::check::listed::{Naming, Verification, pair_depth};
 use crate::check::paired::Paired;
-use crate::cli::shared::input;
+use crate::cli::shared::input::{self, Told};
 use crate::cli::shared::progress::Counted;
 use crate::cli::shared::terminal;
 use crate::cli::verify::other::Shift;
@@ -101,10 +101,12 @@ pub(super) fn verify(options: &Verify, columns: &[&str]) -> anyhow::Result<ExitC
 
 fn all_of(options: &Verify, mut frames: Paired<'_, '_>) -> anyhow::Result<All> {
     let mut all = All::default();
-    let (progress, mut told) = (Counted::new(None), Vec::new());
+    let (progress, mut told) = (Counted::new(None), Told::default());
     while let Some((particles, about, list)) = frames.next_frame()? {
         progress.frame(about.frame);
-        input::tell_of(&options.file.display().to_string(), &particles, &about, &mut told);
+        let name = options.file.display().to_string();
+        told.of_reader(&name, &particles, &about);
+        let (source, place) = (particles.source.clone(), input::place(&name, &about));
         let (frame, step) = (about.frame, about.step);
         let list_frame = list.frame.unwrap_or(frame);
         input::tell(&options.pairs.display().to_string(), &list.notices, Place::Argument);
@@ -119,6 +121,8 @@ fn all_of(options: &Verify, mut frames: Paired<'_, '_>) -> anyhow::Result<All> {
         let which = about.which();
         let verified = Verified::new(options, list, particles, about, kept, explain)
             .map_err(|error| error.context(which.clone()))?;
+        let (arithmetic, touching) = (options.arithmetic, verified.looks());
+        told.of_contacts(&place, &verified.scene, source.as_ref(), arithmetic, touching.as_ref());
         let found = &verified.found;
         if found.errors.missed > kept as u64 {
             bail!(
@@ -159,6 +163,7 @@ fn all_of(options: &Verify, mut frames: Paired<'_, '_>) -> anyhow::Result<All> {
             same: found.is_same(),
         });
     }
+    told.end(&options.file.display().to_string());
     all.late.end();
     if let Some(words) = all.shift.sentence() {
         all.hint = Some(("all frames".into(), words));
