@@ -115,6 +115,15 @@ impl Choice {
         self.frame == Frame::All
     }
 
+    /// The first of `count` frames that need be looked at, where each can be had alone.
+    pub fn first_of(&self, count: usize) -> usize {
+        match self.frame {
+            Frame::Last => count.saturating_sub(1),
+            Frame::Number(k) => usize::try_from(k).unwrap_or(count).min(count.saturating_sub(1)),
+            Frame::Only | Frame::All => 0,
+        }
+    }
+
     /// The next frame begins at `place`.
     pub fn begin(&mut self, place: impl Fn() -> String) -> anyhow::Result<Step> {
         self.begin_at(self.seen, place)
@@ -227,7 +236,17 @@ pub struct Frames<'a> {
 impl Frames<'_> {
     /// The frame that was chosen.
     pub(super) fn chosen(mut self) -> anyhow::Result<(Particles, About)> {
-        let Frames { reader, choice, name, .. } = &mut self;
+        let (kept, frame) = self.one()?;
+        self.finished(kept, frame)
+    }
+
+    /// The frame that was chosen, as it is in the file.
+    pub(super) fn raw(mut self) -> anyhow::Result<(Particles, About)> {
+        self.one().map(|(kept, _)| kept)
+    }
+
+    fn one(&mut self) -> anyhow::Result<((Particles, About), u64)> {
+        let Frames { reader, choice, name, .. } = self;
         let (kept, frame) = chosen(&mut **reader, choice, name)?;
         let Some(mut kept) = kept else {
             bail!("{name} holds no frame of particles; is it of another format?")
@@ -235,7 +254,7 @@ impl Frames<'_> {
         if let Some(why) = choice.torn.take() {
             kept.0.notices.push(Notice::Assumed(why));
         }
-        self.finished(kept, frame)
+        Ok((kept, frame))
     }
 
     fn finished(
@@ -244,7 +263,8 @@ impl Frames<'_> {
         frame: u64,
     ) -> anyhow::Result<(Particles, About)> {
         let (gzip, frames) = (self.gzip, self.choice.seen.max(1));
-        super::finished(particles, About { gzip, frames, frame, ..about }, self.name, self.options)
+        let name = about.file.clone().unwrap_or_else(|| self.name.to_string());
+        super::finished(particles, About { gzip, frames, frame, ..about }, &name, self.options)
     }
 }
 

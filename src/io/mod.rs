@@ -35,6 +35,7 @@ pub mod pairs;
 mod particles;
 mod room;
 mod scalars;
+mod series;
 mod units;
 mod without;
 pub mod write;
@@ -56,6 +57,7 @@ pub(crate) use lines::short;
 pub use notice::{Notice, Place};
 pub use particles::Particles;
 pub(crate) use room::room;
+pub use series::exists;
 pub use without::{Groups, Without};
 
 use crate::scene::{AnyScene, Given};
@@ -100,6 +102,24 @@ impl Options {
         without: None,
         part: None,
     };
+
+    /// Refuses what no file can be read with.
+    fn check(&self) -> anyhow::Result<()> {
+        if let Some(radius) = self.radius {
+            ensure!(
+                radius.is_finite() && radius >= 0.0,
+                "the radius given is {radius}; it must be finite and not negative"
+            );
+        }
+        if let Some(dim) = self.dim {
+            ensure!(dim == 2 || dim == 3, "the dimension given is {dim}; it must be 2 or 3");
+        }
+        ensure!(
+            self.radius.is_none() || !self.columns.is_some_and(|chosen| chosen.sizes()),
+            "the radius is given, and a column of sizes is chosen, too; leave one out"
+        );
+        self.boundaries.check()
+    }
 }
 
 /// Where radii come from.
@@ -138,6 +158,8 @@ pub struct About {
     pub bounds: Option<Vec<[f64; 2]>>,
     /// The same as vectors, and whether it repeats.
     pub declared: Option<Declared>,
+    /// The file of the frame, where several files are one trajectory.
+    pub file: Option<String>,
 }
 
 impl About {
@@ -179,8 +201,22 @@ pub fn load(path: &Path, options: Options) -> anyhow::Result<(Particles, About)>
     frames(path, options, |frames| frames.chosen())
 }
 
-/// Hands the frames of a file that are chosen to `body`, which takes them one by one.
+/// Hands the frames of a file that are chosen to `body`, which takes them one by one. The path may
+/// stand for several files: a pattern such as `run_*.vtp`, or a list of files (`.pvd`, `.series`).
 pub fn frames<T>(
+    path: &Path,
+    options: Options,
+    body: impl FnOnce(Frames<'_>) -> anyhow::Result<T>,
+) -> anyhow::Result<T> {
+    let Some(series) = series::of(path, options)? else { return opened(path, options, body) };
+    options.check()?;
+    let choice = Choice::new(options.frame, options.survey);
+    let (reader, name) = (Box::new(series), &*path.display().to_string());
+    body(Frames { reader, choice, name, options, gzip: false, ended: false })
+}
+
+/// As [`frames`], of one file.
+fn opened<T>(
     path: &Path,
     options: Options,
     body: impl FnOnce(Frames<'_>) -> anyhow::Result<T>,
@@ -222,20 +258,7 @@ pub fn frames_from<T>(
     options: Options,
     body: impl FnOnce(Frames<'_>) -> anyhow::Result<T>,
 ) -> anyhow::Result<T> {
-    if let Some(radius) = options.radius {
-        ensure!(
-            radius.is_finite() && radius >= 0.0,
-            "the radius given is {radius}; it must be finite and not negative"
-        );
-    }
-    if let Some(dim) = options.dim {
-        ensure!(dim == 2 || dim == 3, "the dimension given is {dim}; it must be 2 or 3");
-    }
-    ensure!(
-        options.radius.is_none() || !options.columns.is_some_and(|chosen| chosen.sizes()),
-        "the radius is given, and a column of sizes is chosen, too; leave one out"
-    );
-    options.boundaries.check()?;
+    options.check()?;
     let unpacking = Unpacking::default();
     let mut reader = unpacking.file(reader);
     let head = head(&mut reader, name)?;

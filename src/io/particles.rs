@@ -177,6 +177,37 @@ impl Particles {
         Ok(())
     }
 
+    /// Adds the particles of a further file of the same scene; `name` stands in messages.
+    pub(crate) fn append(&mut self, other: Particles, name: &str) -> anyhow::Result<()> {
+        let n = self.len() + other.len();
+        ensure!(n <= u32::MAX as usize, "more than 2^32 - 1 = {} particles", u32::MAX);
+        ensure!(
+            self.has_radii() == other.has_radii() || self.is_empty() || other.is_empty(),
+            "{name}: of the pieces of one scene some hold radii, and others none; write them alike"
+        );
+        match (&mut self.centres, other.centres) {
+            (Centres::Plane(all), Centres::Plane(more)) => {
+                room_for(all, more.len())?;
+                all.extend(more);
+            }
+            (Centres::Space(all), Centres::Space(more)) => {
+                room_for(all, more.len())?;
+                all.extend(more);
+            }
+            _ => bail!("{name}: some pieces of one scene hold discs, and others spheres"),
+        }
+        joined(&mut self.radii, other.radii, n)?;
+        joined(&mut self.ids, other.ids, n)?;
+        match (&mut self.groups, other.groups) {
+            (Some(all), Some(more)) => all.append(more)?,
+            (all, _) => *all = None,
+        }
+        let new = other.notices.into_iter().filter(|notice| !self.notices.contains(notice));
+        let new: Vec<Notice> = new.collect();
+        self.notices.extend(new);
+        Ok(())
+    }
+
     /// Particles of which coordinates and sizes came one after the other; `name` stands in
     /// messages.
     pub(crate) fn from_columns(
@@ -269,6 +300,19 @@ impl Particles {
         let Particles { lattice, has_box, notices, source, .. } = self;
         Ok(Given { scene, lattice, has_box, notices, source })
     }
+}
+
+/// Appends a list of further particles, of which there are `count` then; none is left where it is
+/// not of all.
+fn joined<T>(all: &mut Option<Vec<T>>, more: Option<Vec<T>>, count: usize) -> anyhow::Result<()> {
+    if all.is_none() && more.is_none() {
+        return Ok(());
+    }
+    let (mut list, more) = (all.take().unwrap_or_default(), more.unwrap_or_default());
+    room_for(&mut list, more.len())?;
+    list.extend(more);
+    *all = (list.len() == count).then_some(list);
+    Ok(())
 }
 
 /// The radius that is given counts, and not the sizes of that column or array.

@@ -8,7 +8,7 @@ use crate::io::Frame;
 use crate::io::chosen::Word;
 use crate::io::lines::{listed, number};
 use crate::io::particles::Columns;
-use crate::io::room::room;
+use crate::io::room::{room, room_for};
 
 /// Contacts of particles that have some value in a column, with all others or with those of some
 /// value.
@@ -127,6 +127,13 @@ impl Groups {
         let named = self.values.iter().position(same);
         room(&mut self.of)?;
         self.of.push(named.unwrap_or(MOST) as u8);
+        Ok(())
+    }
+
+    /// Adds those of further particles.
+    pub(crate) fn append(&mut self, more: Groups) -> anyhow::Result<()> {
+        room_for(&mut self.of, more.of.len())?;
+        self.of.extend(more.of);
         Ok(())
     }
 

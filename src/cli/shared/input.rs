@@ -123,7 +123,7 @@ impl Input {
     pub fn origin(&self, text: &str) -> anyhow::Result<Origin> {
         let generated =
             text.split_once(':').is_some_and(|(name, _)| is_generator(name)) || is_generator(text);
-        if generated && !Path::new(text).exists() {
+        if generated && !io::exists(Path::new(text)) {
             ensure!(
                 !self.is_said(),
                 "{OPTIONS} belong to files; write dim=3 and the like into the scene: {text}"
@@ -131,7 +131,7 @@ impl Input {
             return Ok(Origin::Made(Spec::parse(text)?));
         }
         let path = Path::new(text);
-        if !path.exists() {
+        if !io::exists(path) {
             let (name, rest) = text.split_once(':').unwrap_or((text, ""));
             let named = nearest(name, GENERATORS.iter().map(|generator| generator.name));
             if let Some(near) = named.filter(|_| !text.contains(['.', '/'])) {
@@ -180,7 +180,7 @@ pub fn frames<T>(
 /// Refuses the name of a scene.
 fn is_file(path: &Path) -> anyhow::Result<()> {
     let text = path.display().to_string();
-    let scene = text.split(':').next().is_some_and(is_generator) && !path.exists();
+    let scene = text.split(':').next().is_some_and(is_generator) && !io::exists(path);
     ensure!(
         !scene,
         "'{text}' is a scene, and a file is wanted here; write it to one first: contactbench \
@@ -299,7 +299,7 @@ fn explained<T>(path: &Path, result: anyhow::Result<T>) -> anyhow::Result<T> {
             .filter_map(|entry| entry.ok()?.file_name().into_string().ok())
             .collect();
         match path.file_name().and_then(|name| name.to_str()) {
-            Some(name) if !path.exists() => {
+            Some(name) if !io::exists(path) => {
                 let near = hint(name, names.iter().map(String::as_str));
                 anyhow::anyhow!("{error:#}{near}")
             }

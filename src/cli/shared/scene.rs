@@ -6,6 +6,7 @@ use anyhow::ensure;
 
 use crate::cli::shared::input::{Input, OPTIONS};
 use crate::cli::shared::values;
+use crate::io;
 use crate::scene::{AnyScene, Given};
 
 /// Particles and their ids.
@@ -52,7 +53,7 @@ impl Source {
         };
         let scene = make(text)?;
         // A file goes by its name without folders.
-        let file = Path::new(text).file_name().filter(|_| Path::new(text).exists());
+        let file = Path::new(text).file_name().filter(|_| io::exists(Path::new(text)));
         Ok(Some((
             file.map_or_else(|| text.clone(), |name| name.to_string_lossy().into_owned()),
             scene,

@@ -77,7 +77,7 @@ pub fn sequence<T>(
     let Source { scene, input } = source;
     // Whoever names a motion or a frame wants that frame to move.
     let all = motion.is_none() && matches!(input.frame, None | Some(Frame::All));
-    if let Some(path) = scene.as_deref().map(Path::new).filter(|path| all && path.exists()) {
+    if let Some(path) = scene.as_deref().map(Path::new).filter(|path| all && io::exists(path)) {
         let options = io::Options { ids: true, ..input.options() };
         let several = |frames: io::Frames<'_>| of_file(source, path, wanted, frames, body);
         let seen = input::frames(path, options, several)?;

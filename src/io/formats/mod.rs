@@ -12,7 +12,7 @@ mod ply;
 pub(crate) mod unread;
 mod vtk;
 mod vtp;
-mod xml;
+pub(crate) mod xml;
 mod xyz;
 
 use anyhow::{bail, ensure};

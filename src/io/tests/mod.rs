@@ -1,5 +1,6 @@
 //! The formats: what is read (`text`, `npy`), what is refused and in which words, and that no bytes
-//! make a reader panic (`refused`); their boxes (`boxes`); and frames (`frames`).
+//! make a reader panic (`refused`); their boxes (`boxes`); frames (`frames`), also in several files
+//! (`series`).
 
 mod boxes;
 mod codes;
@@ -7,6 +8,7 @@ mod frames;
 mod lists;
 mod npy;
 mod refused;
+mod series;
 mod tables;
 mod text;
 mod xyz;
