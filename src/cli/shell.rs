@@ -13,8 +13,16 @@ use crate::experiment::builtin;
 use crate::nearest::nearest;
 use crate::scene::spec::GENERATORS;
 
-/// What to do with a word that is no verb: an experiment, a file or a scene may be meant.
+/// What to do with a word that is no verb (an experiment, a file or a scene may be meant), and with
+/// a second file.
 pub fn advice(error: &clap::Error) -> Option<String> {
+    if let Some(ContextValue::String(word)) = error.get(ContextKind::InvalidArg) {
+        return Path::new(word).is_file().then(|| {
+            "several files are one trajectory by a pattern in quotes, as in 'run_*.vtp', or by a \
+             list of them (.pvd, .series)"
+                .into()
+        });
+    }
     let Some(ContextValue::String(word)) = error.get(ContextKind::InvalidSubcommand) else {
         return None;
     };

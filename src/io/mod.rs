@@ -22,6 +22,7 @@
 //! **Memory.** Particles grow by a quarter, with the bytes that are there, whatever the file
 //! promises; nothing else is kept.
 
+mod arrays;
 pub mod boxes;
 mod chosen;
 mod columns;

@@ -4,8 +4,8 @@
 use anyhow::{bail, ensure};
 use nalgebra::Point;
 
-use crate::io::RadiusSource;
-use crate::io::lines::Source;
+use crate::io::arrays::Cells;
+use crate::io::lines::{Source, short};
 use crate::io::particles::Column;
 use crate::io::room::room;
 
@@ -83,9 +83,33 @@ impl Kind {
 /// Where the numbers of an array go, one after the other.
 pub(crate) enum Target {
     Points(Vec<Point<f64, 3>>, [f64; 3], usize),
-    Sizes(Vec<f64>, Column, String),
-    /// Nobody needs them.
+    Sizes(Size),
+    /// The points of cells.
+    Indices(Indices),
+    /// The kinds of cells.
+    Types(Cells),
+    /// How many points are copies of points elsewhere.
+    Ghosts(u64),
+    /// Numbers that are not used.
     Nothing,
+}
+
+/// An array that may hold the sizes of particles.
+pub(crate) struct Size {
+    pub values: Vec<f64>,
+    pub column: Column,
+    pub label: String,
+    /// It has a number for each cell, and not for each point.
+    pub of_cells: bool,
+}
+
+/// The points of cells. Only whether cell k is point k alone matters.
+#[derive(Clone, Copy)]
+pub(crate) struct Indices {
+    pub seen: u64,
+    pub in_order: bool,
+    /// Before each cell stands its number of points.
+    pub counted: bool,
 }
 
 impl Target {
@@ -93,14 +117,8 @@ impl Target {
         Target::Points(Vec::new(), [0.0; 3], 0)
     }
 
-    /// A size, if the name and the number of components are those of one.
-    pub fn named(name: &str, components: u64) -> Target {
-        match Column::named(name) {
-            column @ (Column::Radius | Column::Diameter) if components == 1 => {
-                Target::Sizes(Vec::new(), column, name.to_string())
-            }
-            _ => Target::Nothing,
-        }
+    pub fn indices(counted: bool) -> Target {
+        Target::Indices(Indices { seen: 0, in_order: true, counted })
     }
 
     /// The next number. The error says what is wrong with it, and of which particle.
@@ -120,13 +138,27 @@ impl Target {
                     points.push(Point::from(*point));
                 }
             }
-            Target::Sizes(sizes, column, name) => match column.size(value) {
+            Target::Sizes(Size { values, column, label, of_cells }) => match column.size(value) {
                 Ok(size) => {
-                    room(sizes)?;
-                    sizes.push(size);
+                    room(values)?;
+                    values.push(size);
                 }
-                Err(why) => bail!("point {} (from 0): '{name}': {value} {why}", sizes.len()),
+                Err(why) => {
+                    let what = if *of_cells { "cell" } else { "point" };
+                    bail!("{what} {} (from 0): '{}': {value} {why}", values.len(), short(label))
+                }
             },
+            Target::Indices(Indices { seen, in_order, counted }) => {
+                let expected = match (*counted, *seen % 2) {
+                    (true, 0) => 1,
+                    (true, _) => *seen / 2,
+                    (false, _) => *seen,
+                };
+                *in_order &= value == expected as f64;
+                *seen += 1;
+            }
+            Target::Types(cells) => cells.push(value),
+            Target::Ghosts(ghosts) => *ghosts += u64::from(value != 0.0),
             Target::Nothing => {}
         }
         Ok(())
@@ -157,47 +189,5 @@ impl Target {
             left -= (bytes / width) as u64;
         }
         Ok(true)
-    }
-}
-
-/// Points and their sizes, as the arrays of a file are read one after the other.
-#[derive(Default)]
-pub(crate) struct Arrays {
-    pub points: Option<Vec<Point<f64, 3>>>,
-    sizes: Option<(Vec<f64>, Column, String)>,
-}
-
-impl Arrays {
-    pub fn keep(&mut self, target: Target, name: &str) -> anyhow::Result<()> {
-        match target {
-            Target::Points(points, ..) => {
-                ensure!(self.points.is_none(), "{name} holds points twice; write one data set");
-                self.points = Some(points);
-            }
-            Target::Sizes(sizes, column, label) => match &self.sizes {
-                Some((_, _, other)) => {
-                    bail!("{name} holds two arrays of sizes, '{other}' and '{label}'; remove one")
-                }
-                None => self.sizes = Some((sizes, column, label)),
-            },
-            Target::Nothing => {}
-        }
-        Ok(())
-    }
-
-    /// Particles, and where their radii come from.
-    pub fn particles(self, name: &str) -> anyhow::Result<(crate::io::Particles, RadiusSource)> {
-        let Some(points) = self.points else {
-            bail!("{name} holds no points; write them as POINTS, or as CSV with a header x,y,z,r")
-        };
-        let source = match &self.sizes {
-            Some((_, Column::Diameter, label)) => RadiusSource::Halved(label.clone()),
-            Some((_, _, label)) => RadiusSource::Column(label.clone()),
-            None => RadiusSource::Missing,
-        };
-        Ok((
-            crate::io::Particles::from_columns(points, self.sizes.map(|(sizes, ..)| sizes), name)?,
-            source,
-        ))
     }
 }

@@ -1,5 +1,6 @@
 //! What the program promises to its users: verbs, files, runs, records, reports, runners, pages.
 
+mod arrays;
 mod boxes;
 mod browser;
 mod check_finds;

@@ -112,7 +112,7 @@ pub static FORMATS: [Entry; 11] = [
         endings: &["npz"],
         begins: "PK; write it with numpy.savez",
         tells: |head| head.starts_with(b"PK\x03\x04") || head.starts_with(b"PK\x05\x06"),
-        read: Read::Whole(npz::read),
+        read: Read::Frames(npz::frames),
     },
     Entry {
         format: Format::Dump,
@@ -201,15 +201,14 @@ pub(crate) fn find(
     options: Options,
 ) -> anyhow::Result<&'static Entry> {
     let entry = told(head, name, ending, options)?;
-    let text = [Format::Csv, Format::Xyz, Format::Dump, Format::LammpsData, Format::Mercury];
-    ensure!(
-        options.columns.is_none() || text.contains(&entry.format),
-        "{name}: columns are chosen in files of text, and this is {}; leave out --columns",
-        entry.name
-    );
     ensure!(
         entry.format == Format::Csv || !options.columns.is_some_and(|chosen| chosen.by_frame()),
         "{name}: frame= in --columns belongs to tables, and this is {}; leave it out",
+        entry.name
+    );
+    ensure!(
+        entry.format != Format::Gsd || options.columns.is_none(),
+        "{name}: {} has one array of diameters; leave out --columns",
         entry.name
     );
     Ok(entry)

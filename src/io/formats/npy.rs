@@ -5,6 +5,7 @@
 //! frames of such rows. Format:
 //! <https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html>.
 
+mod fields;
 mod frames;
 
 use std::io::{self, Write};
@@ -17,6 +18,8 @@ use crate::io::particles::{Centres, Column, Particles};
 use crate::io::room::room;
 use crate::io::scalars::Kind;
 use crate::io::{Options, RadiusSource};
+use fields::Field;
+pub(crate) use fields::records;
 pub(crate) use frames::frames;
 
 /// The first bytes of every npy file.
@@ -36,8 +39,13 @@ pub(crate) fn particles(
     let Some(columns @ 2..=4) = header.columns else {
         bail!(
             "{name}: the shape is ({}); it must be (N, 2), (N, 3) or (N, 4): x, y, z, and the \
-             radius last",
-            header.shape
+             radius last{}",
+            header.shape,
+            match header.columns {
+                Some(_) if matches!(rows, 2..=4) => "; save the transpose, a.T",
+                Some(5..) => "; choose columns, as in a[:, [0, 1, 2, 3]]",
+                _ => "",
+            }
         )
     };
     ensure!(
@@ -50,12 +58,7 @@ pub(crate) fn particles(
         "{name}: {rows} particles; at most 2^32 - 1 = {} can be numbered: split the file",
         u32::MAX
     );
-    let (dim, has_radii) = match (columns, options.dim) {
-        (2, _) => (2, false),
-        (3, Some(2)) => (2, true),
-        (3, _) => (3, false),
-        _ => (3, true),
-    };
+    let (dim, has_radii) = meaning(columns, options);
     let mut particles = Particles::new(dim, has_radii);
     let checked = |value: f64, row: u64, column: usize| {
         let axis = if column == dim { "radius" } else { ["x", "y", "z"][column.min(2)] };
@@ -115,7 +118,25 @@ pub(crate) fn particles(
     Ok((particles, radius))
 }
 
-/// The numbers of an array of one dimension: a coordinate of every particle, or its size.
+/// The dimension of rows of two to four numbers, and whether the radius is the last of them.
+pub(crate) fn meaning(columns: usize, options: Options) -> (usize, bool) {
+    match (columns, options.dim) {
+        (2, _) => (2, false),
+        (3, Some(2)) => (2, true),
+        (3, _) => (3, false),
+        _ => (3, true),
+    }
+}
+
+/// A shape as NumPy writes it.
+pub(crate) fn shape(sizes: &[u64]) -> String {
+    match sizes {
+        [one] => format!("({one},)"),
+        _ => format!("({})", sizes.iter().map(u64::to_string).collect::<Vec<_>>().join(", ")),
+    }
+}
+
+/// All numbers of an array in file order: coordinates of particles, or their sizes.
 pub(crate) fn list(
     source: &mut Source<'_>,
     header: &Header,
@@ -124,7 +145,7 @@ pub(crate) fn list(
 ) -> anyhow::Result<Vec<f64>> {
     let mut list = Vec::new();
     let name = source.name;
-    header.values(source, header.rows, |row, value| {
+    header.values(source, header.count(), |row, value| {
         let value = match column {
             Column::Axis(_) if value.is_finite() => Ok(value),
             Column::Axis(_) => Err("is not a finite number"),
@@ -192,9 +213,48 @@ pub(crate) struct Header {
     /// None for an array of one dimension.
     pub columns: Option<usize>,
     pub shape: String,
+    /// The same as numbers.
+    pub sizes: Vec<u64>,
+    /// Of an array of records.
+    pub fields: Vec<Field>,
 }
 
 impl Header {
+    /// How many numbers there are.
+    pub fn count(&self) -> u64 {
+        self.sizes.iter().fold(1, |count, &size| count.saturating_mul(size))
+    }
+
+    /// The shape and the type, for messages.
+    pub fn words(&self) -> String {
+        let order = if self.fortran && self.sizes.len() > 1 { " in Fortran order" } else { "" };
+        format!("an array of shape {} and type {}{order}", shape(&self.sizes), self.descr)
+    }
+
+    /// Refuses what is no array of one or two dimensions; where `frames` are known, also three.
+    fn of_rows(&self, frames: bool) -> anyhow::Result<()> {
+        let shape = &self.shape;
+        ensure!(
+            self.fields.is_empty(),
+            "the array has fields; save numpy.column_stack([a['i'], a['j']]), with their names"
+        );
+        match self.sizes[..] {
+            [_] | [_, _] => Ok(()),
+            // Of frames without particles there may be more than anybody can count.
+            [count, rows, 2..=4] if frames && count.min(rows) > 0 => {
+                ensure!(
+                    !self.fortran,
+                    "the shape is ({shape}), in Fortran order; write frames in C order, with \
+                     numpy.ascontiguousarray"
+                );
+                Ok(())
+            }
+            _ => bail!(
+                "the shape is ({shape}); it must be that of rows: (N, 2), (N, 3) or (N, 4) for \
+                 particles (x, y, z, and the radius last), (N, 2) for pairs"
+            ),
+        }
+    }
     /// Are these the numbers of particles, in a type that is read?
     pub fn is_real(&self) -> bool {
         matches!(self.kind, Kind::F64 | Kind::F32)
@@ -260,11 +320,13 @@ impl Header {
 
 /// The header of an array of one or two dimensions.
 pub(crate) fn header(source: &mut Source<'_>) -> anyhow::Result<Header> {
-    header_of(source, false)
+    let header = any_header(source)?;
+    header.of_rows(false).with_context(|| source.name.to_string())?;
+    Ok(header)
 }
 
-/// The same; where `frames` are known, also of three.
-fn header_of(source: &mut Source<'_>, frames: bool) -> anyhow::Result<Header> {
+/// The header of an array of any shape.
+pub(crate) fn any_header(source: &mut Source<'_>) -> anyhow::Result<Header> {
     let name = source.name;
     let mut need = |bytes: &mut [u8]| match source.fill(bytes) {
         Ok(true) => Ok(()),
@@ -299,7 +361,7 @@ fn header_of(source: &mut Source<'_>, frames: bool) -> anyhow::Result<Header> {
     let mut text = vec![0; length];
     need(&mut text)?;
     let text = String::from_utf8_lossy(&text).to_string();
-    parse(&text, frames).with_context(|| format!("{name}: npy header {}", short(text.trim())))
+    parse(&text).with_context(|| format!("{name}: npy header {}", short(text.trim())))
 }
 
 /// The header of an array of two dimensions in C order, version 1.
@@ -322,34 +384,27 @@ pub(crate) fn write_header(
 
 /// Parses the Python dictionary of the header, such as `{'descr': '<f8', 'fortran_order': False,
 /// 'shape': (10, 3), }`.
-fn parse(text: &str, frames_known: bool) -> anyhow::Result<Header> {
+fn parse(text: &str) -> anyhow::Result<Header> {
+    // Fields may have any names, and stand before the other keys.
     let value = |key: &str| -> anyhow::Result<&str> {
-        let at = [format!("'{key}'"), format!("\"{key}\"")]
-            .iter()
-            .find_map(|quoted| Some(text.find(quoted.as_str())? + quoted.len()));
+        let find = |quoted: &String| match key {
+            "descr" => text.find(quoted.as_str()).map(|at| at + quoted.len()),
+            _ => text.rfind(quoted.as_str()).map(|at| at + quoted.len()),
+        };
+        let at = [format!("'{key}'"), format!("\"{key}\"")].iter().find_map(find);
         let rest = text[at.with_context(|| format!("it has no '{key}'"))?..].trim_start();
         Ok(rest.strip_prefix(':').with_context(|| format!("'{key}' has no value"))?.trim_start())
     };
-    let descr = short(value("descr")?.split(',').next().unwrap_or_default());
-    let inner = descr.trim_matches(['\'', '"']);
-    let kind = match inner.get(1..) {
-        Some("f8") => Kind::F64,
-        Some("f4") => Kind::F32,
-        Some("u4") => Kind::U32,
-        Some("i4") => Kind::I32,
-        Some("u8") => Kind::U64,
-        Some("i8") => Kind::I64,
-        Some("i1") => Kind::I8,
-        Some("u1") => Kind::U8,
-        Some("i2") => Kind::I16,
-        Some("u2") => Kind::U16,
-        _ => bail!("the type {descr} is not read; convert with .astype('f8')"),
+    let whole = value("descr")?;
+    let (descr, fields) = match whole.starts_with('[') {
+        true => (short(whole), fields::parse(whole)?),
+        false => (short(whole.split(',').next().unwrap_or_default()), Vec::new()),
     };
-    let big = match inner.as_bytes().first() {
-        // A byte has no order.
-        Some(b'<' | b'|') => false,
-        Some(b'>') => true,
-        _ => bail!("the type {descr} is not read; convert with .astype('f8')"),
+    let inner = descr.trim_matches(['\'', '"']);
+    let (kind, big) = match kind_of(inner) {
+        _ if !fields.is_empty() => (Kind::U8, false),
+        Some(kind) => kind,
+        None => bail!("the type {descr} is not read; {}", remedy(inner)),
     };
     let order = value("fortran_order")?;
     let fortran = order.starts_with("True");
@@ -365,24 +420,51 @@ fn parse(text: &str, frames_known: bool) -> anyhow::Result<Header> {
         .filter(|size| !size.is_empty())
         .map(|size| size.parse().ok())
         .collect();
-    let (frames, rows, columns) = match sizes.as_deref() {
-        Some(&[rows]) => (None, rows, None),
-        Some(&[rows, columns]) if usize::try_from(columns).is_ok() => {
-            (None, rows, Some(columns as usize))
-        }
-        // Of frames without particles there may be more than anybody can count.
-        Some(&[frames, rows, columns @ 2..=4]) if frames_known && frames.min(rows) > 0 => {
-            ensure!(
-                !fortran,
-                "the shape is ({shape}), in Fortran order; write frames in C order, with \
-                 numpy.ascontiguousarray"
-            );
-            (Some(frames), rows, Some(columns as usize))
-        }
-        _ => bail!(
-            "the shape is ({shape}); it must be that of rows: (N, 2), (N, 3) or (N, 4) for \
-             particles (x, y, z, and the radius last), (N, 2) for pairs"
-        ),
+    let sizes = sizes.with_context(|| {
+        format!("the shape is ({shape}); it must be that of rows, as (N, 3), in whole numbers")
+    })?;
+    let narrow = |columns: u64| usize::try_from(columns).unwrap_or(usize::MAX);
+    let (frames, rows, columns) = match sizes[..] {
+        [] => (None, 1, None),
+        [rows] => (None, rows, None),
+        [rows, columns] => (None, rows, Some(narrow(columns))),
+        [frames, rows, columns, ..] => (Some(frames), rows, Some(narrow(columns))),
     };
-    Ok(Header { kind, descr, big, fortran, frames, rows, columns, shape })
+    Ok(Header { kind, descr, big, fortran, frames, rows, columns, shape, sizes, fields })
+}
+
+/// The numbers of a type such as `<f8`, and whether they are big-endian.
+fn kind_of(descr: &str) -> Option<(Kind, bool)> {
+    let kind = match descr.get(1..)? {
+        "f8" => Kind::F64,
+        "f4" => Kind::F32,
+        "u4" => Kind::U32,
+        "i4" => Kind::I32,
+        "u8" => Kind::U64,
+        "i8" => Kind::I64,
+        "u2" => Kind::U16,
+        "i2" => Kind::I16,
+        "u1" | "b1" => Kind::U8,
+        "i1" => Kind::I8,
+        _ => return None,
+    };
+    match descr.as_bytes()[0] {
+        // A byte has no order.
+        b'<' | b'|' => Some((kind, false)),
+        b'>' => Some((kind, true)),
+        _ => None,
+    }
+}
+
+/// What to do about a type that is not read.
+fn remedy(descr: &str) -> &'static str {
+    match descr.trim_start_matches(['<', '>', '|', '=']).as_bytes().first() {
+        Some(b'O') => {
+            "it holds Python objects: save numpy.array(a.tolist(), dtype='f8'), or one array for \
+             each if their lengths differ"
+        }
+        Some(b'c') => "it holds complex numbers: save a.real",
+        Some(b'M' | b'm') => "it holds dates or times",
+        _ => "convert with .astype('f8')",
+    }
 }

@@ -3,24 +3,19 @@
 //!
 //! Arrays of one dimension named `x`, `y`, `z` and `r`, `radius`, `radii`, `d`, `diameter` or
 //! `diameters` make the particles; or one array of shape (N, 2) to (N, 4), as in
-//! [`crate::io::formats::npy`], with or without an array of radii. Other arrays are skipped.
+//! [`crate::io::formats::npy`], of frames (frames, N, 2) to (frames, N, 4), or of records with
+//! fields; with or without an array of radii, and with a box ([`boxes`]). Other arrays are skipped.
+
+mod boxes;
+mod scenes;
 
 use std::io::{BufReader, Read};
 
 use anyhow::{Context, bail, ensure};
 use flate2::bufread::DeflateDecoder;
 
-use crate::io::formats::npy;
 use crate::io::lines::{Source, short};
-use crate::io::particles::{Column, Particles, loaded};
-use crate::io::{About, Options, RadiusSource};
-
-#[derive(Default)]
-struct Arrays {
-    axes: [Option<Vec<f64>>; 3],
-    sizes: Option<(Vec<f64>, Column, String)>,
-    whole: Option<(Particles, RadiusSource, String)>,
-}
+pub(crate) use scenes::frames;
 
 /// What stands before each file of an archive.
 struct Local {
@@ -29,12 +24,6 @@ struct Local {
     /// Bytes in the archive; none where they follow the data.
     size: Option<u64>,
     wide: bool,
-}
-
-pub(crate) fn read(mut source: Source<'_>, options: Options) -> anyhow::Result<(Particles, About)> {
-    let mut arrays = Arrays::default();
-    members(&mut source, |member, name| arrays.member(member, name, options))?;
-    arrays.finish(source.name)
 }
 
 /// Calls `member` with each file of the archive, in order, and its name there.
@@ -138,82 +127,4 @@ fn descriptor(source: &mut Source<'_>, wide: bool) -> anyhow::Result<()> {
         source.name
     );
     Ok(())
-}
-
-impl Arrays {
-    fn member(
-        &mut self,
-        mut source: Source<'_>,
-        name: &str,
-        options: Options,
-    ) -> anyhow::Result<()> {
-        let Some(label) = name.strip_suffix(".npy") else { return Ok(()) };
-        let place = source.name;
-        let column = Column::named(label);
-        let Ok(header) = npy::header(&mut source) else {
-            // Texts, objects and the like need not be understood, unless they are to be used.
-            ensure!(
-                matches!(column, Column::Other | Column::Id),
-                "{place} is no array of numbers; write it with .astype('f8')"
-            );
-            return Ok(());
-        };
-        match (header.columns, column) {
-            (None, Column::Axis(k)) => {
-                self.axes[k] = Some(npy::list(&mut source, &header, label, column)?)
-            }
-            (None, Column::Radius | Column::Diameter) => {
-                let list = npy::list(&mut source, &header, label, column)?;
-                ensure!(self.sizes.is_none(), "{place}: there are two arrays of sizes; remove one");
-                self.sizes = Some((list, column, label.to_string()));
-            }
-            (Some(2..=4), _) if header.is_real() => {
-                let (particles, radius) = npy::particles(&mut source, &header, options)?;
-                if let Some((_, _, other)) = &self.whole {
-                    bail!(
-                        "{place}: '{}' could hold the particles, too; keep one array of points",
-                        short(other)
-                    );
-                }
-                self.whole = Some((particles, radius, label.to_string()));
-            }
-            _ => {}
-        }
-        Ok(())
-    }
-
-    fn finish(self, name: &str) -> anyhow::Result<(Particles, About)> {
-        let (mut particles, mut radius) = match (self.whole, self.axes) {
-            (Some((particles, radius, _)), [None, None, None]) => (particles, radius),
-            (None, axes @ [Some(_), Some(_), _]) => {
-                (npy::zip(axes, None, name)?, RadiusSource::Missing)
-            }
-            (Some((_, _, label)), _) => bail!(
-                "{name} holds points in '{}' and in x, y, z, too; keep one of them",
-                short(&label)
-            ),
-            (None, _) => {
-                bail!("{name} holds neither arrays x and y nor one of shape (N, 2) to (N, 4)")
-            }
-        };
-        if let Some((sizes, column, label)) = self.sizes {
-            ensure!(
-                !particles.has_radii(),
-                "{name} holds radii in the array of points and in '{label}', too; keep one of them"
-            );
-            ensure!(
-                sizes.len() == particles.len(),
-                "{name} holds {} points but {} radii; write it again",
-                particles.len(),
-                sizes.len()
-            );
-            particles.radii = Some(sizes);
-            radius = if column == Column::Diameter {
-                RadiusSource::Halved(label)
-            } else {
-                RadiusSource::Column(label)
-            };
-        }
-        Ok(loaded("NumPy npz", particles, radius))
-    }
 }

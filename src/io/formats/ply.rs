@@ -7,6 +7,7 @@
 
 use anyhow::{Context, bail, ensure};
 
+use crate::io::arrays::Cells;
 use crate::io::lines::{Lines, Separator, Source, short, texts};
 use crate::io::particles::{Column, Columns, Particles, loaded};
 use crate::io::scalars::Kind;
@@ -34,10 +35,17 @@ pub(crate) fn read(source: Source<'_>, options: Options) -> anyhow::Result<(Part
         "{name}: lists before or among the vertices are not read; write the vertices first, and \
          without lists"
     );
-    let mut columns = Columns::named(
-        vertex.names.iter().map(|name| name.strip_prefix("scalar_").unwrap_or(name)),
-    );
-    let mut particles = columns.particles(&format!("{name}: the properties of vertex"), options)?;
+    let place = format!("{name}: the properties of vertex");
+    let mut columns = named(vertex).chosen(&place, options)?;
+    for ((meaning, kind), label) in columns.meaning.iter_mut().zip(&vertex.kinds).zip(&vertex.names)
+    {
+        // A byte named r is red.
+        if *kind == Kind::U8 && label.eq_ignore_ascii_case("r") && !columns.sizes_chosen {
+            *meaning = Column::Other;
+        }
+    }
+    let mut particles = columns.particles(&place, options)?;
+    joined(&elements).check(name, options, &mut particles.notices)?;
     let torn = |k: u64| {
         anyhow::anyhow!(
             "{name} ends after {k} of the {} vertices that its header announces; write it again",
@@ -106,6 +114,29 @@ pub(crate) fn read(source: Source<'_>, options: Options) -> anyhow::Result<(Part
         particles.push(point, radius, id)?;
     }
     Ok(loaded("PLY, binary", particles, columns.radius()))
+}
+
+/// The properties of the vertices, as columns.
+fn named(vertex: &Element) -> Columns {
+    Columns::named(vertex.names.iter().map(|name| match name.strip_prefix("scalar_") {
+        Some(inner) if Column::named(inner) != Column::Other => inner,
+        _ => name,
+    }))
+}
+
+/// The elements that join vertices.
+fn joined(elements: &[Element]) -> Cells {
+    let mut cells = Cells::default();
+    for Element { name, count, lists, .. } in elements {
+        match name.as_str() {
+            "vertex" => {}
+            "edge" => cells.lines = cells.lines.saturating_add(*count),
+            "face" | "tristrips" => cells.faces = cells.faces.saturating_add(*count),
+            _ if *lists => cells.bodies = cells.bodies.saturating_add(*count),
+            _ => {}
+        }
+    }
+    cells
 }
 
 /// The byte order (none for text), and the elements.

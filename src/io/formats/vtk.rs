@@ -1,20 +1,28 @@
 //! VTK legacy: `POINTS` of a POLYDATA, UNSTRUCTURED_GRID or STRUCTURED_GRID data set, text or
 //! binary (big-endian).
 //!
-//! The size is a SCALARS or FIELD array of the points named `radius`, `r`, `diameter` or `d`. Cells
-//! and other arrays are passed over. Format:
+//! The size is a SCALARS or FIELD array of the points named `radius`, `r`, `diameter` or `d`, or of
+//! the cells if each is one point. Points that polygons or larger cells join are refused. Format:
 //! <https://docs.vtk.org/en/latest/vtk_file_formats/vtk_legacy_file_format.html>.
 
 use anyhow::{Context, bail, ensure};
 
+use crate::io::arrays::{Arrays, Cells, Of};
 use crate::io::lines::{Lines, Source, short, shown, texts};
-use crate::io::particles::{Particles, loaded};
-use crate::io::scalars::{Arrays, Kind, Target};
+use crate::io::particles::Particles;
+use crate::io::scalars::{Kind, Target};
 use crate::io::{About, Options};
 
-pub(crate) fn read(source: Source<'_>, _: Options) -> anyhow::Result<(Particles, About)> {
-    let mut file = Vtk { lines: Lines::new(source), binary: false, points: 0, tuples: 0 };
-    let mut arrays = Arrays::default();
+pub(crate) fn read(source: Source<'_>, options: Options) -> anyhow::Result<(Particles, About)> {
+    let mut file = Vtk {
+        lines: Lines::new(source),
+        options,
+        arrays: Arrays::default(),
+        binary: false,
+        points: 0,
+        of: Of::Nothing,
+        tuples: 0,
+    };
     file.lines.advance()?;
     // A title, whatever it says.
     file.lines.advance()?;
@@ -32,121 +40,146 @@ pub(crate) fn read(source: Source<'_>, _: Options) -> anyhow::Result<(Particles,
             short(&file.lines.text())
         ),
     };
-    // Arrays belong to the points from POINT_DATA on, up to CELL_DATA.
-    let mut of_points = false;
     while file.lines.advance_over_blanks()? {
         let words = texts(file.lines.line());
-        let (first, rest) = (words[0].to_ascii_uppercase(), &words[1..]);
-        match (first.as_str(), rest) {
+        let words: Vec<&str> = words.iter().map(String::as_str).collect();
+        let Some((first, rest)) = words.split_first() else { continue };
+        if !file.section(&first.to_ascii_uppercase(), rest)? {
+            break;
+        }
+    }
+    let format = if file.binary { "VTK legacy, binary" } else { "VTK legacy, text" };
+    file.arrays.particles(format, file.lines.source.name, options)
+}
+
+struct Vtk<'a> {
+    lines: Lines<'a>,
+    options: Options,
+    arrays: Arrays,
+    binary: bool,
+    points: u64,
+    /// What the arrays that follow have tuples for, and how many.
+    of: Of,
+    tuples: u64,
+}
+
+impl Vtk<'_> {
+    /// One part of the file, which begins with the words of this line. False if no more is needed.
+    fn section(&mut self, first: &str, rest: &[&str]) -> anyhow::Result<bool> {
+        match (first, rest) {
             ("DATASET", [kind, ..]) => ensure!(
                 matches!(
                     kind.to_ascii_uppercase().as_str(),
                     "POLYDATA" | "UNSTRUCTURED_GRID" | "STRUCTURED_GRID"
                 ),
                 "{}: a data set of kind {} has no points of its own; write POLYDATA",
-                file.lines.place(),
+                self.lines.place(),
                 short(kind)
             ),
             ("POINTS", [n, kind, ..]) => {
-                let n = file.lines.count(n.as_bytes(), "the number of points")?;
-                let kind = file.kind(kind)?;
-                (file.points, file.tuples) = (n, n);
-                let points = file.array(Target::points(), kind, 3 * n, "POINTS")?;
-                arrays.keep(points, file.lines.source.name)?;
+                let n = self.count(n, "the number of points")?;
+                let kind = self.kind(kind)?;
+                (self.points, self.tuples) = (n, n);
+                let points = self.array(Target::points(), kind, 3 * n, "POINTS")?;
+                self.arrays.keep(points, self.lines.source.name)?;
             }
             ("POINT_DATA", [n, ..]) => {
-                of_points = true;
-                file.same_number(n)?;
-                file.tuples = file.points;
+                (self.of, self.tuples) = (Of::Points, self.points);
+                self.same_number(n)?;
             }
-            // VTK writes it before POINT_DATA; behind that, nothing of it is needed.
-            ("CELL_DATA", _) if of_points => break,
             ("CELL_DATA", [n, ..]) => {
-                file.tuples = file.lines.count(n.as_bytes(), "the number of cells")?
+                // Behind the sizes of points nothing of it is needed.
+                if self.of == Of::Points && !self.arrays.wants_cells(self.options) {
+                    return Ok(false);
+                }
+                (self.of, self.tuples) = (Of::Cells, self.count(n, "the number of cells")?);
             }
-            ("GLOBAL_IDS" | "PEDIGREE_IDS", [name, kind]) => file.skip(kind, 1, name)?,
-            ("SCALARS", [name, kind, rest @ ..]) => {
-                let components = rest
-                    .first()
-                    .map_or(Some(1), |text| text.parse().ok().filter(|k| (1..=4).contains(k)));
-                let components = components.with_context(|| {
-                    format!("{}: SCALARS have 1 to 4 components", file.lines.place())
-                })?;
-                let kind = file.kind(kind)?;
-                let target =
-                    if of_points { Target::named(name, components) } else { Target::Nothing };
-                // The line LOOKUP_TABLE is part of it.
-                ensure!(
-                    file.lines.advance()?
-                        && file.lines.line().to_ascii_uppercase().starts_with(b"LOOKUP_TABLE"),
-                    "{}: a line LOOKUP_TABLE is expected behind SCALARS",
-                    file.lines.place()
-                );
-                let sizes =
-                    file.array(target, kind, components.saturating_mul(file.tuples), name)?;
-                arrays.keep(sizes, file.lines.source.name)?;
+            ("METADATA", _) => while self.lines.advance()? && !self.lines.line().is_empty() {},
+            ("OFFSETS" | "CONNECTIVITY", [kind, ..]) => {
+                bail!("{}: {first} {} without CELLS before it", self.lines.place(), short(kind))
             }
-            ("VECTORS" | "NORMALS", [name, kind, ..]) => file.skip(kind, 3, name)?,
-            ("TENSORS", [name, kind, ..]) => file.skip(kind, 9, name)?,
+            ("DIMENSIONS", sizes) => self.grid(sizes),
+            ("CELL_TYPES", [n, ..]) => {
+                let n = self.count(n, "the number of cells")?;
+                let types = Target::Types(Cells::default());
+                let types = self.array(types, Kind::I32, n, "CELL_TYPES")?;
+                self.arrays.keep(types, self.lines.source.name)?;
+            }
+            ("CELLS" | "VERTICES" | "LINES" | "POLYGONS" | "TRIANGLE_STRIPS", [n, size]) => {
+                self.cells(n, size, first)?
+            }
+            _ => self.attributes(first, rest)?,
+        }
+        Ok(true)
+    }
+
+    /// The numbers that points or cells have.
+    fn attributes(&mut self, first: &str, rest: &[&str]) -> anyhow::Result<()> {
+        match (first, rest) {
+            ("GLOBAL_IDS" | "PEDIGREE_IDS", [name, kind]) => self.skip(kind, 1, name)?,
+            ("SCALARS", [name, kind, rest @ ..]) => self.scalars(name, kind, rest.first())?,
+            ("VECTORS" | "NORMALS", [name, kind, ..]) => self.skip(kind, 3, name)?,
+            ("TENSORS", [name, kind, ..]) => self.skip(kind, 9, name)?,
             ("TEXTURE_COORDINATES", [name, k, kind, ..]) => {
-                file.skip(kind, k.parse().unwrap_or(0), name)?;
+                self.skip(kind, k.parse().unwrap_or(0), name)?;
             }
-            ("COLOR_SCALARS", [name, k]) => file.skip(
-                if file.binary { "uchar" } else { "float" },
+            ("COLOR_SCALARS", [name, k]) => self.skip(
+                if self.binary { "uchar" } else { "float" },
                 k.parse().unwrap_or(0),
                 name,
             )?,
             ("FIELD", [_, count, ..]) => {
-                for _ in 0..file.lines.count(count.as_bytes(), "a number of arrays")? {
-                    file.field(of_points, &mut arrays)?;
+                for _ in 0..self.count(count, "a number of arrays")? {
+                    self.field()?;
                 }
             }
-            ("METADATA", _) => while file.lines.advance()? && !file.lines.line().is_empty() {},
-            ("OFFSETS" | "CONNECTIVITY", [kind, ..]) => {
-                bail!("{}: {first} {} without CELLS before it", file.lines.place(), short(kind))
-            }
             ("LOOKUP_TABLE", [_, n]) => {
-                let n = file.lines.count(n.as_bytes(), "the size of a table")?;
-                drop(file.array(
-                    Target::Nothing,
-                    if file.binary { Kind::U8 } else { Kind::F64 },
-                    4 * n,
-                    "LOOKUP_TABLE",
-                )?);
-            }
-            ("DIMENSIONS", _) => {}
-            ("CELL_TYPES", [n, ..]) => {
-                let n = file.lines.count(n.as_bytes(), "the number of cells")?;
-                drop(file.array(Target::Nothing, Kind::I32, n, "CELL_TYPES")?);
-            }
-            ("CELLS" | "VERTICES" | "LINES" | "POLYGONS" | "TRIANGLE_STRIPS", [n, size]) => {
-                file.cells(n, size, &first)?
+                let n = self.count(n, "the size of a table")?;
+                let kind = if self.binary { Kind::U8 } else { Kind::F64 };
+                self.array(Target::Nothing, kind, 4 * n, "LOOKUP_TABLE")?;
             }
             _ => bail!(
                 "{}: '{}' is no part of a VTK file that is known here; is an array before it too \
                  long or too short?",
-                file.lines.place(),
-                short(&file.lines.text())
+                self.lines.place(),
+                short(&self.lines.text())
             ),
         }
+        Ok(())
     }
-    let (particles, radius) = arrays.particles(file.lines.source.name)?;
-    Ok(loaded(
-        if file.binary { "VTK legacy, binary" } else { "VTK legacy, text" },
-        particles,
-        radius,
-    ))
-}
 
-struct Vtk<'a> {
-    lines: Lines<'a>,
-    binary: bool,
-    points: u64,
-    /// What arrays have a tuple for: points, or cells.
-    tuples: u64,
-}
+    fn scalars(&mut self, name: &str, kind: &str, components: Option<&&str>) -> anyhow::Result<()> {
+        let components = components
+            .map_or(Some(1), |text| text.parse().ok().filter(|k| (1..=4).contains(k)))
+            .with_context(|| format!("{}: SCALARS have 1 to 4 components", self.lines.place()))?;
+        let (kind, place) = (self.kind(kind)?, self.lines.place());
+        let target = self.arrays.target(self.of, name, kind, components, self.options);
+        let target = target.with_context(|| place)?;
+        // The line LOOKUP_TABLE is part of it.
+        ensure!(
+            self.lines.advance()?
+                && self.lines.line().to_ascii_uppercase().starts_with(b"LOOKUP_TABLE"),
+            "{}: a line LOOKUP_TABLE is expected behind SCALARS",
+            self.lines.place()
+        );
+        let sizes = self.array(target, kind, components.saturating_mul(self.tuples), name)?;
+        self.arrays.keep(sizes, self.lines.source.name)
+    }
 
-impl Vtk<'_> {
+    /// A grid of more than one row has cells between its points.
+    fn grid(&mut self, sizes: &[&str]) {
+        let long = |text: &&&str| text.parse::<u64>().is_ok_and(|n| n > 1);
+        match sizes.iter().filter(long).count() {
+            0 | 1 => {}
+            2 => self.arrays.cells.faces += 1,
+            _ => self.arrays.cells.bodies += 1,
+        }
+    }
+
+    fn count(&self, text: &str, what: &str) -> anyhow::Result<u64> {
+        self.lines.count(text.as_bytes(), what)
+    }
+
     fn kind(&self, name: &str) -> anyhow::Result<Kind> {
         Kind::named(name).with_context(|| {
             format!(
@@ -207,11 +240,11 @@ impl Vtk<'_> {
 
     fn skip(&mut self, kind: &str, components: u64, what: &str) -> anyhow::Result<()> {
         let kind = self.kind(kind)?;
-        self.array(Target::Nothing, kind, components.saturating_mul(self.points), what).map(drop)
+        self.array(Target::Nothing, kind, components.saturating_mul(self.tuples), what).map(drop)
     }
 
     /// One array of a FIELD: `name components tuples type`.
-    fn field(&mut self, of_points: bool, arrays: &mut Arrays) -> anyhow::Result<()> {
+    fn field(&mut self) -> anyhow::Result<()> {
         let name = self.lines.source.name;
         loop {
             ensure!(
@@ -240,22 +273,33 @@ impl Vtk<'_> {
             short(label)
         );
         let kind = self.kind(kind)?;
-        let target = if of_points && tuples == self.points {
-            Target::named(label, components)
-        } else {
-            Target::Nothing
-        };
+        let of = if tuples == self.tuples { self.of } else { Of::Nothing };
+        let target = self.arrays.target(of, label, kind, components, self.options);
+        let target = target.with_context(|| place)?;
         let target = self.array(target, kind, components.saturating_mul(tuples), label)?;
-        arrays.keep(target, name)
+        self.arrays.keep(target, name)
     }
 
     /// Cells: before version 5 `size` numbers, since then offsets and connectivity.
     fn cells(&mut self, n: &str, size: &str, what: &str) -> anyhow::Result<()> {
-        let n = self.lines.count(n.as_bytes(), "the number of cells")?;
-        let size = self.lines.count(size.as_bytes(), "a number of indices")?;
-        if self.old_cells()? {
-            return self.array(Target::Nothing, Kind::I32, size, what).map(drop);
+        let n = self.count(n, "the number of cells")?;
+        let size = self.count(size, "a number of indices")?;
+        let old = self.old_cells()?;
+        let cells = if old { n } else { n.saturating_sub(1) };
+        let joining = match what {
+            "LINES" => &mut self.arrays.cells.lines,
+            "POLYGONS" | "TRIANGLE_STRIPS" => &mut self.arrays.cells.faces,
+            _ => &mut 0,
+        };
+        *joining = joining.saturating_add(cells);
+        let points = matches!(what, "VERTICES" | "CELLS");
+        let target = if points { Target::indices(old) } else { Target::Nothing };
+        let name = self.lines.source.name;
+        if old {
+            let indices = self.array(target, Kind::I32, size, what)?;
+            return self.arrays.keep(indices, name);
         }
+        let mut target = Some(target);
         for (label, count) in [("OFFSETS", n), ("CONNECTIVITY", size)] {
             ensure!(
                 self.lines.advance_over_blanks()?,
@@ -268,7 +312,9 @@ impl Vtk<'_> {
             };
             ensure!(found == label, "{}: a line '{label} type' is expected", self.lines.place());
             let kind = self.kind(kind)?;
-            self.array(Target::Nothing, kind, count, label)?;
+            let to = if label == "OFFSETS" { None } else { target.take() };
+            let read = self.array(to.unwrap_or(Target::Nothing), kind, count, label)?;
+            self.arrays.keep(read, name)?;
         }
         Ok(())
     }

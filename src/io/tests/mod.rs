@@ -2,6 +2,7 @@
 //! make a reader panic (`refused`); their boxes (`boxes`); frames (`frames`), also in several files
 //! (`series`).
 
+mod arrays;
 mod boxes;
 mod codes;
 mod frames;

@@ -59,7 +59,7 @@ fn files_of_a_pattern_are_frames_in_the_order_of_their_numbers() {
     };
     assert_eq!(one(Frame::Last, false), (100.0, 2, 3));
     assert_eq!(one(Frame::Number(0), true), (9.0, 0, 3));
-    assert_eq!(one(Frame::Number(1), false), (10.0, 1, 3));
+    assert_eq!(one(Frame::Number(1), false), (10.0, 1, 2));
     let refused =
         |path: &Path, frame| format!("{:#}", load(path, Options { frame, ..NONE }).unwrap_err());
     assert!(refused(&pattern, Frame::Number(3)).contains("there is no frame 3"));

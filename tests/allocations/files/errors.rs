@@ -126,8 +126,8 @@ fn errors_say_where() {
             "p:10: point 1 (from 0): 'radius': -1 is negative",
         ),
         (
-            vtp("format=\"ascii\"", "compressor=\"vtkLZ4DataCompressor\"", "", "", ""),
-            "p:3: compressed by vtkLZ4DataCompressor, which is not read",
+            vtp("format=\"binary\"", "compressor=\"vtkLZ4DataCompressor\"", "AAAA", "AAAA", ""),
+            "p:10: compressed by vtkLZ4DataCompressor, which is not read",
         ),
         (vtp("format=\"binary\"", "", "A*AA", "AAAA", ""), "p:10: its length is cut off"),
         (

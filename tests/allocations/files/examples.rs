@@ -99,7 +99,7 @@ pub const VTK_HEAD: &str = "# vtk DataFile Version 3.0\nparticles\n";
 
 pub const PLY_HEAD: &str = "ply\nformat FORMAT 1.0\ncomment none\nelement vertex 2\nproperty float \
                         x\nproperty float y\nproperty float z\nproperty uchar red\nproperty float \
-                        scalar_radius\nelement face 1\nproperty list uchar int \
+                        scalar_radius\nelement face 0\nproperty list uchar int \
                         vertex_indices\nend_header\n";
 
 pub fn vtp(format: &str, attributes: &str, points: &str, radii: &str, after: &str) -> String {

@@ -2,7 +2,7 @@
 
 use anyhow::{Context, bail, ensure};
 
-use super::{Header, header_of, particles};
+use super::{Header, any_header, particles, records};
 use crate::io::counted::Counted;
 use crate::io::frames::{Choice, Reader, Step};
 use crate::io::lines::Source;
@@ -29,7 +29,13 @@ impl Reader<(Particles, About)> for Array<'_> {
         let Array { source, options, header, read } = self;
         let header = match header {
             Some(header) => header,
-            None => header.insert(header_of(source, true)?),
+            None => {
+                let read = any_header(source)?;
+                if read.fields.is_empty() {
+                    read.of_rows(true).with_context(|| source.name.to_string())?;
+                }
+                header.insert(read)
+            }
         };
         while *read < header.frames.unwrap_or(1) {
             let k = *read;
@@ -73,6 +79,16 @@ fn frame(
     header: &Header,
     options: Options,
 ) -> anyhow::Result<(Particles, About)> {
+    if !header.fields.is_empty() {
+        let (particles, radius) = records(source, header, options)?;
+        return Ok(loaded("NumPy npy", particles, radius));
+    }
+    ensure!(
+        options.columns.is_none(),
+        "{}: the columns of an array have no names; leave out --columns, and save them in the order \
+         x, y, z, radius",
+        source.name
+    );
     let (particles, radius) = particles(source, header, options)?;
     if options.dim.is_none() {
         // Who gives the dimension knows the columns.
