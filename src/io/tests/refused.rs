@@ -74,13 +74,15 @@ fn bad_files_are_refused_with_place_and_remedy() {
             b"x,y,x\n",
             "csv",
             NONE,
-            "p:1: the columns 'x' and 'x' both stand for x; remove one, or say which counts with --columns",
+            "p:1: the columns 'x' and 'x' both stand for x; remove one, or say which counts \
+             with --columns",
         ),
         (
             b"x,y,r,d\n",
             "csv",
             NONE,
-            "p:1: there are a radius 'r' and a diameter 'd'; remove one, or say which counts: --columns r=r or --columns d=d",
+            "p:1: there are a radius 'r' and a diameter 'd'; remove one, or say which \
+             counts: --columns r=r or --columns d=d",
         ),
         (
             b"a,b\n1,2\n",

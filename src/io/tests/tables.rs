@@ -4,7 +4,8 @@ use super::*;
 
 const DEM: &str = "frame,time,id,x,y,z,diameter,active\n0,0,1,0,0,0,1,1\n0,0,2,3,0,0,1,1\n\
                    1,0.1,1,0.75,0,0,1,1\n1,0.1,2,2.5,0,0,1,1\n";
-const TRACKED: &str = "y,x,mass,size,frame,particle\n5,0.25,3,1,0,0.0\n5,4,3,1,0,1.0\n5,3.25,3,1,1,1.0\n5,1,3,1,1,0.0\n";
+const TRACKED: &str = "y,x,mass,size,frame,particle\n5,0.25,3,1,0,0.0\n5,4,3,1,0,1.0\n\
+                       5,3.25,3,1,1,1.0\n5,1,3,1,1,0.0\n";
 
 /// Number, step and time of each frame, with the x and the ids of its particles.
 type Told = Vec<(u64, Option<i64>, Option<f64>, Vec<f64>, Vec<i64>)>;
