@@ -137,10 +137,10 @@ fn open<'a>(
     if head.starts_with(npy::MAGIC) {
         return Ok(Box::new(array::Array::new(source)));
     }
+    unread::refuse(head, name, Some("write the pairs as CSV with a header i,j"))?;
     if head.starts_with(b"PK\x03\x04") {
         return Ok(Box::new(Once::new(move || archive::read(source, columns))));
     }
-    unread::refuse(head, name, Some("write the pairs as CSV with a header i,j"))?;
     ensure!(
         !head.contains(&0),
         "{name} is binary, and no npy or npz file; write the pairs as CSV with a header i,j"

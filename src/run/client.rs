@@ -293,11 +293,19 @@ impl Client {
     fn receive(&mut self, limit: Duration) -> Result<Reply, Failure> {
         match self.wait(limit) {
             Ok(line) => {
+                let line = line.map_err(|what| format!(" ({what}"));
                 let reply = line.and_then(|line| {
                     let shown = || output::shown(line.as_bytes());
-                    serde_json::from_str(&line)
-                        .map(Reply::cleaned)
-                        .map_err(|e| format!("{e}): {}", shown()))
+                    serde_json::from_str(&line).map(Reply::cleaned).map_err(|e| {
+                        match line.trim_start().starts_with('{') {
+                            true => format!(" ({e}): {}", shown()),
+                            false => format!(
+                                ": it printed '{}'; a reply is one line of JSON, as \
+                                in docs/PROTOCOL.md, and other words go to standard error",
+                                shown()
+                            ),
+                        }
+                    })
                 });
                 match reply {
                     Ok(Reply::Unavailable { reason }) => {
@@ -306,7 +314,7 @@ impl Client {
                     Ok(reply) => Ok(reply),
                     Err(what) => {
                         self.kill();
-                        let reason = format!("{NO_REPLY} ({}", text::line(&what));
+                        let reason = format!("{NO_REPLY}{}", text::line(&what));
                         Err(Failure { outcome: Outcome::Crashed, reason })
                     }
                 }

@@ -150,7 +150,7 @@ fn floods_are_bounded_and_lines_that_are_no_text_are_named() {
     let cases = [
         ("bytes", answer(r"printf 'a\377b\n'"), "byte 2 is not UTF-8): a\u{fffd}b"),
         ("long", answer("yes x | tr -d '\\n'"), "it is longer than 1 MiB): xxx"),
-        ("many", answer("yes"), "the runner's answer is not a reply (expected"),
+        ("many", answer("yes"), "the runner's answer is not a reply: it printed 'y'"),
         ("errors", answer("yes 0123456789 | head -c 200000000 >&2; exit 3"), "exit status: 3: 01"),
     ];
     let runners: String =

@@ -33,6 +33,7 @@ mod records;
 mod resume;
 mod runners;
 mod seeing;
+mod slips;
 mod tables;
 mod track;
 mod users;

@@ -242,6 +242,9 @@ const SKIN: Skin = Skin::Diameters(0.1);
 pub fn parse(text: &str) -> Result<TrackerSpec, TrackerError> {
     let whole = || text.to_string();
     let Some((name, rest)) = text.trim().split_once('(') else {
+        if matches!(text.trim(), "every-step" | "verlet" | "incremental") {
+            return Err(TrackerError::Form(whole()));
+        }
         return Ok(TrackerSpec::EveryStep(spec::parse(text)?));
     };
     let inner = rest.strip_suffix(')').ok_or_else(|| TrackerError::Form(whole()))?;
@@ -350,6 +353,7 @@ mod tests {
         for (text, says) in [
             ("verlet(nbs", "is no tracker"),
             ("skin(nbs)", "is no tracker"),
+            ("verlet", "'verlet' is no tracker; write every-step(DETECTOR), verlet("),
             ("verlet(nbx)", "there is no detector 'nbx'"),
             ("verlet()", "there is no detector ''"),
             ("verlet(nbs,skin=-1)", "skin cannot be '-1'"),

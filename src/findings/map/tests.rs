@@ -71,6 +71,8 @@ fn every_place_has_the_answer_of_its_contest() {
         assert_eq!((said(&measured), measured.panels.len()), (said(&found), 1), "{name}");
         assert_eq!(measured.axes[1].values, ["0.1", "0.6"]);
     }
+    let error = map(&lab(), "n", "dinsity", "").unwrap_err().to_string();
+    assert!(error.contains("did you mean density?"), "{error}");
     // The twins that a filter leaves out still say what is noise: 1.25 is beyond it, 1.04 is not.
     let named = map(&lab(), "n", "fraction", "detector = ['nbs', 'sorting']").unwrap();
     assert_eq!(said(&named), said(&found));

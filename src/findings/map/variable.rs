@@ -68,7 +68,9 @@ impl Variable {
             let has = |name: &&str| cells.iter().any(|cell| of_scene(cell, name).is_some());
             let measured = OF_SCENES.iter().copied().filter(has).map(String::from);
             let known: BTreeSet<String> = named.chain(measured).collect();
-            let known: Vec<&str> = known.iter().map(String::as_str).collect();
+            // By the name that --x and --y take.
+            let plain = |name| if name == "packing_fraction" { "density" } else { name };
+            let known: Vec<&str> = known.iter().map(|name| plain(name.as_str())).collect();
             bail!(
                 "these cells have no '{name}' of a scene or a detector{}; there are: {}",
                 hint(&name, known.iter().copied()),

@@ -138,7 +138,7 @@ fn texts_with_comments_and_exponents_are_read() {
 fn no_first_pair_is_taken_for_a_header() {
     for (text, words) in [
         ("(0, 1)\n", "p:1: column 1: '(0' is not the number of a particle; name the columns"),
-        ("[0, 1]\n[1, 2]\n", "p:1: column 1: '[0'"),
+        ("0, 1]\n[1, 2]\n", "p:1: column 2: '1]'"),
         ("0 a\n1 2\n", "p:1: column 2: 'a'"),
         ("a 0\n1 2\n", "p:1: column 1: 'a'"),
         ("0.5 1\n", "p:1: column 1: '0.5'"),

@@ -35,6 +35,21 @@ impl Slice {
     }
 }
 
+impl Slice {
+    /// How far the particles reach along the axis that it cuts.
+    pub fn range(&self, scene: &AnyScene<'_>) -> [f64; 2] {
+        with_scene!(scene, scene => {
+            let ends = scene.centres().iter().enumerate().map(|(k, point)| {
+                let (x, r) = (array(point)[self.axis].wide(), scene.radius(k).wide());
+                [x - r, x + r]
+            });
+            ends.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], [from, to]| {
+                [low.min(from), high.max(to)]
+            })
+        })
+    }
+}
+
 impl FromStr for Slice {
     type Err = anyhow::Error;
 

@@ -30,12 +30,13 @@ mod page_coordinates;
 mod pairs;
 mod sheet;
 
-use anyhow::ensure;
+use anyhow::{bail, ensure};
 pub use boxed::Boxed;
 pub use flat::Slice;
 pub use pairs::{Highlighted, find, without_images};
 
 use crate::contact::Arithmetic;
+use crate::number::number;
 use crate::scene::AnyScene;
 
 /// The largest number of particles that is drawn: more are a grey surface, and a file that no
@@ -101,6 +102,16 @@ fn picture(
     let through = worst.filter(|_| scene.dim() == 3).map(|pair| Slice::through(scene, pair));
     let count = boxed.map_or(scene.len(), |boxed| boxed.periodic.scene().len());
     let mut flat = flat::Flat::new(scene, look.slice.or(through), count);
+    if let (Some(slice), true, 1..) = (look.slice, flat.circles.is_empty(), scene.len()) {
+        let axis = ["x", "y", "z"][slice.axis.min(2)];
+        let [low, high] = slice.range(scene);
+        bail!(
+            "no sphere meets the slice {axis}={}; {axis} goes from {} to {}",
+            slice.at,
+            number(low),
+            number(high)
+        );
+    }
     let detail = worst.filter(|pair| !look.whole && sheet::too_small(&flat, *pair));
     if let Some(pair) = detail {
         flat.zoom(pair);

@@ -192,9 +192,7 @@ fn lists_that_do_not_fit_the_box_are_refused() {
     refused(
         folder,
         &["verify", "tilted.dump", "--pairs", "three.npy"],
-        &[
-            "pairs have the shape (pairs, 2), with images in a box (pairs, 4) for discs and (pairs, 5)",
-        ],
+        &["pairs have the shape (pairs, 2) or (2, pairs), with images in a box (pairs, 4)"],
     );
 }
 
