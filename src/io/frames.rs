@@ -91,10 +91,15 @@ impl Choice {
         }
     }
 
+    /// A frame ended before this line.
+    pub fn done_before(&mut self, lines: &Lines<'_>) {
+        (self.whole, self.line) = (self.seen, lines.at().saturating_sub(1));
+    }
+
     /// The error of a frame that cannot be read, with the frames before it that can.
     fn with_whole(&self, error: anyhow::Error, name: &str) -> anyhow::Error {
         // With a second frame where one is expected nothing is torn.
-        if self.whole == 0 || self.frame == Frame::Only && self.seen > self.whole {
+        if self.whole == 0 || self.through || self.frame == Frame::Only && self.seen > self.whole {
             return error;
         }
         let last = self.whole - 1;

@@ -20,7 +20,7 @@
 mod header;
 mod split;
 
-use anyhow::anyhow;
+use anyhow::{anyhow, ensure};
 
 use crate::io::counted::Counted;
 use crate::io::formats::csv::header::Table;
@@ -58,9 +58,13 @@ impl Reader<(Particles, About)> for Csv<'_> {
             let mut columns = table.columns.clone();
             let mut kept = columns.particles(&table.place, *options)?;
             let is_kept = step == Step::Keep;
-            table.rows(lines, &columns, Some(&mut kept).filter(|_| is_kept))?;
-            if !table.is_row {
-                choice.done(Some(lines), Some(&mut kept).filter(|_| is_kept));
+            let read = table.rows(lines, &columns, Some(&mut kept).filter(|_| is_kept));
+            // An error in a last line that is being written says nothing against the order.
+            choice.through &= read.is_ok() || lines.ended();
+            read?;
+            match table.is_row {
+                true => choice.done_before(lines),
+                false => choice.done(Some(lines), Some(&mut kept).filter(|_| is_kept)),
             }
             if is_kept {
                 return table.frame(kept, columns.radius(), index, lines.source.name).map(Some);
@@ -84,6 +88,19 @@ impl Table {
             if !line.is_empty() && !is_comment(line) {
                 if let Some(split) = &mut self.split {
                     let mut cells = self.separator.cells(line);
+                    let lacks = |wanted: usize| cells.clone().count() < wanted;
+                    if !lines.ended() && lacks(columns.names.len()) {
+                        if kept.is_none() {
+                            self.is_row = false;
+                            return Ok(());
+                        }
+                        // Its number is whole if another cell follows.
+                        ensure!(
+                            !lacks(split.column + 2),
+                            "{}: the line is cut off, or still being written",
+                            lines.place()
+                        );
+                    }
                     if split.is_next(&mut cells, first, || lines.place())? {
                         return Ok(());
                     }

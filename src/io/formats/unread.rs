@@ -205,7 +205,7 @@ fn json(head: &[u8]) -> bool {
     let (first, second) = (rest.next(), rest.next());
     match first {
         Some(b'{') => matches!(second, Some(b'"' | b'}')),
-        Some(b'[') => matches!(second, Some(b'[' | b'{' | b'"' | b'-' | b'0'..=b'9' | b']')),
+        Some(b'[') => matches!(second, Some(b'[' | b'{' | b'"' | b']')),
         _ => false,
     }
 }

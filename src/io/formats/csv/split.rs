@@ -68,7 +68,7 @@ pub(super) fn by_name(columns: &Columns) -> Option<usize> {
 
 /// The splitting column, and what it has shown so far.
 pub(super) struct Split {
-    column: usize,
+    pub column: usize,
     name: String,
     kind: Kind,
     /// Called t or time, and not chosen: each row may have one of its own.
