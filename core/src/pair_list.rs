@@ -50,6 +50,8 @@ pub struct PairList<'a> {
     before: usize,
     /// Pairs found that there was no room for.
     lost: u64,
+    /// Bytes that the system would not give, or 0.
+    exhausted: u64,
     allowance: &'a Allowance,
     /// Takes all pairs, if there is one: the list then has no room, so that only who finds it full
     /// need look.
@@ -60,7 +62,7 @@ impl<'a> PairList<'a> {
     /// Goes on behind the pairs of a list, whose room is charged.
     pub fn behind(pairs: Vec<[u32; 2]>, allowance: &'a Allowance) -> PairList<'a> {
         allowance.take(pairs.capacity());
-        PairList { before: pairs.len(), pairs, lost: 0, allowance, door: None }
+        PairList { before: pairs.len(), pairs, lost: 0, exhausted: 0, allowance, door: None }
     }
 
     /// An empty list.
@@ -107,8 +109,11 @@ impl<'a> PairList<'a> {
         if self.lost == 0 {
             let granted = self.allowance.take(least.max(capacity).max(4));
             let room = capacity + granted - len;
-            if granted >= least && self.pairs.try_reserve_exact(room).is_ok() {
-                return true;
+            if granted >= least {
+                if self.pairs.try_reserve_exact(room).is_ok() {
+                    return true;
+                }
+                self.exhausted = (len + room) as u64 * PAIR_BYTES;
             }
             self.allowance.give_back(granted);
         }
@@ -160,6 +165,9 @@ pub(crate) fn lists(
 fn refused(lists: &[PairList<'_>], particles: usize) -> Result<(), Refusal> {
     if lists.iter().all(|list| list.lost == 0) {
         return Ok(());
+    }
+    if let Some(bytes) = lists.iter().map(|list| list.exhausted).find(|&bytes| bytes > 0) {
+        return Err(Refusal::Exhausted { bytes });
     }
     Err(Refusal::Pairs {
         found: lists.iter().map(PairList::found).sum(),

@@ -169,6 +169,17 @@ pub fn reserve<T>(list: &mut Vec<T>, more: usize) -> Result<(), Refusal> {
     list.try_reserve_exact(more).map_err(|_| Refusal::Exhausted { bytes })
 }
 
+/// As [`reserve`], within a detector, whose arrays are within its limit: memory that cannot be had
+/// is a panic, which programs that must go on can catch, and not the end of the process.
+///
+/// # Panics
+/// With the words of [`Refusal::Exhausted`].
+pub(crate) fn must_reserve<T>(list: &mut Vec<T>, more: usize) {
+    if let Err(refusal) = reserve(list, more) {
+        std::panic::panic_any(refusal.to_string());
+    }
+}
+
 /// Boxes with more images than this for each particle are much smaller than the bodies.
 const MANY: f64 = 100.0;
 

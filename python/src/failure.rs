@@ -138,6 +138,9 @@ pub fn quiet() {
 /// What detectors panic with if arrays change while they are read.
 const CHANGED: &str = "changed during a detection";
 
+/// What detectors panic with if the system gives no memory.
+const EXHAUSTED: &str = "could not be had";
+
 fn caught<R>(work: impl FnOnce() -> Result<R, Failure>) -> Result<R, Failure> {
     catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|cause| {
         let words = match (cause.downcast_ref::<String>(), cause.downcast_ref::<&str>()) {
@@ -147,6 +150,9 @@ fn caught<R>(work: impl FnOnce() -> Result<R, Failure>) -> Result<R, Failure> {
         };
         if words.contains(CHANGED) {
             return Err(Failure::Changed);
+        }
+        if words.contains(EXHAUSTED) {
+            return Err(Failure::Memory(words.into()));
         }
         let place = PANICKED.lock().unwrap_or_else(PoisonError::into_inner);
         Err(Failure::Defect(format!("{words}{place}")))

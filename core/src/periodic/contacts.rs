@@ -106,6 +106,7 @@ impl Contacts {
         self.shifted = shifted.pairs;
         let listed = match all {
             _ if complete => Ok(()),
+            Err(exhausted @ Refusal::Exhausted { .. }) => Err(exhausted),
             Err(Refusal::Pairs { room, .. }) => {
                 Err(Refusal::Pairs { found, particles: particles as u64, room })
             }

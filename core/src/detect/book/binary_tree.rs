@@ -176,7 +176,7 @@ impl BinaryTree {
                     shape,
                 });
             }
-            self.nodes.reserve_exact(grown - made);
+            crate::refusal::must_reserve(&mut self.nodes, grown - made);
         }
         self.nodes.push([EMPTY; 2]);
         Ok(made as u32)

@@ -71,7 +71,7 @@ impl Heads {
             // at once.
             if count > self.0.capacity() {
                 self.0 = Vec::new();
-                self.0.reserve_exact(count);
+                crate::refusal::must_reserve(&mut self.0, count);
             }
             self.0.resize(count, EMPTY);
         }
@@ -169,7 +169,7 @@ impl<const L: usize> Links<L> {
         if count > self.0.len() {
             if count > self.0.capacity() {
                 self.0 = Vec::new();
-                self.0.reserve_exact(count);
+                crate::refusal::must_reserve(&mut self.0, count);
             }
             self.0.resize(count, [EMPTY; L]);
         }

@@ -145,7 +145,7 @@ impl<A, const D: usize> NbsLevels<A, D> {
         let n = bodies.len();
         if n > self.order.capacity() {
             self.order = Vec::new();
-            self.order.reserve_exact(n);
+            crate::refusal::must_reserve(&mut self.order, n);
         }
         self.order.clear();
         self.order.resize(n, 0);

@@ -118,11 +118,11 @@ impl<const D: usize> Sorting<D> {
     ) {
         let n = bodies.len();
         self.particles.clear();
-        self.particles.reserve_exact(n);
+        crate::refusal::must_reserve(&mut self.particles, n);
         self.particles.extend(0..n as u32);
         for (axis, keys) in self.keys.iter_mut().enumerate() {
             keys.clear();
-            keys.reserve_exact(n);
+            crate::refusal::must_reserve(keys, n);
             keys.extend((0..n as u32).map(|i| {
                 let key = cells.index(bodies.position(i)[axis], axis, probe);
                 probe.note(|| Event::Key { axis, particle: i, key });

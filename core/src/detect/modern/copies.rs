@@ -64,7 +64,7 @@ pub fn renew<T: Real, const D: usize>(records: &mut [Record<D>], bodies: &impl B
 pub fn room<X: Clone>(buffer: &mut Vec<X>, count: usize, filling: X) {
     if count > buffer.capacity() {
         *buffer = Vec::new();
-        buffer.reserve_exact(count);
+        crate::refusal::must_reserve(buffer, count);
     }
     buffer.resize(count, filling);
 }

@@ -165,7 +165,7 @@ impl<R: Size, const D: usize> Bundles<'_, R, D> {
 /// At least `count` of them.
 pub(super) fn grow<A: Default>(array: &mut Vec<A>, count: usize) {
     if count > array.len() {
-        array.reserve_exact(count - array.len());
+        crate::refusal::must_reserve(array, count - array.len());
         array.resize_with(count, A::default);
     }
 }

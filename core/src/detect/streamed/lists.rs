@@ -314,7 +314,7 @@ pub(super) fn at_least<A: Copy>(array: &mut Vec<A>, count: usize, value: A) {
     if count > array.len() {
         if count > array.capacity() {
             *array = Vec::new();
-            array.reserve_exact(count);
+            crate::refusal::must_reserve(array, count);
         }
         array.resize(count, value);
     }

@@ -130,7 +130,7 @@ impl<const D: usize, R: Size> Sparse<D, R> {
         self.places.clear();
         if n > self.places.capacity() {
             self.places = Vec::new();
-            self.places.reserve_exact(n);
+            crate::refusal::must_reserve(&mut self.places, n);
         }
         let fraction = |q: u64| (q & ((1 << FRACTION) - 1)) as u16;
         self.places.extend((0..n as u32).map(|id| {
@@ -180,7 +180,7 @@ impl<const D: usize, R: Size> Sparse<D, R> {
         }
         if most > self.ranges.capacity() {
             self.ranges = Vec::new();
-            self.ranges.reserve_exact(most);
+            crate::refusal::must_reserve(&mut self.ranges, most);
         }
         let mut layers = layers(&self.places).peekable();
         let mut filled = None;
