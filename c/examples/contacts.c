@@ -35,8 +35,8 @@ int main(void) {
 
     /* In a channel of length 4 the last one meets the first, too. */
     contactbench_box channel = {
-        .vectors = {4.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0},
-        .periodic = {1, 0, 0},
+        .vectors = {4.0, 0.0, 0.0, 0.0, 1.0},
+        .periodic = {1, 0, 1}, /* the third vector is not looked at for discs */
     };
     scene.bounds = &channel;
     check(contactbench_contacts(detector, &scene));
@@ -47,6 +47,18 @@ int main(void) {
         printf(" (%u,%u) image (%d,%d)", (unsigned)pairs[2 * k], (unsigned)pairs[2 * k + 1],
                (int)images[2 * k], (int)images[2 * k + 1]);
     printf("\n");
+
+    /* While particles move, a tracker keeps a list of near pairs from step to step. */
+    contactbench_tracker *tracker;
+    check(contactbench_tracker_new("verlet(streamed-nbs,skin=0.5)", NULL, 1, 0, &tracker));
+    for (int step = 0; step < 3; step++) {
+        check(contactbench_tracker_step(tracker, &scene));
+        printf("tracked: %u contacts%s\n", (unsigned)contactbench_tracker_count(tracker),
+               contactbench_tracker_built(tracker) ? ", list built" : "");
+        x[2] += 0.125;
+    }
+    x[2] = 1.0;
+    contactbench_tracker_free(tracker);
 
     /* A list that misses it. */
     contactbench_errors errors;
@@ -62,6 +74,7 @@ int main(void) {
     printf("error: %s\n", contactbench_last_error());
     contactbench_free(detector);
     if (contactbench_new("nsb", NULL, 1, 0, &detector) != CONTACTBENCH_INVALID) return 1;
+    if (contactbench_new("nothing", NULL, 1, 0, &detector) != CONTACTBENCH_INVALID) return 1;
     contactbench_free(detector);
     return 0;
 }

@@ -9,7 +9,7 @@ program contacts
     type(contactbench_box), target :: channel
     type(contactbench_scene) :: scene
     type(contactbench_errors) :: errors
-    type(c_ptr) :: detector
+    type(c_ptr) :: detector, tracker
     integer(c_int32_t), pointer :: pairs(:, :), images(:, :)
     integer(c_int32_t), target :: none(2) = 0
     integer :: k
@@ -37,6 +37,18 @@ program contacts
     do k = 1, size(pairs, 2)
         print '(a, i0, ",", i0, a, i0, ",", i0)', "channel: ", pairs(:, k), "  image ", images(:, k)
     end do
+
+    ! While particles move, a tracker keeps a list of near pairs from step to step.
+    call check(contactbench_tracker_new("verlet(streamed-nbs,skin=0.5)" // c_null_char, &
+        c_null_char, 1_c_size_t, 0_c_int64_t, tracker))
+    do k = 0, 1
+        call check(contactbench_tracker_step(tracker, scene))
+        print '(a, i0, a, i0)', "tracked: ", contactbench_tracker_count(tracker), &
+            "  built ", contactbench_tracker_built(tracker)
+        x(1, 2) = x(1, 2) + 0.125d0
+    end do
+    x(1, 2) = 1d0
+    call contactbench_tracker_free(tracker)
 
     ! A list that misses it.
     call check(contactbench_verify(scene, 1_c_size_t, [1, 0], c_loc(none), errors))

@@ -87,5 +87,56 @@ module contactbench
             type(contactbench_errors), intent(out) :: errors
             integer(c_int) :: contactbench_verify
         end function
+
+        function contactbench_tracker_new(tracker, arithmetic, threads, memory_limit, made) bind(c)
+            import :: c_int, c_char, c_size_t, c_int64_t, c_ptr
+            character(kind=c_char), intent(in) :: tracker(*), arithmetic(*)
+            integer(c_size_t), value :: threads
+            integer(c_int64_t), value :: memory_limit
+            type(c_ptr), intent(out) :: made
+            integer(c_int) :: contactbench_tracker_new
+        end function
+
+        subroutine contactbench_tracker_free(tracker) bind(c)
+            import :: c_ptr
+            type(c_ptr), value :: tracker
+        end subroutine
+
+        function contactbench_tracker_step(tracker, scene) bind(c)
+            import :: c_int, c_ptr, contactbench_scene
+            type(c_ptr), value :: tracker
+            type(contactbench_scene), intent(in) :: scene
+            integer(c_int) :: contactbench_tracker_step
+        end function
+
+        function contactbench_tracker_forget(tracker) bind(c)
+            import :: c_int, c_ptr
+            type(c_ptr), value :: tracker
+            integer(c_int) :: contactbench_tracker_forget
+        end function
+
+        function contactbench_tracker_built(tracker) bind(c)
+            import :: c_int, c_ptr
+            type(c_ptr), value :: tracker
+            integer(c_int) :: contactbench_tracker_built
+        end function
+
+        function contactbench_tracker_count(tracker) bind(c)
+            import :: c_size_t, c_ptr
+            type(c_ptr), value :: tracker
+            integer(c_size_t) :: contactbench_tracker_count
+        end function
+
+        function contactbench_tracker_pairs(tracker) bind(c)
+            import :: c_ptr
+            type(c_ptr), value :: tracker
+            type(c_ptr) :: contactbench_tracker_pairs
+        end function
+
+        function contactbench_tracker_images(tracker) bind(c)
+            import :: c_ptr
+            type(c_ptr), value :: tracker
+            type(c_ptr) :: contactbench_tracker_images
+        end function
     end interface
 end module

@@ -3,7 +3,7 @@
    Calls give CONTACTBENCH_OK, or another code and a sentence: contactbench_last_error. Numbers are
    read in place and never changed; all lengths are in one unit.
 
-   Made from c/src/lib.rs by HEADER=write cargo test, in the folder c. */
+   Made from c/src by HEADER=write cargo test, in the folder c. */
 
 #ifndef CONTACTBENCH_H
 #define CONTACTBENCH_H
@@ -32,9 +32,16 @@
 #define CONTACTBENCH_DEFECT 3
 
 /**
- * A detector that keeps its buffers, and the contacts of its last scene. By one thread at a time.
+ * A detector that keeps its buffers, and the contacts of its last scene. A call by another thread
+ * at the same time is an error.
  */
 typedef struct contactbench_detector contactbench_detector;
+
+/**
+ * A list of near pairs that is kept from frame to frame (a Verlet list), and the contacts of its
+ * last frame. A call by another thread at the same time is an error.
+ */
+typedef struct contactbench_tracker contactbench_tracker;
 
 /**
  * A box in which a scene repeats. Discs use the first two vectors.
@@ -184,6 +191,58 @@ int contactbench_verify(const struct contactbench_scene *scene,
                         const uint32_t *pairs,
                         const int32_t *images,
                         struct contactbench_errors *errors);
+
+/**
+ * Makes a tracker, to be freed by contactbench_tracker_free, and puts it into `made`; NULL where
+ * it fails.
+ *
+ * `tracker` is as in "verlet(streamed-nbs,rule=top-two,skin=0.3)", with the skin in diameters of
+ * the largest particle, and NULL or an empty text for "verlet(streamed-nbs,skin=auto)". The other
+ * arguments are those of contactbench_new; in a box a list decides in "exact" arithmetic alone.
+ */
+int contactbench_tracker_new(const char *tracker,
+                             const char *arithmetic,
+                             size_t threads,
+                             uint64_t memory_limit,
+                             struct contactbench_tracker **made);
+
+/**
+ * Frees a tracker with its list and contacts; nothing if it is NULL.
+ */
+void contactbench_tracker_free(struct contactbench_tracker *tracker);
+
+/**
+ * Finds the contacts of the next frame, as contactbench_contacts does. Radii, box and number of
+ * particles may change from frame to frame; the list is then built again where it must be. After
+ * an error the next frame is taken as the first.
+ */
+int contactbench_tracker_step(struct contactbench_tracker *tracker,
+                              const struct contactbench_scene *scene);
+
+/**
+ * Takes the next frame as the first: it may be of other particles, or far from the last one.
+ */
+int contactbench_tracker_forget(struct contactbench_tracker *tracker);
+
+/**
+ * Whether the list was built in the last step: 1, or 0.
+ */
+int contactbench_tracker_built(const struct contactbench_tracker *tracker);
+
+/**
+ * As contactbench_count, of the last frame.
+ */
+size_t contactbench_tracker_count(const struct contactbench_tracker *tracker);
+
+/**
+ * As contactbench_pairs, of the last frame.
+ */
+const uint32_t *contactbench_tracker_pairs(const struct contactbench_tracker *tracker);
+
+/**
+ * As contactbench_images, of the last frame.
+ */
+const int32_t *contactbench_tracker_images(const struct contactbench_tracker *tracker);
 
 #ifdef __cplusplus
 }  // extern "C"

@@ -32,6 +32,12 @@ impl Failure {
             (_, Some(text)) => &**text,
             _ => "panic",
         };
+        if said.contains("changed during a detection") {
+            return Failure::invalid("an array of the scene was written to during the call");
+        }
+        if said.contains("could not be had") {
+            return Failure::Memory(said.into());
+        }
         Failure::Defect(format!("{said}; this is a defect of contactbench: report it"))
     }
 }
@@ -109,7 +115,9 @@ impl Given<'_> {
         let lattice = match unsafe { scene.bounds.as_ref() } {
             Some(bounds) => {
                 let vector = |k: usize| std::array::from_fn(|axis| bounds.vectors[3 * k + axis]);
-                let periodic = bounds.periodic.map(|flag| flag != 0);
+                let mut periodic = bounds.periodic.map(|flag| flag != 0);
+                // Discs use the first two vectors, whatever the third one is.
+                periodic[2] &= dim == 3;
                 Some(Lattice::new([0, 1, 2].map(vector), periodic, bounds.origin)?)
             }
             None => None,

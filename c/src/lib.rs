@@ -3,22 +3,26 @@
 #![allow(non_camel_case_types)]
 
 mod given;
+mod handle;
+mod tracker;
 
 use std::cell::RefCell;
 use std::ffi::{CStr, CString, c_char, c_int};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::ptr;
+use std::sync::Once;
 
 use contactbench_core::contact::Arithmetic;
-use contactbench_core::detect::spec::{self, DetectorSpec};
+use contactbench_core::detect::spec::{self, DetectorSpec, SpecError};
 use contactbench_core::detect::{Options, table};
+use contactbench_core::memory;
 use contactbench_core::oracle::{self, Errors};
-use contactbench_core::periodic::{self, Contacts, ImagePair};
+use contactbench_core::periodic::{self, ImagePair};
+use contactbench_core::refusal::reserve;
 use contactbench_core::searcher::{Loaded, Searcher};
-use contactbench_core::sink::smaller_first;
-use contactbench_core::{crowd, memory};
 use given::{Failure, Given, rows};
-use rayon::{ThreadPool, ThreadPoolBuilder};
+use handle::{Answer, Handle, Worker, by, crew, pool};
+pub use tracker::*;
 
 /// All is well.
 pub const CONTACTBENCH_OK: c_int = 0;
@@ -79,16 +83,12 @@ pub struct contactbench_errors {
     pub widest_false: f64,
 }
 
-/// A detector that keeps its buffers, and the contacts of its last scene. By one thread at a time.
+/// A detector that keeps its buffers, and the contacts of its last scene. A call by another thread
+/// at the same time is an error.
 pub struct contactbench_detector {
     arithmetic: Arithmetic,
     limit: u64,
-    searcher: Searcher,
-    crew: Option<ThreadPool>,
-    contacts: Contacts,
-    /// So many numbers for each pair, in a box.
-    images: Vec<i32>,
-    boxed: bool,
+    handle: Handle<Worker<Searcher>>,
 }
 
 thread_local! {
@@ -97,6 +97,9 @@ thread_local! {
 
 /// Does it, and keeps why not.
 fn done(work: impl FnOnce() -> Result<(), Failure>) -> c_int {
+    static QUIET: Once = Once::new();
+    // Panics become codes and sentences.
+    QUIET.call_once(|| std::panic::set_hook(Box::new(|_| {})));
     let failed = match catch_unwind(AssertUnwindSafe(work)) {
         Ok(Ok(())) => return CONTACTBENCH_OK,
         Ok(Err(failure)) => failure,
@@ -163,6 +166,18 @@ fn detector_of(
     threads: usize,
     memory_limit: u64,
 ) -> Result<contactbench_detector, Failure> {
+    usable(spec, threads)?;
+    let limit = if memory_limit == 0 { memory::default_limit() } else { memory_limit };
+    let search = Searcher::new(spec, Options { memory_limit: limit, threads });
+    let worker = Worker { search, crew: crew(threads)?, answer: Answer::default() };
+    Ok(contactbench_detector { arithmetic, limit, handle: Handle::new(worker, threads) })
+}
+
+/// A detector of the table that can use so many threads.
+fn usable(spec: &DetectorSpec, threads: usize) -> Result<(), Failure> {
+    if spec.entry.is_control() {
+        return Err(Failure::invalid(SpecError::Unknown { name: spec.entry.name.into() }));
+    }
     if threads > 1 && !spec.entry.threads || !(1..=1024).contains(&threads) {
         return Err(Failure::invalid(format!(
             "{} cannot use {threads} threads; give 1, or with streamed-nbs, cell-grid and direct \
@@ -170,24 +185,7 @@ fn detector_of(
             spec.entry.name
         )));
     }
-    let limit = if memory_limit == 0 { memory::default_limit() } else { memory_limit };
-    let searcher = Searcher::new(spec, Options { memory_limit: limit, threads });
-    let crew = if threads > 1 { Some(crew(threads)?) } else { None };
-    let contacts = Contacts::default();
-    Ok(contactbench_detector {
-        arithmetic,
-        limit,
-        searcher,
-        crew,
-        contacts,
-        images: Vec::new(),
-        boxed: false,
-    })
-}
-
-fn crew(threads: usize) -> Result<ThreadPool, Failure> {
-    let made = ThreadPoolBuilder::new().num_threads(threads).build();
-    made.map_err(|error| Failure::invalid(format!("threads could not be started: {error}")))
+    Ok(())
 }
 
 /// # Safety
@@ -228,40 +226,23 @@ pub unsafe extern "C" fn contactbench_contacts(
     scene: *const contactbench_scene,
 ) -> c_int {
     done(|| {
-        // SAFETY: null, or the caller's to be used by this thread alone.
-        let Some(detector) = (unsafe { detector.as_mut() }) else {
+        // SAFETY: null, or one that was made and not freed.
+        let Some(detector) = (unsafe { detector.as_ref() }) else {
             return Err(Failure::invalid("the detector is NULL; make one by contactbench_new"));
         };
-        detector.contacts.clear();
-        detector.images.clear();
-        detector.boxed = false;
+        let mut worker = detector.handle.enter()?;
+        let Worker { search, crew, answer } = &mut *worker;
+        answer.clear();
         // SAFETY: what the caller promises of the scene.
         let given = unsafe { Given::new(scene) }?;
         let loaded = Loaded::new(&given.scene, given.lattice, detector.arithmetic)?;
-        if let Loaded::Open(scene) = &loaded {
-            crowd::within(scene, detector.limit)?;
-        }
-        let contactbench_detector { searcher, contacts, arithmetic, crew, .. } = detector;
-        let mut list = || searcher.list(&loaded, *arithmetic, contacts);
-        let listed = match crew {
-            Some(crew) => crew.install(list),
-            None => list(),
-        };
-        if let Err(refusal) = listed {
-            contacts.clear();
+        loaded.within(detector.limit)?;
+        let contacts = &mut answer.contacts;
+        if let Err(refusal) = by(crew, || search.list(&loaded, detector.arithmetic, contacts)) {
+            answer.clear();
             return Err(refusal.into());
         }
-        smaller_first(&mut contacts.plain);
-        detector.boxed = given.lattice.is_some();
-        if detector.boxed {
-            let contactbench_detector { contacts, images, .. } = detector;
-            let Contacts { plain, shifted } = contacts;
-            images.resize(plain.len() * given.dim, 0);
-            images.extend(shifted.iter().flat_map(|pair| pair.image[..given.dim].iter()));
-            plain.extend(shifted.iter().map(|pair| [pair.i, pair.j]));
-            shifted.clear();
-        }
-        Ok(())
+        answer.finish(given.lattice.is_some(), given.dim)
     })
 }
 
@@ -271,8 +252,9 @@ pub unsafe extern "C" fn contactbench_contacts(
 /// The detector is there, or NULL.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn contactbench_count(detector: *const contactbench_detector) -> usize {
-    // SAFETY: null, or the caller's to be read.
-    unsafe { detector.as_ref() }.map_or(0, |detector| detector.contacts.plain.len())
+    // SAFETY: null, or one that was made and not freed.
+    let worker = unsafe { detector.as_ref() }.and_then(|detector| detector.handle.enter().ok());
+    worker.map_or(0, |worker| worker.answer.contacts.plain.len())
 }
 
 /// The pairs of the last scene: two numbers of particles for each, from 0, the smaller first; each
@@ -282,9 +264,9 @@ pub unsafe extern "C" fn contactbench_count(detector: *const contactbench_detect
 /// The detector is there, or NULL.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn contactbench_pairs(detector: *const contactbench_detector) -> *const u32 {
-    // SAFETY: null, or the caller's to be read.
-    let detector = unsafe { detector.as_ref() };
-    detector.map_or(ptr::null(), |detector| detector.contacts.plain.as_flattened().as_ptr())
+    // SAFETY: null, or one that was made and not freed.
+    let worker = unsafe { detector.as_ref() }.and_then(|detector| detector.handle.enter().ok());
+    worker.map_or(ptr::null(), |worker| worker.answer.contacts.plain.as_flattened().as_ptr())
 }
 
 /// In a box the images of the pairs: dim whole numbers for each, so that the first particle touches
@@ -294,9 +276,10 @@ pub unsafe extern "C" fn contactbench_pairs(detector: *const contactbench_detect
 /// The detector is there, or NULL.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn contactbench_images(detector: *const contactbench_detector) -> *const i32 {
-    // SAFETY: null, or the caller's to be read.
-    let boxed = unsafe { detector.as_ref() }.filter(|detector| detector.boxed);
-    boxed.map_or(ptr::null(), |detector| detector.images.as_ptr())
+    // SAFETY: null, or one that was made and not freed.
+    let worker = unsafe { detector.as_ref() }.and_then(|detector| detector.handle.enter().ok());
+    let boxed = worker.filter(|worker| worker.answer.boxed);
+    boxed.map_or(ptr::null(), |worker| worker.answer.images.as_ptr())
 }
 
 /// Holds a list of `count` pairs, of particles numbered from 0, to the exact truth, which is found
@@ -338,7 +321,7 @@ pub unsafe extern "C" fn contactbench_verify(
             None => &[],
         };
         // On one thread: more are the caller's to start.
-        let found = crew(1)?.install(|| held(&given, pairs, images))?;
+        let found = pool(1)?.install(|| held(&given, pairs, images))?;
         // SAFETY: it is not null, and the caller's to be written to.
         unsafe { errors.write(found) };
         Ok(())
@@ -355,19 +338,17 @@ fn held(
     let (contacts, found) = match &loaded {
         Loaded::Open(scene) => {
             let truth = oracle::truth_as_stored(scene, Arithmetic::Exact.test(), limit)?.pairs;
-            let mut pairs = pairs.to_vec();
+            let mut pairs = copied(pairs.iter().copied())?;
             contactbench_core::sink::normalise(&mut pairs);
             (truth.len(), oracle::compare(&pairs, &truth, scene))
         }
         Loaded::InBox(scene) => {
             let truth = periodic::truth(scene, Arithmetic::Exact, limit)?.pairs;
             let named = pairs.iter().zip(images.chunks(given.dim));
-            let mut pairs: Vec<ImagePair> = named
-                .map(|(&[i, j], image)| {
-                    let at = |k| image.get(k).copied().unwrap_or(0);
-                    ImagePair::new(i, j, std::array::from_fn(at))
-                })
-                .collect();
+            let mut pairs = copied(named.map(|(&[i, j], image)| {
+                let at = |k| image.get(k).copied().unwrap_or(0);
+                ImagePair::new(i, j, std::array::from_fn(at))
+            }))?;
             pairs.sort_unstable();
             let of_itself = |pair: ImagePair| pair.i == pair.j && pair.image == [0; 3];
             let depth = |pair| periodic::depth(scene, pair);
@@ -385,4 +366,11 @@ fn held(
         deepest_miss,
         widest_false,
     })
+}
+
+fn copied<T>(pairs: impl ExactSizeIterator<Item = T>) -> Result<Vec<T>, Failure> {
+    let mut copy = Vec::new();
+    reserve(&mut copy, pairs.len())?;
+    copy.extend(pairs);
+    Ok(copy)
 }

@@ -10,7 +10,7 @@ const HEAD: &str = "\
    Calls give CONTACTBENCH_OK, or another code and a sentence: contactbench_last_error. Numbers are
    read in place and never changed; all lengths are in one unit.
 
-   Made from c/src/lib.rs by HEADER=write cargo test, in the folder c. */";
+   Made from c/src by HEADER=write cargo test, in the folder c. */";
 
 #[test]
 fn the_header_is_that_of_the_source() {
