@@ -118,7 +118,8 @@ impl From<Failure> for PyErr {
                  or was at work; make a new one here",
             ),
             Failure::Defect(what) => PyRuntimeError::new_err(format!(
-                "{what}; this is a defect of contactbench: report it with the input"
+                "{what}; unless an array was written to by another thread meanwhile, this is a \
+                 defect of contactbench: report it with the input"
             )),
         }
     }
