@@ -92,14 +92,24 @@ pub fn percent(fraction: f64) -> String {
     }
 }
 
+/// Digits behind the point of a ratio: at least two that are not 0.
+fn digits(ratio: f64) -> usize {
+    match ratio {
+        _ if ratio >= 10.0 => 1,
+        _ if ratio >= 0.1 || ratio <= 0.0 => 2,
+        _ if ratio >= 0.01 => 3,
+        _ => 4,
+    }
+}
+
 /// A ratio without its interval: `1.25`.
 pub fn times(ratio: f64) -> String {
-    if ratio < 10.0 { format!("{ratio:.2}") } else { format!("{ratio:.1}") }
+    format!("{ratio:.*}", digits(ratio))
 }
 
 /// `1.25 (1.20 to 1.31)`.
 pub fn with_interval(ratio: &Interval) -> String {
-    let digits = if ratio.median < 10.0 { 2 } else { 1 };
+    let digits = digits(ratio.median);
     format!("{:.digits$} ({:.digits$} to {:.digits$})", ratio.median, ratio.low, ratio.high)
 }
 

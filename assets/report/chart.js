@@ -312,6 +312,13 @@ function choice(label, name, options, chosen, changed) {
   for (const figure of document.querySelectorAll("figure")) {
     const [image, link] = [figure.querySelector("img"), figure.querySelector("a[data-kind=SVG]")];
     if (image && link) link.href = image.src;
+    figure.querySelector("a[data-kind=PNG]")?.addEventListener("click", (event) => {
+      if (!image?.naturalWidth) return;
+      event.preventDefault();
+      const canvas = element("canvas", { width: 2 * image.naturalWidth, height: 2 * image.naturalHeight });
+      canvas.getContext("2d").drawImage(image, 0, 0, canvas.width, canvas.height);
+      element("a", { href: canvas.toDataURL("image/png"), download: event.target.download }).click();
+    });
   }
   box.addEventListener("keydown", (event) => {
     const step = { ArrowLeft: -1, ArrowRight: 1 }[event.key];

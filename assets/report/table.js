@@ -25,6 +25,12 @@
   const columns = [...keys.map((column) => [LABELS[column.name] ?? column.name.replaceAll("_", " "), (cell) => cell[column.name]]), ...measured]
     .map(([label, read]) => ({ label, read, number: report.cells.some((cell) => typeof read(cell) === "number") }));
 
+  // On a phone the detector stays in view, and its time stands beside it.
+  const narrow = matchMedia("(max-width: 46rem)");
+  const first = (column) => ["detector", "ns / N", "N"].indexOf(column.label);
+  const inView = () => (narrow.matches ? [...columns].sort((a, b) => (first(b) >= 0) - (first(a) >= 0) || first(a) - first(b)) : columns);
+  narrow.addEventListener("change", () => show());
+
   const [filters, count, table, more] = ["filters", "count", "cells", "more"].map((id) => document.getElementById(id));
   const state = { sort: null, down: false, chosen: {}, words: "", all: false };
 
@@ -46,18 +52,18 @@
   }
 
   function show() {
-    const cells = chosen();
-    const heads = columns.map((column) => {
+    const [cells, order] = [chosen(), inView()];
+    const heads = order.map((column) => {
       const sorted = column === state.sort;
       const button = element("button", { type: "button" }, column.label, sorted ? (state.down ? " ▼" : " ▲") : "");
       button.addEventListener("click", () => {
         state.down = sorted && !state.down;
         state.sort = column;
         show();
-        table.tHead.querySelectorAll("button")[columns.indexOf(column)].focus();
+        table.tHead.querySelectorAll("button")[order.indexOf(column)].focus();
       });
-      const order = sorted ? (state.down ? "descending" : "ascending") : "none";
-      return element("th", { scope: "col", className: column.number ? "number" : "", "aria-sort": order }, button);
+      const sort = sorted ? (state.down ? "descending" : "ascending") : "none";
+      return element("th", { scope: "col", className: column.number ? "number" : "", "aria-sort": sort }, button);
     });
     table.tHead.replaceChildren(element("tr", {}, ...heads));
     const entry = (cell) => ({ label, read, number }) => {
@@ -68,7 +74,7 @@
       return node;
     };
     const shown = state.all ? cells : cells.slice(0, FIRST);
-    table.tBodies[0].replaceChildren(...shown.map((cell) => element("tr", {}, ...columns.map(entry(cell)))));
+    table.tBodies[0].replaceChildren(...shown.map((cell) => element("tr", {}, ...order.map(entry(cell)))));
     count.textContent = `${cells.length} of ${report.cells.length} rows${shown.length < cells.length ? `, the first ${shown.length} shown` : ""}`;
     const button = element("button", { type: "button" }, `Show all ${cells.length} rows`);
     button.addEventListener("click", () => { state.all = true; show(); });

@@ -102,6 +102,12 @@ impl<'a> Group<'a> {
         self.lines.values().flat_map(|cells| cells.keys().copied()).collect()
     }
 
+    /// The number of scenes of this many particles: one for each seed.
+    pub fn seeds(&self, n: u64) -> usize {
+        let cells = self.lines.values().filter_map(|sizes| sizes.get(&n)).flatten();
+        cells.map(|cell| cell.id.seed).collect::<BTreeSet<_>>().len()
+    }
+
     /// The cells of a line at one N.
     pub fn at(&self, line: &Line, n: u64) -> Option<&Seeds<'a>> {
         self.lines.get(line)?.get(&n)

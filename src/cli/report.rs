@@ -123,7 +123,9 @@ pub(super) fn finish(folder: &Path, ci: &Outputs) -> anyhow::Result<ExitCode> {
     for warning in &report.warnings {
         writeln!(out, "note:    {warning}")?;
     }
-    writeln!(out, "figures: {} in {}", report.figures.len(), folder.join("figures").display())?;
+    let drawn = report.figures.iter().filter(|path| path.extension().is_some_and(|it| it == "svg"));
+    let (drawn, place) = (drawn.count(), folder.join("figures"));
+    writeln!(out, "figures: {drawn}, as SVG and PNG, in {}", place.display())?;
     writeln!(out, "report:  {}", report.path.display())?;
     writeln!(out, "page:    {}", report.page.display())?;
     if record.rows.iter().any(|row| row.role.base_of().is_some()) {

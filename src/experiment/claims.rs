@@ -30,6 +30,9 @@ pub struct Claim {
     /// Where the claim comes from.
     #[serde(default)]
     pub source: String,
+    /// What it answers to the experiment's question if it holds: `yes`, say.
+    #[serde(default)]
+    pub answers: String,
 }
 
 /// When the limit of a claim was set. One that was chosen with the data at hand proves less.

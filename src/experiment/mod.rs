@@ -98,6 +98,22 @@ pub struct Experiment {
 /// The keys that every file must have.
 pub const REQUIRED: [&str; 6] = ["name", "title", "question", "reading", "detectors", "scene"];
 
+impl Experiment {
+    /// Does it ask which detector is the fastest? Its question has the word, or it compares times:
+    /// with one detector, with advice, on a map or in a claim; or it has no claims, and does not
+    /// compare arithmetics.
+    pub fn asks_fastest(&self) -> bool {
+        let faster = |claim: &Claim| matches!(claim.kind, ClaimKind::Faster { .. });
+        let map = |figure: &Figure| matches!(figure.kind, FigureKind::Map(_));
+        self.question.to_lowercase().contains("fast")
+            || self.ratios_to.is_some()
+            || self.advice
+            || self.claims.is_empty() && self.arithmetics.len() == 1
+            || self.claims.iter().any(faster)
+            || self.figures.iter().any(map)
+    }
+}
+
 impl Default for Experiment {
     fn default() -> Experiment {
         Experiment {

@@ -12,6 +12,7 @@ use std::collections::{BTreeMap, BTreeSet};
 pub use evidence::{At, Evidence, Fitting, Found, Series, Without};
 
 use crate::cells::label::{over, place, varying};
+use crate::cells::series::Line;
 use crate::cells::{Cell, CellId, Expression, Reading, select};
 use crate::experiment::{Claim, ClaimKind, Experiment};
 use crate::findings::coverage::Coverage;
@@ -59,6 +60,8 @@ pub struct Verdict {
     pub claim: String,
     /// Where the claim comes from.
     pub source: String,
+    /// What it answers to the experiment's question if it holds; may be empty.
+    pub answers: String,
     /// What came of it.
     pub status: Status,
     /// False for times, which are of one machine.
@@ -78,8 +81,10 @@ pub fn verdicts(experiment: &Experiment, cells: &[Cell], coverage: &Coverage<'_>
     let own: Vec<Cell> =
         cells.iter().filter(|cell| cell.id.experiment == experiment.name).cloned().collect();
     let judge = |claim: &Claim| {
-        let ((status, found), without) = check(claim, &own)
-            .unwrap_or_else(|e| ((Status::Fails, Found::Unusable(format!("{e:#}"))), None));
+        let Checked { finding: (status, found), without, time } = check(claim, &own)
+            .unwrap_or_else(|error| {
+                Checked::of((Status::Fails, Found::Unusable(format!("{error:#}"))))
+            });
         let uncovered = coverage.uncovered(claim);
         let status = match (status, &found) {
             _ if uncovered.is_none() => status,
@@ -92,9 +97,10 @@ pub fn verdicts(experiment: &Experiment, cells: &[Cell], coverage: &Coverage<'_>
             experiment: experiment.name.clone(),
             claim: claim.name.clone(),
             source: claim.origin(),
+            answers: claim.answers.clone(),
             status,
             machine_independent: !claim.uses_time(),
-            evidence: Evidence { found, of_machine: claim.uses_time(), without, uncovered },
+            evidence: Evidence { found, of_machine: claim.uses_time(), without, uncovered, time },
         }
     };
     experiment.claims.iter().map(judge).collect()
@@ -102,27 +108,40 @@ pub fn verdicts(experiment: &Experiment, cells: &[Cell], coverage: &Coverage<'_>
 
 type Finding = (Status, Found);
 
-fn check(claim: &Claim, own: &[Cell]) -> anyhow::Result<(Finding, Option<Without>)> {
+/// A finding, the cells without a value, and the times of those with one.
+struct Checked {
+    finding: Finding,
+    without: Option<Without>,
+    time: Option<[f64; 2]>,
+}
+
+impl Checked {
+    fn of(finding: Finding) -> Checked {
+        Checked { finding, without: None, time: None }
+    }
+}
+
+fn check(claim: &Claim, own: &[Cell]) -> anyhow::Result<Checked> {
     if own.is_empty() {
-        return Ok(((Status::NotShown, Found::NoRows), None));
+        return Ok(Checked::of((Status::NotShown, Found::NoRows)));
     }
     let named = claim.filter.contains_key("detector");
     let mut cells = select::select(own, &claim.filter)?;
     cells.retain(|cell| named || !cell.role.is_control());
     if cells.is_empty() {
-        return Ok(((Status::NotShown, Found::NoCell), None));
+        return Ok(Checked::of((Status::NotShown, Found::NoCell)));
     }
     let wrong: Vec<&&Cell> =
         cells.iter().filter(|cell| cell.overall().0 == Outcome::Wrong).collect();
     if let Some(first) = wrong.first() {
         let first = place(&first.id, &varying(&cells));
-        return Ok(((Status::Fails, Found::Wrong { cells: wrong.len(), first }), None));
+        return Ok(Checked::of((Status::Fails, Found::Wrong { cells: wrong.len(), first })));
     }
     if let Some(first) =
         cells.iter().find(|cell| cell.overall().0 == Outcome::Crashed && cell.role.is_ours())
     {
         let first = place(&first.id, &varying(&cells));
-        return Ok(((Status::Fails, Found::Crashed { first }), None));
+        return Ok(Checked::of((Status::Fails, Found::Crashed { first })));
     }
     // A cell without one of these is named with those left out.
     let points = |sides: &[&Expression]| -> anyhow::Result<Vec<Valued>> {
@@ -168,7 +187,22 @@ fn check(claim: &Claim, own: &[Cell]) -> anyhow::Result<(Finding, Option<Without
         *outcomes.entry((!outcome.is_good()).then_some(outcome)).or_default() += 1;
     }
     let without = Without { outcomes, of: cells.len() };
-    Ok((finding, Some(without).filter(|without| !without.outcomes.is_empty())))
+    let without = Some(without).filter(|without| !without.outcomes.is_empty());
+    let of_law = matches!(claim.kind, ClaimKind::Constant { .. } | ClaimKind::Model { .. });
+    cells.retain(|cell| used.contains(&cell.id));
+    let time = if of_law && !claim.uses_time() { times(&cells) } else { None };
+    Ok(Checked { finding, without, time })
+}
+
+/// Smallest and largest median time per particle, if all cells have one and are of one detector in
+/// one arithmetic with as many threads.
+fn times(cells: &[&Cell]) -> Option<[f64; 2]> {
+    let one: BTreeSet<Line> = cells.iter().map(|cell| Line::new(cell)).collect();
+    let per_particle = |cell: &&Cell| Some(cell.time()?.median / cell.id.n.max(1) as f64);
+    let times: Option<Vec<f64>> = cells.iter().map(per_particle).collect();
+    let times = times.filter(|times| one.len() == 1 && !times.is_empty())?;
+    let [low, high] = [f64::min, f64::max].map(|pick| times.iter().copied().reduce(pick));
+    Some([low?, high?])
 }
 
 /// The finding, and the cells that it is about.

@@ -104,6 +104,10 @@ pub struct Coverage<'a> {
     quick: bool,
     /// Scenes with rows that the plan does not have.
     outside: usize,
+    /// Cells of twins that the plan does not have, in its scenes.
+    twins: usize,
+    /// Contenders without a single row that says otherwise, and why they could not be started.
+    unavailable: BTreeMap<String, String>,
 }
 
 /// The plan of an experiment in numbers.
@@ -123,6 +127,10 @@ pub struct Summary {
     pub blocks: u32,
     /// Scenes with rows that are not planned: those of a quick run.
     pub outside: usize,
+    /// Cells beside the plan: twins, which every run gets to measure the noise.
+    pub twins: usize,
+    /// Contenders that could not be started, each with the reason.
+    pub unavailable: BTreeMap<String, String>,
 }
 
 /// Cells with fewer blocks than are planned.
@@ -194,7 +202,22 @@ impl<'a> Coverage<'a> {
             }
         }
         let outside = scenes.difference(&met).count();
-        Coverage { experiment, planned, quick: scope.quick, outside }
+        let unavailable = unavailable(own);
+        for planned in planned.iter_mut().filter(|planned: &&mut Planned| planned.cell.is_none()) {
+            // A quick run has not its scenes, but would not have started it there either.
+            if unavailable.contains_key(&planned.id.contender()) {
+                planned.why = Why::Unavailable;
+            }
+        }
+        let there: BTreeSet<&CellId> =
+            planned.iter().filter_map(|planned| Some(&planned.cell?.id)).collect();
+        let extra = |cell: &&&Cell| {
+            matches!(cell.role, Role::Twin(_))
+                && !there.contains(&cell.id)
+                && met.contains(&scene(&cell.id))
+        };
+        let twins = own.iter().filter(extra).count();
+        Coverage { experiment, planned, quick: scope.quick, outside, twins, unavailable }
     }
 
     /// The plan in numbers.
@@ -224,6 +247,8 @@ impl<'a> Coverage<'a> {
             short,
             blocks: self.experiment.blocks,
             outside: self.outside,
+            twins: self.twins,
+            unavailable: self.unavailable.clone(),
         }
     }
 
@@ -317,6 +342,17 @@ impl<'a> Coverage<'a> {
             why => (why, found),
         })
     }
+}
+
+/// The contenders all of whose cells are unavailable, and the reason of the first.
+fn unavailable(own: &[&Cell]) -> BTreeMap<String, String> {
+    let started = |cell: &&&Cell| cell.overall().0 != Outcome::Unavailable;
+    let known: BTreeSet<String> = own.iter().filter(started).map(|it| it.id.contender()).collect();
+    let mut found = BTreeMap::new();
+    for cell in own.iter().filter(|cell| !known.contains(&cell.id.contender())) {
+        found.entry(cell.id.contender()).or_insert_with(|| cell.overall().1.to_string());
+    }
+    found
 }
 
 /// The passes that a claim needs.

@@ -1,5 +1,6 @@
 //! Cells without a right answer: who, where, how it ended, and why.
 
+use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::cells::series::Line;
@@ -33,11 +34,15 @@ pub struct Culprit {
     pub outcome: Outcome,
     /// The first of its cells.
     pub id: CellId,
-    /// In so many cells.
+    /// Its cells that ended so.
     pub cells: usize,
-    /// The first of them.
-    pub first: String,
-    /// Why, there.
+    /// All of its cells.
+    pub of: usize,
+    /// Wrong pairs in the worst of them, 0 if they were not counted.
+    pub wrong_pairs: u64,
+    /// The place of that cell.
+    pub worst: String,
+    /// The reason given there.
     pub reason: String,
 }
 
@@ -89,19 +94,30 @@ fn culprits(cells: &[&Cell]) -> Vec<Culprit> {
             Outcome::Unavailable if everywhere(cell) => 2,
             _ => continue,
         };
-        let name = series::label(&Line::new(cell), cells);
-        let fields = ["experiment", "scene", "dim", "n", "seed"].map(String::from);
+        let name = cell.id.contender();
+        let fields = ["experiment", "arithmetic", "scene", "dim", "n", "seed"].map(String::from);
+        let wrong_pairs = cell.errors.map_or(0, |errors| errors.wrong());
         let new = || Culprit {
             name: name.clone(),
             id: cell.id.clone(),
             outcome,
             cells: 0,
-            first: label::place(&cell.id, &fields),
+            of: cells.iter().filter(|other| other.id.contender() == name).count(),
+            wrong_pairs,
+            worst: label::place(&cell.id, &fields),
             reason: reason.to_string(),
         };
-        found.entry((rank, name.clone())).or_insert_with(new).cells += 1;
+        let known = found.entry((rank, name.clone())).or_insert_with(new);
+        known.cells += 1;
+        if wrong_pairs > known.wrong_pairs {
+            known.wrong_pairs = wrong_pairs;
+            known.worst = label::place(&cell.id, &fields);
+            known.reason = reason.to_string();
+        }
     }
-    found.into_values().collect()
+    let mut found: Vec<((u8, String), Culprit)> = found.into_iter().collect();
+    found.sort_by_key(|((rank, _), culprit)| (*rank, Reverse(culprit.wrong_pairs)));
+    found.into_iter().map(|(_, culprit)| culprit).collect()
 }
 
 /// One per contender, scene and outcome.

@@ -19,8 +19,9 @@ use variable::{Place, Variable};
 
 use crate::cells::{AxisValue, Cell, label, select};
 use crate::experiment::{MapAxes, Where};
+use crate::findings::every::Scene;
 use crate::findings::noise::Noise;
-use crate::findings::winners::{self, Contest, Scene};
+use crate::findings::winners::{self, Contest};
 use crate::record::id::{self, Axes, MACHINE, OVER, Projection, THREADS};
 use crate::record::row::{Outcome, Pass};
 use crate::stats::interval::Interval;
@@ -212,7 +213,7 @@ fn spot(at: [usize; 2], cells: &[&Cell], noises: &BTreeMap<&str, Noise>, varied:
     // Of several seeds the first speaks, as where the fastest of a scene is named.
     let seed = cells.iter().map(|cell| cell.id.seed).min();
     let own = cells.iter().copied().filter(|cell| Some(cell.id.seed) == seed);
-    let scene = Scene { title: String::new(), n: cells[0].id.n, cells: own.collect() };
+    let scene = Scene { title: String::new(), n: cells[0].id.n, cells: own.collect(), shown: true };
     let named = |cell: &Cell| who(cell, varied);
     let noise = noises.get(cells[0].id.experiment.as_str());
     let contest = noise.and_then(|noise| winners::contest(&scene, noise, named, named));

@@ -9,6 +9,7 @@ pub mod courses;
 pub mod coverage;
 pub mod crossover;
 pub mod errors;
+pub mod every;
 pub mod failures;
 pub mod map;
 pub mod noise;

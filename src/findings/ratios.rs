@@ -34,6 +34,8 @@ pub struct Library {
     pub title: String,
     /// Particles.
     pub n: u64,
+    /// Scenes of that many particles: one for each seed.
+    pub scenes: usize,
     /// Its name.
     pub name: String,
     /// Its time over that of the reference.
@@ -61,6 +63,8 @@ pub struct SceneRatios {
 pub struct Fastest {
     /// Particles.
     pub n: u64,
+    /// Scenes of that many particles: one for each seed.
+    pub scenes: usize,
     /// Its name.
     pub name: String,
     /// Its median time per detection, in nanoseconds.
@@ -168,7 +172,8 @@ impl Ratios {
                 let own = timed(&group, first, n, reference).filter(|_| near == Near::Fastest);
                 let own_ns = own.and_then(|own| series::time(group.at(own, n)?));
                 let (name, time_ns) = (label(own.unwrap_or(first)), own_ns.unwrap_or(time_ns));
-                Some(Fastest { n, name, time_ns, near, open })
+                let scenes = group.seeds(n);
+                Some(Fastest { n, scenes, name, time_ns, near, open })
             });
             let any = group.lines.values().flat_map(BTreeMap::values).flatten().next();
             SceneRatios {
@@ -196,11 +201,13 @@ impl Ratios {
         self.scenes.iter().flat_map(|scene| scene.fastest.iter().map(move |found| (scene, found)))
     }
 
-    /// Where the reference is farthest behind the fastest, and by how much.
+    /// Where the reference is farthest behind the fastest, and by how much; nowhere if its median
+    /// is the smaller one everywhere.
     pub fn worst(&self) -> Option<(&SceneRatios, u64, Interval)> {
         let ratios =
             self.fastest().filter_map(|(scene, found)| Some((scene, found.n, found.near.ratio()?)));
-        ratios.max_by(|a, b| a.2.median.total_cmp(&b.2.median))
+        let behind = ratios.filter(|(_, _, ratio)| ratio.median > 1.0);
+        behind.max_by(|a, b| a.2.median.total_cmp(&b.2.median))
     }
 }
 
@@ -222,8 +229,8 @@ fn library(
     let behind = to_first.median < 1.0 && noise.decides(&to_first, n);
     let open = libraries.iter().filter(|it| !noise.slower(ratio(it.0).as_ref(), n));
     let open = open.filter(|_| !behind).map(|it| label(it.0)).collect();
-    let (title, name) = (group.title.clone(), label(first));
-    Some(Library { title, n, name, ratio: to_first, cold, open })
+    let (title, name, scenes) = (group.title.clone(), label(first), group.seeds(n));
+    Some(Library { title, n, scenes, name, ratio: to_first, cold, open })
 }
 
 impl Library {

@@ -14,8 +14,9 @@ use serde::Deserialize;
 use crate::cells::label::{swept, title};
 use crate::cells::{Cell, select};
 use crate::experiment::Where;
+use crate::findings::every::Scene;
 use crate::findings::noise::Noise;
-use crate::findings::winners::{self, Scene};
+use crate::findings::winners;
 use crate::record::row::{Outcome, Pass};
 use crate::stats::interval::Interval;
 
@@ -124,7 +125,7 @@ pub fn followed(cells: &[&Cell]) -> Vec<Followed> {
         // The first seed speaks, as where the fastest of a scene is named.
         let seed = all.iter().map(|cell| cell.id.seed).min();
         all.retain(|cell| Some(cell.id.seed) == seed);
-        let scene = Scene { title: title(&id, &swept), n: all[0].id.n, cells: all };
+        let scene = Scene { title: title(&id, &swept), n: all[0].id.n, cells: all, shown: true };
         let name = |cell: &Cell| cell.id.detector.clone();
         let Some(contest) = winners::contest(&scene, &noise, name, name) else { continue };
         if contest.others.is_empty() {

@@ -1,9 +1,10 @@
-//! Every contender on every scene, at its largest N, in every setting that was measured.
+//! Every contender on the scenes that an answer shows, in every setting that was measured.
 
 use std::collections::BTreeSet;
 
 use crate::cells::Cell;
-use crate::findings::winners::{largest, time};
+use crate::findings::every::{Scene, every};
+use crate::findings::winners::{by_ratio, time};
 use crate::record::row::Outcome;
 use crate::stats::interval::Interval;
 
@@ -56,11 +57,17 @@ pub enum Versus {
 
 /// All scenes.
 pub fn scenes(cells: &[&Cell]) -> Vec<SceneResults> {
-    let results = |scene: crate::findings::winners::Scene<'_>| {
-        let mut cells = scene.cells;
-        cells.sort_by(|a, b| time(a).total_cmp(&time(b)));
-        let right = |cell: &&&Cell| !cell.role.is_control() && time(cell).is_finite();
-        let fastest = cells.iter().find(right).copied();
+    let results = |scene: Scene<'_>| {
+        let right = |cell: &&Cell| !cell.role.is_control() && time(cell).is_finite();
+        let (right, others): (Vec<&Cell>, Vec<&Cell>) = scene.cells.into_iter().partition(right);
+        let right = by_ratio(right);
+        let fastest = right.first().copied();
+        let mut cells = [right, others].concat();
+        let place = |cell: &Cell| {
+            let ratio = fastest.and_then(|fastest| cell.ratio(fastest));
+            ratio.map_or(f64::INFINITY, |ratio| ratio.median)
+        };
+        cells.sort_by(|a, b| place(a).total_cmp(&place(b)));
         let several = |field: &str| {
             cells.iter().map(|cell| cell.id.axis(field)).collect::<BTreeSet<_>>().len() > 1
         };
@@ -79,7 +86,7 @@ pub fn scenes(cells: &[&Cell]) -> Vec<SceneResults> {
         };
         SceneResults { title: scene.title, results: cells.iter().map(result).collect() }
     };
-    largest(cells).into_iter().map(results).collect()
+    every(cells).into_iter().filter(|scene| scene.shown).map(results).collect()
 }
 
 fn contender(cell: &Cell, name: String, n: f64, fastest: Option<&Cell>) -> Contender {

@@ -1,34 +1,49 @@
-//! Who is the fastest, where, by how much, and whether that is decided. There is one answer, and
-//! the report, the page, the terminal and the tables for papers all print it.
+//! The fastest detector of each scene, by how much, and whether that is decided. There is one
+//! answer, and the report, the page, the terminal and the tables for papers all print it.
 //!
-//! A scene speaks at its largest N. There each detector takes part once, in its plainest setting:
-//! with its fewest threads, and in exact arithmetic if it can. So detectors are compared and not
+//! Every scene has a contest. In it each detector takes part once, in its plainest setting: with
+//! its fewest threads, and in exact arithmetic if it can. So detectors are compared and not
 //! settings: were each setting a contestant, a detector with two threads would have itself with one
 //! thread as its runner-up, whose distance says nothing of other detectors, and one that was also
 //! run in a rounded arithmetic would win by being wrong. Settings have tables of their own: all
 //! contenders of a scene, threads, arithmetics.
 //!
-//! It is decided if everybody else is slower by [`Noise::slower`]. To look at the next alone would
-//! not do: medians give the order, ratios within blocks decide, and a noisy third may be as fast.
+//! It is decided if every other detector is slower by [`Noise::slower`]. Comparing only with the
+//! runner-up is not enough: a noisy third may be as fast. Ratios within blocks give the order, and
+//! medians over all blocks only where they have no block in common.
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::cells::label::title;
 use crate::cells::series::Line;
-use crate::cells::{Cell, CellId, label, series};
+use crate::cells::{Cell, series};
 use crate::contact::Arithmetic;
+use crate::findings::every::{Scene, every};
 use crate::findings::noise::Noise;
+use crate::record::row::Outcome;
 use crate::stats::interval::{Interval, median};
 
-/// A scene at its largest N.
+/// The contests of an experiment.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Winners {
+    /// All scenes, also those in which no detector has a time.
+    pub scenes: usize,
+    /// The scenes in which some detector has a time.
+    pub contests: Vec<Contest>,
+}
+
+/// The detectors of one scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Contest {
     /// `packed, 3D, N = 1000`.
     pub title: String,
+    /// Is it among the scenes that an answer shows?
+    pub shown: bool,
     /// The fastest, with ratio 1.
     pub first: Contender,
     /// The others, the next first.
     pub others: Vec<Contender>,
+    /// Detectors that take no part, and why: wrong, refused, too slow.
+    pub without: Vec<(String, Outcome)>,
 }
 
 /// A detector in its plainest setting.
@@ -51,12 +66,23 @@ pub struct Contender {
 pub struct Tally {
     /// All scenes.
     pub scenes: usize,
-    /// Scenes in which nobody is faster than all others, or nobody else was timed.
+    /// Scenes in which no detector is faster than all others, or only one was timed.
     pub undecided: usize,
+    /// Scenes in which no detector has a time.
+    pub untimed: usize,
     /// Most wins first.
     pub wins: Vec<Wins>,
     /// The only one that was timed, if there was one only.
-    pub alone: Option<String>,
+    pub alone: Option<Alone>,
+}
+
+/// The only detector with a time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Alone {
+    /// Its name.
+    pub name: String,
+    /// The other detectors, and the outcome of each.
+    pub others: BTreeMap<String, Outcome>,
 }
 
 /// The scenes in which a detector is decidedly the fastest.
@@ -68,21 +94,20 @@ pub struct Wins {
     pub margins: Vec<f64>,
 }
 
-/// The contests of all scenes in which someone was timed.
-pub fn contests(cells: &[&Cell]) -> Vec<Contest> {
-    let able: Vec<&Cell> = cells.iter().filter(|cell| is_able(cell)).copied().collect();
+/// The contests of all scenes.
+pub fn winners(cells: &[&Cell]) -> Winners {
     let noise = Noise::new(cells);
-    let scenes = largest(&able);
+    let scenes = every(cells);
     let taking_part: Vec<&Cell> =
-        scenes.iter().flat_map(|scene| plainest(&scene.cells, detector)).collect();
+        scenes.iter().flat_map(|scene| plainest(&able(&scene.cells), detector)).collect();
     let name = |cell: &Cell| series::label(&Line::new(cell), &taking_part);
-    scenes.iter().filter_map(|scene| contest(scene, &noise, detector, name)).collect()
+    let contests = scenes.iter().filter_map(|scene| contest(scene, &noise, detector, name));
+    Winners { scenes: scenes.len(), contests: contests.collect() }
 }
 
 /// The winner among the cells of one scene, N and seed, if it is decided.
 pub fn winner<'a>(cells: &[&'a Cell], noise: &Noise) -> Option<&'a Cell> {
-    let able: Vec<&Cell> = cells.iter().filter(|cell| is_able(cell)).copied().collect();
-    let order = plainest(&able, detector);
+    let order = plainest(&able(cells), detector);
     let (&first, others) = order.split_first()?;
     let slower = |cell: &&Cell| noise.slower(cell.ratio(first).as_ref(), first.id.n);
     (!others.is_empty() && others.iter().all(slower)).then_some(first)
@@ -98,33 +123,8 @@ fn is_able(cell: &Cell) -> bool {
     !cell.role.is_control() && cell.time().is_some() && !cell.misses_by_rule()
 }
 
-/// A scene at its largest N, and among several with that N at the last parameters and the first
-/// seed.
-pub struct Scene<'a> {
-    /// Its name.
-    pub title: String,
-    /// Its particles.
-    pub n: u64,
-    /// All cells there.
-    pub cells: Vec<&'a Cell>,
-}
-
-/// The scenes of these cells.
-pub fn largest<'a>(cells: &[&'a Cell]) -> Vec<Scene<'a>> {
-    let mut families: BTreeMap<_, Vec<&Cell>> = BTreeMap::new();
-    for &cell in cells {
-        families.entry(label::family(&cell.id)).or_default().push(cell);
-    }
-    let place =
-        |key: &CellId| (key.n, key.params.clone(), key.order.clone(), std::cmp::Reverse(key.seed));
-    let scene = |cells: &Vec<&'a Cell>| {
-        let last = cells.iter().map(|cell| place(&cell.id)).max()?;
-        let there: Vec<&Cell> =
-            cells.iter().copied().filter(|cell| place(&cell.id) == last).collect();
-        let key = &there.first()?.id;
-        Some(Scene { title: title(key, &label::swept(cells)), n: key.n, cells: there })
-    };
-    families.values().filter_map(scene).collect()
+fn able<'a>(cells: &[&'a Cell]) -> Vec<&'a Cell> {
+    cells.iter().filter(|cell| is_able(cell)).copied().collect()
 }
 
 /// Median nanoseconds.
@@ -142,9 +142,28 @@ fn plainest<'a>(cells: &[&'a Cell], who: impl Fn(&Cell) -> String) -> Vec<&'a Ce
             *known = cell;
         }
     }
-    let mut order: Vec<&Cell> = best.into_values().collect();
-    order.sort_by(|a, b| time(a).total_cmp(&time(b)));
-    order
+    by_ratio(best.into_values().collect())
+}
+
+/// The fastest first, the others by their ratio to it. The fastest is the one that no other is
+/// faster than within blocks; where ratios go round in a circle, any of that circle.
+pub fn by_ratio(mut cells: Vec<&Cell>) -> Vec<&Cell> {
+    cells.sort_by(|a, b| time(a).total_cmp(&time(b)));
+    let median = |cell: &Cell, to: &Cell| cell.ratio(to).map(|ratio| ratio.median);
+    let Some(mut first) = cells.first().copied() else { return cells };
+    for _ in 0..cells.len() {
+        let ratios = cells.iter().filter_map(|cell| Some((*cell, median(cell, first)?)));
+        match ratios.min_by(|a, b| a.1.total_cmp(&b.1)) {
+            Some((cell, ratio)) if ratio < 1.0 => first = cell,
+            _ => break,
+        }
+    }
+    let place = |cell: &Cell| match cell.id == first.id {
+        true => 0.0,
+        false => median(cell, first).unwrap_or(f64::INFINITY),
+    };
+    cells.sort_by(|a, b| place(a).total_cmp(&place(b)));
+    cells
 }
 
 /// The contest of one scene, of one N and seed; none if nobody was timed. `who` says whose setting
@@ -155,16 +174,31 @@ pub fn contest(
     who: impl Fn(&Cell) -> String,
     name: impl Fn(&Cell) -> String,
 ) -> Option<Contest> {
-    let able: Vec<&Cell> = scene.cells.iter().filter(|cell| is_able(cell)).copied().collect();
-    let order = plainest(&able, who);
+    let order = plainest(&able(&scene.cells), &who);
     let (first, others) = order.split_first()?;
+    let taking_part: BTreeSet<String> = order.iter().map(|cell| who(cell)).collect();
+    let mut without: BTreeMap<String, Outcome> = BTreeMap::new();
+    for cell in scene.cells.iter().filter(|cell| !cell.role.is_control()) {
+        let (name, outcome) = (who(cell), cell.overall().0);
+        if !taking_part.contains(&name) {
+            let known = without.entry(name).or_insert(outcome);
+            *known = worse(*known, outcome);
+        }
+    }
     let contender = |cell: &Cell, ratio: Option<Interval>| {
         let (line, name) = (Line::new(cell), name(cell));
         let slower = noise.slower(ratio.as_ref(), scene.n);
         Contender { line, name, per_particle: time(cell) / scene.n.max(1) as f64, ratio, slower }
     };
     let others = others.iter().map(|cell| contender(cell, cell.ratio(first))).collect();
-    Some(Contest { title: scene.title.clone(), first: contender(first, None), others })
+    let (title, shown) = (scene.title.clone(), scene.shown);
+    let without = without.into_iter().collect();
+    Some(Contest { title, shown, first: contender(first, None), others, without })
+}
+
+/// The outcome that matters more of two: a wrong answer before all others.
+fn worse(a: Outcome, b: Outcome) -> Outcome {
+    std::cmp::max_by_key(a, b, |outcome| (*outcome == Outcome::Wrong, *outcome))
 }
 
 impl Contest {
@@ -175,8 +209,9 @@ impl Contest {
 }
 
 impl Tally {
-    /// Of these contests.
-    pub fn new(contests: &[Contest]) -> Tally {
+    /// Counts the scenes.
+    pub fn new(winners: &Winners) -> Tally {
+        let contests = &winners.contests;
         let mut wins: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
         for contest in contests.iter().filter(|contest| contest.decided()) {
             let next = contest.others.first().and_then(|next| next.ratio);
@@ -188,15 +223,27 @@ impl Tally {
             wins.into_iter().map(|(detector, margins)| Wins { detector: detector.into(), margins });
         let mut wins: Vec<Wins> = wins.collect();
         wins.sort_by_key(|wins| std::cmp::Reverse(wins.margins.len()));
+        Tally {
+            scenes: winners.scenes,
+            undecided: contests.iter().filter(|contest| !contest.decided()).count(),
+            untimed: winners.scenes - contests.len(),
+            wins,
+            alone: Alone::new(contests),
+        }
+    }
+}
+
+impl Alone {
+    fn new(contests: &[Contest]) -> Option<Alone> {
         let names: BTreeSet<&str> =
             contests.iter().map(|contest| contest.first.line.detector.as_str()).collect();
-        let alone = contests.iter().all(|contest| contest.others.is_empty()) && names.len() == 1;
-        Tally {
-            scenes: contests.len(),
-            undecided: contests.iter().filter(|contest| !contest.decided()).count(),
-            wins,
-            alone: names.first().filter(|_| alone).map(|name| name.to_string()),
+        let name = names.first().filter(|_| names.len() == 1)?.to_string();
+        let mut others: BTreeMap<String, Outcome> = BTreeMap::new();
+        for (name, outcome) in contests.iter().flat_map(|contest| contest.without.iter().cloned()) {
+            let known = others.entry(name).or_insert(outcome);
+            *known = worse(*known, outcome);
         }
+        contests.iter().all(|contest| contest.others.is_empty()).then_some(Alone { name, others })
     }
 }
 
@@ -238,7 +285,8 @@ mod tests {
     fn detectors_are_compared_in_their_plainest_setting_and_noise_decides_nothing() {
         let cells = cells::cells(&lab().rows());
         let all: Vec<&Cell> = cells.iter().collect();
-        let found = contests(&all);
+        let winners = winners(&all);
+        let found = &winners.contests;
         let words: Vec<_> = found
             .iter()
             .map(|it| (it.title.as_str(), it.first.name.as_str(), it.others.len(), it.decided()))
@@ -248,20 +296,48 @@ mod tests {
             [
                 ("alone, 3D, N = 1000", "<b> (exact)", 0, false),
                 ("loose, 2D, N = 1000", "nbs (exact)", 1, false),
+                ("packed, 2D, N = 100", "sorting (exact)", 2, true),
                 ("packed, 2D, N = 1000", "nbs (exact)", 2, true)
             ]
         );
-        let next = &found[2].others[0];
+        let next = &found[3].others[0];
         assert_eq!(next.name, "sorting (exact)");
         assert!((next.ratio.unwrap().median - 2.5).abs() < 1e-9 && next.per_particle == 2.5);
-        let tally = Tally::new(&found);
-        assert_eq!((tally.scenes, tally.undecided, tally.alone), (3, 2, None));
-        let [wins] = &*tally.wins else { panic!("{:?}", tally.wins) };
-        assert_eq!((&*wins.detector, wins.margins.len()), ("nbs", 1));
-        let packed: Vec<&Cell> = largest(&all)[2].cells.clone();
+        let tally = Tally::new(&winners);
+        assert_eq!((tally.scenes, tally.undecided, tally.alone), (4, 2, None));
+        let wins: Vec<_> =
+            tally.wins.iter().map(|wins| (&*wins.detector, wins.margins.len())).collect();
+        assert_eq!(wins, [("nbs", 1), ("sorting", 1)]);
+        let packed: Vec<&Cell> = every(&all)[3].cells.clone();
         let noise = |floor| Noise { floor, ..Noise::default() };
-        let wins = |floor| winner(&packed, &noise(floor)).map(|cell| cell.id.detector.as_str());
-        assert_eq!((wins(1.1), wins(2.6)), (Some("nbs"), None));
+        let winner_at =
+            |floor| winner(&packed, &noise(floor)).map(|cell| cell.id.detector.as_str());
+        assert_eq!((winner_at(1.1), winner_at(2.6)), (Some("nbs"), None));
+    }
+
+    #[test]
+    fn the_order_is_that_of_ratios_within_blocks() {
+        // The median of sweep is the larger one; in most blocks it is the faster one.
+        let mut lab = Lab::new("e", "packed");
+        lab.detector("nbs").time(&[100, 100, 100, 400, 400]);
+        lab.detector("sweep").time(&[110, 110, 26, 104, 104]).detector("direct").time(&[150; 5]);
+        let cells = cells::cells(&lab.rows());
+        let found = winners(&cells.iter().collect::<Vec<_>>());
+        let contest = &found.contests[0];
+        assert_eq!(contest.first.name, "sweep");
+        assert!(contest.others.iter().all(|other| other.ratio.unwrap().median > 1.0));
+    }
+
+    #[test]
+    fn wrong_detectors_are_named_beside_the_only_right_one() {
+        let mut lab = Lab::new("e", "packed");
+        lab.detector("nbs").time(&[100; 15]).detector("mine").time(&[50; 15]);
+        lab.edit(|row| row.outcome = Outcome::Wrong);
+        let cells = cells::cells(&lab.rows());
+        let tally = Tally::new(&winners(&cells.iter().collect::<Vec<_>>()));
+        let alone = tally.alone.unwrap();
+        let others = BTreeMap::from([("mine".to_string(), Outcome::Wrong)]);
+        assert_eq!((&*alone.name, alone.others), ("nbs", others));
     }
 
     #[test]
@@ -275,7 +351,7 @@ mod tests {
             let mut lab = Lab::new("e", "packed");
             lab.detector("nbs").time(&vec![100; times.len()]).detector("sorting").time(times);
             let cells = cells::cells(&lab.rows());
-            let found = contests(&cells.iter().collect::<Vec<_>>());
+            let found = winners(&cells.iter().collect::<Vec<_>>()).contests;
             assert_eq!(found[0].decided(), decided, "{times:?}");
         }
     }
@@ -289,10 +365,11 @@ mod tests {
         lab.detector("sweep").time(&noisy);
         let cells = cells::cells(&lab.rows());
         let all: Vec<&Cell> = cells.iter().collect();
-        let [contest] = &*contests(&all) else { panic!() };
+        let found = winners(&all);
+        let [contest] = &*found.contests else { panic!() };
         let slower: Vec<_> = contest.others.iter().map(|it| (&*it.name, it.slower)).collect();
         assert_eq!(slower, [("sorting", true), ("sweep", false)]);
         assert!(!contest.decided() && winner(&all, &Noise::new(&all)).is_none());
-        assert_eq!(Tally::new(&contests(&all)).undecided, 1);
+        assert_eq!(Tally::new(&found).undecided, 1);
     }
 }

@@ -15,7 +15,7 @@ use crate::findings::coverage::{Coverage, Scope, Summary};
 use crate::findings::failures::{Culprit, Culprits};
 use crate::findings::price::Price;
 use crate::findings::verdicts::Matrix;
-use crate::findings::winners::{Contest, contests};
+use crate::findings::winners::{Winners, winners};
 use crate::present::document::{self, Block, Text};
 use crate::present::figure::style::Styles;
 use crate::present::page::Page;
@@ -56,8 +56,10 @@ pub struct Part<'a> {
     pub coverage: Summary,
     /// Its claims.
     pub verdicts: Vec<Verdict>,
-    /// Who is the fastest.
-    pub contests: Vec<Contest>,
+    /// The fastest detector of each scene.
+    pub winners: Winners,
+    /// Does the question ask for it?
+    pub asks_fastest: bool,
     /// How the detector of interest compares, in a sentence, if the experiment asks.
     pub headline: Option<sections::Headline>,
     /// What each arithmetic costs.
@@ -192,13 +194,17 @@ impl<'a> Part<'a> {
         if matrix.is_none() {
             tables.extend(sections::tables(&own));
         }
+        let (winners, price) = (winners(&own), Price::new(&own));
+        let asks_fastest = experiment.asks_fastest();
+        tables.splice(0..0, sections::winners::details(&winners, asks_fastest));
         Part {
             experiment,
             verdicts: claim::verdicts(experiment, cells, &coverage),
             coverage: coverage.summary(),
-            contests: contests(&own),
+            winners,
+            asks_fastest,
             headline: sections::Headline::new(experiment, &own),
-            price: Price::new(&own).map_or(Vec::new(), |price| sections::price::blocks(&price)),
+            price: price.map_or(Vec::new(), |price| sections::price::blocks(&price)),
             matrix,
             figures: Vec::new(),
             maps,
@@ -213,13 +219,25 @@ impl Part<'_> {
     pub fn sentence(&self) -> Text {
         match self.headline.as_ref().filter(|headline| headline.answers) {
             Some(headline) => headline.text.clone(),
-            None => sections::winners::sentence(&self.contests),
+            None => sections::winners::sentence(&self.winners),
         }
     }
 
-    /// The sentence, and who is the fastest of each scene.
-    fn answer(&self) -> Vec<Block> {
-        let mut blocks = sections::winners::blocks(&self.contests);
+    /// The answer in a few words: of claims, of an experiment that asks for it the fastest.
+    pub fn brief(&self) -> Option<Text> {
+        let fastest = self.asks_fastest && !self.winners.contests.is_empty();
+        match self.verdicts.iter().any(|verdict| !verdict.answers.is_empty()) {
+            false if fastest => Some(sections::winners::brief(&self.winners)),
+            _ => sections::answer::brief(&self.verdicts),
+        }
+    }
+
+    /// The fastest detectors, if the question asks for them: the sentence, and a line per scene.
+    fn fastest(&self) -> Vec<Block> {
+        if !self.asks_fastest {
+            return Vec::new();
+        }
+        let mut blocks = sections::winners::blocks(&self.winners);
         if let Some(first) = blocks.first_mut() {
             *first = Block::Paragraph(self.sentence());
         }
@@ -261,11 +279,16 @@ fn terminal(parts: &[Part<'_>], wrong: &[String], conditions: &Conditions) -> Ve
     out.extend(sections::coverage::blocks(&summaries(parts)));
     out.extend(doubts(conditions));
     for part in parts {
-        let answers = part.matrix.as_ref().map(sections::verdicts::terminal).unwrap_or_default();
-        let said: Vec<Block> = answers.into_iter().chain(part.answer()).collect();
+        let matrix = part.matrix.as_ref().map(sections::verdicts::terminal).unwrap_or_default();
+        let claims = sections::answer::blocks(&part.verdicts, false);
+        let headline = part.headline.as_ref().filter(|headline| !headline.answers);
+        let headline = headline.map(|headline| Block::Paragraph(headline.text.clone()));
+        let said: Vec<Block> =
+            matrix.into_iter().chain(claims).chain(headline).chain(part.fastest()).collect();
         if !said.is_empty() {
-            let Experiment { name, title, .. } = part.experiment;
+            let Experiment { name, title, question, .. } = part.experiment;
             out.push(Block::heading(2, format!("{name}: {title}")));
+            out.push(Block::paragraph(question.as_str()));
             out.extend(said);
         }
     }
@@ -298,7 +321,7 @@ fn program(fields: &Value) -> String {
 }
 
 /// Title, the command that made it, the score of the claims, warnings; each question with its
-/// answer: who won where.
+/// answer: the verdicts of its claims, then the fastest detectors if it asks for them.
 fn head(parts: &[Part<'_>], warnings: &[String], origin: &Origin<'_>) -> Vec<Block> {
     let title = match parts {
         [part] => part.experiment.title.as_str(),
@@ -319,11 +342,12 @@ fn head(parts: &[Part<'_>], warnings: &[String], origin: &Origin<'_>) -> Vec<Blo
     }));
     for part in parts {
         out.push(Block::Paragraph(Text::new().strong(part.experiment.question.as_str())));
+        out.extend(sections::answer::blocks(&part.verdicts, true));
         if let Some(headline) = part.headline.as_ref().filter(|headline| !headline.answers) {
             out.push(Block::Paragraph(headline.text.clone()));
         }
         out.extend(part.price.iter().cloned());
-        out.extend(part.answer());
+        out.extend(part.fastest());
     }
     out
 }
@@ -355,11 +379,11 @@ fn foot(out: &mut Vec<Block>, origin: &Origin<'_>) {
     let text = Text::from(
         "Times are medians over paired blocks, from raw coordinates to the complete list of \
          pairs. Ratios are taken within a block; the numbers in brackets are the exact \
-         order-statistic interval of their median (15 blocks: the 4th to the 12th, 96.5%). The \
-         fastest detector of a scene is that at its largest N, where each detector takes part \
-         once, with its fewest threads, and in exact arithmetic if it can; it is decided if, for \
-         every other detector, the interval of the ratio excludes 1 and the ratio is beyond the \
-         noise floor. A time is compared only if the answer is right. Counts are exact and the \
+         order-statistic interval of their median (15 blocks: the 4th to the 12th, 96.5%). A \
+         scene is one set of particles: another N, seed or parameter makes another scene. Each \
+         detector takes part in it once, with its fewest threads, and in exact arithmetic if it \
+         can. The fastest is decided if, for every other detector, the interval of the ratio \
+         excludes 1 and the ratio is beyond the noise floor. A time is compared only if the answer is right. Counts are exact and the \
          same on every machine. All values, one line per cell, are in ",
     );
     let text = text

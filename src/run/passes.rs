@@ -316,15 +316,19 @@ impl Stage<'_> {
         Ok(())
     }
 
-    /// Says at once that an answer is wrong.
+    /// Prints the first wrong answer of each detector at once; the report counts all of them.
     pub fn note_wrong(&mut self, row: &Row) {
-        let scene = describe(self.experiment, self.spec);
-        self.progress.note(&format!(
-            "WRONG: {} ({}) on {scene}: {}",
-            row.id.contender(),
-            row.id.arithmetic,
-            row.reason
-        ));
+        self.note_first("WRONG", row, &row.reason);
+    }
+
+    /// Prints what happened to a detector, the first time that it happens to it in a run.
+    pub fn note_first(&mut self, what: &str, row: &Row, reason: &str) {
+        let head = format!("{what}: {}", row.id.contender());
+        if self.noted.insert(head.clone()) {
+            let scene = describe(self.experiment, self.spec);
+            let text = format!("{head} ({}) on {scene}: {reason}", row.id.arithmetic);
+            self.progress.note(&text);
+        }
     }
 }
 

@@ -61,7 +61,7 @@ pub(crate) struct Stage<'a> {
     /// What timed rows say of their time.
     pub span: Option<String>,
     pub too_slow: &'a mut TooSlow,
-    /// What was said of files.
+    /// What was printed once: assumptions about files, and detectors that are wrong or crashed.
     pub noted: &'a mut BTreeSet<String>,
     pub progress: &'a mut dyn Progress,
 }
@@ -309,12 +309,7 @@ impl Stage<'_> {
             self.too_slow.note(blank);
         }
         if failure.outcome == Outcome::Crashed {
-            self.progress.note(&format!(
-                "CRASHED: {} on {}: {}",
-                blank.id.contender(),
-                describe(self.experiment, self.spec),
-                failure.reason
-            ));
+            self.note_first("CRASHED", blank, &failure.reason);
         }
         for &pass in passes {
             let row = Row {

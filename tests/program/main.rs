@@ -18,6 +18,7 @@ mod harness;
 mod hidden;
 mod hostile;
 mod integrity;
+mod layout;
 mod limits;
 mod maps;
 mod new_detector;

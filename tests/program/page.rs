@@ -98,7 +98,7 @@ fn rows() -> Vec<Value> {
 }
 
 /// A result folder, and its report.
-fn report(folder: &Path) -> PathBuf {
+pub fn report(folder: &Path) -> PathBuf {
     std::fs::create_dir_all(folder.join("experiments")).unwrap();
     crate::common::file(folder, "experiments/e.toml", EXPERIMENT);
     crate::common::file(

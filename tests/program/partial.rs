@@ -38,7 +38,11 @@ fn a_stopped_run_says_what_is_missing_and_claims_nothing_of_it() {
     file(folder, "t.toml", EXPERIMENT);
     let ended = run(folder, &["run", "t.toml", "--out", "result"]);
     assert_eq!(ended.code, Some(0), "{}", ended.stderr);
-    said(folder, &ended, &["All of the plan is there: 9 scenes, 18 cells."]);
+    said(
+        folder,
+        &ended,
+        &["All of the plan is there: 9 scenes, 18 cells; beside them 9 cells of twins"],
+    );
     assert!(ended.stdout.contains("2 claims: ") && !ended.stdout.contains("not covered"));
     let path = folder.join("result").join(row::FILE);
     let whole = std::fs::read_to_string(&path).unwrap();
@@ -53,7 +57,7 @@ fn a_stopped_run_says_what_is_missing_and_claims_nothing_of_it() {
         &ended,
         &[
             "t: 5 of 9 scenes and 10 of 18 cells of the plan are there; missing: 8 cells (stopped)",
-            "without s = 50 to 200 of 2 to 200; 4 of 8 cells (stopped)",
+            "s = 50 to 200 of 2 to 200; 4 of 8 cells (stopped)",
             "2 not covered",
         ],
     );
@@ -76,7 +80,7 @@ fn a_quick_run_and_a_shard_cover_what_they_measured() {
         &ended,
         &[
             "t: 2 of 9 scenes and 4 of 18 cells of the plan are there; missing: 14 cells (quick \
-             run); 3 of 6 blocks in 4 cells (quick run)",
+             run); 4 cells got 3 of their 6 blocks (quick run)",
             "2 not covered",
         ],
     );

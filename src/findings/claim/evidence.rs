@@ -18,6 +18,9 @@ pub struct Evidence {
     pub without: Option<Without>,
     /// Planned cells of the claim that are not there.
     pub uncovered: Option<Uncovered>,
+    /// Smallest and largest time in nanoseconds per particle, if counts or bytes of one detector
+    /// are claimed and its cells have times.
+    pub time: Option<[f64; 2]>,
 }
 
 /// Cells that could not enter.

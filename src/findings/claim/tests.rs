@@ -100,12 +100,12 @@ fn each_kind_holds_and_fails() {
         (
             "kind = 'faster'\nthan = 'direct'\nwhere = { detector = 'nbs' }".into(),
             Holds,
-            "worst 0.60 [0.60, 0.60] at n = 100",
+            "nearest to the limit 0.60 (0.60 to 0.60) at n = 100",
         ),
         (
             "kind = 'faster'\nthan = 'nbs'\nwhere = { detector = 'direct' }".into(),
             Fails,
-            "slower in 6 of them",
+            "not faster in 6 of them",
         ),
         (
             "kind = 'faster'\nthan = 'quick'\nwhere = { detector = 'nbs' }".into(),

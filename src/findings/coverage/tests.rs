@@ -74,15 +74,15 @@ fn a_part_is_not_covered_and_says_which() {
     let words = evidence(&held.verdicts[0].evidence);
     assert!(
         words.starts_with(
-            "without s = 50 to 200 of 2 to 200; 4 of 8 cells (stopped); of the rest: 200 to \
-             200 over s = 2..20"
+            "not in this record: s = 50 to 200 of 2 to 200; 4 of 8 cells (stopped); in the other \
+             cells: 200 to 200 over s = 2..20"
         ),
         "{words}"
     );
     assert_eq!(
         held.words(),
         "e: 5 of 9 scenes and 10 of 18 cells of the plan are there; missing: 8 cells (stopped). \
-         Claims hold over what was planned."
+         A claim holds only if it is true of the whole plan."
     );
     // Of a claim about what is there, nothing is missing.
     let near = experiment("");
@@ -114,11 +114,12 @@ fn a_scene_that_is_half_done_and_its_blocks_are_said() {
     assert_eq!(held.statuses(), [Status::Holds, Status::NotCovered]);
     assert_eq!(
         held.words(),
-        "e: 8 of 9 scenes and 17 of 18 cells of the plan are there; missing: 1 cell (stopped); 3 \
-         of 7 blocks in 1 cell (stopped). Claims hold over what was planned."
+        "e: 8 of 9 scenes and 17 of 18 cells of the plan are there; missing: 1 cell (stopped); 1 \
+         cell got 3 of its 7 blocks (stopped). A claim holds only if it is true of the whole \
+         plan."
     );
     let words = evidence(&held.verdicts[1].evidence);
-    assert!(words.starts_with("without s = 200 of 1 to 200; 2 of 18 cells"), "{words}");
+    assert!(words.contains(": s = 200 of 1 to 200; 2 of 18 cells"), "{words}");
 }
 
 #[test]
@@ -126,7 +127,9 @@ fn quick_runs_shards_and_budgets_are_told_apart() {
     let quick = serde_json::json!({"quick": true});
     let held = Held::new(&lab(&[1, 2, 50, 200], 3), &experiment(""), quick);
     assert_eq!(held.statuses(), [Status::NotCovered; 2]);
-    assert!(held.words().contains("missing: 10 cells (quick run); 3 of 7 blocks in 8 cells"));
+    assert!(
+        held.words().contains("missing: 10 cells (quick run); 8 cells got 3 of their 7 blocks")
+    );
     let words = evidence(&held.verdicts[0].evidence);
     assert!(words.contains("5, 10, 20") || words.contains("5 of 8 values of s"), "{words}");
     let shard = serde_json::json!({"shard": "1/9"});
@@ -158,13 +161,39 @@ fn what_ended_badly_is_there_and_what_could_not_start_is_not() {
     assert!(held.words().contains("missing: 1 cell (unavailable)"), "{}", held.words());
 }
 
+/// The missing feature is the cause, not the quick run.
+#[test]
+fn a_quick_run_does_not_hide_what_could_not_be_started() {
+    let mut lab = lab(&[3, 4], 3);
+    for s in [3, 4] {
+        lab.param("s", s).detector("sorting").fail(Pass::Count, Outcome::Unavailable, "no feature");
+    }
+    let quick = serde_json::json!({"quick": true});
+    let held = Held::new(&lab, &experiment(""), quick);
+    assert_eq!(held.summary.missing[&Why::Unavailable], 9);
+    assert!(held.words().contains("not started: sorting: no feature"), "{}", held.words());
+}
+
+/// Twins that the plan does not name are counted beside it, so that all cells are accounted for.
+#[test]
+fn twins_are_counted_beside_the_plan() {
+    let mut lab = lab(&ALL, 7);
+    lab.param("s", 5).detector("nbs-twin").time(&[100; 7]);
+    let held = Held::new(&lab, &experiment(""), Value::Null);
+    assert_eq!((held.summary.cells, held.summary.twins), ([18, 18], 1));
+    assert_eq!(partial(&held.summary), None);
+}
+
 #[test]
 fn scenes_outside_of_the_plan_cover_nothing() {
     let held = Held::new(&lab(&[3, 4], 7), &experiment(""), serde_json::json!({"quick": true}));
     assert_eq!((held.summary.scenes[0], held.summary.outside), (0, 2));
     assert_eq!(held.statuses(), [Status::NotCovered; 2]);
     let words = evidence(&held.verdicts[0].evidence);
-    assert!(words.starts_with("without all 8 cells (stopped, quick run)"), "{words}");
+    assert!(
+        words.starts_with("not in this record: all 8 cells (stopped, quick run); in its own cells"),
+        "{words}"
+    );
 }
 
 /// Files bring their own particles, and are named from the folder of the experiment; runners say

@@ -361,7 +361,7 @@ fn bars_are_the_fastest_first_and_nothing_stands_at_an_edge() {
     let names = ["grid", "nbs", "kd", "far", "bad", "slow", "gone", "nbs-twin"];
     let drawn: Vec<&str> = texts.iter().copied().filter(|text| names.contains(text)).collect();
     assert_eq!(drawn, ["grid", "nbs", "kd", "far", "bad", "slow"]);
-    for said in ["0.40 = 4 ns", "1 = 10 ns", "2.50 = 25 ns", "0.05, wrong", "time limit"] {
+    for said in ["0.40 = 4 ns", "1 = 10 ns", "2.50 = 25 ns", "0.050, wrong", "time limit"] {
         assert!(texts.contains(&said), "{said} is not in {texts:?}");
     }
 }

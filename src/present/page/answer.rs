@@ -3,7 +3,7 @@
 
 use std::fmt::Write as _;
 
-use crate::findings::winners::{Contender, Contest};
+use crate::findings::winners::{Contender, Contest, Winners};
 use crate::number::with_interval;
 use crate::present::escape;
 use crate::present::figure::style::{Marker, Styles};
@@ -34,17 +34,19 @@ impl Marks<'_> {
 }
 
 /// The table of the report with marks and pictures.
-pub fn table(contests: &[Contest], marks: &Marks<'_>) -> String {
-    let mut table = winners::table(contests);
-    table.columns.insert(PICTURE, Column::left("time / fastest"));
+pub fn table(found: &Winners, marks: &Marks<'_>) -> String {
+    let contests = winners::shown(found);
+    let mut table = winners::table(&contests);
+    table.columns.insert(PICTURE, Column::left(""));
     table.rows.iter_mut().for_each(|row| row.insert(PICTURE, Cell::from("")));
-    table.html_with("answer", &|row, column| match (row.map(|row| &contests[row]), column) {
-        (None, PICTURE) => ruler(),
+    table.html_with("answer", &|row, column| match (row.map(|row| contests[row]), column) {
+        (None, PICTURE) => format!("<span>time / fastest</span>{}", ruler("strip")),
         (Some(contest), 1) => {
             let (k, marker) = marks.find(&contest.first.line.detector);
             marks::chip(k, marker)
         }
-        (Some(contest), PICTURE) => picture(contest, marks),
+        // A narrow page has no heads: there each picture has its own axis.
+        (Some(contest), PICTURE) => picture(contest, marks) + &ruler("strip own"),
         _ => String::new(),
     })
 }
@@ -56,9 +58,9 @@ fn across(ratio: f64) -> f64 {
 }
 
 /// The axis of the pictures.
-fn ruler() -> String {
+fn ruler(class: &str) -> String {
     let mut out =
-        format!("<svg class=\"strip\" viewBox=\"0 0 {} 14\" aria-hidden=\"true\">", SIZE.0);
+        format!("<svg class=\"{class}\" viewBox=\"0 0 {} 14\" aria-hidden=\"true\">", SIZE.0);
     for ratio in [1, 2, 4, 8, 16] {
         let text =
             if f64::from(ratio) < EDGE { format!("{ratio}×") } else { format!("≥{ratio}×") };
@@ -102,7 +104,7 @@ mod tests {
     use super::*;
     use crate::cells;
     use crate::cells::testing::Lab;
-    use crate::findings::winners::contests;
+    use crate::findings::winners::winners;
 
     #[test]
     fn every_scene_has_a_picture_and_no_name_becomes_markup() {
@@ -111,7 +113,7 @@ mod tests {
         lab.detector("library").time(&[4000; 15]);
         lab.scene("alone", 3).detector("<b>").time(&[5; 15]);
         let cells = cells::cells(&lab.rows());
-        let found = contests(&cells.iter().collect::<Vec<_>>());
+        let found = winners(&cells.iter().collect::<Vec<_>>());
         let detectors = ["<b>", "library", "nbs", "sorting"];
         let marks = Marks { detectors: &detectors, styles: &Styles::default() };
         let table = table(&found, &marks);

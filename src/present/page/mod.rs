@@ -25,12 +25,12 @@ use serde_json::Value;
 use crate::cells::Cell;
 use crate::findings::claim::{self, Status, Verdict};
 use crate::findings::failures::failures;
-use crate::findings::winners::Contest;
 use crate::number::plural;
 use crate::present::escape::html as escape;
 use crate::present::figure::style::{Styles, rank};
 use crate::present::report::{Origin, Part, summaries};
 use crate::present::sections::map::Drawn;
+use crate::present::sections::winners::left_out;
 use crate::present::{document, sections};
 use crate::record::row::Outcome;
 
@@ -149,17 +149,20 @@ impl Page<'_> {
         let own = || self.parts.iter().flat_map(|part| &part.cells);
         let count = |wanted: &dyn Fn(&Cell) -> bool| own().filter(|cell| wanted(cell)).count();
         let good = count(&|cell| cell.overall().0.is_good());
-        let off = count(&|cell| {
+        let is_off = |cell: &Cell| {
             cell.overall().0.is_good() && cell.errors.is_some_and(|errors| errors.wrong() > 0)
-        });
+        };
+        let off = count(&is_off);
         let defects = count(&|cell| cell.overall().0 == Outcome::Wrong);
         let (all, without) =
             (count(&|_| true), count(&|cell| !cell.overall().0.is_good()) - defects);
+        let twins = self.parts.iter().map(|part| part.coverage.twins).sum::<usize>();
+        let twins = if twins > 0 { format!(" ({twins} of twins)") } else { String::new() };
         let mut right = match defects {
             0 => {
                 format!(
-                    "<strong>No detector was wrong</strong>: {good} of {} ended well, every \
-                     answer checked.",
+                    "<strong>No detector was wrong</strong>: {good} of {}{twins} ended well, \
+                     every answer checked.",
                     plural(all, "cell")
                 )
             }
@@ -177,10 +180,13 @@ impl Page<'_> {
             }
         };
         if off > 0 {
+            let rounded = own().filter(|cell| is_off(cell)).map(|cell| &*cell.id.arithmetic);
+            let rounded = rounded.collect::<BTreeSet<_>>().into_iter().collect::<Vec<_>>();
             let _ = write!(
                 right,
-                " In {} rounding lost or added pairs against exact arithmetic.",
-                plural(off, "cell")
+                " In {} rounding lost or added pairs, as {} may.",
+                plural(off, "cell"),
+                escape(&rounded.join(", "))
             );
         }
         if without > 0 {
@@ -219,17 +225,17 @@ impl Page<'_> {
             format!("<div class=\"card {class}\"><h3>{head}</h3><p>{body}</p></div>\n")
         };
         let answer = match self.parts {
-            [part] => part.sentence(),
+            [part] if part.asks_fastest => document::inline_html(&part.sentence()),
+            [part] => part.brief().map_or(String::new(), |text| document::inline_html(&text)),
             parts => {
-                // Where arithmetics are compared, the detectors are not the question.
-                let asked = |part: &&Part| part.price.is_empty() && !part.contests.is_empty();
-                let timed = parts.iter().filter(asked);
-                let by: Vec<(&str, &[Contest])> =
-                    timed.map(|part| (&*part.experiment.name, &*part.contests)).collect();
-                sections::winners::by_experiment(&by)
+                let brief = |part: &Part| {
+                    let said = document::inline_html(&part.brief()?);
+                    Some(format!("{}: {said}", escape(&part.experiment.name)))
+                };
+                parts.iter().filter_map(brief).collect::<Vec<_>>().join("; ") + "."
             }
         };
-        card("speed", "Fastest", &document::inline_html(&answer))
+        card("speed", "Answer", &answer)
             + &card(if defects > 0 { "bad" } else { "good" }, "Right", &right)
             + &card(class, "Claims", &claims)
     }
@@ -250,21 +256,28 @@ impl Page<'_> {
         out += "</ul>\n";
         for part in self.parts {
             let _ = write!(out, "<article>\n<h3>{}</h3>\n", escape(&part.experiment.question));
+            out += &document::html(&sections::answer::blocks(&part.verdicts, true));
+            let asked = part.asks_fastest && !part.winners.contests.is_empty();
             // Of a single experiment the card has said it.
-            if self.parts.len() > 1 && !part.contests.is_empty() {
+            if self.parts.len() > 1 && asked {
                 let sentence = document::inline_html(&part.sentence());
                 let _ = writeln!(out, "<p class=\"lead\">{sentence}</p>");
             }
             if let Some(headline) = part.headline.as_ref().filter(|headline| !headline.answers) {
                 let _ = writeln!(out, "<p>{}</p>", document::inline_html(&headline.text));
             }
-            if part.contests.iter().any(|contest| !contest.others.is_empty()) {
+            if asked && sections::winners::compared(&part.winners) {
                 let marks = answer::Marks { detectors, styles: self.styles };
-                out += &answer::table(&part.contests, &marks);
+                out += &document::html(Vec::from_iter(left_out(&part.winners)).as_slice());
+                out += &answer::table(&part.winners, &marks);
             }
             if let Some(matrix) = &part.matrix {
                 let blocks = document::html(&sections::verdicts::blocks(matrix));
-                out += &details("Who is right, case by case", &blocks, part.contests.is_empty());
+                out += &details(
+                    "Who is right, case by case",
+                    &blocks,
+                    part.winners.contests.is_empty(),
+                );
             }
             if let Some((sentence, table)) = part.price.split_first() {
                 // The sentence at once, the table on demand.

@@ -72,7 +72,10 @@ fn verdicts_are_in_the_report_on_the_terminal_and_in_a_file() {
     let report = write(folder.path(), &[experiment], &lab.rows(), &[]).unwrap();
     let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
     let text = document::plain(&report.terminal, 80);
-    assert!(text.starts_with("e: A title\n\ncase") && text.contains("+4"), "{text}");
+    assert!(
+        text.starts_with("e: A title\n\nWhich is fastest?\n\ncase") && text.contains("+4"),
+        "{text}"
+    );
     assert!(read("report.md").contains("| packed, N = 100 | 2D | +4 |"), "{}", read("report.md"));
     assert!(
         read("verdicts.csv").contains("e,\"packed, N = 100\",2,100,1,nbs,exact,wrong,ok,"),

@@ -1,7 +1,7 @@
 //! Claims and what came of them.
 
 use crate::findings::claim::{Evidence, Found, Series, Status, Verdict, Without};
-use crate::number::{number, percent, plural};
+use crate::number::{number, percent, plural, times, with_interval};
 use crate::present::document::{Block, Text};
 use crate::present::sections::coverage::uncovered;
 use crate::present::table::{Cell, Column, Table};
@@ -34,14 +34,26 @@ const SERIES: usize = 3;
 
 /// The numbers of a verdict in a line.
 pub fn evidence(evidence: &Evidence) -> String {
-    let machine = if evidence.of_machine { "of this machine: " } else { "" };
+    let machine = if evidence.of_machine { "time, this machine: " } else { "" };
     let without = evidence.without.as_ref().map_or_else(String::new, left_out);
+    let time = match evidence.time {
+        Some([low, high]) if low < high => {
+            format!("; {} to {} ns per particle on this machine", number(low), number(high))
+        }
+        Some([time, _]) => format!("; {} ns per particle on this machine", number(time)),
+        None => String::new(),
+    };
+    let there = format!("{machine}{}{time}{without}", found(&evidence.found));
     let Some(cut) = evidence.uncovered.as_ref().map(uncovered) else {
-        return format!("{machine}{}{without}", found(&evidence.found));
+        return there;
     };
     match &evidence.found {
         Found::NoRows | Found::NoCell | Found::NoValue | Found::NoTimes { .. } => cut,
-        there => format!("{cut}; of the rest: {machine}{}{without}", found(there)),
+        _ => {
+            let all = evidence.uncovered.as_ref().is_some_and(|cut| cut.cells == cut.of);
+            let rest = if all { "its own cells" } else { "the other cells" };
+            format!("{cut}; in {rest}: {there}")
+        }
     }
 }
 
@@ -73,11 +85,13 @@ fn found(found: &Found) -> String {
             let range = format!("{} to {} over {over}", number(low.value), number(high.value));
             match spread {
                 None => format!("{range}; the smallest is not positive"),
-                Some(spread) if spread <= within => format!("{range} ({})", percent(*spread)),
+                Some(spread) if spread <= within => {
+                    format!("{range} ({})", apart(*spread, *within))
+                }
                 Some(spread) => format!(
                     "{range} ({}, allowed {}); lowest at {}, highest at {}",
-                    percent(*spread),
-                    percent(*within),
+                    apart(*spread, *within),
+                    apart(*within, *within),
                     low.place,
                     high.place
                 ),
@@ -122,22 +136,32 @@ fn found(found: &Found) -> String {
             parts.join("; ")
         }
         Found::Faster { than, by, cells, low, high, slower, open, worst, place } => {
+            let goal = if *by == 1.0 { "faster".into() } else { format!("{by} times as fast") };
             let tell = match (slower, open) {
-                (0, 0) => String::new(),
-                (0, open) => format!("undecided in {open} of them; "),
-                (slower, _) if *by == 1.0 => format!("slower in {slower} of them; "),
-                (slower, _) => format!("not {by} times as fast in {slower} of them; "),
+                (0, 0) => "nearest to the limit".into(),
+                (0, open) => format!("not shown in {open} of them, where noise hides it; worst"),
+                (slower, 0) => format!("not {goal} in {slower} of them; worst"),
+                (slower, open) => {
+                    format!("not {goal} in {slower} of them, not shown in {open} more; worst")
+                }
             };
+            let cells = plural(*cells, "cell");
             format!(
-                "{low:.2} to {high:.2} times the time of {than} in {}; {tell}worst {:.2} [{:.2}, \
-                 {:.2}] at {place}",
-                plural(*cells, "cell"),
-                worst.median,
-                worst.low,
-                worst.high
+                "{} to {} times the time of {than} in {cells}; {tell} {} at {place}",
+                times(*low),
+                times(*high),
+                with_interval(worst)
             )
         }
         Found::NoTimes { than } => format!("no cell has times of both it and {than}"),
+    }
+}
+
+/// How far a value is above another: in percent, or as a factor where that is allowed to be large.
+fn apart(spread: f64, within: f64) -> String {
+    match within >= 1.0 || spread >= 1.0 {
+        true => format!("a factor of {}", number(1.0 + spread)),
+        false => percent(spread),
     }
 }
 
@@ -173,14 +197,17 @@ pub fn blocks(verdicts: &[Verdict]) -> Vec<Block> {
         Block::Table(Table::new("", columns).with(verdicts.iter().map(row))),
         Block::paragraph(
             "Claims are checked from counts, bytes and digests, which are the same on every \
-             machine, except those marked \"of this machine\". A claim holds over all that the \
-             experiment plans; where a part of that is not in the record, it is not covered.",
+             machine, except those marked \"time, this machine\". A claim holds over all that the \
+             experiment plans; if a part of that is not in the record, it is not covered.",
         ),
     ]
 }
 
 /// For a terminal: the table and the score.
 pub fn terminal(verdicts: &[Verdict]) -> Vec<Block> {
+    if verdicts.is_empty() {
+        return Vec::new();
+    }
     let several = verdicts.iter().any(|verdict| verdict.experiment != verdicts[0].experiment);
     let named = |v: &Verdict| {
         if several { format!("{}: {}", v.experiment, v.claim) } else { v.claim.clone() }
@@ -204,6 +231,7 @@ mod tests {
             experiment: "e".into(),
             claim: "c".into(),
             source: String::new(),
+            answers: String::new(),
             status: Status::Fails,
             machine_independent: true,
             evidence: Evidence {
@@ -211,6 +239,7 @@ mod tests {
                 of_machine: false,
                 without: None,
                 uncovered: None,
+                time: None,
             },
         };
         let text = plain(&terminal(&[verdict.clone(), verdict.clone()]), 80);

@@ -67,9 +67,9 @@ fn states(conditions: &Conditions) -> Option<String> {
     let (slow, all) = conditions.slow;
     (all > 0).then(|| {
         format!(
-            "The machine was slow in {} of {}: a fixed loop, bound by caches and memory, \
-             before or after them took more than {SLOW} times as long as in the quietest tenth. \
-             Times are medians of all samples; those called quiet are of the others alone.",
+            "In {} of {} the machine was slow: a test loop beside them took over {SLOW} times as \
+             long as in the quietest tenth. Times are medians of all samples, quiet times of the \
+             other samples.",
             percent(slow as f64 / all as f64),
             plural(all, "timed sample")
         )
@@ -124,6 +124,6 @@ mod tests {
         let [said] = &*machine(&Conditions { slow: (3, 60), ..Conditions::default() }) else {
             panic!("one sentence")
         };
-        assert!(said.starts_with("The machine was slow in 5.0% of 60 timed samples: "), "{said}");
+        assert!(said.starts_with("In 5.0% of 60 timed samples the machine was slow: "), "{said}");
     }
 }

@@ -25,8 +25,12 @@ pub fn blocks(found: &[Summary]) -> Vec<Block> {
 
 /// `All of the plan is there: 9 scenes, 54 cells.`
 fn whole(found: &[&Summary]) -> String {
-    let sum = |count: fn(&Summary) -> usize| found.iter().map(|found| count(found)).sum();
+    let sum = |count: fn(&Summary) -> usize| -> usize { found.iter().map(|it| count(it)).sum() };
     let (scenes, cells) = (sum(|found| found.scenes[1]), sum(|found| found.cells[1]));
+    let twins = match sum(|found| found.twins) {
+        0 => String::new(),
+        twins => format!("; beside them {} of twins, for the noise", plural(twins, "cell")),
+    };
     let named = |found: &&Summary| {
         let name = &found.experiment;
         short(found).map(|it| if cells > found.cells[1] { format!("{name}: {it}") } else { it })
@@ -34,7 +38,7 @@ fn whole(found: &[&Summary]) -> String {
     let short: Vec<String> = found.iter().filter_map(named).collect();
     let short = if short.is_empty() { String::new() } else { format!("; {}", short.join("; ")) };
     format!(
-        "All of the plan is there: {}, {}{short}.",
+        "All of the plan is there: {}, {}{twins}{short}.",
         plural(scenes, "scene"),
         plural(cells, "cell")
     )
@@ -47,14 +51,16 @@ pub fn partial(found: &Summary) -> Option<String> {
         return None;
     }
     let Summary { experiment, scenes, cells, .. } = found;
-    let quick = !found.missing.is_empty() && found.missing.keys().all(|why| *why == Why::Quick);
+    let quick = found.missing.contains_key(&Why::Quick)
+        && found.missing.keys().all(|why| matches!(why, Why::Quick | Why::Unavailable));
     if quick && found.outside > 0 {
         return Some(format!(
-            "{experiment}: a quick run, of {} of its own and {} of the {} that are planned. Claims \
-             hold over what was planned.",
+            "{experiment}: a quick run, with {} of its own and {} of the {} that are planned{}. \
+             {WHOLE}",
             plural(found.outside, "scene"),
             scenes[0],
-            plural(scenes[1], "scene")
+            plural(scenes[1], "scene"),
+            unavailable(found)
         ));
     }
     let mut words = format!(
@@ -71,16 +77,38 @@ pub fn partial(found: &Summary) -> Option<String> {
     if found.outside > 0 {
         words += &format!("; {} outside of the plan", plural(found.outside, "scene"));
     }
-    Some(words + ". Claims hold over what was planned.")
+    Some(format!("{words}{}. {WHOLE}", unavailable(found)))
 }
 
-/// `12 cells have 3 of 15 blocks (quick)`.
+/// Stands behind every sentence about a part of a plan.
+const WHOLE: &str = "A claim holds only if it is true of the whole plan.";
+
+/// The contenders that could not be started, and why.
+fn unavailable(found: &Summary) -> String {
+    let mut reasons: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
+    for (name, reason) in &found.unavailable {
+        reasons.entry(reason).or_default().push(name);
+    }
+    let part = |(reason, names): (&str, Vec<&str>)| format!("{}: {reason}", names.join(", "));
+    let parts: Vec<String> = reasons.into_iter().map(part).collect();
+    match parts.len() {
+        0 => String::new(),
+        _ => format!("; not started: {}", parts.join("; ")),
+    }
+}
+
+/// `12 cells got 3 of their 15 blocks (quick run)`.
 fn short(found: &Summary) -> Option<String> {
     let part = |(why, short): (&Why, &Short)| {
         let [low, high] = short.blocks;
         let range = if low < high { format!("{low} to {high}") } else { low.to_string() };
         let (blocks, cells) = (found.blocks, plural(short.cells, "cell"));
-        format!("{range} of {blocks} blocks in {cells} ({})", why.name())
+        let why = match why {
+            Why::Budget => ", because the time budget was used up".into(),
+            why => format!(" ({})", why.name()),
+        };
+        let their = if short.cells == 1 { "its" } else { "their" };
+        format!("{cells} got {range} of {their} {blocks} blocks{why}")
     };
     let parts: Vec<String> = found.short.iter().map(part).collect();
     (!parts.is_empty()).then(|| parts.join(", "))
@@ -108,7 +136,7 @@ impl Why {
     }
 }
 
-/// `without s = 2 to 20 of 2 to 200; 4 of 9 cells (stopped)`.
+/// `not in this record: s = 2 to 20 of 2 to 200; 4 of 9 cells (stopped)`.
 pub fn uncovered(found: &Uncovered) -> String {
     let gaps: Vec<String> = found.gaps.iter().map(gap).collect();
     let why: Vec<&str> = found.why.keys().map(|why| why.name()).collect();
@@ -117,7 +145,7 @@ pub fn uncovered(found: &Uncovered) -> String {
         false => format!("{} of {}", found.cells, plural(found.of, "cell")),
     };
     let gaps = if gaps.is_empty() { String::new() } else { gaps.join(", ") + "; " };
-    format!("without {gaps}{count} ({})", why.join(", "))
+    format!("not in this record: {gaps}{count} ({})", why.join(", "))
 }
 
 /// `s = 2 to 20 of 2 to 200`.

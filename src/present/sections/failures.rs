@@ -8,15 +8,17 @@ use crate::record::row::Outcome;
 
 /// Who is wrong, in a sentence.
 pub fn culprit(culprit: &Culprit) -> String {
-    let Culprit { name, outcome, cells, first, reason, .. } = culprit;
+    let Culprit { name, outcome, cells, of, worst, reason, .. } = culprit;
     let what = match outcome {
         Outcome::Wrong => "WRONG",
         Outcome::Unavailable => "NOT STARTED",
         _ => "CRASHED",
     };
-    let cells = plural(*cells, "cell");
+    let of = plural(*of, "cell");
+    let place = if *outcome == Outcome::Wrong { "worst in" } else { "first in" };
+    let worst = if *cells > 1 { format!("{place} {worst}") } else { worst.clone() };
     let reason = if reason.is_empty() { String::new() } else { format!(": {reason}") };
-    format!("{what}: {name}, in {cells}, first in {first}{reason}")
+    format!("{what}: {name}, in {cells} of its {of}, {worst}{reason}")
 }
 
 /// A table; nothing if every cell ended well.

@@ -4,6 +4,7 @@
 //! Each appears where its experiment asks for it, or its rows are in the record; a report without
 //! them is as it was.
 
+pub mod answer;
 pub mod bound;
 mod by_size;
 pub mod claims;

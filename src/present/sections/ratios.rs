@@ -21,11 +21,16 @@ fn over_libraries(found: &Ratios) -> Text {
     let decided = |ahead: bool| -> Vec<&Library> {
         all.iter().filter(|it| it.decided() && (it.ratio.median > 1.0) == ahead).collect()
     };
+    let count = |found: &[&Library]| found.iter().map(|it| it.scenes).sum::<usize>();
     let (ahead, behind) = (decided(true), decided(false));
-    let (scenes, reference) = (plural(all.len(), "scene"), &found.reference);
-    let claim =
-        format!("{reference} is faster than the fastest library in {} of {scenes}", ahead.len());
-    let mut rest = " (one thread, each N a scene)".to_string();
+    let scenes = all.iter().map(|it| it.scenes).sum();
+    let reference = &found.reference;
+    let claim = format!(
+        "{reference} is faster than the fastest library in {} of {}",
+        count(&ahead),
+        plural(scenes, "scene")
+    );
+    let mut rest = " (one thread)".to_string();
     let by_median = |a: &&&Library, b: &&&Library| a.ratio.median.total_cmp(&b.ratio.median);
     let least = ahead.iter().min_by(by_median);
     if let (Some(least), Some(most)) = (least, ahead.iter().max_by(by_median)) {
@@ -36,8 +41,8 @@ fn over_libraries(found: &Ratios) -> Text {
             rest += &format!(" to {high} times {}", at(most));
         }
     }
-    let open = all.len() - ahead.len() - behind.len();
-    for (count, words) in [(behind.len(), "slower in"), (open, "undecided in")] {
+    let open = scenes - count(&ahead) - count(&behind);
+    for (count, words) in [(count(&behind), "slower in"), (open, "undecided in")] {
         if count > 0 {
             rest += &format!("; {words} {count}");
         }
@@ -47,18 +52,25 @@ fn over_libraries(found: &Ratios) -> Text {
 
 /// Where the reference is near the fastest.
 fn near_fastest(found: &Ratios) -> Text {
-    let all: Vec<Near> = found.fastest().map(|(_, fastest)| fastest.near).collect();
-    let count = |wanted: fn(&Near) -> bool| all.iter().filter(|near| wanted(near)).count();
+    let count = |wanted: fn(&Near) -> bool| -> usize {
+        let all = found.fastest().filter(|(_, fastest)| wanted(&fastest.near));
+        all.map(|(_, fastest)| fastest.scenes).sum()
+    };
     let fastest = count(|near| matches!(near, Near::Fastest));
     let near = fastest + count(|near| matches!(near, Near::Within(_)));
-    let scenes = plural(all.len(), "scene");
+    let scenes = plural(count(|_| true), "scene");
     let reference = &found.reference;
-    let claim = format!(
-        "{reference} is within {NEAR} times the time of the fastest detector in {near} of {scenes}"
-    );
-    let mut rest = format!(" (one thread; itself the fastest in {fastest})");
+    let claim = match near == fastest {
+        true => format!("{reference} is the fastest in {fastest} of {scenes}"),
+        false => format!(
+            "{reference} is within {NEAR} times the time of the fastest detector in {near} of \
+             {scenes}"
+        ),
+    };
+    let own = if near == fastest { "" } else { &*format!("; itself the fastest in {fastest}") };
+    let mut rest = format!(" (one thread{own})");
     for (count, words) in [
-        (count(|near| matches!(near, Near::Beyond(_))), "not in"),
+        (count(|near| matches!(near, Near::Beyond(_))), "slower than that in"),
         (count(|near| matches!(near, Near::Undecided(_))), "undecided in"),
         (count(|near| matches!(near, Near::Absent(_))), "without an answer in"),
     ] {
@@ -68,7 +80,8 @@ fn near_fastest(found: &Ratios) -> Text {
     }
     if let Some((scene, n, worst)) = found.worst() {
         let place = &scene.entries.title;
-        rest += &format!("; at worst {} on {place}, N = {n}", with_interval(&worst));
+        let worst = with_interval(&worst);
+        rest += &format!("; at worst {worst} times the time of the fastest, on {place}, N = {n}");
     }
     Text::new().strong(claim).plain(rest + ".")
 }

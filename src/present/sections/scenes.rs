@@ -77,8 +77,8 @@ mod tests {
         let cells = cells::cells(&lab.rows());
         let all: Vec<&Cell> = cells.iter().collect();
         let found = scenes(&all);
-        assert_eq!(found.len(), 1);
-        let text = markdown(&super::blocks(&found));
+        assert_eq!(found.len(), 2);
+        let text = markdown(&super::blocks(&found[1..]));
         assert!(text.starts_with("### packed, 2D, N = 1000\n\n| detector | time / N (ns) |"));
         for line in [
             "| nbs | 1 | – | 15 | 1 | 6 | 2 | 20 | 21 | ok |",

@@ -1,35 +1,71 @@
-//! Who is the fastest: a sentence, and a line per scene.
+//! The fastest detector of each scene: a sentence, and a line per scene.
 
-use crate::findings::winners::{Contest, Tally};
+use crate::findings::winners::{Alone, Contest, Tally, Winners};
 use crate::number::plural;
 use crate::present::document::{Block, Text};
 use crate::present::table::{Cell, Column, Table};
+use crate::record::row::Outcome;
 
-/// The sentence and, where anybody was compared, the table.
-pub fn blocks(contests: &[Contest]) -> Vec<Block> {
-    let compared = contests.iter().any(|contest| !contest.others.is_empty());
-    let table = compared.then(|| Block::Table(table(contests)));
-    let sentence = (!contests.is_empty()).then(|| Block::Paragraph(sentence(contests)));
-    sentence.into_iter().chain(table).collect()
+/// The heading of the table with every scene.
+pub const ALL: &str = "Scene by scene";
+
+/// The sentence and, if detectors were compared, the table of the scenes that an answer shows.
+pub fn blocks(winners: &Winners) -> Vec<Block> {
+    let sentence = (winners.scenes > 0).then(|| Block::Paragraph(sentence(winners)));
+    let shown = shown(winners);
+    let table = compared(winners).then(|| Block::Table(table(&shown)));
+    sentence.into_iter().chain(left_out(winners)).chain(table).collect()
+}
+
+/// The table of all scenes with its heading, for the details: if the answer leaves some out, or
+/// does not show the table at all.
+pub fn details(winners: &Winners, asked: bool) -> Vec<Block> {
+    let all: Vec<&Contest> = winners.contests.iter().collect();
+    if !compared(winners) || asked && shown(winners).len() == all.len() {
+        return Vec::new();
+    }
+    let sentence = (!asked).then(|| Block::Paragraph(sentence(winners)));
+    let heading = Block::heading(3, ALL);
+    [heading].into_iter().chain(sentence).chain([Block::Table(table(&all))]).collect()
+}
+
+/// Was any detector compared with another?
+pub fn compared(winners: &Winners) -> bool {
+    winners.contests.iter().any(|contest| !contest.others.is_empty())
+}
+
+/// The scenes that an answer shows.
+pub fn shown(winners: &Winners) -> Vec<&Contest> {
+    winners.contests.iter().filter(|contest| contest.shown).collect()
+}
+
+/// How many scenes the table of an answer leaves out, and where they are.
+pub fn left_out(winners: &Winners) -> Option<Block> {
+    let (shown, all) = (shown(winners).len(), winners.contests.len());
+    (compared(winners) && shown < all).then(|| {
+        Block::paragraph(format!(
+            "{shown} of {} are shown: at least the ends of each sweep. The table \
+             \u{201c}{ALL}\u{201d} of the report has all.",
+            plural(all, "scene")
+        ))
+    })
 }
 
 /// How often each detector is the fastest.
-pub fn sentence(contests: &[Contest]) -> Text {
-    let tally = Tally::new(contests);
+pub fn sentence(winners: &Winners) -> Text {
+    let tally = Tally::new(winners);
+    let end = match tally.untimed {
+        0 => String::new(),
+        _ if tally.untimed == tally.scenes => String::new(),
+        some => format!(" In {some} no detector has a time."),
+    };
     let Some((first, rest)) = tally.wins.split_first() else {
         return match &tally.alone {
-            _ if tally.scenes == 0 => {
+            _ if winners.contests.is_empty() => {
                 "No times were taken: only answers, counts and memory.".into()
             }
-            Some(name) => Text::new().strong(name.as_str()).plain(" was timed alone."),
-            None => {
-                let scenes = match tally.scenes {
-                    1 => String::new(),
-                    more => format!(" in all of {}", plural(more, "scene")),
-                };
-                let why = "nobody is faster than all others by more than the noise";
-                format!("Undecided{scenes}: {why}.").into()
-            }
+            Some(found) => alone(found).plain(end),
+            None => Text::from(undecided_all(&winners.contests) + &end),
         };
     };
     let wins = format!("{} of {}", first.margins.len(), plural(tally.scenes, "scene"));
@@ -42,41 +78,96 @@ pub fn sentence(contests: &[Contest]) -> Text {
             out = out.plain(format!(" (median of scenes; {least:.1} to {most:.1})"));
         }
     }
-    let mut end = ".".to_string();
-    if !rest.is_empty() {
-        let rest: Vec<String> = rest
-            .iter()
-            .map(|wins| format!("{} in {}", wins.detector, wins.margins.len()))
-            .collect();
-        end += &format!(" Then {}.", rest.join(", "));
-    }
+    let mut rest: Vec<String> =
+        rest.iter().map(|wins| format!("{} in {}", wins.detector, wins.margins.len())).collect();
     if tally.undecided > 0 {
-        end += &format!(" Undecided: {}.", tally.undecided);
+        rest.push(format!("undecided in {}", tally.undecided));
     }
-    out.plain(end)
+    let rest = if rest.is_empty() { String::new() } else { format!("; {}", rest.join(", ")) };
+    out.plain(rest + "." + &end)
 }
 
-/// Of several experiments together: who is the fastest in each. Their scenes are not added up: some
-/// are one size of one pack, others six scenes at their largest.
-pub fn by_experiment(experiments: &[(&str, &[Contest])]) -> Text {
-    let mut out = Text::new();
-    for (k, (name, contests)) in experiments.iter().enumerate() {
-        let tally = Tally::new(contests);
-        out = out.plain(if k == 0 { "" } else { "; " }).plain(format!("{name}: "));
-        out = match tally.wins.first() {
-            Some(first) => out.strong(first.detector.as_str()).plain(format!(
-                " in {} of {}",
-                first.margins.len(),
-                plural(tally.scenes, "scene")
-            )),
-            None => out.plain("undecided"),
-        };
+/// `nbs is the only one with a right answer (my-det was wrong).`
+fn alone(found: &Alone) -> Text {
+    let Alone { name, others } = found;
+    let name = Text::new().strong(name.as_str());
+    if others.is_empty() {
+        return name.plain(" was timed alone.");
     }
-    out.plain(".")
+    let ended = |(other, outcome): (&String, &Outcome)| match outcome {
+        Outcome::Ok => format!("{other} was not timed"),
+        Outcome::Lossy => format!("{other} missed contacts"),
+        Outcome::Wrong => format!("{other} was wrong"),
+        outcome => format!("{other}: {}", outcome.name()),
+    };
+    let ended: Vec<String> = others.iter().map(ended).collect();
+    let what = match others.values().any(|outcome| *outcome == Outcome::Wrong) {
+        true => "right answer",
+        false => "time",
+    };
+    name.plain(format!(" is the only one with a {what} ({}).", ended.join(", ")))
+}
+
+/// Which detectors are equally fast, if no scene is decided.
+fn undecided_all(contests: &[Contest]) -> String {
+    let several = contests.iter().filter(|contest| !contest.others.is_empty());
+    let open = |contest: &Contest| -> Vec<String> {
+        let mut names: Vec<String> = contest
+            .others
+            .iter()
+            .filter(|other| !other.slower)
+            .map(|other| other.name.clone())
+            .chain([contest.first.name.clone()])
+            .collect();
+        names.sort();
+        names
+    };
+    let mut sets: Vec<Vec<String>> = several.map(open).collect();
+    let scenes = match contests.len() {
+        1 => String::new(),
+        2 => " in both scenes".into(),
+        more => format!(" in all {more} scenes"),
+    };
+    sets.dedup();
+    let blocks = contests.iter().flat_map(|contest| &contest.others);
+    let blocks = blocks.filter_map(|other| Some(other.ratio?.count)).max().unwrap_or(0);
+    if blocks < 5 {
+        return format!(
+            "Undecided{scenes}: {} decide nothing; five are needed.",
+            plural(blocks, "block")
+        );
+    }
+    match &sets[..] {
+        [names] if names.len() <= 4 => {
+            let (last, first) = names.split_last().map_or(("", &[][..]), |(l, f)| (l.as_str(), f));
+            format!(
+                "Undecided{scenes}: {} and {last} are equally fast within the noise.",
+                first.join(", ")
+            )
+        }
+        _ => format!(
+            "Undecided{scenes}: two or more detectors are equally fast within the noise; the last \
+             column names them."
+        ),
+    }
+}
+
+/// The fastest of an experiment in a few words, for a list of experiments. Their scenes are not
+/// added up: some are one size of one pack, others six scenes at several sizes.
+pub fn brief(winners: &Winners) -> Text {
+    let tally = Tally::new(winners);
+    match tally.wins.first() {
+        Some(first) => Text::new().strong(first.detector.as_str()).plain(format!(
+            " in {} of {}",
+            first.margins.len(),
+            plural(tally.scenes, "scene")
+        )),
+        None => "undecided".into(),
+    }
 }
 
 /// A line per scene.
-pub fn table(contests: &[Contest]) -> Table {
+pub fn table(contests: &[&Contest]) -> Table {
     let columns = vec![
         Column::left("scene"),
         Column::left("fastest"),
@@ -85,7 +176,7 @@ pub fn table(contests: &[Contest]) -> Table {
         Column::right("next / fastest", ""),
         Column::left("decided"),
     ];
-    let row = |contest: &Contest| {
+    let row = |contest: &&Contest| {
         let next = contest.others.first();
         let first = Cell::from(contest.first.name.as_str());
         vec![
@@ -100,7 +191,7 @@ pub fn table(contests: &[Contest]) -> Table {
     Table::new("", columns).with(contests.iter().map(row))
 }
 
-/// `yes`, or who may be as fast.
+/// `yes`, or the detectors that may be as fast.
 fn decided(contest: &Contest) -> Cell {
     let open = contest.others.iter().filter(|other| !other.slower);
     match contest.others.len() {
@@ -123,12 +214,12 @@ mod tests {
     use super::*;
     use crate::cells;
     use crate::cells::testing::Lab;
-    use crate::findings::winners::contests;
+    use crate::findings::winners::winners;
     use crate::present::document::markdown;
 
     fn said(lab: &Lab) -> String {
         let cells = cells::cells(&lab.rows());
-        markdown(&blocks(&contests(&cells.iter().collect::<Vec<_>>())))
+        markdown(&blocks(&winners(&cells.iter().collect::<Vec<_>>())))
     }
 
     #[test]
@@ -140,7 +231,7 @@ mod tests {
         assert!(
             text.starts_with(
                 "**nbs** is the fastest in **1 of 2 scenes**; the next takes **2.5 times** as \
-                 long. Undecided: 1.\n"
+                 long; undecided in 1.\n"
             ),
             "{text}"
         );
@@ -156,15 +247,31 @@ mod tests {
     }
 
     #[test]
-    fn scenes_of_several_experiments_are_not_added_up() {
+    fn equally_fast_detectors_are_named() {
+        let mut lab = Lab::new("e", "loose");
+        lab.detector("nbs").time(&[100; 15]).detector("sorting").time(&[100; 15]);
+        lab.detector("sweep").time(&[900; 15]);
+        let text = said(&lab);
+        let words = "Undecided: nbs and sorting are equally fast within the noise.";
+        assert!(text.starts_with(words), "{text}");
+        let mut lab = Lab::new("e", "loose");
+        lab.detector("nbs").time(&[100; 3]).detector("sorting").time(&[100; 3]);
+        assert!(said(&lab).starts_with("Undecided: 3 blocks decide nothing"));
+    }
+
+    #[test]
+    fn scenes_that_are_not_shown_are_counted_and_stand_in_the_details() {
         let mut lab = Lab::new("e", "packed");
-        lab.detector("nbs").time(&[1000; 15]).detector("sorting").time(&[2500; 15]);
-        lab.scene("loose", 2).detector("nbs").time(&[100; 15]).detector("sorting").time(&[100; 15]);
+        for n in 1..=35 {
+            lab.n(n).detector("nbs").time(&[100; 5]).detector("sorting").time(&[250; 5]);
+        }
         let cells = cells::cells(&lab.rows());
-        let all = contests(&cells.iter().collect::<Vec<_>>());
-        let both = [("one", &all[..]), ("two", &all[..1])];
-        let said = markdown(&[Block::Paragraph(by_experiment(&both))]);
-        assert_eq!(said, "one: **nbs** in 1 of 2 scenes; two: undecided.\n\n");
+        let found = winners(&cells.iter().collect::<Vec<_>>());
+        let text = markdown(&blocks(&found));
+        assert!(text.contains("in **35 of 35 scenes**"), "{text}");
+        assert!(text.contains("2 of 35 scenes are shown"), "{text}");
+        assert_eq!(text.matches("| packed").count(), 2);
+        assert_eq!(markdown(&details(&found, true)).matches("| packed").count(), 35);
     }
 
     #[test]
@@ -172,6 +279,9 @@ mod tests {
         let mut lab = Lab::new("e", "packed");
         lab.detector("nbs").time(&[1000; 15]);
         assert_eq!(said(&lab), "**nbs** was timed alone.\n\n");
-        assert!(blocks(&[]).is_empty());
+        assert!(blocks(&Winners::default()).is_empty());
+        lab.detector("mine").time(&[10; 15]).edit(|row| row.outcome = Outcome::Wrong);
+        let words = "**nbs** is the only one with a right answer (mine was wrong).";
+        assert_eq!(said(&lab), format!("{words}\n\n"));
     }
 }
