@@ -336,10 +336,10 @@ fn a_runner_that_cannot_start_fails_the_run_unless_it_is_optional() {
     let optional = format!("{absent}optional = true\n");
     let installed = format!("{absent}install = \"make\"\n");
     for (runner, code, words) in [
-        (absent, 1, "NOT STARTED: mine, in 2 cells, first in experiment = t"),
-        (&*crashes, 1, "CRASHED: mine, in 2 cells"),
-        (&optional, 0, "NOT STARTED: mine, in 2 cells"),
-        (&installed, 0, "NOT STARTED: mine, in 2 cells"),
+        (absent, 1, "NOT STARTED: mine, in 2 of its 2 cells, first in experiment = t"),
+        (&*crashes, 1, "CRASHED: mine, in 2 of its 2 cells"),
+        (&optional, 0, "NOT STARTED: mine, in 2 of its 2 cells"),
+        (&installed, 0, "NOT STARTED: mine, in 2 of its 2 cells"),
     ] {
         let folder = tempfile::tempdir().unwrap();
         let folder = folder.path();
