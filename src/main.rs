@@ -4,6 +4,7 @@ use std::borrow::Cow;
 use std::process::ExitCode;
 
 use clap::Parser;
+use contactbench::check::contender;
 use contactbench::cli::{
     Cli, Verb, check, compare, detect, draw, inspect, list, map, merge, new_detector, ranks,
     recommend, report, run, runner, say, scene, shell, trace, track, verify,
@@ -17,6 +18,7 @@ static ALLOCATOR: Counting = Counting;
 
 fn main() -> ExitCode {
     report_full_files();
+    report_missing_memory();
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
         Err(error) => {
@@ -75,6 +77,21 @@ fn report_full_files() {
         // If it cannot be caught, the default stays.
         let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, seen);
     }
+}
+
+/// Ends the program with one sentence where a detector gets no memory, which it reports by a panic.
+fn report_missing_memory() {
+    let default = std::panic::take_hook();
+    std::panic::set_hook(Box::new(move |panic| {
+        let words = panic.payload_as_str().unwrap_or_default();
+        // `check` reports the detector and goes on.
+        let is_checked = std::thread::current().name() == Some(contender::THREAD);
+        if words.contains("could not be had") && !is_checked {
+            say!("contactbench: {words}");
+            std::process::exit(2);
+        }
+        default(panic);
+    }));
 }
 
 /// Whoever read our output has seen enough.

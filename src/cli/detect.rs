@@ -130,7 +130,7 @@ pub fn detect(options: &Detect) -> anyhow::Result<ExitCode> {
         "'-' names no file; to read standard input give /dev/stdin"
     );
     if let (Some(Frame::All), Some(text)) = (options.source.input.frame, &options.source.scene)
-        && Path::new(text).exists()
+        && io::exists(Path::new(text))
     {
         return frames::detect(options, &spec, Path::new(text));
     }

@@ -17,8 +17,8 @@
 //! * **How sure a cost is** is shown by leaving out one scene after the other: the range of what is
 //!   then found.
 //! * **What it is worth** is shown by leaving out the largest N of every scene: how far predicted
-//!   times are from those measured there. Without the terms of caches they missed by a factor of 2.8 (median, four
-//!   detectors from 10^4 to 10^6 particles), with them by 1.3.
+//!   times are from those measured there. Without the terms of caches they missed by a factor of
+//!   2.8 (median, four detectors from 10^4 to 10^6 particles), with them by 1.3.
 
 use std::collections::BTreeMap;
 

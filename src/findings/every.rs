@@ -1,5 +1,5 @@
-//! The scenes of an experiment. A scene is one set of particles: another N, seed, order or parameter
-//! makes another scene. Plans, coverage, contests and ratios all count scenes so.
+//! The scenes of an experiment. A scene is one set of particles: another N, seed, order or
+//! parameter makes another scene. Plans, coverage, contests and ratios all count scenes so.
 //!
 //! An answer shows every scene if they are few. Otherwise it shows the ends of each sweep, and the
 //! table of details has all.
@@ -58,9 +58,10 @@ pub fn every<'a>(cells: &[&'a Cell]) -> Vec<Scene<'a>> {
     out
 }
 
-/// Numbers of the scenes that are shown, for each sweep, at most [`ROWS`] in all: every scene; or one
-/// for each value that is swept; or the smallest and largest N of each setting; or, at the largest N,
-/// one for each value of a parameter; or the ends of the sweep, however many sweeps there are.
+/// Numbers of the scenes that are shown, for each sweep, at most [`ROWS`] in all: every scene; or
+/// one for each value that is swept; or the smallest and largest N of each setting; or, at the
+/// largest N, one for each value of a parameter; or the ends of the sweep, however many sweeps
+/// there are.
 fn chosen(sweeps: &[Vec<&Place>]) -> Vec<BTreeSet<usize>> {
     let choices: [fn(&[&Place]) -> BTreeSet<usize>; 5] = [
         |places| (0..places.len()).collect(),

@@ -95,7 +95,8 @@ impl Notice {
             }
             Notice::Deep(overlap) => format!(
                 "contacts overlap by {overlap:.2} mean radii in the mean, and those of hard bodies \
-                 hardly do; unless bodies may overlap, the sizes may be diameters, or in another unit"
+                 hardly do; unless bodies may overlap, the sizes may be diameters, or in another \
+                 unit"
             ),
             Notice::Nested(pairs, [i, j]) => format!(
                 "{} nearly concentric, such as particles {i} and {j} (from 0): was something \

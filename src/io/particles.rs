@@ -226,8 +226,8 @@ impl Particles {
         Ok(Particles::of(Centres::Space(points), radii))
     }
 
-    /// Puts the radius that is given in the place of the file's, turns spheres with z = 0 into discs
-    /// if that is asked for, and refuses what cannot be had.
+    /// Puts the radius that is given in the place of the file's, turns spheres with z = 0 into
+    /// discs if that is asked for, and refuses what cannot be had.
     pub(crate) fn as_asked(
         &mut self,
         name: &str,

@@ -1,7 +1,8 @@
 //! Files out: pairs of touching particles as CSV with the header `i,j`, npy of shape (pairs, 2) in
 //! u32, or lines in VTK legacy; in a box that repeats with the image of j, as `i,j,sx,sy[,sz]`, npy
 //! of shape (pairs, 2 + dim) in i32, or lines to the image; by id, or with more columns, if asked
-//! for ([`Style`]); of several frames with the number of the frame before them ([`framed()`]); scenes as CSV, extended XYZ or npy.
+//! for ([`Style`]); of several frames with the number of the frame before them ([`framed()`]);
+//! scenes as CSV, extended XYZ or npy.
 //!
 //! Pairs are written as given: see [`crate::sink::normalise`] for the order in which lists are
 //! published. Numbers are the shortest that read back to the same bits.

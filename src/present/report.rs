@@ -383,7 +383,8 @@ fn foot(out: &mut Vec<Block>, origin: &Origin<'_>) {
          scene is one set of particles: another N, seed or parameter makes another scene. Each \
          detector takes part in it once, with its fewest threads, and in exact arithmetic if it \
          can. The fastest is decided if, for every other detector, the interval of the ratio \
-         excludes 1 and the ratio is beyond the noise floor. A time is compared only if the answer is right. Counts are exact and the \
+         excludes 1 and the ratio is beyond the noise floor. A time is compared only if the \
+         answer is right. Counts are exact and the \
          same on every machine. All values, one line per cell, are in ",
     );
     let text = text

@@ -101,8 +101,8 @@ pub fn words(name: &str, of: &str, followed: &Followed) -> Vec<Block> {
              frames in which the detector was asked, or what is mended was made anew. listed: \
              pairs looked at for each contact. missed: contacts that were not reported, summed \
              over the frames, and since which frame; late: the most frames until one was, and how \
-             deep it then was, in mean radii (r). All trackers ran beside each other, once: times are a \
-             first look, not a measurement.",
+             deep it then was, in mean radii (r). All trackers ran beside each other, once: \
+             times are a first look, not a measurement.",
         ),
     ]);
     for it in followed.trackers.iter().filter(|it| it.builds.dangerous > 0) {

@@ -12,9 +12,9 @@
 //! area that grows as N^((D - 1) / D). Messages are one, or as many as slabs fit into a layer of h.
 //! Numbers of bytes are told to all first, in log2 R steps.
 //!
-//! The model of the search leaves out the pass before it, shared memory and cores, and unequal slabs.
-//! What they add to the measured step is added to the others, unchanged. No step is foretold for more
-//! than [`FARTHEST`] times the measured ranks.
+//! The model of the search leaves out the pass before it, shared memory and cores, and unequal
+//! slabs. What they add to the measured step is added to the others, unchanged. No step is
+//! foretold for more than [`FARTHEST`] times the measured ranks.
 
 use serde::Serialize;
 

@@ -362,9 +362,10 @@ impl Client {
         );
         self.kill();
         let errors = self.errors();
-        // The words of Rust's allocation failure, C++'s and Python's. A backtrace may follow them.
+        // The words of Rust's allocation failure, ours, C++'s and Python's. A backtrace may follow
+        // them.
         let starved = |line: &&str| {
-            ["memory allocation of", "bad_alloc", "MemoryError"]
+            ["memory allocation of", "could not be had", "bad_alloc", "MemoryError"]
                 .iter()
                 .any(|words| line.contains(words))
         };

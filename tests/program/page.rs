@@ -422,7 +422,7 @@ fn tables_for_papers_are_printed() {
     let latex = crate::common::run(folder.path(), &["report", ".", "--table", "latex"]);
     assert_eq!(latex.code, Some(0), "{}", latex.stderr);
     let median = medians()[&("packed".into(), 3, 1000, "nbs".into(), "exact".into())] / 1000.0;
-    let begin = format!("1000 & nbs (exact) & \\textbf{{{median:.2}}} & ");
+    let begin = format!("1000 & nbs (exact) & 1 & \\textbf{{{median:.2}}} & ");
     assert!(latex.stdout.contains(&begin), "no {begin} in {}", latex.stdout);
     assert!(
         latex.stdout.contains("\\textless{}/script\\textgreater{}") && !latex.stdout.contains(EVIL)

@@ -196,8 +196,8 @@ pub fn tell(name: &str, notices: &[Notice], place: Place) {
     }
 }
 
-/// Prints what is doubtful about the particles of a file and these contacts; nothing of a scene that
-/// is made.
+/// Prints what is doubtful about the particles of a file and these contacts; nothing of a scene
+/// that is made.
 pub fn doubt(
     name: &str,
     scene: &AnyScene<'_>,

@@ -26,8 +26,8 @@ pub(crate) fn of_size<S: AsRef<str>>(name: &str, names: &[S]) -> Option<String> 
         BESIDE.iter().find(|(all, of, _)| *of == size && all.iter().all(|it| is_there(&it)))?;
     let key = if size == "d" { "d" } else { "r" };
     Some(format!(
-        "'{0}' may be a size or {what}; say --columns {key}={0} if it is the size of the particles, \
-         and else which column is (--columns r=NAME), or give --radius R",
+        "'{0}' may be a size or {what}; say --columns {key}={0} if it is the size of the \
+         particles, and else which column is (--columns r=NAME), or give --radius R",
         short(name)
     ))
 }
@@ -56,7 +56,8 @@ impl Columns {
                 (Some(_), Some((family, power)), Some((of, from))) => {
                     ensure!(
                         family == of,
-                        "'{first}' and '{name}' are in different units, which no power of ten turns \
+                        "'{first}' and '{name}' are in different units, which no power of ten \
+                         turns \
                          into each other; write both in one unit, or take the units out of the \
                          names"
                     );
@@ -68,8 +69,8 @@ impl Columns {
                     format!("'{name}' is multiplied by 1e{power}, to be in the unit of '{first}'")
                 }
                 (Some(_), ..) => format!(
-                    "'{first}' and '{name}' are read as in one unit; if they are not, write them in \
-                     one"
+                    "'{first}' and '{name}' are read as in one unit; if they are not, write them \
+                     in one"
                 ),
                 (None, ..) => format!("'{name}' names no unit, and is read in that of '{first}'"),
             };

@@ -30,7 +30,8 @@ struct File<'a> {
     cells: u64,
     /// The element around the arrays that follow.
     within: String,
-    /// Arrays whose numbers stand behind all tags, by their offsets, with the numbers of their pieces.
+    /// Arrays whose numbers stand behind all tags, by their offsets, with the numbers of their
+    /// pieces.
     appended: Vec<(u64, usize, Array)>,
 }
 

@@ -61,8 +61,8 @@ fn dumps_of_other_things_are_named() {
 fn growing() -> [(&'static str, String, usize); 4] {
     let dump = |step: u64| {
         format!(
-            "ITEM: TIME\n0.5\nITEM: TIMESTEP\n{step}\nITEM: NUMBER OF ATOMS\n2\nITEM: BOX BOUNDS pp \
-             pp pp\n0 10\n0 10\n0 10\nITEM: ATOMS id x y z\n1 {step} 5 5\n2 9.75 5 5\n"
+            "ITEM: TIME\n0.5\nITEM: TIMESTEP\n{step}\nITEM: NUMBER OF ATOMS\n2\nITEM: BOX BOUNDS \
+             pp pp pp\n0 10\n0 10\n0 10\nITEM: ATOMS id x y z\n1 {step} 5 5\n2 9.75 5 5\n"
         )
     };
     let xyz =

@@ -114,8 +114,8 @@ fn one_frame_is_read_by_the_same_code() {
 fn frames_that_are_cut_off_end_the_others_in_words() {
     let text = dump(0, "1 0 0 0\n2 1 0 0\n") + &dump(50, "2 11 0 0\n1 10 0 0\n");
     let (told, end) = all(&text.as_bytes()[..text.len() - 9], "", HALF);
-    let cut = "p ends after 1 of the 2 atoms that its header announces: it is cut off, or still being \
-               written; frame 0 is whole: take --frame 0, or all with head -n 7 p";
+    let cut = "p ends after 1 of the 2 atoms that its header announces: it is cut off, or still \
+    being written; frame 0 is whole: take --frame 0, or all with head -n 7 p";
     assert_eq!((told.len(), &*end), (1, cut));
     assert!(one(&text.as_bytes()[..text.len() - 9], "", Frame::Number(0), false).is_ok());
     let header = text.rfind("2\nITEM: ATOMS").unwrap();

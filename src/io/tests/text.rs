@@ -172,7 +172,7 @@ fn the_radius_that_is_given_counts_in_every_format() {
 #[test]
 fn a_size_that_may_be_red_is_refused_until_it_is_chosen() {
     let cloud = "x,y,z,r,g,b\n0.25,5,5,120,30,20\n9.75,5,5,200,10,10\n";
-    let stars = "ra,dec,x,y,z,g,r\n10,20,3,4,0,15.2,14.1\n11,20,20,4,0,16.2,15.1\n";
+    let stars = "ra,dec,x,y,z,g,r\n10,20,3,4,1,15.2,14.1\n11,20,20,4,2,16.2,15.1\n";
     let far = "ra,dec,x,y,d\n10,20,3,4,15.2\n";
     let johnson = "x,y,B,V,R\n10,20,3,4,15.2\n";
     for (text, key) in [(cloud, "r=r"), (stars, "r=r"), (far, "d=d"), (johnson, "r=R")] {

@@ -94,7 +94,8 @@ pub fn blocks(head: &Head<'_>, verdict: Option<&Verdict>, found: &Found) -> [Vec
         Block::Table(missed(found)),
         Block::paragraph(format!(
             "Skins are in diameters of the largest body. since: the first frame with a missed \
-             contact; depth: of those that were reported late, the largest overlap, in mean radii (r). \
+             contact; depth: of those that were reported late, the largest overlap, in mean \
+             radii (r). \
              What missed nothing here may miss contacts elsewhere; {above}. contactbench track \
              follows any of these settings frame by frame.",
         )),

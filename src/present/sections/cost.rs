@@ -28,8 +28,8 @@ pub fn blocks(found: Option<&CostModel>) -> Vec<Block> {
     let mut out = vec![Block::paragraph(how), Block::Table(costs(found))];
     if found.couples > 0 {
         out.push(Block::paragraph(format!(
-            "Of {} of detectors at the N it was fitted to (and more than a tenth apart) it names the \
-             faster one in {}.",
+            "Of {} of detectors at the N it was fitted to (and more than a tenth apart) it names \
+             the faster one in {}.",
             plural(found.couples, "couple"),
             percent(found.right as f64 / found.couples as f64)
         )));

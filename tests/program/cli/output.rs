@@ -43,11 +43,9 @@ fn no_one_and_two_particles_work() {
                     );
                     let pairs = if n == 2 { "1 pair" } else { "0 pairs" };
                     let summary = format!("few.csv: N = {n}, {dim}D, {pairs}, ");
-                    assert!(
-                        ended.stderr.starts_with(&summary) && ended.stderr.lines().count() == 1,
-                        "{}",
-                        ended.stderr
-                    );
+                    // Doubts may stand before it: z is 0 for all, or nothing touches.
+                    let last = ended.stderr.lines().last().unwrap_or_default();
+                    assert!(last.starts_with(&summary), "{}", ended.stderr);
                     assert!(
                         ended.stderr.ends_with(&format!(", {detector}, {arithmetic} arithmetic\n")),
                         "{}",
@@ -118,7 +116,8 @@ fn a_reader_that_has_seen_enough_is_no_error_and_a_full_disc_is_one() {
             .output()
             .unwrap(),
     );
-    assert_eq!((&*first.stdout, &*first.stderr), ("i,j\n", ""));
+    assert_eq!(first.stdout, "i,j\n");
+    assert!(!first.stderr.contains("contactbench: "), "{}", first.stderr);
     assert_eq!(std::fs::read_to_string(folder.join("code")).unwrap(), "0\n");
     if Path::new("/dev/full").exists() {
         for name in ["heap.csv", "two.csv"] {

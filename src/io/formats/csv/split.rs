@@ -148,7 +148,8 @@ impl Split {
         let name = short(&self.name);
         if *self.order.get_or_insert(order) != order {
             bail!(
-                "{}: the rows are not sorted by '{name}', which splits them into frames: '{}' comes \
+                "{}: the rows are not sorted by '{name}', which splits them into frames: '{}' \
+                 comes \
                  after '{}'; sort them by that column (sort -s -g -k {}, for commas with -t , or \
                  sort_values in pandas), or say --columns frame=none if it splits nothing",
                 place(),

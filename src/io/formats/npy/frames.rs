@@ -85,8 +85,8 @@ fn frame(
     }
     ensure!(
         options.columns.is_none(),
-        "{}: the columns of an array have no names; leave out --columns, and save them in the order \
-         x, y, z, radius",
+        "{}: the columns of an array have no names; leave out --columns, and save them in the \
+         order x, y, z, radius",
         source.name
     );
     let (particles, radius) = particles(source, header, options)?;

@@ -222,8 +222,8 @@ impl Scenes {
                 short(label)
             ),
             (None, _) => bail!(
-                "{name} holds neither arrays x and y nor one of shape (N, 2) to (N, 4), or (frames, \
-                 N, 2) to (frames, N, 4), in f8 or f4"
+                "{name} holds neither arrays x and y nor one of shape (N, 2) to (N, 4), or \
+                 (frames, N, 2) to (frames, N, 4), in f8 or f4"
             ),
         }
     }

@@ -65,8 +65,8 @@ fn texts() -> Vec<(&'static str, &'static str)> {
         ("a YAML file", "---\nparticles:\n  - [0, 1, 2]\n"),
         (
             "a PDB file",
-            "CRYST1   10.000   10.000   10.000  90.00  90.00  90.00 P 1           1\nATOM      1  N   \
-             ALA A   1       0.250   5.000   5.000  1.00  0.00           N\n",
+            "CRYST1   10.000   10.000   10.000  90.00  90.00  90.00 P 1           1\nATOM      1 \
+              N ALA A   1       0.250   5.000   5.000  1.00  0.00           N\n",
         ),
         ("a CIF file", "# made by hand\n\ndata_x\n_cell_length_a 10\nloop_\n_atom_site_label\n"),
         (

@@ -122,28 +122,29 @@ fn boxes_that_cannot_be_used_are_refused_in_words() {
             xyz("Lattice=\"1 0 0 0 1 0 0 0\""),
             "xyz",
             NONE,
-            "p:2: column 1: Lattice=\"1 0 0 0 1 0 0 0\" must be nine finite numbers, one vector after the \
-             other, or three edges; mend the line, or give --open",
+            "p:2: column 1: Lattice=\"1 0 0 0 1 0 0 0\" must be nine finite numbers, one vector \
+             after the other, or three edges; mend the line, or give --open",
         ),
         (
             xyz("Lattice=\"1 0 0 0 1 0 0 0 one\""),
             "xyz",
             NONE,
-            "p:2: column 1: Lattice=\"1 0 0 0 1 0 0 0 one\" must be nine finite numbers, one vector after \
-             the other, or three edges; mend the line, or give --open",
+            "p:2: column 1: Lattice=\"1 0 0 0 1 0 0 0 one\" must be nine finite numbers, one \
+             vector after the other, or three edges; mend the line, or give --open",
         ),
         (
             xyz("Lattice=\"1 0 0 0 1 0 0 0 1\" Origin=\"0 0\""),
             "xyz",
             NONE,
-            "p:2: column 29: Origin=\"0 0\" must be three finite numbers; mend the line, or give --open",
+            "p:2: column 29: Origin=\"0 0\" must be three finite numbers; mend the line, or give \
+             --open",
         ),
         (
             xyz("Lattice=\"1 0 0 0 1 0 0 0 1\" pbc=\"T T\""),
             "xyz",
             NONE,
-            "p:2: column 29: pbc=\"T T\" must be T or F for each vector, as in pbc=\"T T F\"; mend the line, \
-             or give --periodic or --open",
+            "p:2: column 29: pbc=\"T T\" must be T or F for each vector, as in pbc=\"T T F\"; \
+             mend the line, or give --periodic or --open",
         ),
         (
             xyz("pbc=\"T T F\""),
