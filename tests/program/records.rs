@@ -123,7 +123,9 @@ fn records_of_an_older_program_say_so() {
         let program = line.split_once(" (").unwrap().0.replacen('P', "p", 1);
         let link = format!("results/{}/", folder.file_name().unwrap().to_string_lossy());
         let quotes = pages.iter().flat_map(|(page, text)| {
-            text.split("\n\n").filter(|part| part.contains(&link) && !part.starts_with("![")).map(move |part| (page, part))
+            text.split("\n\n")
+                .filter(|part| part.contains(&link) && !part.starts_with("!["))
+                .map(move |part| (page, part))
         });
         for (page, part) in quotes.filter(|_| !changed.is_empty()) {
             let said = part.replace('\n', " ");
