@@ -87,7 +87,7 @@ fn report_missing_memory() {
         // `check` reports the detector and goes on.
         let is_checked = std::thread::current().name() == Some(contender::THREAD);
         if words.contains("could not be had") && !is_checked {
-            say!("contactbench: {words}");
+            say(&format!("contactbench: {words}"));
             std::process::exit(2);
         }
         default(panic);

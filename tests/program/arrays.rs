@@ -56,7 +56,7 @@ fn several_files_are_one_trajectory_in_all_verbs_of_frames() {
     }
     let all = good(folder, &["detect", "run_*.csv", "--frame", "all"]);
     let rows: Vec<&str> = all.stdout.lines().skip(1).collect();
-    assert_eq!(rows, ["0,0,1", "2,0,1"]);
+    assert_eq!(rows, ["0,1,2", "2,1,2"], "by id");
     assert!(all.stderr.contains("run_9.csv to run_100.csv"), "{}", all.stderr);
     let last = good(folder, &["detect", "run_*.csv"]);
     assert!(last.stdout.lines().count() == 2 && last.stderr.contains("frame 2"), "{}", last.stderr);

@@ -202,7 +202,7 @@ fn each_failure_has_its_outcome_and_costs_no_other_runner_anything() {
             "sh",
             format!("exec {PROGRAM} runner --detector screening --memory-limit 99000000000"),
             [OutOfMemory; 3],
-            "memory allocation",
+            "could not be had",
         ),
     ];
     let runners: String =
