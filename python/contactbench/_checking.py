@@ -57,6 +57,8 @@ class Check:
     ----------
     failures : list of Failure
         The first scene on which the detector is wrong, or none: a check ends there.
+    verdict : str
+        ``right``, ``wrong``, or ``nothing`` where no answer was compared.
     cases : int
         Answers compared with the truth.
     scenes : dict
@@ -68,18 +70,19 @@ class Check:
     """
 
     failures: list[Failure]
+    verdict: str
     cases: int
     scenes: dict[str, int]
     refused: dict[str, int]
     cut: bool
 
     def __bool__(self) -> bool:
-        return not self.failures and self.cases > 0
+        return self.verdict == "right"
 
     def __str__(self) -> str:
         if self.failures:
             return "\n".join(map(str, self.failures))
-        if not self.cases:
+        if self.verdict == "nothing":
             return f"nothing was compared: {sum(self.refused.values())} scenes were refused"
         return f"right in {self.cases} cases" + (", and not all were asked" if self.cut else "")
 
@@ -99,9 +102,9 @@ def check(
     detector : callable
         ``detector(x, r)`` takes centres (N, D) and N radii, and gives pairs: an array of whole
         numbers (M, 2), or a set or list of pairs, in any order, each once. A `NotImplementedError`,
-        `Refused` or `MemoryError` refuses the scene; any other exception is a failure. A detector that refuses
-        every scene does not pass. Scenes in boxes are left out. A call that never returns is not
-        noticed.
+        `Refused` or `MemoryError` refuses the scene; any other exception is a failure. A detector
+        that refuses every scene does not pass. Scenes in boxes are left out. A call that never
+        returns is not noticed.
     arithmetic : str
         How contacts are to be decided: by the exact sign, or, of a detector that rounds, by one of
         the rounded tests of `contacts`.

@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 use contactbench::check::contender::{Answer, Contender};
-use contactbench::check::{Failure as Found, Limits, Report, Wrong, battery};
+use contactbench::check::{Failure as Found, Limits, Report, Verdict, Wrong, battery};
 use contactbench_core::periodic::ImagePair;
 use contactbench_core::scene::AnyScene;
 use numpy::{PyArray2, PyArrayMethods, PyReadonlyArray2};
@@ -55,8 +55,14 @@ pub fn check<'py>(
             None => Ok(report?),
         }
     })?;
+    let verdict = match report.verdict() {
+        Verdict::Right => "right",
+        Verdict::Wrong => "wrong",
+        Verdict::Nothing => "nothing",
+    };
     let Report { cases, scenes, cut, refused, failures, .. } = report;
     let out = PyDict::new(py);
+    out.set_item("verdict", verdict)?;
     out.set_item("cases", cases)?;
     out.set_item("scenes", scenes)?;
     out.set_item("cut", cut)?;

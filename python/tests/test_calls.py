@@ -76,6 +76,7 @@ def test_a_check_that_compared_nothing_is_no_pass():
 
     found = contactbench.check(never, seconds=0.5)
     assert not found and found.cases == 0 and not found.failures
+    assert found.verdict == "nothing"
     assert "nothing was compared" in str(found)
 
 
