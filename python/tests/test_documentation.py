@@ -31,6 +31,9 @@ def test_everything_is_documented_and_typed():
         if not callable(thing):
             continue
         assert inspect.getdoc(thing), name
+        # An exception takes what ValueError takes; Python has no signature of that.
+        if inspect.isclass(thing) and issubclass(thing, Exception):
+            continue
         signature = inspect.signature(thing)
         for parameter in signature.parameters.values():
             assert parameter.annotation is not parameter.empty, f"{name}: {parameter}"
