@@ -185,9 +185,10 @@ pub fn work<R: Send>(
     Ok(py.detach(|| caught(work))?)
 }
 
-/// Does work, of which some may be `long`, without the interpreter's lock. Where signals arrive, in the main
-/// thread, the work has a thread of its own, and this one looks for signals: an exception of theirs
-/// ends the call at once. The work's thread then ends by itself, and what it has is dropped there.
+/// Does work, of which some may be `long`, without the interpreter's lock. Where signals arrive, in
+/// the main thread, the work has a thread of its own, and this one looks for signals: an exception
+/// of theirs ends the call at once. The work's thread then ends by itself, and what it has is
+/// dropped there.
 pub fn patient<R: Send + 'static>(
     py: Python<'_>,
     long: bool,
