@@ -213,6 +213,13 @@ impl Atoms {
                 "coordinates scaled by the box (xs): turned into lengths, which are rounded".into(),
             ));
         }
+        if has("shapex") || has("c_shape[1]") {
+            notices.push(Notice::Assumed(
+                "the particles have shapes (shapex) and may be no spheres: they are read as \
+                 spheres of their radius or diameter"
+                    .into(),
+            ));
+        }
         if kind.ends_with('u') {
             notices.push(Notice::Assumed(
                 "unwrapped coordinates: bodies may be outside the box, and where boundaries are \

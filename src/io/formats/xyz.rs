@@ -20,7 +20,7 @@ use comment::Comment;
 use crate::io::frames::{Choice, Reader, Step};
 use crate::io::lines::{Lines, Source, number, short, shown, step_of, words};
 use crate::io::particles::{Column, Columns, Particles};
-use crate::io::{About, Declared, Options};
+use crate::io::{About, Boundaries, Declared, Notice, Options};
 
 const MOST_COLUMNS: usize = 10_000;
 
@@ -71,6 +71,21 @@ impl Reader<(Particles, About)> for Xyz<'_> {
             }
         }
     }
+}
+
+/// The doubt about a comment with three numbers or more, or with the names of columns: codes write
+/// boxes and columns there without a common form, and none of it is read.
+fn maybe_box(line: &str) -> Option<Notice> {
+    let cells = line.split(|c: char| c.is_whitespace() || ",:=".contains(c));
+    let numbers = cells.filter(|cell| number(cell.as_bytes()).is_some_and(|x| x > 0.0)).count();
+    let columns = line.to_ascii_lowercase().contains("columns:");
+    (numbers >= 3 || columns).then(|| {
+        Notice::Assumed(
+            "line 2 may hold a box or the names of columns, in a form that is not read: \
+             boundaries are open, and columns are species x y z; --box and --columns say otherwise"
+                .into(),
+        )
+    })
 }
 
 /// Goes to the line of particle `k` of `n`.
@@ -130,7 +145,9 @@ fn frame(lines: &mut Lines<'_>, n: u64, options: Options) -> anyhow::Result<(Par
         )?;
     }
     let format = if columns.or_more { "XYZ" } else { "extended XYZ" };
-    let (particles, about) = crate::io::particles::loaded(format, particles, columns.radius());
+    let (mut particles, about) = crate::io::particles::loaded(format, particles, columns.radius());
+    let silent = declared.is_none() && options.boundaries == Boundaries::AS_DECLARED;
+    particles.notices.extend(maybe_box(&line).filter(|_| silent));
     let first = |keys: &[&str]| {
         keys.iter().find_map(|key| comment.get(key)?.cells.first()).map(String::as_bytes)
     };

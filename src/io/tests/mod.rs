@@ -51,6 +51,29 @@ fn doubles(values: &[f64]) -> Vec<u8> {
 }
 
 #[test]
+fn what_is_not_read_in_a_comment_or_of_a_shape_is_doubted() {
+    let said = |text: &str| {
+        let (particles, _) = load_from(text.as_bytes(), "p", "xyz", HALF).unwrap();
+        particles.notices().iter().map(|notice| notice.words(Place::Argument)).collect::<String>()
+    };
+    let plain = |comment: &str| said(&format!("2\n{comment}\nA 1 2 3\nA 4 5 6\n"));
+    for comment in ["XYZ 8.1 8.5 15.0", "1 8.0 8.0 8.0", "step:1 columns:id,pos", "cell:10,10,10"] {
+        assert!(plain(comment).contains("line 2 may hold a box"), "{comment}");
+    }
+    for comment in ["", "water, 300 K", "frame 7 energy -1.5"] {
+        assert_eq!(plain(comment), "", "{comment}");
+    }
+    let dump = |names: &str| {
+        said(&format!(
+            "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n1\nITEM: BOX BOUNDS ff ff ff\n0 9\n0 9\n0 \
+             9\nITEM: ATOMS x y z {names}\n1 2 3 4 4 5\n"
+        ))
+    };
+    assert!(dump("shapex shapey shapez").contains("may be no spheres"));
+    assert_eq!(dump("vx vy vz"), "");
+}
+
+#[test]
 fn dimension_and_radii_follow_the_rules() {
     let flat = b"x,y,z,r\n1,2,0,1\n3,4,-0,1\n";
     assert_eq!(read(flat, "csv", NONE).unwrap().dim(), 3);
