@@ -213,7 +213,7 @@ impl Atoms {
                 "coordinates scaled by the box (xs): turned into lengths, which are rounded".into(),
             ));
         }
-        if has("shapex") || has("c_shape[1]") {
+        if columns.names.iter().any(|name| name == "shapex") {
             notices.push(Notice::Assumed(
                 "the particles have shapes (shapex) and may be no spheres: they are read as \
                  spheres of their radius or diameter"
