@@ -175,6 +175,7 @@ fn program() -> anyhow::Result<Vec<String>> {
 fn note() -> impl FnMut(&str) {
     let terminal = std::io::stderr().is_terminal();
     move |text| {
+        #[expect(clippy::print_stderr, reason = "a line of progress that is overwritten")]
         if terminal {
             eprint!("\r\x1b[K{text}");
         }

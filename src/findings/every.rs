@@ -63,7 +63,8 @@ pub fn every<'a>(cells: &[&'a Cell]) -> Vec<Scene<'a>> {
 /// largest N, one for each value of a parameter; or the ends of the sweep, however many sweeps
 /// there are.
 fn chosen(sweeps: &[Vec<&Place>]) -> Vec<BTreeSet<usize>> {
-    let choices: [fn(&[&Place]) -> BTreeSet<usize>; 5] = [
+    type Choice = fn(&[&Place]) -> BTreeSet<usize>;
+    let choices: [Choice; 5] = [
         |places| (0..places.len()).collect(),
         |places| &values(places, 0..places.len()) | &ends(places),
         |places| &lasts(places) | &firsts(places),

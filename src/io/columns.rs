@@ -131,7 +131,7 @@ impl Columns {
         let unused = self.meaning.iter().zip(&self.names);
         let unused = unused.filter(|(meaning, _)| **meaning == Column::Other);
         particles.unused = unused.map(|(_, name)| name.clone()).collect();
-        particles.notices.extend(self.notices.drain(..));
+        particles.notices.append(&mut self.notices);
         Ok(particles)
     }
 

@@ -306,7 +306,7 @@ impl<'a> Iterator for Cells<'a> {
 
 /// Where the quotes end with which a line begins; none if it begins without, or they do not end.
 fn quoted(line: &[u8]) -> Option<usize> {
-    if !line.iter().find(|byte| !byte.is_ascii_whitespace()).is_some_and(|byte| *byte == b'"') {
+    if line.iter().find(|byte| !byte.is_ascii_whitespace()).is_none_or(|byte| *byte != b'"') {
         return None;
     }
     let mut at = line.iter().position(|&byte| byte == b'"')? + 1;

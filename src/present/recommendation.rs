@@ -92,7 +92,7 @@ fn heads(kind: &str, unit: &str) -> Vec<Column> {
     vec![
         Column::left(kind),
         Column::right("time / fastest", ""),
-        Column::right(&format!("{unit} in this run"), ""),
+        Column::right(format!("{unit} in this run"), ""),
         Column::right("bytes / particle", ""),
     ]
 }

@@ -56,8 +56,8 @@ fn answers(steps: &Steps, contacts: u64, digest: &str, asked: &Asked) -> Result<
     if steps.last() != (contacts, digest.to_string()) {
         return Err("contacts and digest are not those of the last frame".into());
     }
-    let frames = steps.contacts.iter().enumerate();
-    frames.map(|(k, &contacts)| tracked(steps, k, contacts, asked)).collect()
+    let mut frames = steps.contacts.iter().enumerate();
+    frames.try_for_each(|(k, &contacts)| tracked(steps, k, contacts, asked))
 }
 
 /// What a tracker says of frame `k`, in which it found `contacts`.

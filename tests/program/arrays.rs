@@ -52,7 +52,7 @@ fn several_files_are_one_trajectory_in_all_verbs_of_frames() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     for (k, x) in [(9, "0.5"), (10, "1.5"), (100, "0.75")] {
-        file(folder, &format!("run_{k}.csv"), &format!("id,x,y,r\n1,0,0,0.5\n2,{x},0,0.5\n"));
+        file(folder, &format!("run_{k}.csv"), format!("id,x,y,r\n1,0,0,0.5\n2,{x},0,0.5\n"));
     }
     let all = good(folder, &["detect", "run_*.csv", "--frame", "all"]);
     let rows: Vec<&str> = all.stdout.lines().skip(1).collect();

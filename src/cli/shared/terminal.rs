@@ -100,7 +100,7 @@ mod tests {
     #[test]
     fn words_are_cleaned_and_wrapped() {
         let mut words = Words { out: Vec::new(), width: 12 };
-        writeln!(words, "  one two three\nshort\x1b\n{}", "::error::x").unwrap();
+        writeln!(words, "  one two three\nshort\x1b\n::error::x").unwrap();
         words.write_all(b"a b").unwrap();
         let said = String::from_utf8(words.out).unwrap();
         assert_eq!(said, "  one two\n  three\nshort\u{fffd}\n: :error::x\na b");

@@ -22,8 +22,7 @@ pub(crate) fn of_size<S: AsRef<str>>(name: &str, names: &[S]) -> Option<String> 
     let (size, names) = (plain(name), names.iter().map(|name| plain(name.as_ref())));
     let names: Vec<String> = names.collect();
     let is_there = |beside: &&str| names.iter().any(|name| name == beside);
-    let (.., what) =
-        BESIDE.iter().find(|(all, of, _)| *of == size && all.iter().all(|it| is_there(&it)))?;
+    let (.., what) = BESIDE.iter().find(|(all, of, _)| *of == size && all.iter().all(is_there))?;
     let key = if size == "d" { "d" } else { "r" };
     Some(format!(
         "'{0}' may be a size or {what}; say --columns {key}={0} if it is the size of the \

@@ -138,10 +138,9 @@ fn blank_lines_may_stand_before_the_offsets_of_cells() {
 }
 
 /// What a file holds with the sizes that count, and what is assumed.
-fn told(
-    text: &str,
-    options: Options,
-) -> Result<(Vec<Vec<f64>>, RadiusSource, Vec<String>), String> {
+type Told = (Vec<Vec<f64>>, RadiusSource, Vec<String>);
+
+fn told(text: &str, options: Options) -> Result<Told, String> {
     let name = if text.starts_with("ITEM") { "dump" } else { "csv" };
     let (particles, about) =
         load_from(text.as_bytes(), "p", name, options).map_err(|error| format!("{error:#}"))?;

@@ -136,7 +136,7 @@ impl<'a> Style<'a> {
                 }
             }
             let key = |it: &Directed| (self.id(it.from), self.id(it.to), it.image);
-            all.sort_unstable_by(|a, b| key(a).cmp(&key(b)));
+            all.sort_unstable_by_key(key);
         }
         Ok(all)
     }

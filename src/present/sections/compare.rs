@@ -166,8 +166,8 @@ pub fn times(cells: &[Compared], how: &Options, all: bool) -> Table {
     let columns = vec![
         Column::left(""),
         Column::left("B / A"),
-        Column::right(&format!("A {unit}"), ""),
-        Column::right(&format!("B {unit}"), ""),
+        Column::right(format!("A {unit}"), ""),
+        Column::right(format!("B {unit}"), ""),
         Column::left("cell"),
     ];
     let shown = |ns: f64, multiple: Option<f64>| match (control, multiple) {
