@@ -95,7 +95,7 @@ impl Answer {
         self.boxed = false;
     }
 
-    /// Brings contacts that were found into the form in which they are given.
+    /// Converts the contacts that were found to the caller's form.
     pub fn finish(&mut self, boxed: bool, dim: usize) -> Result<(), Failure> {
         contactbench_core::sink::smaller_first(&mut self.contacts.plain);
         self.boxed = boxed;

@@ -143,7 +143,7 @@ pub fn draw(options: &Draw) -> anyhow::Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// The pairs of another code.
+/// Reads the pairs of another program.
 fn list(path: &Path) -> anyhow::Result<List> {
     let list = io::pairs::read(path, &[], Frame::Only)?;
     input::tell(&path.display().to_string(), &list.notices, Place::Argument);

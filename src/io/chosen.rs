@@ -202,7 +202,7 @@ impl Chosen {
         Ok(())
     }
 
-    /// The columns with the meaning that is chosen.
+    /// Returns `columns` with the user's choices applied.
     pub(crate) fn apply(&self, mut columns: Columns, place: &str) -> anyhow::Result<Columns> {
         columns.meaning.iter_mut().for_each(|meaning| *meaning = self.beside(*meaning));
         columns.sizes_chosen |= self.sizes();

@@ -23,7 +23,7 @@ pub(crate) enum Column {
 }
 
 impl Column {
-    /// What a column of that name holds.
+    /// Returns the meaning of a column with this name.
     pub fn named(name: &str) -> Column {
         match units::split(name).0.to_ascii_lowercase().as_str() {
             "x" => Column::Axis(0),

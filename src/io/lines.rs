@@ -239,7 +239,8 @@ pub(crate) enum Separator {
 }
 
 impl Separator {
-    /// That of a line outside of quotes: semicolon, else comma, else tab, else blanks.
+    /// Guesses the separator of a line, quoted text aside: semicolon, else comma, else tab, else
+    /// blanks.
     pub fn guess(line: &[u8]) -> Separator {
         let bare: Vec<u8> = line.split(|&b| b == b'"').step_by(2).flatten().copied().collect();
         [b';', b',', b'\t']

@@ -216,7 +216,7 @@ pub fn frames<T>(
     body(Frames { reader, choice, name, options, gzip: false, ended: false })
 }
 
-/// As [`frames`], of one file.
+/// Reads one file; see [`frames`].
 fn opened<T>(
     path: &Path,
     options: Options,

@@ -29,7 +29,7 @@ pub enum Notice {
     },
     /// Contacts overlap by this much in the mean, in mean radii: more than those of hard bodies.
     Deep(f64),
-    /// Pairs that are nearly concentric, and the first of them.
+    /// Number of nearly concentric pairs, and the first of them.
     Nested(u64, [u32; 2]),
     /// Particles that have the centre of another, and the first of them.
     Coincident(u64, u32),

@@ -18,7 +18,7 @@ use crate::io::lines::{Source, number, short};
 use crate::io::particles::Particles;
 use crate::io::{About, Notice, Options, opened, room};
 
-/// One frame: the files whose particles it holds.
+/// The files that form one frame.
 struct Member {
     files: Vec<PathBuf>,
     time: Option<f64>,

@@ -37,7 +37,7 @@ pub fn good(folder: &Path, arguments: &[&str]) -> Ended {
 }
 
 /// A run that ends with exit code 2 and one line of refusal on standard error, the last, with all
-/// these words. Notices about a file may stand before it.
+/// these words. Notices may precede it.
 pub fn refused(folder: &Path, arguments: &[&str], words: &[&str]) -> Ended {
     let ended = run(folder, arguments);
     let refusal = |line: &&str| line.starts_with("contactbench: ");

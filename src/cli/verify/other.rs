@@ -1,4 +1,4 @@
-//! Whether a list that differs is that of another frame of the particles.
+//! Checks whether a list that differs matches another frame of the particles.
 
 use crate::check::listed::{Meaning, Touching};
 use crate::check::reading::words::counted;

@@ -4,7 +4,7 @@
 //! * The header names the columns: `x,y[,z][,r]`, with `r`, `radius`, `d` or `diameter`, in any
 //!   order and any case; other columns are skipped. Units of length may follow the names.
 //! * The separator is that of the first line: semicolon, else comma, else tab, else any run of
-//!   blanks. Texts in quotes may hold it; quotes in them are doubled, and they end on their line.
+//!   blanks. Quoted text may contain it, and doubled quotes, but no line break.
 //! * A column of frames, steps or times splits the rows into frames: see [`split`].
 //! * Blank lines and lines that begin with `#`, `%`, `!` or `//` are skipped. Such a line is the
 //!   header if the data begin without one and it names as many columns as the data have.

@@ -118,7 +118,7 @@ pub(crate) fn particles(
     Ok((particles, radius))
 }
 
-/// The dimension of rows of two to four numbers, and whether the radius is the last of them.
+/// Returns the dimension of rows of two to four numbers, and whether the last one is the radius.
 pub(crate) fn meaning(columns: usize, options: Options) -> (usize, bool) {
     match (columns, options.dim) {
         (2, _) => (2, false),

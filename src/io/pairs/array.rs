@@ -37,7 +37,7 @@ struct Shape {
     pairs: u64,
     /// Numbers of each pair.
     columns: usize,
-    /// The first of them is the frame.
+    /// Whether each row begins with its frame.
     framed: bool,
     /// One number of all pairs stands after the other.
     by_column: bool,

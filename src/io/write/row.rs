@@ -70,7 +70,7 @@ impl Directed {
 }
 
 impl<'a> Style<'a> {
-    /// Pairs of places, and nothing else.
+    /// Writes pairs as places in the file, without further columns.
     pub fn plain(around: Around<'a>) -> Style<'a> {
         Style { around, ids: None, by_id: false, extras: &[] }
     }

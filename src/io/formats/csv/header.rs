@@ -34,7 +34,7 @@ struct Comments {
     columns: Option<Columns>,
     /// `#format` names them.
     format: bool,
-    /// `##PERIODIC::`, the edges.
+    /// Edges of the box from `##PERIODIC::`.
     edges: Option<[f64; 3]>,
     notices: Vec<Notice>,
 }

@@ -27,7 +27,7 @@ const FRAMES: [&str; 9] = [
 const STEPS: [&str; 8] =
     ["timestep", "step", "steps", "stepno", "timestepindex", "iteration", "iter", "tstep"];
 const TIMES: [&str; 3] = ["time", "t", "times"];
-/// Names of ids in tables of tracked particles, which have no column id.
+/// Header names that are read as ids if there is no column id.
 const IDS: [&str; 6] = ["particle", "particleid", "pid", "trackid", "atomid", "bodyid"];
 
 /// What the column counts.
@@ -71,7 +71,7 @@ pub(super) struct Split {
     pub column: usize,
     name: String,
     kind: Kind,
-    /// Called t or time, and not chosen: each row may have one of its own.
+    /// Whether the column is named t or time and was not chosen: each row may have a value of its own.
     doubtful: bool,
     /// Value of the frame that is read.
     value: Vec<u8>,
