@@ -298,6 +298,7 @@ fn finished(
         })?;
         groups.check(particles.len(), options.frame, name)?;
     }
+    particles.notices.extend(formats::maybe_frames(about.format, &particles.unused));
     let (dim, declared) = (particles.dim(), about.declared.as_ref());
     particles.lattice = options.boundaries.lattice(name, dim, declared, &mut particles.notices)?;
     particles.has_box = declared.is_some_and(|declared| declared.vectors.is_some());

@@ -104,7 +104,7 @@ impl Notice {
                 if *pairs == 1 { "1 pair is".into() } else { format!("{pairs} pairs are") }
             ),
             Notice::Coincident(count, first) => format!(
-                "{count} particles have the centre of another, such as particle {first} (from \
+                "at least {count} particles have the centre of another, such as particle {first} (from \
                  0): was something written twice?"
             ),
             Notice::Scaled => "all coordinates are from 0 to 1, and fill that range: are they \

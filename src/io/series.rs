@@ -258,7 +258,13 @@ impl Series {
                 Some(_) => bail!("{name} is a list of files itself; name the files in it"),
             };
             match &mut whole {
-                Some((all, _)) => all.append(particles, &name)?,
+                Some((all, first)) => {
+                    ensure!(
+                        about.declared.is_none() || about.declared == first.declared,
+                        "{name}: its box is not that of the frame's first file; give --box"
+                    );
+                    all.append(particles, &name)?;
+                }
                 None => whole = Some((particles, about)),
             }
         }

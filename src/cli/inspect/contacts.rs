@@ -57,7 +57,8 @@ impl Contacts {
 
     /// Those in a box that repeats.
     pub fn in_box(periodic: &Periodic<'_>) -> Contacts {
-        let limit = Options::default().memory_limit;
+        // As `detect` has it, so that a box much smaller than the particles is refused at once.
+        let limit = crate::memory::limit_for(periodic.scene().len());
         let pairs = match imaged::contacts(periodic, limit) {
             Ok(pairs) => pairs,
             Err(error) => return Contacts::Refused(format!("{error:#}")),

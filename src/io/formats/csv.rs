@@ -21,6 +21,7 @@ mod header;
 mod split;
 
 use anyhow::{anyhow, ensure};
+pub(crate) use split::splits;
 
 use crate::io::counted::Counted;
 use crate::io::formats::csv::header::Table;

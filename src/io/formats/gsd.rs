@@ -126,7 +126,8 @@ impl File {
         let until_zero = |name: &[u8]| name.split(|&b| b == 0).next().unwrap_or_default().to_vec();
         let names: Vec<Vec<u8>> = match version {
             1 => list.chunks(64).map(until_zero).collect(),
-            _ => list.split(|&b| b == 0).map(<[u8]>::to_vec).collect(),
+            // Chunks number their names by 16 bits.
+            _ => list.split(|&b| b == 0).take(1 << 16).map(<[u8]>::to_vec).collect(),
         };
         let mut chunks = Vec::new();
         for entry in part(index, entries, 32).with_context(torn)?.chunks_exact(32) {

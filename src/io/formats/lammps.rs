@@ -29,7 +29,7 @@ const STYLES: [(&str, &str); 16] = [
     ("angle", "id mol type x y z"),
     ("molecular", "id mol type x y z"),
     ("full", "id mol type q x y z"),
-    ("dipole", "id type q x y z"),
+    ("dipole", "id type q x y z mux muy muz"),
     ("ellipsoid", "id type flag density x y z"),
     ("line", "id mol type flag density x y z"),
     ("tri", "id mol type flag density x y z"),

@@ -18,8 +18,9 @@ mod xyz;
 use anyhow::{bail, ensure};
 
 use crate::io::frames::{Once, Reader};
+use crate::io::lines::short;
 use crate::io::lines::{Source, number, words};
-use crate::io::{About, Options, Particles};
+use crate::io::{About, Notice, Options, Particles};
 
 /// A format of particle files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -252,4 +253,26 @@ fn names() -> String {
     let names =
         FORMATS.iter().filter_map(|entry| clap::ValueEnum::to_possible_value(&entry.format));
     names.map(|value| value.get_name().to_string()).collect::<Vec<_>>().join(", ")
+}
+
+/// The doubt about a name that may split the particles into frames, and does not: in text, one that
+/// is no known name of a frame; in arrays, any. Dumps and the like have frames of their own.
+pub(crate) fn maybe_frames(format: &str, unused: &[String]) -> Option<Notice> {
+    const WORDS: [&str; 6] = ["frame", "time", "step", "slice", "cycle", "snapshot"];
+    let text = format == "CSV" || format == "YADE text";
+    let arrays = ["NumPy", "PLY"].iter().any(|name| format.starts_with(name));
+    let like = |name: &&String| {
+        let plain = name.to_lowercase();
+        WORDS.iter().any(|word| plain.contains(word)) && !(text && csv::splits(name))
+    };
+    let name = unused.iter().filter(|_| text || arrays).find(like)?;
+    let remedy = match text {
+        true => format!("--columns frame={} splits the rows", short(name)),
+        false => "save one array of shape (frames, N, 3), or a table with that column".into(),
+    };
+    Some(Notice::Assumed(format!(
+        "'{}' is not used, and all particles are taken as of one time; if it tells times apart, \
+         {remedy}",
+        short(name)
+    )))
 }

@@ -146,7 +146,8 @@ fn frame(lines: &mut Lines<'_>, n: u64, options: Options) -> anyhow::Result<(Par
     }
     let format = if columns.or_more { "XYZ" } else { "extended XYZ" };
     let (mut particles, about) = crate::io::particles::loaded(format, particles, columns.radius());
-    let silent = declared.is_none() && options.boundaries == Boundaries::AS_DECLARED;
+    let silent =
+        columns.or_more && declared.is_none() && options.boundaries == Boundaries::AS_DECLARED;
     particles.notices.extend(maybe_box(&line).filter(|_| silent));
     let first = |keys: &[&str]| {
         keys.iter().find_map(|key| comment.get(key)?.cells.first()).map(String::as_bytes)

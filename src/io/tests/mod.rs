@@ -74,6 +74,37 @@ fn what_is_not_read_in_a_comment_or_of_a_shape_is_doubted() {
 }
 
 #[test]
+fn names_that_may_be_frames_are_doubted() {
+    let said = |text: &str| {
+        let (particles, _) = load_from(text.as_bytes(), "p", "csv", NONE).unwrap();
+        particles.notices().iter().map(|notice| notice.words(Place::Argument)).collect::<String>()
+    };
+    for name in ["timestamp", "frame_idx", "sim_time", "slice", "cycle"] {
+        let words = said(&format!("{name},x,y,r\n0,0,0,1\n1,1,0,1\n"));
+        assert!(words.contains(&format!("--columns frame={name}")), "{name}: {words}");
+    }
+    assert_eq!(said("mass,x,y,r\n0,0,0,1\n1,1,0,1\n"), "");
+    let ply = "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\n\
+               property float radius\nproperty float time\nend_header\n0 0 1 0\n1 0 1 1\n";
+    let (particles, _) = load_from(ply.as_bytes(), "p", "ply", NONE).unwrap();
+    let words = format!("{:?}", particles.notices());
+    assert!(words.contains("'time' is not used"), "{words}");
+}
+
+#[test]
+fn boxes_and_columns_are_not_lost_behind_quotes_and_styles() {
+    let quotes = "1\npath=\"C:\\data\\\" Lattice=\"10 0 0 0 10 0 0 0 10\"\nA 1 2 3\n";
+    let error = read(quotes.as_bytes(), "xyz", HALF).unwrap_err();
+    assert!(error.contains("Lattice stands within the value of another key"), "{error}");
+    let hybrid = "t\n\n1 atoms\n\nAtoms # hybrid dipole sphere\n\n1 1 0 0 0 0 9 9 9 2 1\n";
+    assert_eq!(rows(&read(hybrid.as_bytes(), "data", NONE).unwrap()), [[0.0, 0.0, 0.0, 1.0]]);
+    // Properties hold digits, and are no box.
+    let own = "1\nProperties=species:S:1:pos:R:3:radius:R:1\nA 1 2 3 0.5\n";
+    let (particles, _) = load_from(own.as_bytes(), "p", "xyz", NONE).unwrap();
+    assert_eq!(particles.notices(), []);
+}
+
+#[test]
 fn dimension_and_radii_follow_the_rules() {
     let flat = b"x,y,z,r\n1,2,0,1\n3,4,-0,1\n";
     assert_eq!(read(flat, "csv", NONE).unwrap().dim(), 3);

@@ -109,7 +109,7 @@ impl Comments {
         let chosen = columns.chosen("", options).ok().filter(Columns::has_places);
         if chosen.is_some() && (is_format || !self.format) {
             self.columns = chosen;
-        } else if may_be_box(text) {
+        } else if self.notices.is_empty() && may_be_box(text) {
             self.notices.push(Notice::Assumed(format!(
                 "the comment '{}' may describe a box, and is not read: --box says it",
                 short(text)

@@ -55,6 +55,11 @@ fn kind(name: &str) -> Option<Kind> {
     }
 }
 
+/// Whether a column of this name splits a table into frames.
+pub(crate) fn splits(name: &str) -> bool {
+    kind(name).is_some()
+}
+
 /// The first column of a kind that is not used for something else.
 fn place(columns: &Columns, of: Kind) -> Option<usize> {
     let mut all = columns.names.iter().zip(&columns.meaning);

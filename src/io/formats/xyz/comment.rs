@@ -41,7 +41,15 @@ impl Comment {
     /// contacts stands in it.
     pub fn read(line: &str) -> anyhow::Result<Comment> {
         match pairs(line) {
-            Ok(pairs) => Comment(pairs).once(),
+            Ok(pairs) => {
+                let comment = Comment(pairs).once()?;
+                let is_lost = |key: &str| mentions(line, key) && comment.get(key).is_none();
+                let lost = DECIDE.iter().find(|(key, _)| is_lost(key));
+                if let Some((key, _)) = lost {
+                    bail!("{key} stands within the value of another key: mend the quotes");
+                }
+                Ok(comment)
+            }
             Err((at, why)) => {
                 let key = DECIDE.iter().find(|(key, _)| mentions(line, key));
                 match key {
@@ -95,7 +103,9 @@ impl Comment {
 /// Whether the key stands before a sign `=` somewhere in the line.
 fn mentions(line: &str, key: &str) -> bool {
     let (line, key) = (line.to_ascii_lowercase(), key.to_ascii_lowercase());
-    line.match_indices(&key).any(|(at, _)| {
+    let begins =
+        |at: usize| !line[..at].ends_with(|c: char| c.is_ascii_alphanumeric() || "_-".contains(c));
+    line.match_indices(&key).filter(|&(at, _)| begins(at)).any(|(at, _)| {
         let rest = line[at + key.len()..].trim_start_matches(['"', '\'', ' ', '\t']);
         rest.starts_with('=')
     })
