@@ -104,8 +104,8 @@ impl Notice {
                 if *pairs == 1 { "1 pair is".into() } else { format!("{pairs} pairs are") }
             ),
             Notice::Coincident(count, first) => format!(
-                "at least {count} particles have the centre of another, such as particle {first} (from \
-                 0): was something written twice?"
+                "at least {count} particles have the centre of another, such as particle {first} \
+                 (from 0): was something written twice?"
             ),
             Notice::Scaled => "all coordinates are from 0 to 1, and fill that range: are they \
                                scaled by a box?"

@@ -76,7 +76,8 @@ pub(super) struct Split {
     pub column: usize,
     name: String,
     kind: Kind,
-    /// Whether the column is named t or time and was not chosen: each row may have a value of its own.
+    /// Whether the column is named t or time and was not chosen: each row may have a value of its
+    /// own.
     doubtful: bool,
     /// Value of the frame that is read.
     value: Vec<u8>,
