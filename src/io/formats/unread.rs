@@ -224,7 +224,9 @@ fn pdb(head: &[u8]) -> bool {
         b"EXPDTA    ",
     ];
     let first = head.split(|&b| b == b'\n').next().unwrap_or_default();
-    first.len() > 20 && records.iter().any(|record| first.starts_with(record))
+    // Titles and models are short; a line of atoms is not.
+    let least = if first.starts_with(b"ATOM") || first.starts_with(b"HETATM") { 21 } else { 10 };
+    first.len() >= least && records.iter().any(|record| first.starts_with(record))
 }
 
 /// A title, a number, and lines of which columns 21 to 44 are three numbers with a point.
