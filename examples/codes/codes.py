@@ -43,15 +43,15 @@ class Failure(Exception):
 
 
 def started(command, folder, processor=None, good=(0,)):
-    """What a program printed."""
+    """Returns what a program printed on standard output; notices stand on standard error."""
     keep = (lambda: os.sched_setaffinity(0, {processor})) if processor is not None else None
     environment = {**os.environ, "OMP_NUM_THREADS": "1"}
     ended = subprocess.run(
         command, cwd=folder, env=environment, preexec_fn=keep, stdin=subprocess.DEVNULL,
-        stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace",
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, errors="replace",
     )
     if ended.returncode not in good:
-        last = " | ".join(ended.stdout.strip().splitlines()[-12:])
+        last = " | ".join((ended.stdout + ended.stderr).strip().splitlines()[-12:])
         raise Failure(f"{command[0]} ended with {ended.returncode}: {last}")
     return ended.stdout
 
