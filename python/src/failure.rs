@@ -160,12 +160,12 @@ fn caught<R>(work: impl FnOnce() -> Result<R, Failure>) -> Result<R, Failure> {
     })
 }
 
-/// Tells work that nobody waits for it any more.
+/// A flag that ends abandoned work.
 #[derive(Clone, Default)]
 pub struct Stop(Arc<AtomicBool>);
 
 impl Stop {
-    /// Ends the thread's work if nobody waits for it; called between pieces of long work.
+    /// Ends the thread's work if its caller has gone; called between pieces of long work.
     pub fn look(&self) {
         if self.0.load(Relaxed) {
             std::panic::resume_unwind(Box::new("stopped"));

@@ -22,7 +22,7 @@ use crate::given::{Arrays, Edges, Held, answer, arithmetic, tidy};
 
 type Answer = (Py<PyArray2<u32>>, Option<Py<PyArray2<i32>>>);
 
-/// A detector of the table, which can use so many threads.
+/// Returns the detector of that name, if it can use this many threads.
 fn detector(text: &str, threads: usize) -> Result<DetectorSpec, Failure> {
     let spec = spec::parse(text).map_err(Failure::value)?;
     usable(&spec, threads)?;

@@ -28,7 +28,7 @@ const DRAWN: u64 = 1 << 16;
 /// An estimate is sure of its value less this many standard errors.
 const SURE: f64 = 4.0;
 
-/// Returns whether the box has so many images that pairs of two of them may cost the most.
+/// Returns whether pairs of two images may cost more than all other pairs in this box.
 pub(super) fn is_small<const D: usize>(made: &Made<'_, D>) -> bool {
     made.ghosts() >= FEW && made.ghosts() > EACH * u64::from(made.particles())
 }

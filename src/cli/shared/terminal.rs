@@ -22,7 +22,7 @@ fn columns(terminal: impl std::os::fd::AsFd) -> usize {
     }
 }
 
-/// Prints a line on standard error. Where nobody can read it, it is lost.
+/// Prints a line on standard error. A line that cannot be written is lost.
 pub fn say(line: &str) {
     #[cfg(unix)]
     let width = columns(std::io::stderr());
