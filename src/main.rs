@@ -9,6 +9,7 @@ use contactbench::cli::{
     Cli, Verb, check, compare, detect, draw, inspect, list, map, merge, new_detector, ranks,
     recommend, report, run, runner, say, scene, shell, trace, track, verify,
 };
+use contactbench::record::built::{self, Build};
 use contactbench::record::faults::Damaged;
 use contactbench::run::alloc::Counting;
 use contactbench::text::{line, lines};
@@ -16,7 +17,17 @@ use contactbench::text::{line, lines};
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
+const BUILD: Build = Build {
+    revision: env!("CONTACTBENCH_REVISION"),
+    dirty: env!("CONTACTBENCH_DIRTY"),
+    features: env!("CONTACTBENCH_FEATURES"),
+    rustc: env!("CONTACTBENCH_RUSTC"),
+    rustflags: env!("CONTACTBENCH_RUSTFLAGS"),
+    profile: env!("CONTACTBENCH_PROFILE"),
+};
+
 fn main() -> ExitCode {
+    built::set(BUILD);
     report_full_files();
     report_missing_memory();
     let cli = match Cli::try_parse() {

@@ -1,5 +1,6 @@
 //! The record: one JSON line per measurement, appended and never edited.
 
+pub mod built;
 pub mod column;
 pub mod copies;
 pub mod done;

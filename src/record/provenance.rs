@@ -6,6 +6,7 @@ use std::time::{SystemTime, UNIX_EPOCH};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
+use crate::record::built::build;
 use crate::record::hardware::Hardware;
 use crate::record::row::SCHEMA;
 use crate::record::seal;
@@ -45,6 +46,7 @@ pub fn gather(
         .parse::<f64>()
         .ok()
         .map(|khz| khz / 1000.0);
+    let build = build();
     let mut all = json!({
         "command": command(std::env::args().skip(1)),
         "record_schema": SCHEMA,
@@ -54,10 +56,10 @@ pub fn gather(
         "contactbench": env!("CARGO_PKG_VERSION"),
         "revision": revision(),
         "dirty": dirty(),
-        "features": env!("CONTACTBENCH_FEATURES").split_whitespace().collect::<Vec<_>>(),
-        "rustc": env!("CONTACTBENCH_RUSTC"),
-        "rustflags": env!("CONTACTBENCH_RUSTFLAGS"),
-        "profile": env!("CONTACTBENCH_PROFILE"),
+        "features": build.features.split_whitespace().collect::<Vec<_>>(),
+        "rustc": build.rustc,
+        "rustflags": build.rustflags,
+        "profile": build.profile,
         "machine": label,
         "host": machine(),
         "os": format!("{} {}", std::env::consts::OS, std::env::consts::ARCH),
@@ -97,12 +99,12 @@ fn read(path: &str) -> String {
 
 /// The last commit that changed what this program was built from; none where that was no checkout.
 pub fn revision() -> Option<&'static str> {
-    Some(env!("CONTACTBENCH_REVISION")).filter(|revision| *revision != "unknown")
+    Some(build().revision).filter(|revision| *revision != "unknown")
 }
 
 /// Did the sources differ from that commit when they were built? None where there was no checkout.
 pub fn dirty() -> Option<bool> {
-    env!("CONTACTBENCH_DIRTY").parse().ok()
+    build().dirty.parse().ok()
 }
 
 /// The machine's name, fit for a folder name.

@@ -18,6 +18,7 @@ use crate::detect::{Options, Refusal};
 use crate::experiment::detectors;
 use crate::io;
 use crate::periodic::Contacts;
+use crate::record::built::build;
 use crate::record::provenance;
 use crate::run::alloc;
 use crate::run::possible::MOST_CALLS;
@@ -97,12 +98,13 @@ impl Server {
             Some(false) => "as committed",
             None => "unknown",
         };
+        let build = build();
         let said = [
-            ("features", env!("CONTACTBENCH_FEATURES")),
+            ("features", build.features),
             ("level", self.tracker.detector().level().unwrap_or_default()),
-            ("profile", env!("CONTACTBENCH_PROFILE")),
+            ("profile", build.profile),
             ("revision", provenance::revision().unwrap_or("unknown")),
-            ("rustflags", env!("CONTACTBENCH_RUSTFLAGS")),
+            ("rustflags", build.rustflags),
             ("sources", sources),
         ];
         let said = said.into_iter().filter(|(_, value)| !value.is_empty());
