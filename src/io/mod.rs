@@ -30,6 +30,7 @@ mod counted;
 pub mod exchange;
 mod formats;
 mod frames;
+mod given;
 mod lines;
 mod notice;
 pub mod pairs;
@@ -52,6 +53,7 @@ use formats::gzip::{self, Unpacking};
 pub use formats::{FORMATS, Format};
 use frames::Choice;
 pub use frames::{Frame, Frames};
+pub use given::Given;
 pub use lines::LONGEST_LINE;
 use lines::Source;
 pub(crate) use lines::short;
@@ -61,7 +63,7 @@ pub(crate) use room::room;
 pub use series::exists;
 pub use without::{Groups, Without};
 
-use crate::scene::{AnyScene, Given};
+use crate::scene::AnyScene;
 
 /// What the file does not say.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

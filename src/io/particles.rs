@@ -7,12 +7,13 @@ mod ids;
 use anyhow::{Context, bail, ensure};
 use nalgebra::Point;
 
+use crate::io::Given;
 use crate::io::boxes::{KNOWN_TO, along};
 pub(crate) use crate::io::columns::{Column, Columns, DECIMAL_COMMAS, is_decimal_comma};
 use crate::io::lines::{listed, short};
 use crate::io::room::{room, room_for};
 use crate::io::{About, Groups, Notice, Options, RadiusSource};
-use crate::scene::{AnyScene, Given, Lattice, Radii, Scene};
+use crate::scene::{AnyScene, Lattice, Radii, Scene};
 
 /// Centres of either dimension, in file order.
 #[derive(Debug, PartialEq)]

@@ -13,9 +13,10 @@ use std::path::Path;
 
 use anyhow::{Context, bail, ensure};
 
+use crate::io::Given;
 use crate::io::formats::npy;
 use crate::periodic::ImagePair;
-use crate::scene::{Given, Lattice, Real, Scene, array};
+use crate::scene::{Lattice, Real, Scene, array};
 use crate::with_scene;
 use row::Directed;
 

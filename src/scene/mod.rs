@@ -3,15 +3,14 @@
 
 pub mod doubts;
 pub mod generate;
-mod given;
 pub mod hard;
 pub mod motion;
 pub mod order;
 pub mod spec;
 pub mod stats;
 
+pub use crate::io::Given;
 pub use contactbench_core::scene::*;
-pub use given::Given;
 
 #[cfg(test)]
 mod tests {

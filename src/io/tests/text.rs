@@ -1,6 +1,9 @@
 //! CSV and XYZ.
 
+use contactbench_terms::mix::splitmix64;
+
 use super::*;
+use crate::scene::{Radii, Scene};
 
 #[test]
 fn csv_headers_decide() {
@@ -49,10 +52,12 @@ fn csv_without_a_header_is_read_where_it_has_one_meaning() {
 /// A scene written as CSV in shortest form comes back to the bit.
 #[test]
 fn csv_gives_back_every_bit() {
-    let scene = crate::scene::spec::Spec::parse("clustered:dim=3,n=500,size-ratio=7")
-        .unwrap()
-        .make()
-        .unwrap();
+    let number = |k: u64| f64::from_bits(splitmix64(k) >> 2);
+    let centres: Vec<_> = (0..500)
+        .map(|k| nalgebra::Point::from([3 * k, 3 * k + 1, 3 * k + 2].map(number)))
+        .collect();
+    let radii: Vec<f64> = (1500..2000).map(number).collect();
+    let scene: AnyScene<'_> = Scene::new(centres, Radii::Each(radii.into())).unwrap().into();
     let text: String = rows(&scene)
         .iter()
         .map(|row| row.iter().map(f64::to_string).collect::<Vec<_>>().join(",") + "\n")
