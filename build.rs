@@ -5,10 +5,11 @@ use std::path::Path;
 use std::process::Command;
 
 /// All that the program is made of, below the root of the project.
-const SOURCES: [&str; 11] = [
+const SOURCES: [&str; 12] = [
     "src",
     "core/src",
     "core/Cargo.toml",
+    "crates",
     "Cargo.toml",
     "Cargo.lock",
     "build.rs",

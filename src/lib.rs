@@ -43,6 +43,7 @@ pub use contactbench_core::{
     contact, crowd, detect, event, filter, memory, oracle, pair_list, periodic, probe, searcher,
     sink, track, wide, with_scene,
 };
+pub use contactbench_terms::{nearest, number, text};
 
 #[cfg(test)]
 #[path = "../tests/program/committed.rs"]
@@ -55,8 +56,6 @@ pub mod experiment;
 pub mod findings;
 pub mod io;
 pub mod moving;
-pub mod nearest;
-pub mod number;
 pub mod present;
 pub mod ranks;
 pub mod recommend;
@@ -64,4 +63,3 @@ pub mod record;
 pub mod run;
 pub mod scene;
 pub mod stats;
-pub mod text;

@@ -1,7 +1,7 @@
 //! Rates of errors against exact decisions.
 
 use crate::cells::Cell;
-use crate::oracle::Causes;
+use contactbench_terms::errors::Causes;
 
 /// Pairs that touch in exact arithmetic in the scene as given.
 pub fn true_contacts(cell: &Cell) -> f64 {

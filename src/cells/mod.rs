@@ -15,14 +15,14 @@ use std::collections::{BTreeMap, BTreeSet};
 
 pub use crate::cells::expression::{Expression, Reading};
 use crate::cells::state::States;
-use crate::oracle::{Causes, Errors};
 use crate::record::column::{COLUMNS, Column, FIRST, TIME};
 pub use crate::record::id::{CellId, FIELDS};
 use crate::record::role::Role;
 use crate::record::row::{Measurement, Outcome, Pass, Row};
 pub use crate::record::value::AxisValue;
-use crate::scene::stats::Stats;
 use crate::stats::interval::{Block, Blocks, Interval, interval, median, ratio, typical_ratio};
+use contactbench_terms::errors::{Causes, Errors};
+use contactbench_terms::scene::Stats;
 
 /// All that was measured of one detector on one scene.
 #[derive(Clone, Debug, Default)]

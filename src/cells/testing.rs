@@ -2,11 +2,11 @@
 //! told.
 
 use crate::experiment::Experiment;
-use crate::oracle::{Causes, Errors};
 use crate::record::id::CellId;
 use crate::record::role::Role;
 use crate::record::row::{Outcome, Pass, Row};
-use crate::scene::stats::Stats;
+use contactbench_terms::errors::{Causes, Errors};
+use contactbench_terms::scene::Stats;
 
 /// Writes rows for one cell after another; the setters change the cell that the next rows belong
 /// to.

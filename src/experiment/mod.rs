@@ -21,7 +21,6 @@ use std::path::Path;
 use anyhow::{Context, ensure};
 use serde::Deserialize;
 
-use crate::contact::Arithmetic;
 pub use crate::experiment::claims::{Claim, ClaimKind, Where};
 use crate::experiment::document::Document;
 pub use crate::experiment::figures::{
@@ -31,6 +30,7 @@ pub use crate::experiment::list::List;
 pub use crate::experiment::scenes::SceneSweep;
 use crate::memory::default_limit;
 use crate::record::faults::{MOST_THREADS, is_word};
+use contactbench_terms::arithmetic::Arithmetic;
 
 /// One experiment file. [`Experiment::parse`] asks for the keys in [`REQUIRED`].
 #[derive(Clone, Debug, Deserialize)]

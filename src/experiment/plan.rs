@@ -1,12 +1,12 @@
 //! What an experiment plans: every entrant on every scene, in so many blocks. Runs are made from
 //! this, and reports are held to it.
 
-use crate::contact::Arithmetic;
 use crate::experiment::{Experiment, ExternalRunner};
 use crate::record::id::{CellId, split_contender};
 use crate::record::role::Role;
 use crate::scene::spec::Spec;
 use crate::track;
+use contactbench_terms::arithmetic::Arithmetic;
 
 /// Blocks done before the budget can end a scene: the range of six values covers the median in
 /// 96.9% of samples.

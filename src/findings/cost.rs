@@ -27,10 +27,10 @@ use nalgebra::{DMatrix, DVector};
 use crate::cells::machine::number_bytes;
 use crate::cells::series::Line;
 use crate::cells::{Cell, series};
-use crate::probe::Op;
 use crate::record::row::Pass;
 use crate::stats::interval::median;
 use crate::stats::nnls;
+use contactbench_terms::op::Op;
 
 /// Kinds of operations whose columns are nearer to each other than this are one.
 pub const TOGETHER: f64 = 0.99;

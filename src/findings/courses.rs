@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use crate::cells::label::{brief, swept, title};
 use crate::cells::{Cell, CellId};
-use crate::contact::Arithmetic;
+use contactbench_terms::arithmetic::Arithmetic;
 
 /// All courses of an experiment.
 #[derive(Clone, Debug, PartialEq)]

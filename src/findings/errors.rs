@@ -5,9 +5,9 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use crate::cells::errors::true_contacts;
 use crate::cells::{AxisValue, Cell, CellId, label};
-use crate::oracle::{Causes, Errors};
 use crate::record::id::variable;
 use crate::record::row::Outcome;
+use contactbench_terms::errors::{Causes, Errors};
 
 /// A line per scene (with the parameters that are swept), arithmetic and group of detectors with
 /// the same errors.

@@ -3,10 +3,10 @@
 use std::collections::BTreeMap;
 
 use crate::cells::{Cell, label};
-use crate::probe::Op;
 use crate::record::id::{Axes, Projection};
 use crate::record::row::Pass;
 use crate::stats::growth::{self, Choice};
+use contactbench_terms::op::Op;
 
 /// All operations of a detector on a scene, over N.
 #[derive(Clone, Debug, PartialEq)]

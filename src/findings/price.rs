@@ -5,10 +5,10 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use crate::cells::label::title;
 use crate::cells::{Cell, CellId, errors, label};
-use crate::contact::Arithmetic;
 use crate::record::id::Projection;
 use crate::record::row::Pass;
 use crate::stats::interval::{Interval, median, typical_ratio};
+use contactbench_terms::arithmetic::Arithmetic;
 
 /// The arithmetic that others are compared with in time.
 pub const BASE: &str = "f64";
@@ -137,8 +137,8 @@ mod tests {
     use super::*;
     use crate::cells;
     use crate::cells::testing::Lab;
-    use crate::oracle::{Causes, Errors};
     use crate::record::row::Outcome;
+    use contactbench_terms::errors::{Causes, Errors};
 
     #[test]
     fn every_arithmetic_has_its_errors_and_its_time() {

@@ -5,11 +5,11 @@ use std::collections::BTreeMap;
 
 use crate::cells::series::{BySize, Group, Line};
 use crate::cells::{Cell, series};
-use crate::contact::Arithmetic;
 use crate::findings::noise::Noise;
 use crate::record::role::Role;
 use crate::record::row::{Outcome, Pass};
 use crate::stats::interval::Interval;
+use contactbench_terms::arithmetic::Arithmetic;
 
 /// A detector that takes at most so many times the time of the fastest is near it.
 pub const NEAR: f64 = 1.2;

@@ -8,9 +8,9 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::cells::{AxisValue, Cell, CellId, label};
-use crate::contact::Arithmetic;
-use crate::oracle::Errors;
 use crate::record::row::Outcome;
+use contactbench_terms::arithmetic::Arithmetic;
+use contactbench_terms::errors::Errors;
 
 /// What became of one question.
 #[derive(Clone, Debug, PartialEq)]
@@ -276,8 +276,8 @@ fn who(answers: &Answers, reasons: &mut Reasons) -> Vec<String> {
 #[cfg(test)]
 pub(crate) mod testing {
     use crate::cells::testing::Lab;
-    use crate::oracle::{Causes, Errors};
     use crate::record::row::{Outcome, Pass};
+    use contactbench_terms::errors::{Causes, Errors};
 
     /// Three cases: right everywhere; wrong in f32 and lossy in textbook; refused by all but
     /// direct.

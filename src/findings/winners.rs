@@ -16,11 +16,11 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use crate::cells::series::Line;
 use crate::cells::{Cell, series};
-use crate::contact::Arithmetic;
 use crate::findings::every::{Scene, every};
 use crate::findings::noise::Noise;
 use crate::record::row::Outcome;
 use crate::stats::interval::{Interval, median};
+use contactbench_terms::arithmetic::Arithmetic;
 
 /// The contests of an experiment.
 #[derive(Clone, Debug, Default, PartialEq)]

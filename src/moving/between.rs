@@ -1,6 +1,6 @@
 //! What a motion is like from frame to frame, and the contacts that lie between two frames.
 
-use serde::{Deserialize, Serialize};
+pub use contactbench_terms::moved::{Moved, Way};
 
 use super::through::Through;
 use crate::contact::Test;
@@ -11,66 +11,47 @@ use crate::periodic::{ImagePair, Periodic};
 use crate::scene::{AnyScene, Radii, Scene, Stored, array};
 use crate::track::way;
 
-/// What happens from one frame to the next, summed up or the most of it.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Moved {
-    /// Particles.
-    pub particles: u64,
-    /// Frames.
-    pub frames: u64,
-    /// Contacts, summed over the frames.
-    pub contacts: u64,
-    /// Contacts of a frame that were not there in the frame before.
-    pub born: u64,
-    /// Contacts of a frame that are not there in the next.
-    pub ended: u64,
-    /// Pairs that touch at some time between two frames and in neither of them, if bodies go
-    /// straight from one to the other: exactly, for the numbers as given, in a box with images
-    /// rounded to f64.
-    pub tunnelled: u64,
-    /// Why they were not counted between some frames.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub uncounted: Option<String>,
-    /// How far particles go in a frame.
-    pub way: Way,
-}
-
-/// Ways of particles from one frame to the next, in diameters of the largest body; in a box to the
-/// nearest image.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Way {
-    /// The longest.
-    pub longest: f64,
-    /// All together.
-    pub sum: f64,
-    /// Particles that stayed exactly where they were, summed over the frames.
-    pub at_rest: u64,
-}
-
-impl Moved {
-    /// Steps from one frame to the next.
-    pub fn steps(&self) -> u64 {
-        self.frames.saturating_sub(1)
-    }
-
-    /// The mean way of a particle in a frame, in diameters of the largest body.
-    pub fn mean_way(&self) -> f64 {
-        match self.steps() * self.particles {
-            0 => 0.0,
-            steps => self.way.sum / steps as f64,
-        }
-    }
-
-    /// The share of particles that stay exactly where they are from one frame to the next.
-    pub fn share_at_rest(&self) -> f64 {
-        match self.steps() * self.particles {
-            0 => 1.0,
-            steps => self.way.at_rest as f64 / steps as f64,
-        }
-    }
-
+/// Sums up the steps of a motion.
+pub(crate) trait Steps {
     /// One more frame, and the one before it, if there is one, with their contacts.
-    pub(crate) fn take(
+    fn take(
+        &mut self,
+        last: Option<(&AnyScene<'_>, &[[u32; 2]])>,
+        frame: &AnyScene<'_>,
+        contacts: &[[u32; 2]],
+        memory_limit: u64,
+    );
+
+    /// The same in a box. Contacts are those that last from frame to frame, by the names that they
+    /// have in all.
+    fn take_in_box(
+        &mut self,
+        last: Option<(Through<'_>, &[ImagePair])>,
+        frame: &Periodic<'_>,
+        contacts: &[ImagePair],
+        memory_limit: u64,
+    );
+
+    /// Counts contacts, in ascending order.
+    fn count<P: Ord>(&mut self, frame: &AnyScene<'_>, before: Option<&[P]>, contacts: &[P]);
+
+    fn between<const D: usize>(
+        &mut self,
+        last: &Scene<'_, f64, D>,
+        frame: &Scene<'_, f64, D>,
+        memory_limit: u64,
+    ) where
+        for<'a> AnyScene<'a>: From<Scene<'a, f64, D>>;
+
+    /// Ways from one frame to the next.
+    fn go(&mut self, ways: &[f64], at_rest: usize, largest_radius: f64);
+
+    /// Contacts between two frames, or why they were not counted.
+    fn note(&mut self, tunnelled: Result<u64, String>);
+}
+
+impl Steps for Moved {
+    fn take(
         &mut self,
         last: Option<(&AnyScene<'_>, &[[u32; 2]])>,
         frame: &AnyScene<'_>,
@@ -91,9 +72,7 @@ impl Moved {
         }
     }
 
-    /// The same in a box. Contacts are those that last from frame to frame, by the names that they
-    /// have in all.
-    pub(crate) fn take_in_box(
+    fn take_in_box(
         &mut self,
         last: Option<(Through<'_>, &[ImagePair])>,
         frame: &Periodic<'_>,
@@ -109,7 +88,6 @@ impl Moved {
         }
     }
 
-    /// Counts contacts, in ascending order.
     fn count<P: Ord>(&mut self, frame: &AnyScene<'_>, before: Option<&[P]>, contacts: &[P]) {
         self.frames += 1;
         self.particles = frame.len() as u64;
@@ -139,7 +117,6 @@ impl Moved {
         }
     }
 
-    /// Ways from one frame to the next.
     fn go(&mut self, ways: &[f64], at_rest: usize, largest_radius: f64) {
         let diameter = 2.0 * largest_radius;
         let longest = ways.iter().fold(0.0f64, |most, &way| most.max(way));
@@ -150,7 +127,6 @@ impl Moved {
         }
     }
 
-    /// Contacts between two frames, or why they were not counted.
     fn note(&mut self, tunnelled: Result<u64, String>) {
         match tunnelled {
             Ok(tunnelled) => self.tunnelled += tunnelled,

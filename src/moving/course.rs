@@ -1,6 +1,6 @@
 //! Frames with their contacts, one after the other.
 
-use super::between::Moved;
+use super::between::{Moved, Steps};
 use super::names::Names;
 use super::through::Through;
 use crate::periodic::{ImagePair, Periodic};

@@ -142,8 +142,8 @@ mod tests {
     use crate::cells;
     use crate::cells::testing;
     use crate::cells::testing::Lab;
-    use crate::oracle::Errors;
     use crate::record::row::Pass;
+    use contactbench_terms::errors::Errors;
 
     fn made(format: Format) -> String {
         let mut lab = Lab::new("e", "packed");

@@ -6,11 +6,11 @@
 use std::borrow::Cow;
 use std::sync::LazyLock;
 
-use crate::moving::Moved;
-use crate::oracle::{Causes, Errors};
-use crate::probe::Op;
 use crate::record::outcome::Pass;
 use crate::record::row::{Course, Row};
+use contactbench_terms::errors::{Causes, Errors};
+use contactbench_terms::moved::Moved;
+use contactbench_terms::op::Op;
 
 /// A number that rows have.
 pub struct Column {

@@ -4,13 +4,13 @@
 use std::collections::{BTreeMap, HashMap};
 use std::fmt;
 
-use crate::oracle::Errors;
 use crate::record::id::Projection;
 use crate::record::ledger::{self, Ledger};
 use crate::record::outcome::{Outcome, Pass};
 use crate::record::role::Role;
 use crate::record::row::{Course, Row};
 use crate::record::{done, file};
+use contactbench_terms::errors::Errors;
 
 /// More threads than any machine has cores are a slip of the pen.
 pub const MOST_THREADS: usize = 1024;

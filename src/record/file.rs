@@ -229,12 +229,12 @@ mod tests {
     use std::collections::BTreeSet;
 
     use super::*;
-    use crate::moving::Moved;
-    use crate::oracle::{Causes, Errors};
     use crate::record::id::CellId;
     use crate::record::ledger::{self, Entry, Process};
     use crate::record::outcome::{Outcome, Pass};
     use crate::record::row::Course;
+    use contactbench_terms::errors::{Causes, Errors};
+    use contactbench_terms::moved::Moved;
 
     /// A row with something in every field.
     fn full() -> Row {

@@ -182,7 +182,7 @@ fn detected(known: &[(&str, bool)]) -> Vec<String> {
 
 #[cfg(any(target_arch = "x86_64", target_arch = "x86", target_os = "linux", test))]
 fn fingerprint(words: impl Iterator<Item = u64>) -> String {
-    let sum = words.fold(0, |sum, word| crate::sink::splitmix64(sum ^ word));
+    let sum = words.fold(0, |sum, word| contactbench_terms::mix::splitmix64(sum ^ word));
     format!("{sum:016x}")
 }
 

@@ -5,14 +5,14 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use crate::moving::Moved;
-use crate::oracle::{Causes, Errors};
 pub use crate::record::file::{FILE, Record, SCHEMA, WriteError, Writer, read};
 use crate::record::id::CellId;
 pub use crate::record::outcome::{Outcome, Pass};
 use crate::record::role::Role;
-use crate::scene::stats::Stats;
 use crate::stats::interval::Block;
+use contactbench_terms::errors::{Causes, Errors};
+use contactbench_terms::moved::Moved;
+use contactbench_terms::scene::Stats;
 
 /// One measurement.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -105,7 +105,7 @@ pub struct Row {
 }
 
 /// What a tracker did in the frames of a scene in motion, and what it missed: see
-/// [`Builds`](crate::moving::Builds) and [`Late`](crate::moving::Late).
+/// `Builds` and `Late` of the crate that runs trackers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Course {
     /// Frames in which the detector was asked, or all was made anew.

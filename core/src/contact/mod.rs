@@ -30,7 +30,6 @@
 //! **Steps.** Whether two bodies that move touch between two frames is decided as exactly:
 //! [`swept`].
 
-pub mod arithmetic;
 pub mod bodies;
 pub mod depth;
 pub mod exact;
@@ -39,15 +38,15 @@ pub mod rule;
 pub mod slack;
 pub mod swept;
 
-pub use arithmetic::{Arithmetic, Test, UnknownArithmetic};
 pub use bodies::{
     AnyBodies, Bodies, Corners, Decided, Imaged, SceneBodies, WithBodies, any_bodies, with_bodies,
     with_stored,
 };
+pub use contactbench_terms::arithmetic::{Arithmetic, Margin, Test, UnknownArithmetic};
 pub use rule::{
     AnyRule, Asked, Decide, ExactEach, ExactUniform, RoundedEach, RoundedUniform, Rule,
 };
-pub use slack::{Margin, Slack};
+pub use slack::Slack;
 
 #[cfg(test)]
 mod tests;

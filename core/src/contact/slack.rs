@@ -33,16 +33,6 @@
 
 use crate::scene::Real;
 
-/// Whether the filters of a detection may lose pairs to rounding.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Margin {
-    /// They lose none.
-    Safe,
-    /// As printed in the book: cells of edge d, found by i = Int((x - xmin) / d), where rounding
-    /// may separate a touching pair.
-    Textbook,
-}
-
 /// How far a contact test may be from the exact one: particles whose radii have the sum s are
 /// accepted if their true distance is at most s(1 - relative) - absolute, and refused if it is more
 /// than s(1 + relative) + absolute.

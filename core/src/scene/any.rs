@@ -2,18 +2,9 @@
 
 use std::borrow::Cow;
 
-use super::{CellF32, Radii, Real, Scene, SceneError};
+pub use contactbench_terms::arithmetic::Storage;
 
-/// In which number format centres and radii are kept.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Storage {
-    /// Rounded to f32.
-    F32,
-    /// As given.
-    F64,
-    /// By cells: see [`CellF32`].
-    Cell,
-}
+use super::{CellF32, Radii, Real, Scene, SceneError};
 
 /// A scene of known dimension, in a storage that is known at run time.
 #[derive(Clone, Debug, PartialEq)]

@@ -15,13 +15,13 @@ pub use twins::{SEEN, pooled};
 
 use crate::cells::label::place;
 use crate::cells::{AxisValue, Cell, cells, ids};
-use crate::contact::Arithmetic;
 use crate::findings::noise::{Noise, nine_in_ten};
 use crate::record::column::Column;
 use crate::record::id::{CellId, FIELDS, MACHINE};
 use crate::record::machines::Machine;
 use crate::record::row::{Outcome, Pass, Row};
 use crate::stats::interval::{at_least, median};
+use contactbench_terms::arithmetic::Arithmetic;
 
 /// How times are compared.
 #[derive(Clone, Debug, Default)]

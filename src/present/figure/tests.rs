@@ -6,8 +6,8 @@ use crate::cells::machine::Machine;
 use crate::cells::testing;
 use crate::cells::testing::Lab;
 use crate::experiment::Where;
-use crate::oracle::{Causes, Errors};
 use crate::record::row::{Outcome, Pass};
+use contactbench_terms::errors::{Causes, Errors};
 
 /// Seven detectors on three scenes in two dimensions, with cells that have no value.
 pub fn rows() -> Vec<crate::record::row::Row> {

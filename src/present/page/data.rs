@@ -141,8 +141,8 @@ mod tests {
     use super::*;
     use crate::cells;
     use crate::cells::testing::Lab;
-    use crate::oracle::Errors;
     use crate::record::row::Outcome;
+    use contactbench_terms::errors::Errors;
 
     #[test]
     fn rows_hold_what_was_measured_and_null_for_the_rest() {

@@ -1,8 +1,8 @@
 use super::*;
 use crate::cells::testing;
 use crate::cells::testing::Lab;
-use crate::oracle::{Causes, Errors};
 use crate::record::row::{Outcome, Pass};
+use contactbench_terms::errors::{Causes, Errors};
 
 #[test]
 fn a_report_has_question_verdicts_figures_and_provenance() {

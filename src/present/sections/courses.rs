@@ -118,9 +118,9 @@ mod tests {
     use super::*;
     use crate::cells;
     use crate::cells::testing::Lab;
-    use crate::moving::Moved;
     use crate::present::document::markdown;
     use crate::record::row;
+    use contactbench_terms::moved::Moved;
 
     #[test]
     fn misses_stand_beside_builds() {
@@ -143,9 +143,15 @@ mod tests {
             lab.detector(tracker).count(&[("contact_test", 6000)]).edit(|row| {
                 row.moved = Some(moved.clone());
                 row.course = Some(course);
-                let errors =
-                    crate::oracle::Errors { missed, deepest_miss: 0.25, ..Default::default() };
-                row.causes = Some(crate::oracle::Causes { search: errors, ..Default::default() });
+                let errors = contactbench_terms::errors::Errors {
+                    missed,
+                    deepest_miss: 0.25,
+                    ..Default::default()
+                };
+                row.causes = Some(contactbench_terms::errors::Causes {
+                    search: errors,
+                    ..Default::default()
+                });
             });
         }
         let cells = cells::cells(&lab.rows());

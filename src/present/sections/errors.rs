@@ -2,10 +2,10 @@
 
 use crate::findings::errors::{ErrorLine, ErrorTable};
 use crate::number::radii;
-use crate::oracle::{Causes, Errors};
 use crate::present::document::{Block, Text};
 use crate::present::table::{Cell, Column, Table};
 use crate::record::row::Outcome;
+use contactbench_terms::errors::{Causes, Errors};
 
 /// How to read the table, and the table.
 pub fn blocks(found: &ErrorTable) -> Vec<Block> {

@@ -7,9 +7,9 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::cells::{AxisValue, Cell, CellId, errors, label, select};
-use crate::contact::Arithmetic;
 use crate::experiment::{Against, SpeedError, Where};
 use crate::record::row::{Outcome, Pass};
+use contactbench_terms::arithmetic::Arithmetic;
 
 /// A detector in an arithmetic.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,7 +1,7 @@
 //! Numbers and words as every output prints them: four significant digits, percentages, ratios with
 //! their interval, wrapped lines.
 
-use crate::stats::interval::Interval;
+use crate::interval::Interval;
 
 /// A number with about four significant digits; whole numbers below 10^7 in full.
 pub fn number(value: f64) -> String {

@@ -1,8 +1,5 @@
 //! The axis of accuracy: in which number format a scene is stored and how contacts are decided.
 
-use super::Margin;
-use crate::scene::Storage;
-
 /// How contacts are decided, and in which precision the scene is stored: the axis of accuracy.
 #[derive(
     Clone,
@@ -104,6 +101,17 @@ impl Arithmetic {
     }
 }
 
+/// In which number format centres and radii are kept.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Storage {
+    /// Rounded to f32.
+    F32,
+    /// As given.
+    F64,
+    /// By cells: a cell number, and an offset from the cell's origin in f32.
+    Cell,
+}
+
 impl From<Arithmetic> for Storage {
     fn from(arithmetic: Arithmetic) -> Storage {
         arithmetic.storage()
@@ -130,6 +138,16 @@ impl std::str::FromStr for Arithmetic {
             .find(|arithmetic| arithmetic.name() == name)
             .ok_or_else(|| UnknownArithmetic(name.into()))
     }
+}
+
+/// Whether the filters of a detection may lose pairs to rounding.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Margin {
+    /// They lose none.
+    Safe,
+    /// As printed in the book: cells of edge d, found by i = Int((x - xmin) / d), where rounding
+    /// may separate a touching pair.
+    Textbook,
 }
 
 /// How a stored scene is tested for contacts.
