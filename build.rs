@@ -21,6 +21,11 @@ const SOURCES: [&str; 12] = [
 ];
 
 fn main() {
+    // Of a satellite, the folder of the workspace.
+    let here = std::env::current_dir().unwrap_or_default();
+    let root = here.ancestors().find(|folder| folder.join("Cargo.lock").is_file());
+    let root = root.unwrap_or(&here);
+    let _ = std::env::set_current_dir(root);
     let rustc = std::env::var("RUSTC").unwrap_or_else(|_| "rustc".into());
     let version = said(&rustc, &["--version"]);
     note("RUSTC", &version.unwrap_or_else(|| "unknown".into()));
@@ -45,7 +50,7 @@ fn main() {
     };
     note("DIRTY", dirty);
     for path in &sources {
-        println!("cargo:rerun-if-changed={path}");
+        println!("cargo:rerun-if-changed={}", root.join(path).display());
     }
     // Committing changes no source. Only where there is something to commit it matters here: commits
     // of other files build nothing again.
@@ -53,7 +58,7 @@ fn main() {
         for name in ["HEAD", "logs/HEAD"] {
             let path = said("git", &["rev-parse", "--git-path", name]);
             if let Some(path) = path.filter(|path| Path::new(path).exists()) {
-                println!("cargo:rerun-if-changed={path}");
+                println!("cargo:rerun-if-changed={}", root.join(path).display());
             }
         }
     }

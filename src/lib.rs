@@ -57,7 +57,6 @@ pub mod findings;
 pub mod io;
 pub mod moving;
 pub mod present;
-pub mod ranks;
 pub mod recommend;
 pub mod record;
 pub mod run;

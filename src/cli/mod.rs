@@ -4,7 +4,7 @@
 #![deny(clippy::print_stderr, clippy::print_stdout)]
 
 #[macro_use]
-mod shared;
+pub mod shared;
 
 pub mod check;
 pub mod compare;
@@ -15,11 +15,12 @@ pub mod list;
 pub mod map;
 pub mod merge;
 pub mod new_detector;
-pub mod ranks;
+pub mod process;
 pub mod recommend;
 pub mod report;
 pub mod run;
 pub mod runner;
+pub mod satellite;
 pub mod scene;
 pub mod shell;
 pub mod trace;
@@ -128,11 +129,8 @@ pub enum Verb {
                             vortex --tracker 'verlet(nbs,skin=0.3,rule=lammps-10-1-yes)'\nExit \
                             code 1 if a tracker missed a contact that promises to miss none.")]
     Track(track::Track),
-    /// Finds the contacts of one scene by several ranks: processes of MPI, or threads to try it
-    #[command(after_help = "Example: contactbench ranks packed:dim=3,n=1e6\nExample: mpirun -n 4 \
-                            contactbench ranks packed:dim=3,n=1e6 --each --model\nExit code 1 if \
-                            the contacts are not those of one process.")]
-    Ranks(ranks::Ranks),
+    /// Finds the contacts of one scene by several ranks: the program contactbench-ranks
+    Ranks(satellite::Passed),
     /// Writes a completion script for your shell
     #[command(after_help = "Example: contactbench completions bash\nWrite it to a file such as \
                             ~/.local/share/bash-completion/completions/contactbench")]

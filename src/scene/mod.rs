@@ -6,6 +6,7 @@ pub mod generate;
 pub mod hard;
 pub mod motion;
 pub mod order;
+pub mod origin;
 pub mod spec;
 pub mod stats;
 

@@ -11,6 +11,5 @@ mod metamorphic;
 mod moving;
 mod mutants;
 mod near_tangent;
-mod ranks;
 mod regressions;
 mod streamed;

@@ -11,8 +11,8 @@ use crate::io;
 use crate::io::boxes::{Axes, Edges};
 use crate::io::{Boundaries, Chosen, Format, Frame, Notice, Place, RadiusSource};
 use crate::nearest::{hint, nearest};
-use crate::ranks::share::Origin;
 use crate::scene::doubts::{Touching, doubts};
+use crate::scene::origin::Origin;
 use crate::scene::spec::{GENERATORS, Spec};
 use crate::scene::{AnyScene, Given};
 

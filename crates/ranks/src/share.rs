@@ -1,13 +1,12 @@
 //! What each rank makes or reads of a scene.
 
-use std::path::PathBuf;
-
 use anyhow::{Context, ensure};
 use contactbench_core::ranks::{Failure, World, failed};
 
-use crate::io;
-use crate::scene::spec::Spec;
-use crate::scene::{AnyScene, Given, Radii, Real, Scene, array};
+use contactbench::io::{self, Given};
+use contactbench::scene::origin::Origin;
+use contactbench::scene::spec::Spec;
+use contactbench_core::scene::{AnyScene, Radii, Real, Scene, array};
 
 /// Particles that one rank brings, whoever will own them.
 #[derive(Clone, Debug)]
@@ -20,33 +19,31 @@ pub struct Share {
     pub frames: u64,
 }
 
-/// Where a scene comes from.
-#[derive(Clone, Debug)]
-pub enum Origin {
-    /// A file of particles.
-    File(PathBuf, Box<io::Options>),
-    /// A generator.
-    Made(Spec),
-}
-
-impl Origin {
-    /// All of it.
-    ///
-    /// # Errors
-    /// What cannot be read or made.
-    pub fn whole(&self) -> anyhow::Result<Given> {
-        match self {
-            Origin::Made(spec) => spec.given(),
-            Origin::File(path, options) => io::given(path, **options),
-        }
-    }
-
+/// Parts of a scene for ranks.
+pub trait Dealt {
     /// What one of the ranks brings. Of a file of npy rows it keeps no others; of other files, and
     /// of what is made, it holds the whole for a moment.
     ///
     /// # Errors
     /// As [`Origin::whole`].
-    pub fn share(&self, rank: usize, ranks: usize) -> anyhow::Result<Share> {
+    fn share(&self, rank: usize, ranks: usize) -> anyhow::Result<Share>;
+
+    /// A scene of its own for each rank, with seeds that follow each other, side by side along x: a
+    /// scene that grows with the number of ranks, of which no rank makes more than its part.
+    ///
+    /// # Errors
+    /// As [`Origin::whole`]; a file, a box that repeats.
+    fn beside(&self, world: &impl World) -> anyhow::Result<Share>;
+
+    /// The same of so many ranks in one piece.
+    ///
+    /// # Errors
+    /// The same.
+    fn row(&self, ranks: usize) -> anyhow::Result<Given>;
+}
+
+impl Dealt for Origin {
+    fn share(&self, rank: usize, ranks: usize) -> anyhow::Result<Share> {
         let Origin::File(path, options) = self else {
             return Ok(Share::of(&self.whole()?, rank, ranks));
         };
@@ -61,13 +58,8 @@ impl Origin {
         })
     }
 
-    /// A scene of its own for each rank, with seeds that follow each other, side by side along x: a
-    /// scene that grows with the number of ranks, of which no rank makes more than its part.
-    ///
-    /// # Errors
-    /// As [`Origin::whole`]; a file, a box that repeats.
-    pub fn beside(&self, world: &impl World) -> anyhow::Result<Share> {
-        let given = agreed(world, self.seeded(world.rank()))?;
+    fn beside(&self, world: &impl World) -> anyhow::Result<Share> {
+        let given = agreed(world, seeded(self, world.rank()))?;
         let mut width = [width(&given)];
         world.largest(&mut width);
         let first = (given.scene.len() * world.rank()) as u64;
@@ -75,30 +67,28 @@ impl Origin {
         Ok(Share { given: scene.into(), first, frames: 1 })
     }
 
-    /// The same of so many ranks in one piece.
-    ///
-    /// # Errors
-    /// The same.
-    pub fn row(&self, ranks: usize) -> anyhow::Result<Given> {
-        let all: Vec<Given> = (0..ranks).map(|rank| self.seeded(rank)).collect::<Result<_, _>>()?;
+    fn row(&self, ranks: usize) -> anyhow::Result<Given> {
+        let all: Vec<Given> =
+            (0..ranks).map(|rank| seeded(self, rank)).collect::<Result<_, _>>()?;
         let width = all.iter().map(width).fold(0.0, f64::max);
         let places = all.iter().zip(0..).map(|(given, k)| moved(given, width * f64::from(k)));
         one(&places.collect::<anyhow::Result<Vec<_>>>()?)
     }
+}
 
-    fn seeded(&self, rank: usize) -> anyhow::Result<Given> {
-        let Origin::Made(spec) = self else {
-            anyhow::bail!("--each is for scenes that are made; a file is dealt out: leave it out");
-        };
-        let seed = spec.seed.wrapping_add(rank as u64);
-        let given = Spec { seed, ..spec.clone() }.given()?;
-        ensure!(
-            given.lattice.is_none(),
-            "--each puts scenes side by side, and this one repeats in a box; leave out the box, or \
-             --each"
-        );
-        Ok(given)
-    }
+/// The scene of one rank, with a seed of its own.
+fn seeded(origin: &Origin, rank: usize) -> anyhow::Result<Given> {
+    let Origin::Made(spec) = origin else {
+        anyhow::bail!("--each is for scenes that are made; a file is dealt out: leave it out");
+    };
+    let seed = spec.seed.wrapping_add(rank as u64);
+    let given = Spec { seed, ..spec.clone() }.given()?;
+    ensure!(
+        given.lattice.is_none(),
+        "--each puts scenes side by side, and this one repeats in a box; leave out the box, or \
+         --each"
+    );
+    Ok(given)
 }
 
 /// The result of each rank, if none has failed: nobody waits for one that has.
@@ -129,7 +119,7 @@ impl Share {
 /// apart where one ends.
 fn width(given: &Given) -> f64 {
     let mut ends = [f64::INFINITY, f64::NEG_INFINITY];
-    crate::with_scene!(&given.scene, scene => for x in scene.centres() {
+    contactbench_core::with_scene!(&given.scene, scene => for x in scene.centres() {
         let x = array(x)[0].wide();
         ends = [ends[0].min(x), ends[1].max(x)];
     });

@@ -3,12 +3,12 @@
 
 use contactbench::detect::spec::parse;
 use contactbench::detect::table::TABLE;
-use contactbench::ranks::share::Share;
-use contactbench::ranks::{Row, Setting, Whole, measure, whole};
 use contactbench::scene::Given;
 use contactbench::scene::hard::{Expect, cases};
 use contactbench::scene::spec::Spec;
 use contactbench_core::ranks::{Failure, World, threads};
+use contactbench_ranks::share::Share;
+use contactbench_ranks::{Row, Setting, Whole, measure, whole};
 
 const MEMORY: u64 = 1 << 28;
 

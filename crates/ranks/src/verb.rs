@@ -1,4 +1,4 @@
-//! `contactbench ranks`.
+//! The verb `ranks`.
 
 use std::io::Write;
 use std::path::PathBuf;
@@ -9,27 +9,29 @@ use anyhow::{Context, bail, ensure};
 use contactbench_core::ranks::alike;
 use contactbench_core::ranks::{Failure, World, threads};
 
-use crate::cli::shared::input::doubt_given;
+use crate::model::{FARTHEST, Growth, Network, Step, step};
 #[cfg(feature = "mpi")]
-use crate::cli::shared::input::tell;
-use crate::cli::shared::limit::Limit;
-use crate::cli::shared::scene::Source;
-use crate::cli::shared::{terminal, values};
-use crate::contact::Arithmetic;
-use crate::detect::table;
-use crate::experiment::{detectors, shard};
+use crate::share::agreed;
+use crate::share::{Dealt, Share};
+use crate::{Row, Setting, measure, whole};
+use contactbench::cli::shared::input::doubt_given;
 #[cfg(feature = "mpi")]
-use crate::io::Place;
-use crate::io::write::append;
-use crate::number::{number, percent, plural, times, with_interval};
-use crate::present::document::{Block, plain};
-use crate::present::table::{Cell, Column, Table};
-use crate::ranks::model::{FARTHEST, Growth, Network, Step, step};
-use crate::ranks::share::Share;
+use contactbench::cli::shared::input::tell;
+use contactbench::cli::shared::limit::Limit;
+use contactbench::cli::shared::scene::Source;
+use contactbench::cli::shared::{terminal, values};
+use contactbench::experiment::{detectors, shard};
 #[cfg(feature = "mpi")]
-use crate::ranks::share::{Origin, agreed};
-use crate::ranks::{Row, Setting, measure, whole};
-use crate::stats::interval::{COVERAGE, Interval};
+use contactbench::io::Place;
+use contactbench::io::write::append;
+use contactbench::number::{number, percent, plural, times, with_interval};
+use contactbench::present::document::{Block, plain};
+use contactbench::present::table::{Cell, Column, Table};
+#[cfg(feature = "mpi")]
+use contactbench::scene::origin::Origin;
+use contactbench::stats::interval::{COVERAGE, Interval};
+use contactbench_core::contact::Arithmetic;
+use contactbench_core::detect::table;
 
 /// Options of `ranks`.
 #[derive(clap::Args)]
@@ -136,7 +138,7 @@ fn by_mpi<'a>(
     name: &str,
     setting: &dyn Fn(usize) -> Setting<'a>,
 ) -> anyhow::Result<ExitCode> {
-    let world = crate::ranks::mpi::Processes::begin().context("MPI does not begin")?;
+    let world = crate::mpi::Processes::begin().context("MPI does not begin")?;
     let (rank, size) = (world.rank(), world.size());
     // With other steps they would wait for each other, and so they would where one has no file.
     let same = alike(&world, [options.steps as f64, f64::from(u8::from(options.each))]);
@@ -169,7 +171,7 @@ fn by_mpi<'a>(
                 _ => true,
             };
             if knows {
-                say!("contactbench: {name}: rank {rank}: {error:#}");
+                contactbench::cli::say(&format!("contactbench: {name}: rank {rank}: {error:#}"));
             }
             world.sum(&mut [0]);
             return Ok(ExitCode::from(2));
@@ -190,7 +192,7 @@ fn by_mpi<'a>(
 fn by_mpi<'a>(_: &Ranks, _: &str, _: &dyn Fn(usize) -> Setting<'a>) -> anyhow::Result<ExitCode> {
     bail!(
         "this is one of several MPI processes, and the program was built without MPI; build it \
-         with cargo build --release --features mpi (docs/CLUSTER.md)"
+         with cargo build --release -p contactbench-ranks --features mpi (docs/CLUSTER.md)"
     )
 }
 

@@ -5,6 +5,7 @@ pub mod model;
 #[cfg(feature = "mpi")]
 pub mod mpi;
 pub mod share;
+pub mod verb;
 
 use std::iter::zip;
 use std::time::{Duration, Instant};
@@ -12,17 +13,18 @@ use std::time::{Duration, Instant};
 use contactbench_core::ranks::{Failure, Numbered, Rank, World, failed, together};
 use serde::Serialize;
 
-use crate::contact::Arithmetic;
-use crate::detect::Options;
-use crate::detect::spec::DetectorSpec;
-use crate::pair_list::PAIR_BYTES;
-use crate::periodic::{Contacts, IMAGE_PAIR_BYTES};
-use crate::record::provenance;
-use crate::scene::{AnyScene, Given, Lattice, Scene};
-use crate::searcher::Searcher;
-use crate::sink::Digest;
-use crate::stats::interval::{Interval, interval, median};
-use share::Share;
+use crate::share::Share;
+use contactbench::io::Given;
+use contactbench::record::provenance;
+use contactbench::stats::interval::{Interval, interval, median};
+use contactbench_core::contact::Arithmetic;
+use contactbench_core::detect::Options;
+use contactbench_core::detect::spec::DetectorSpec;
+use contactbench_core::pair_list::PAIR_BYTES;
+use contactbench_core::periodic::{Contacts, IMAGE_PAIR_BYTES};
+use contactbench_core::scene::{AnyScene, Lattice, Scene};
+use contactbench_core::searcher::Searcher;
+use contactbench_core::sink::Digest;
 
 /// How it is measured.
 #[derive(Clone, Copy)]
