@@ -7,7 +7,6 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use crate::record::faults::{self, Fault};
-use crate::record::id::THREADS;
 use crate::record::ledger::Ledger;
 use crate::record::provenance;
 use crate::record::role::Role;
@@ -17,10 +16,11 @@ use crate::record::seal::{self, Flaw};
 /// The name of the record in a result folder.
 pub const FILE: &str = "samples.jsonl";
 
-/// The version of the record's schema, the field `schema` of every row: see docs/RECORD.md. 1 had
-/// neither this field nor `machine`; 1 and 2 had `threads` in place of `resources`, and no `role`;
-/// none before 4 had a check of the line.
+/// The version of the record's schema, the field `schema` of every row: see docs/RECORD.md. 3 had no
+/// check of the line.
 pub const SCHEMA: u32 = 4;
+/// The oldest schema that is read.
+const OLDEST: u32 = 3;
 /// From this schema on every line ends with a check of itself.
 pub const SEALED: u32 = 4;
 
@@ -128,33 +128,11 @@ pub struct Record {
     pub warnings: Vec<String>,
 }
 
-/// The version of a line; lines of the first schema do not say.
+/// The version of a line; 0 where it has none.
 #[derive(Deserialize)]
-#[serde(default)]
 struct Version {
+    #[serde(default)]
     schema: u32,
-}
-
-impl Default for Version {
-    fn default() -> Version {
-        Version { schema: 1 }
-    }
-}
-
-/// A row of this schema or an earlier one.
-fn parse(line: &[u8], schema: u32) -> serde_json::Result<Row> {
-    if schema == SCHEMA {
-        return serde_json::from_slice(line);
-    }
-    let mut fields: serde_json::Map<String, serde_json::Value> = serde_json::from_slice(line)?;
-    if let Some(threads) = fields.remove(THREADS) {
-        fields.insert("resources".into(), serde_json::json!({ THREADS: threads }));
-    }
-    let name = fields.get("detector").and_then(|name| name.as_str()).unwrap_or_default();
-    fields.insert("role".into(), serde_json::to_value(Role::by_name(name))?);
-    // Schema 1 has no machine, merged records of it an empty one.
-    fields.retain(|name, value| name != "machine" || value != "");
-    serde_json::from_value(fields.into())
 }
 
 /// Reads a record of this schema or an earlier one. A torn last line is reported and left out. A
@@ -174,16 +152,15 @@ pub fn read(path: &Path) -> anyhow::Result<Record> {
                 at()
             ));
         } else if !line.trim_ascii().is_empty() {
-            let Version { schema } = serde_json::from_slice(line).unwrap_or_default();
-            if schema > SCHEMA {
-                let known = format!(
-                    "this contactbench ({}) reads schemas 1 to {SCHEMA}",
-                    env!("CARGO_PKG_VERSION")
-                );
+            // What is no JSON is damaged, not old.
+            let schema = serde_json::from_slice(line).map_or(SCHEMA, |it: Version| it.schema);
+            if schema > SCHEMA || schema < OLDEST && newest == 0 {
+                let or = if schema > SCHEMA { ", or a later one" } else { "" };
                 anyhow::bail!(
-                    "{} has record schema {schema}, and {known}: take the version that wrote it, \
-                     or a later one",
-                    at()
+                    "{} has record schema {schema}, and this contactbench ({}) reads schemas \
+                     {OLDEST} to {SCHEMA}: take the version that wrote it{or}",
+                    at(),
+                    env!("CARGO_PKG_VERSION")
                 );
             }
             newest = schema.max(newest);
@@ -210,11 +187,8 @@ pub fn read(path: &Path) -> anyhow::Result<Record> {
 
 /// The row of a line that is as it was written; or what is wrong with it.
 fn whole(line: &[u8], schema: u32, newest: u32) -> Result<Row, String> {
-    let row = parse(line, schema).map_err(|e| format!("it is not a row: {e}"))?;
-    if schema == 0 {
-        return Err("its schema is 0; the first was 1".into());
-    }
-    if schema < newest && newest >= SEALED {
+    let row = serde_json::from_slice(line).map_err(|e| format!("it is not a row: {e}"))?;
+    if schema < OLDEST || schema < newest && newest >= SEALED {
         return Err(format!("its schema is {schema}, after lines of schema {newest}"));
     }
     // A check is verified wherever there is one: an edit can make a line look older.
@@ -318,31 +292,18 @@ mod tests {
     }
 
     #[test]
-    fn earlier_rows_get_their_role_and_later_ones_are_refused() {
-        let old = |name: &str| {
-            let mut fields = line(&full());
-            let fields = fields.as_object_mut().unwrap();
-            for new in ["schema", "role", "resources", "detector_params", "machine"] {
-                fields.remove(new);
-            }
-            fields.insert("detector".into(), name.into());
-            fields.insert("threads".into(), 4.into());
-            serde_json::to_string(fields).unwrap() + "\n"
-        };
-        for (name, role) in [
-            ("sorting", Role::Detector),
-            ("nothing", Role::Nothing),
-            ("nbs-twin", Role::Twin("nbs".into())),
-            ("rstar", Role::Peer),
-            ("nbs-c", Role::Runner),
+    fn rows_of_other_schemas_are_refused() {
+        for (schema, words) in [
+            ("", "has record schema 0"),
+            ("\"schema\": 2,", "record schema 2, and this contactbench"),
+            ("\"schema\": 5,", "reads schemas 3 to 4: take the version that wrote it, or a later"),
         ] {
-            let rows = read_text(&old(name)).unwrap().rows;
-            assert_eq!((&rows[0].role, rows[0].id.threads()), (&role, 4), "{name}");
-            assert_eq!(rows[0].id.machine, None);
+            let mut fields = line(&full());
+            fields.as_object_mut().unwrap().remove("schema");
+            let text = fields.to_string().replacen('{', &format!("{{{schema}"), 1) + "\n";
+            let error = read_text(&text).err().unwrap().to_string();
+            assert!(error.contains(words), "{error}");
         }
-        let later = old("nbs").replacen('{', "{\"schema\": 5,", 1);
-        let error = read_text(&later).err().unwrap().to_string();
-        assert!(error.contains("record schema 5") && error.contains("schemas 1 to 4"), "{error}");
     }
 
     #[test]

@@ -116,7 +116,7 @@ fn records_of_later_schemas_are_refused() {
         assert!(
             ended
                 .stderr
-                .contains("reads schemas 1 to 4: take the version that wrote it, or a later one"),
+                .contains("reads schemas 3 to 4: take the version that wrote it, or a later one"),
             "{}",
             ended.stderr
         );
