@@ -4,6 +4,7 @@
 use std::collections::{BTreeMap, HashMap};
 use std::fmt;
 
+use crate::record::column::{COLUMNS, Column};
 use crate::record::id::Projection;
 use crate::record::ledger::{self, Ledger};
 use crate::record::outcome::{Outcome, Pass};
@@ -111,11 +112,18 @@ fn numbers(row: &Row) -> Option<String> {
     let timed = matches!(row.pass, Pass::Time | Pass::Ceiling);
     let beside = [row.first_ns, row.alone_ns, row.pulse_ns].into_iter().flatten();
     let rounds = !row.rounds_ns.is_empty() || beside.clone().next().is_some();
-    let bytes = row.peak_bytes.or(row.live_bytes).or(row.allocations);
+    // The clock runs for copies as well.
+    let clock = |pass: Pass| pass == Pass::Time && timed;
+    let elsewhere = |column: &&Column| {
+        let other = column.pass.is_some_and(|pass| pass != row.pass && !clock(pass));
+        other && column.read(row).is_some()
+    };
     let measured = row.outcome.is_good() || row.outcome == Outcome::Wrong;
     let name = row.pass.name();
-    Some(if row.time_ns.is_some() && !(timed && measured) {
-        format!("it has a time in the pass {name} with the outcome {}", row.outcome.name())
+    Some(if let Some(column) = COLUMNS.iter().find(elsewhere) {
+        format!("it has {} in the pass {name}", column.name)
+    } else if row.time_ns.is_some() && !measured {
+        format!("it has a time with the outcome {}", row.outcome.name())
     } else if timed && row.outcome.is_good() && row.time_ns.is_none() {
         format!("it is {} and has no time", row.outcome.name())
     } else if rounds && row.time_ns.is_none() {
@@ -124,8 +132,6 @@ fn numbers(row: &Row) -> Option<String> {
         "one of its rounds_ns, first_ns, alone_ns or pulse_ns is 0: nothing was measured".into()
     } else if !row.counts.is_empty() && row.pass != Pass::Count {
         format!("it has counts in the pass {name}")
-    } else if bytes.is_some() && row.pass != Pass::Memory {
-        format!("it has bytes in the pass {name}")
     } else if row.peak_bytes.zip(row.live_bytes).is_some_and(|(peak, live)| peak < live) {
         "its peak_bytes are fewer than its live_bytes".into()
     } else {
