@@ -9,8 +9,8 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use crate::grammar::Spec;
 use crate::record::value::AxisValue;
-use crate::track::PARAMETERS;
 
 /// Which cell a row belongs to: what was measured, on what, with what. The order of the fields is
 /// the order of reports.
@@ -75,33 +75,14 @@ pub const OVER: &str = "over";
 /// `verlet(nbs:levels=auto,skin=0.1)`, has its detector among them, as [`OVER`]. What is of neither
 /// form is a name as a whole.
 pub fn split_contender(spec: &str) -> (String, BTreeMap<String, AxisValue>) {
-    let tracker = spec.strip_suffix(')').and_then(|spec| spec.split_once('('));
-    let split = match tracker {
-        Some((name, inner)) => {
-            let is_own = |piece: &&str| {
-                let key = piece.split('=').next().unwrap_or_default();
-                PARAMETERS.contains(&key.trim())
-            };
-            let (own, over): (Vec<&str>, Vec<&str>) = inner.split(',').partition(is_own);
-            valued(own).map(|mut params| {
-                params.insert(OVER.into(), AxisValue::Text(over.join(",").trim().into()));
-                (name, params)
-            })
-        }
-        None => {
-            spec.split_once(':').and_then(|(name, rest)| Some((name, valued(rest.split(','))?)))
-        }
-    };
-    split.map_or_else(|| (spec.into(), BTreeMap::new()), |(name, params)| (name.into(), params))
-}
-
-/// Parameters from texts of the form `name=value`.
-fn valued<'a>(pieces: impl IntoIterator<Item = &'a str>) -> Option<BTreeMap<String, AxisValue>> {
-    let value = |piece: &str| {
-        let (name, value) = piece.split_once('=')?;
-        Some((name.trim().to_string(), AxisValue::parse(value.trim())))
-    };
-    pieces.into_iter().map(value).collect()
+    let given = Spec::parse_tracker(spec);
+    if given.form("").is_err() {
+        return (spec.into(), BTreeMap::new());
+    }
+    let values = given.params.iter().map(|(key, value)| (*key, AxisValue::parse(value)));
+    let over = given.over.as_deref().map(|over| (OVER, AxisValue::Text(over.into())));
+    let params = values.chain(over).map(|(key, value)| (key.to_string(), value));
+    (given.name.into(), params.collect())
 }
 
 impl CellId {
@@ -357,12 +338,6 @@ mod tests {
         let carried = id().with_contender("incremental(bvh,margin=0.10)");
         assert_eq!(carried.axis("margin"), Some(AxisValue::parse("0.1")));
         assert_eq!(carried.contender_without(&["margin"]), "incremental(bvh)");
-        // The text of a tracker is the normal form of its row.
-        for text in ["every-step(nbs)", "verlet(streamed-nbs:form=dense,level=portable,skin=1e-7)"]
-        {
-            let normal = crate::track::parse(text).unwrap().to_string();
-            assert_eq!(id().with_contender(&normal).contender(), normal);
-        }
     }
 
     #[test]

@@ -1,12 +1,13 @@
 //! Which detector, with which parameters: written `nbs` or `streamed-nbs:level=avx2,form=dense`.
 
-use std::collections::BTreeMap;
 use std::fmt;
 
 use super::any::AnyDetector;
 use super::table::{self, Entry, Parameter, Params};
 use super::{Options, peers};
 use crate::wide::Level;
+use contactbench_terms::grammar::{self, Spec};
+use contactbench_terms::nearest::hint;
 
 /// The parameter that chooses vector instructions.
 const LEVEL: &str = "level";
@@ -98,7 +99,11 @@ impl fmt::Display for DetectorSpec {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum SpecError {
     /// No line of the table has this name.
-    #[error("there is no detector '{name}'; the detectors are: {}", table::names())]
+    #[error(
+        "there is no detector '{name}'{}; the detectors are: {}",
+        hint(name, table::all_names()),
+        table::names()
+    )]
     Unknown {
         /// As given.
         name: String,
@@ -109,40 +114,9 @@ pub enum SpecError {
         /// What is missing and how to get it.
         reason: String,
     },
-    /// A piece behind the colon without `=`.
-    #[error("'{spec}': '{piece}' is not of the form parameter=value; {takes}")]
-    Form {
-        /// The whole text.
-        spec: String,
-        /// The piece of it.
-        piece: String,
-        /// What the detector takes.
-        takes: String,
-    },
-    /// The detector has no parameter of this name.
-    #[error("'{spec}': there is no parameter '{name}'; {takes}")]
-    Parameter {
-        /// The whole text.
-        spec: String,
-        /// The parameter.
-        name: String,
-        /// What the detector takes.
-        takes: String,
-    },
-    /// The parameter does not take this value.
-    #[error("'{spec}': {name} cannot be '{value}'; it is one of {}{or}", values.join(", "))]
-    Value {
-        /// The whole text.
-        spec: String,
-        /// The parameter.
-        name: &'static str,
-        /// The value.
-        value: String,
-        /// What it takes.
-        values: &'static [&'static str],
-        /// What else.
-        or: String,
-    },
+    /// The text is not of the form, or a parameter or value is not known.
+    #[error(transparent)]
+    Grammar(#[from] grammar::Error),
     /// Two parameters that answer one question.
     #[error("'{spec}': {name}={value} takes the place of {other}; leave out one of the two")]
     Together {
@@ -155,14 +129,6 @@ pub enum SpecError {
         /// The other parameter.
         other: &'static str,
     },
-    /// One parameter, two values.
-    #[error("'{spec}': {name} is given twice; leave out one of the two")]
-    Twice {
-        /// The whole text.
-        spec: String,
-        /// The parameter.
-        name: &'static str,
-    },
 }
 
 /// The detector that a text asks for: its name, and behind a colon values for its parameters,
@@ -171,57 +137,40 @@ pub enum SpecError {
 /// # Errors
 /// Unknown names, parameters and values, each with those that there are.
 pub fn parse(spec: &str) -> Result<DetectorSpec, SpecError> {
-    let (name, rest) = spec.split_once(':').unwrap_or((spec, ""));
-    let (name, rest) = (name.trim(), rest.trim());
-    let Some(entry) = table::find(name) else {
-        return Err(match peers::missing(name) {
+    let given = Spec::parse(spec);
+    let Some(entry) = table::find(given.name) else {
+        return Err(match peers::missing(given.name) {
             Some(reason) => SpecError::NotBuilt { reason },
-            None => SpecError::Unknown { name: name.into() },
+            None => SpecError::Unknown { name: given.name.into() },
         });
     };
-    read(entry, rest, spec)
+    read(entry, &given)
 }
 
-/// The parameters of a detector, separated by commas.
-fn read(entry: &'static Entry, rest: &str, spec: &str) -> Result<DetectorSpec, SpecError> {
-    let spec = || spec.to_string();
-    let mut given = BTreeMap::new();
-    for piece in rest.split(',').filter(|_| !rest.is_empty()) {
-        let Some((name, value)) = piece.split_once('=') else {
-            return Err(SpecError::Form { spec: spec(), piece: piece.into(), takes: takes(entry) });
-        };
-        let (name, value) = (name.trim(), value.trim());
-        let Some(parameter) = entry.parameters.iter().find(|parameter| parameter.name == name)
-        else {
-            return Err(SpecError::Parameter {
-                spec: spec(),
-                name: name.into(),
-                takes: takes(entry),
-            });
-        };
+/// The parameters of a detector, without those that have their default value.
+fn read(entry: &'static Entry, given: &Spec<'_>) -> Result<DetectorSpec, SpecError> {
+    let names: Vec<&str> = entry.parameters.iter().map(|parameter| parameter.name).collect();
+    given.keys(&names, &takes(entry))?;
+    let mut params = Params::new();
+    for parameter in entry.parameters {
         let Parameter { name, values, beside, .. } = *parameter;
+        let Some(value) = given.get(name) else { continue };
         let word = values.contains(&value).then(|| value.to_string());
         let Some(normal) = word.or_else(|| (beside?.normal)(value)) else {
             let or = beside.map_or(String::new(), |beside| format!(", or {}", beside.form));
-            return Err(SpecError::Value { spec: spec(), name, value: value.into(), values, or });
+            let allowed = format!("one of {}{or}", values.join(", "));
+            return Err(given.wrong(name, value, values, &allowed).into());
         };
-        if given.insert(name, normal).is_some() {
-            return Err(SpecError::Twice { spec: spec(), name });
+        if normal != parameter.default() {
+            params.insert(name.into(), normal);
         }
     }
-    let default = |name: &str, value: &str| {
-        entry.parameters.iter().any(|p| p.name == name && p.default() == value)
-    };
-    let params: Params = given
-        .into_iter()
-        .filter(|(name, value)| !default(name, value))
-        .map(|(name, value)| (name.into(), value))
-        .collect();
     for Parameter { name, instead_of, .. } in entry.parameters {
         if let (Some(value), Some(other)) = (params.get(*name), instead_of)
             && params.contains_key(*other)
         {
-            return Err(SpecError::Together { spec: spec(), name, value: value.clone(), other });
+            let (spec, value) = (given.text.into(), value.clone());
+            return Err(SpecError::Together { spec, name, value, other });
         }
     }
     Ok(DetectorSpec { entry, params })
@@ -282,13 +231,16 @@ mod tests {
     #[test]
     fn what_is_wrong_is_said_with_what_is_allowed() {
         for (given, parts) in [
-            ("nsb", &["no detector 'nsb'", "streamed-nbs", "direct"][..]),
+            ("nsb", &["no detector 'nsb'; did you mean nbs?", "streamed-nbs", "direct"][..]),
             ("", &["no detector ''", "direct"]),
             ("sorting:level=avx2", &["no parameter 'level'", "sorting takes no parameters"]),
             ("streamed-nbs:avx2", &["'avx2' is not of the form", "level=best|portable|avx2"]),
             ("streamed-nbs:lvl=avx2", &["no parameter 'lvl'", "form=auto|dense|flat|sparse"]),
             ("streamed-nbs:level=sse2", &["level cannot be 'sse2'", "best, portable, avx2"]),
             ("streamed-nbs:level=avx2,level=best", &["level is given twice"]),
+            ("streamed-nbs:levle=avx2", &["did you mean level?"]),
+            ("streamed-nbs:form=dens", &["form cannot be 'dens'; did you mean dense?"]),
+            ("nbs:levels=auto,", &["levels cannot be 'auto,'"]),
             ("hgrid:levels=0.3/0.1", &["levels cannot be '0.3/0.1'", "optimal, or the largest"]),
             ("hgrid:levels=-1/2", &["levels cannot be '-1/2'", "as in 0.1/0.3/1"]),
             ("hgrid:levels=1/1", &["levels cannot be '1/1'"]),

@@ -17,6 +17,7 @@ use anyhow::{Context, bail, ensure};
 
 use self::paths::Paths;
 pub use self::soft::Play;
+use crate::grammar::Spec;
 use crate::nearest::hint;
 use crate::scene::{AnyScene, Given, Scene, Storage, Stored};
 
@@ -134,40 +135,25 @@ impl FromStr for Motion {
     type Err = anyhow::Error;
 
     fn from_str(text: &str) -> anyhow::Result<Motion> {
-        let (name, rest) = text.split_once(':').unwrap_or((text, ""));
-        let Some(kind) = Kind::ALL.into_iter().find(|kind| kind.name() == name.trim()) else {
+        let given = Spec::parse(text);
+        let name = given.name;
+        let Some(kind) = Kind::ALL.into_iter().find(|kind| kind.name() == name) else {
             bail!(
                 "there is no motion '{name}'{}; the motions are: {}",
                 hint(name, Kind::ALL.map(Kind::name)),
                 Kind::ALL.map(Kind::name).join(", ")
             );
         };
-        let (mut speed, mut seed) = (None, None);
-        for piece in rest.split(',').filter(|_| !rest.is_empty()) {
-            let twice = || format!("'{text}': {piece} is said twice");
-            match piece.split_once('=').map(|(key, value)| (key.trim(), value.trim())) {
-                Some(("speed", value)) => {
-                    let number: Option<f64> = value.parse().ok();
-                    let number = number.filter(|speed| (0.0..=1e6).contains(speed));
-                    let number = number.with_context(|| {
-                        format!(
-                            "'{text}': speed cannot be '{value}'; it is a number from 0 to 1e6, in \
-                             diameters per frame"
-                        )
-                    })?;
-                    ensure!(speed.replace(number).is_none(), twice());
-                }
-                Some(("seed", value)) => {
-                    let number = value.parse().ok();
-                    let number = number.with_context(|| {
-                        format!("'{text}': seed cannot be '{value}'; it is a whole number")
-                    })?;
-                    ensure!(seed.replace(number).is_none(), twice());
-                }
-                _ => bail!("'{text}': '{piece}' is neither speed=NUMBER nor seed=NUMBER"),
-            }
-        }
-        Ok(Motion { kind, speed: speed.unwrap_or(SPEED), seed: seed.unwrap_or(SEED) })
+        given.keys(&["speed", "seed"], "a motion takes speed=NUMBER and seed=NUMBER")?;
+        let speed = given.get("speed").map_or(Ok(SPEED), |value| {
+            let number = value.parse().ok().filter(|speed| (0.0..=1e6).contains(speed));
+            let allowed = "a number from 0 to 1e6, in diameters per frame";
+            number.ok_or_else(|| given.wrong("speed", value, &[], allowed))
+        })?;
+        let seed = given.get("seed").map_or(Ok(SEED), |value| {
+            value.parse().map_err(|_| given.wrong("seed", value, &[], "a whole number"))
+        })?;
+        Ok(Motion { kind, speed, seed })
     }
 }
 

@@ -164,8 +164,8 @@ fn motions_are_read_as_they_are_written() {
         ("drift:speed=nan", "speed cannot be 'nan'"),
         ("drift:speed=inf", "speed cannot be 'inf'"),
         ("drift:seed=1.5", "seed cannot be '1.5'"),
-        ("drift:speed=1,speed=2", "said twice"),
-        ("drift:fast", "neither speed=NUMBER nor seed=NUMBER"),
+        ("drift:speed=1,speed=2", "speed is given twice"),
+        ("drift:fast", "'fast' is not of the form key=value; a motion takes speed=NUMBER"),
     ] {
         let error = text.parse::<Motion>().unwrap_err().to_string();
         assert!(error.contains(says), "{text}: {error}");

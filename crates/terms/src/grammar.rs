@@ -1,0 +1,204 @@
+//! The grammar of names with parameters: `name:key=value,key=value`, as scenes, motions and
+//! detectors are written, and `name(over,key=value)`, as trackers are.
+
+use crate::nearest::hint;
+
+/// The parameters of a tracker itself; all others in its text belong to its detector.
+pub const TRACKER: [&str; 3] = ["margin", "rule", "skin"];
+
+/// A name with parameters, as written. Blanks around names, keys and values are cut off.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Spec<'a> {
+    /// The whole text, for messages.
+    pub text: &'a str,
+    /// What stands before the colon or the parenthesis.
+    pub name: &'a str,
+    /// What a tracker is over: its detector with the detector's parameters.
+    pub over: Option<String>,
+    /// Keys and values, in the order given.
+    pub params: Vec<(&'a str, String)>,
+    /// The first piece that has no place in the grammar.
+    pub stray: Option<&'a str>,
+}
+
+/// What is wrong with a text.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum Error {
+    /// A piece without `=`.
+    #[error("'{text}': '{piece}' is not of the form key=value; {takes}")]
+    Form {
+        /// The whole text.
+        text: String,
+        /// The piece of it.
+        piece: String,
+        /// What may stand there.
+        takes: String,
+    },
+    /// A key with two values.
+    #[error("'{text}': {key} is given twice; leave one out")]
+    Twice {
+        /// The whole text.
+        text: String,
+        /// The key.
+        key: String,
+    },
+    /// A key that is not known.
+    #[error("'{text}': there is no parameter '{key}'{hint}; {takes}")]
+    Key {
+        /// The whole text.
+        text: String,
+        /// The key.
+        key: String,
+        /// The nearest known key, in words.
+        hint: String,
+        /// The known keys.
+        takes: String,
+    },
+    /// A value that the key does not take.
+    #[error("'{text}': {key} cannot be '{value}'{hint}; it is {allowed}")]
+    Value {
+        /// The whole text.
+        text: String,
+        /// The key.
+        key: String,
+        /// The value.
+        value: String,
+        /// The nearest allowed value, in words.
+        hint: String,
+        /// The allowed values.
+        allowed: String,
+    },
+}
+
+impl<'a> Spec<'a> {
+    /// Splits `name:key=value,key=value`. A piece without `=` belongs to the value before it, so
+    /// that a path may hold commas.
+    pub fn parse(text: &'a str) -> Spec<'a> {
+        let (name, rest) = text.split_once(':').unwrap_or((text, ""));
+        let mut spec = Spec { text, name: name.trim(), over: None, params: vec![], stray: None };
+        for piece in rest.split(',') {
+            match (piece.split_once('='), spec.params.last_mut()) {
+                (Some((key, value)), _) => spec.params.push((key.trim(), value.trim().into())),
+                (None, Some((_, value))) => *value = format!("{value},{piece}"),
+                (None, None) if piece.trim().is_empty() => {}
+                (None, None) => spec.stray = spec.stray.or(Some(piece.trim())),
+            }
+        }
+        spec
+    }
+
+    /// Splits `name(over,key=value)`, where the keys in [`TRACKER`] belong to the name and all
+    /// other pieces to what it is over; a text without a parenthesis as [`Spec::parse`] does.
+    pub fn parse_tracker(text: &'a str) -> Spec<'a> {
+        let Some((name, rest)) = text.trim().split_once('(') else { return Spec::parse(text) };
+        let stray = (!rest.ends_with(')')).then_some(text);
+        let (mut params, mut over) = (Vec::new(), Vec::new());
+        for piece in rest.strip_suffix(')').unwrap_or(rest).split(',') {
+            match piece.split_once('=').map(|(key, value)| (key.trim(), value.trim())) {
+                Some((key, value)) if TRACKER.contains(&key) => params.push((key, value.into())),
+                _ => over.push(piece),
+            }
+        }
+        let over = Some(over.join(",").trim().to_string());
+        Spec { text, name: name.trim(), over, params, stray }
+    }
+
+    /// The value of a key.
+    pub fn get(&self, key: &str) -> Option<&str> {
+        self.params.iter().find(|(known, _)| *known == key).map(|(_, value)| value.as_str())
+    }
+
+    /// Checks that every piece has its place and no key stands there twice. `takes` says what may
+    /// be written.
+    ///
+    /// # Errors
+    /// The first piece or key of which this does not hold.
+    pub fn form(&self, takes: &str) -> Result<(), Error> {
+        let text = || self.text.to_string();
+        if let Some(piece) = self.stray {
+            return Err(Error::Form { text: text(), piece: piece.into(), takes: takes.into() });
+        }
+        let mut keys = self.params.iter().map(|(key, _)| *key).enumerate();
+        match keys.find(|(k, key)| self.params[..*k].iter().any(|(other, _)| other == key)) {
+            Some((_, key)) => Err(Error::Twice { text: text(), key: key.into() }),
+            None => Ok(()),
+        }
+    }
+
+    /// As [`Spec::form`]; all keys must be among these, too.
+    ///
+    /// # Errors
+    /// The first piece or key of which this does not hold.
+    pub fn keys(&self, known: &[&str], takes: &str) -> Result<(), Error> {
+        self.form(takes)?;
+        match self.params.iter().find(|(key, _)| !known.contains(key)) {
+            Some((key, _)) => Err(Error::Key {
+                text: self.text.into(),
+                key: key.to_string(),
+                hint: hint(key, known.iter().copied()),
+                takes: takes.into(),
+            }),
+            None => Ok(()),
+        }
+    }
+
+    /// The error of a value that a key does not take. `allowed` says which it takes, `words` are
+    /// those of them that have names.
+    pub fn wrong(&self, key: &str, value: &str, words: &[&str], allowed: &str) -> Error {
+        Error::Value {
+            text: self.text.into(),
+            key: key.into(),
+            value: value.into(),
+            hint: hint(value, words.iter().copied()),
+            allowed: allowed.into(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn shown(spec: &Spec<'_>) -> String {
+        let params = spec.params.iter().map(|(key, value)| format!("{key}={value}"));
+        format!("{} {:?} {}", spec.name, spec.over, params.collect::<Vec<_>>().join(" "))
+    }
+
+    #[test]
+    fn texts_are_split_at_their_commas() {
+        for (text, parts) in [
+            ("nbs", "nbs None "),
+            (" packed : n = 3 ,seed=2", "packed None n=3 seed=2"),
+            ("file:path=a,b,dim=3", "file None path=a,b dim=3"),
+            ("nbs:", "nbs None "),
+        ] {
+            let spec = Spec::parse(text);
+            assert_eq!((shown(&spec), spec.form("")), (parts.into(), Ok(())), "{text}");
+        }
+        let text = " verlet( rule = every-5 , nbs:form=a, level=b,skin =1e-3)";
+        let spec = Spec::parse_tracker(text);
+        let parts = "verlet Some(\"nbs:form=a, level=b\") rule=every-5 skin=1e-3";
+        assert_eq!((shown(&spec), spec.get("skin")), (parts.into(), Some("1e-3")));
+    }
+
+    #[test]
+    fn what_is_wrong_is_named_with_what_is_allowed() {
+        let keys = |text| Spec::parse(text).keys(&["speed", "seed"], "drift takes speed and seed");
+        for (text, words) in [
+            ("drift:3", "'drift:3': '3' is not of the form key=value; drift takes speed and seed"),
+            ("drift:seed=1,seed=2", "'drift:seed=1,seed=2': seed is given twice; leave one out"),
+            (
+                "drift:sped=1",
+                "'drift:sped=1': there is no parameter 'sped'; did you mean speed?; drift takes \
+                 speed and seed",
+            ),
+        ] {
+            assert_eq!(keys(text).unwrap_err().to_string(), words);
+        }
+        assert!(Spec::parse_tracker("verlet(nbs").form("").is_err());
+        assert_eq!(
+            Spec::parse("a:b=dens").wrong("b", "dens", &["dense"], "auto or dense").to_string(),
+            "'a:b=dens': b cannot be 'dens'; did you mean dense?; it is auto or dense"
+        );
+    }
+}
