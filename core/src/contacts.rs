@@ -52,7 +52,7 @@ impl<const D: usize> Contacts<D> {
     /// With these limits: memory, and threads of rayon's global pool to be used from 30,000
     /// particles on.
     pub fn new(options: Options) -> Contacts<D> {
-        Contacts { detector: table::streamed_nbs(options), pairs: Vec::new() }
+        Contacts { detector: table::fast(options), pairs: Vec::new() }
     }
 
     /// The touching pairs; see [`contacts`]. They are valid until the next call.

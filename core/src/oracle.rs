@@ -16,7 +16,7 @@ use crate::contact::depth::depth;
 use crate::contact::{Arithmetic, Bodies, Test, WithBodies, with_stored};
 use crate::crowd;
 use crate::detect::Options;
-use crate::detect::table::{self, Role};
+use crate::detect::table::{self, Entry};
 use crate::pair_list::{Allowance, PairList};
 use crate::parallel;
 use crate::probe::Silent;
@@ -132,10 +132,7 @@ fn rows(scene: &AnyScene<'_>, test: Test, rows: Rows) -> Result<Vec<[u32; 2]>, R
 fn agreed(scene: &AnyScene<'_>, test: Test, limit: u64) -> Result<Vec<[u32; 2]>, NoTruth> {
     let options = Options { memory_limit: limit, ..Options::default() };
     let mut first: Option<(&'static str, Vec<[u32; 2]>)> = None;
-    for name in judges(scene) {
-        let Some(entry) = table::find(name).filter(|entry| entry.role == Role::Detector) else {
-            continue;
-        };
+    for entry in judges(scene) {
         let mut pairs = Vec::new();
         match entry.make(options).list(scene, test, &mut pairs) {
             Ok(()) => {}
@@ -166,17 +163,13 @@ fn agreed(scene: &AnyScene<'_>, test: Test, limit: u64) -> Result<Vec<[u32; 2]>,
     Ok(brute_force(scene, test, limit)?)
 }
 
-/// Detectors of different families, those first that are fast: cells as large as the largest body
-/// hold nearly all particles where radii differ much.
-fn judges(scene: &AnyScene<'_>) -> [&'static str; 4] {
+/// The detectors that are asked for the truth of a scene, the first two that answer.
+fn judges(scene: &AnyScene<'_>) -> Vec<&'static Entry> {
     let differ = with_scene!(scene, scene => {
         let large = 0.5 * scene.largest_radius().wide();
         (0..scene.len()).any(|k| scene.radius(k).wide() < large)
     });
-    match differ {
-        false => ["nbs", "sorting", "binary-tree", "screening"],
-        true => ["kd-tree", "hgrid", "nbs", "sorting"],
-    }
+    table::judges(if differ { |it| it.differ } else { |it| it.alike })
 }
 
 /// Tests random particles against all others.

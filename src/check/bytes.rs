@@ -299,7 +299,7 @@ fn hold(scenes: &[Given], keep: bool) {
                     let promised = match refusal {
                         Refusal::Domain { .. }
                         | Refusal::Extent { .. }
-                        | Refusal::Memory { .. } => entry.name != "direct",
+                        | Refusal::Memory { .. } => entry.memory != "0",
                         // What the truth does without images.
                         Refusal::Images { .. } | Refusal::Away { .. } | Refusal::Range => {
                             given.lattice.is_some()

@@ -167,9 +167,8 @@ impl Measure for Periodic<'_> {
 /// All contacts in exact arithmetic, by a detector that copes with sizes and places of every kind;
 /// they and the images may take so many bytes each.
 pub fn contacts(periodic: &Periodic<'_>, limit: u64) -> anyhow::Result<Vec<ImagePair>> {
-    let entry = table::find("bvh").context("there is no bvh")?;
     let options = Options { memory_limit: limit, ..Options::default() };
-    Ok(periodic::contacts(periodic, &mut *entry.make(options), Arithmetic::Exact, limit)?)
+    Ok(periodic::contacts(periodic, &mut *table::robust(options), Arithmetic::Exact, limit)?)
 }
 
 /// All pairs that are apart by no more than a length, in order.

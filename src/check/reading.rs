@@ -19,8 +19,6 @@ pub(super) const ROUNDED: f64 = 1e-3;
 pub(super) const TANGENT: f64 = 1e-9;
 /// So many pairs at least before a periodic box is guessed that the file does not declare.
 const ENOUGH: usize = 3;
-/// Copes with sizes and places of every kind.
-const DETECTOR: &str = "bvh";
 
 /// A way to read a list, and what differs all the same.
 #[derive(Clone, Debug, PartialEq)]
@@ -354,7 +352,7 @@ fn touching(scene: &AnyScene<'_>, radius: &dyn Fn(f64) -> f64) -> Option<Vec<Pai
         let radii = (0..scene.len()).map(|k| radius(scene.radius(k))).collect();
         let wider = Scene::new(scene.centres().to_vec(), Radii::Each(radii)).ok()?;
         let mut pairs = Vec::new();
-        let mut detector = table::find(DETECTOR)?.make(Options::default());
+        let mut detector = table::robust(Options::default());
         detector.list(&wider.into(), Test::Exact, &mut pairs).ok()?;
         normalise(&mut pairs);
         Some(pairs)

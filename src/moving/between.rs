@@ -152,8 +152,7 @@ where
     let wider = Radii::Each(wider.collect::<Vec<_>>().into());
     let wider = Scene::new(last.centres(), wider).map_err(|error| error.to_string())?;
     let options = Options { memory_limit, threads: 1 };
-    let detector = table::find("streamed-nbs").ok_or("streamed-nbs is not in the table")?;
-    let mut detector = detector.make(options);
+    let mut detector = table::fast(options);
     let mut near = Vec::new();
     detector
         .list(&wider.into(), Test::Exact, &mut near)

@@ -124,8 +124,7 @@ impl<'a> Through<'a> {
         let wider =
             Periodic::new(wider, *self.last.lattice()).map_err(|error| error.to_string())?;
         let options = Options { memory_limit, threads: 1 };
-        let entry = table::find("streamed-nbs").ok_or("streamed-nbs is not in the table")?;
-        periodic::contacts(&wider, &mut *entry.make(options), Arithmetic::Exact, memory_limit)
+        periodic::contacts(&wider, &mut *table::fast(options), Arithmetic::Exact, memory_limit)
             .map_err(|refusal| format!("bodies as wide as their ways: {refusal}"))
     }
 }

@@ -25,7 +25,8 @@ pub fn foretold(scene: &AnyScene<'_>, fits: &[Fit], memory_limit: u64) -> Vec<(S
     for fit in exact {
         let name = fit.line.detector.as_str();
         let known = found.iter().any(|(known, _)| known == name);
-        let hopeless = name == "direct" && scene.len() > MOST_DIRECT;
+        let slow = table::find(name).is_some_and(|entry| entry.memory == "0");
+        let hopeless = slow && scene.len() > MOST_DIRECT;
         if !known
             && !hopeless
             && let Some(cell) = counted(scene, name, memory_limit)

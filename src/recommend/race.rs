@@ -19,7 +19,7 @@ use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
 
 use crate::contact::Arithmetic;
-use crate::detect::table::{self, Role, TABLE};
+use crate::detect::table::{Role, TABLE};
 use crate::recommend::standing::{
     Contender, HOPELESS, Race, Standing, drop_behind, drop_far, drop_hopeless,
 };
@@ -48,19 +48,6 @@ const MOST: u32 = 51;
 const BEYOND: f64 = 1.5;
 /// A probe is given at least so long: a process must start.
 const SHORTEST_PROBE: Duration = Duration::from_millis(100);
-/// Those that are mostly fast are probed first, so that the others need not be waited for.
-const FIRST: [&str; 9] = [
-    table::DEFAULT,
-    "cell-grid",
-    "hash-grid",
-    "hgrid",
-    "nbs",
-    "screening",
-    "kd-tree",
-    "bvh",
-    "sorting",
-];
-
 /// What is asked.
 pub struct Question<'a> {
     /// The scene.
@@ -104,12 +91,8 @@ pub fn run(question: &Question<'_>, note: &mut dyn FnMut(&str)) -> anyhow::Resul
         .collect::<anyhow::Result<Vec<_>>>()?;
     let mut entries: Vec<_> =
         TABLE.iter().filter(|entry| matches!(entry.role, Role::Detector | Role::Peer)).collect();
-    entries.sort_by_key(|entry| {
-        FIRST
-            .iter()
-            .position(|name| *name == entry.name)
-            .unwrap_or(FIRST.len() + usize::from(entry.name == "direct"))
-    });
+    // The others need not be waited for.
+    entries.sort_by_key(|entry| entry.speed);
     let contenders = entries.into_iter().map(|entry| Contender::of(entry, question.threads));
     let limit = question.memory_limit;
     let ground = Ground {

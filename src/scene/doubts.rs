@@ -79,7 +79,7 @@ impl Touching {
             return Some(Touching::estimated(each));
         }
         let memory_limit = limit_for(scene.len());
-        let mut detector = table::find(table::DEFAULT)?.make(Options { memory_limit, threads: 1 });
+        let mut detector = table::fast(Options { memory_limit, threads: 1 });
         if let Some(periodic) = given.periodic().ok()? {
             let exact = Arithmetic::Exact;
             let pairs = periodic::contacts(&periodic, &mut *detector, exact, memory_limit).ok()?;

@@ -7,7 +7,7 @@ use contactbench::check::numbers::{Numbers, bits};
 use contactbench::check::{self, Failure, Limits, Wrong, regression};
 use contactbench::contact::{Arithmetic, Bodies};
 use contactbench::detect::any::Both;
-use contactbench::detect::table::{self, Entry, Group, Role};
+use contactbench::detect::table::{self, Entry, Group, Judge, Role, Speed};
 use contactbench::detect::{Declare, Detector, Options, Refusal};
 use contactbench::io;
 use contactbench::probe::Probe;
@@ -91,6 +91,8 @@ const fn entry<const WAY: u8>() -> Entry {
         memory: "",
         limits: "",
         threads: false,
+        speed: Speed::Usual,
+        judge: Judge::NOT,
         parameters: &[],
         constructor: Both::<Mutant<WAY>, Mutant<WAY>>::boxed,
     }

@@ -21,6 +21,7 @@ mod integrity;
 mod layout;
 mod limits;
 mod maps;
+mod names;
 mod new_detector;
 mod origins;
 mod page;

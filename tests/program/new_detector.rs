@@ -8,7 +8,7 @@ use contactbench::check::contender::Contender;
 use contactbench::check::{self, Limits};
 use contactbench::contact::Arithmetic;
 use contactbench::detect::any::Both;
-use contactbench::detect::table::{Entry, Group, Role};
+use contactbench::detect::table::{Entry, Group, Judge, Role, Speed};
 use contactbench::detect::{Declare, Detector, Options, Refusal, within};
 use contactbench::{contact, sink};
 
@@ -30,6 +30,8 @@ static ENTRY: Entry = Entry {
     memory: "16N",
     limits: "",
     threads: false,
+    speed: Speed::Usual,
+    judge: Judge::NOT,
     parameters: &[],
     constructor: Both::<NewDetector, NewDetector>::boxed,
 };

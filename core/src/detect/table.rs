@@ -8,11 +8,11 @@ use super::book::nbs_levels::NbsLevels;
 use super::book::{binary_tree, direct, nbs2d, nbs3d, screening, sorting};
 use super::modern::{bvh, cell_grid, hash_grid, hgrid, kd_tree, sweep};
 pub use super::parameter::{Beside, Parameter};
+#[cfg(feature = "peers")]
+use super::peers::Peer;
 pub use super::spec::{DetectorSpec, SpecError, parse};
 use super::streamed::{Form, Streamed};
-use super::{Options, Refusal, control};
-#[cfg(feature = "peers")]
-use super::{peers, peers::Peer};
+use super::{Options, Refusal, control, peers};
 use crate::wide::Level;
 
 /// What a detector is there for.
@@ -64,6 +64,34 @@ impl Group {
     }
 }
 
+/// How the times of a detector usually compare with those of the others.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Speed {
+    /// About as fast as looking at a list of pairs twenty times.
+    Fast,
+    /// Some times as long.
+    Usual,
+    /// So long that it is asked last.
+    Slow,
+}
+
+/// The places of a detector among those that are asked for the truth, from 1; 0: it is not asked.
+/// Judges that are asked together are of different families, the fast ones first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Judge {
+    /// Where sizes are alike.
+    pub alike: u8,
+    /// Where sizes differ: cells as large as the largest particle hold nearly all others.
+    pub differ: u8,
+    /// Among the images of a periodic box.
+    pub boxed: u8,
+}
+
+impl Judge {
+    /// A detector that is not asked.
+    pub const NOT: Judge = Judge { alike: 0, differ: 0, boxed: 0 };
+}
+
 /// Values given to a detector's parameters, by name; those left at their defaults are absent.
 pub type Params = BTreeMap<String, String>;
 
@@ -85,6 +113,10 @@ pub struct Entry {
     pub limits: &'static str,
     /// Can use more than one thread.
     pub threads: bool,
+    /// How its times usually compare with those of the others.
+    pub speed: Speed,
+    /// Where the truth of a scene is asked of it.
+    pub judge: Judge,
     /// What its user may choose.
     pub parameters: &'static [Parameter],
     /// How it is made; see [`Entry::make`] and [`DetectorSpec::make`].
@@ -121,6 +153,8 @@ const fn peer(peer: &Peer, constructor: fn(&Params, Options) -> Box<dyn AnyDetec
         memory: "the library's own",
         limits,
         threads: false,
+        speed: Speed::Slow,
+        judge: Judge::NOT,
         parameters: &[],
         constructor,
     }
@@ -137,6 +171,8 @@ pub static TABLE: &[Entry] = &[
         memory: "0",
         limits: "time: hopeless at scale",
         threads: true,
+        speed: Speed::Slow,
+        judge: Judge::NOT,
         parameters: &[],
         constructor: Both::<direct::Direct, direct::Direct>::boxed,
     },
@@ -149,6 +185,8 @@ pub static TABLE: &[Entry] = &[
         memory: "4N + 8 nodes",
         limits: "cells per axis < 2^31; the memory limit",
         threads: false,
+        speed: Speed::Slow,
+        judge: Judge { alike: 3, differ: 0, boxed: 0 },
         parameters: &[],
         constructor: Both::<binary_tree::BinaryTree, binary_tree::BinaryTree>::boxed,
     },
@@ -161,6 +199,8 @@ pub static TABLE: &[Entry] = &[
         memory: "4(nx ny [nz] + N)",
         limits: "memory: loose packs and far-away particles are refused",
         threads: false,
+        speed: Speed::Usual,
+        judge: Judge { alike: 4, differ: 0, boxed: 0 },
         parameters: &[],
         constructor: Both::<screening::Screening, screening::Screening>::boxed,
     },
@@ -173,6 +213,8 @@ pub static TABLE: &[Entry] = &[
         memory: "12N in 2D, 16N in 3D",
         limits: "cells per axis < 2^31; the memory limit",
         threads: false,
+        speed: Speed::Usual,
+        judge: Judge { alike: 2, differ: 4, boxed: 4 },
         parameters: &[],
         constructor: Both::<sorting::Sorting<2>, sorting::Sorting<3>>::boxed,
     },
@@ -186,6 +228,8 @@ pub static TABLE: &[Entry] = &[
                  about twice that",
         limits: "memory: a particle so far away that nx + ny + nz exceeds the limit",
         threads: false,
+        speed: Speed::Usual,
+        judge: Judge { alike: 1, differ: 3, boxed: 3 },
         parameters: &[Parameter {
             name: "levels",
             values: &["none", "auto"],
@@ -206,6 +250,8 @@ pub static TABLE: &[Entry] = &[
         memory: "about 16N in 2D, 20N in 3D, and two bundles of layers",
         limits: "cells per axis < 2^31 where particles crowd; the memory limit",
         threads: true,
+        speed: Speed::Fast,
+        judge: Judge { alike: 0, differ: 0, boxed: 2 },
         parameters: &[
             Parameter {
                 name: "form",
@@ -234,6 +280,8 @@ pub static TABLE: &[Entry] = &[
         memory: "4(nx ny [nz] + 1) + 24N in 2D, 32N in 3D",
         limits: "memory: loose packs and far-away particles are refused",
         threads: true,
+        speed: Speed::Usual,
+        judge: Judge::NOT,
         parameters: &[],
         constructor: Both::<cell_grid::CellGrid<2>, cell_grid::CellGrid<3>>::boxed,
     },
@@ -246,6 +294,8 @@ pub static TABLE: &[Entry] = &[
         memory: "4(B + 513) + 24N in 2D, 4(B + 1025) + 32N in 3D; B the power of two from N up",
         limits: "cells per axis < 2^31; the memory limit",
         threads: false,
+        speed: Speed::Usual,
+        judge: Judge::NOT,
         parameters: &[],
         constructor: Both::<hash_grid::HashGrid<2>, hash_grid::HashGrid<3>>::boxed,
     },
@@ -258,6 +308,8 @@ pub static TABLE: &[Entry] = &[
         memory: "4(C + N) + 44S + 24N in 2D, 48S + 32N in 3D; S strips of 8 cells, C slots",
         limits: "cells per axis < 2^31 where particles crowd; the memory limit",
         threads: false,
+        speed: Speed::Usual,
+        judge: Judge { alike: 0, differ: 2, boxed: 0 },
         parameters: &[
             Parameter {
                 name: "ratio",
@@ -290,6 +342,8 @@ pub static TABLE: &[Entry] = &[
         memory: "32N in 2D, 40N in 3D",
         limits: "time: many particles in 3D; the memory limit",
         threads: false,
+        speed: Speed::Slow,
+        judge: Judge::NOT,
         parameters: &[],
         constructor: Both::<sweep::Sweep<2>, sweep::Sweep<3>>::boxed,
     },
@@ -302,6 +356,8 @@ pub static TABLE: &[Entry] = &[
         memory: "24N + 64L in 2D, 32N + 96L in 3D; L the power of two from N/16 upwards",
         limits: "the memory limit",
         threads: false,
+        speed: Speed::Usual,
+        judge: Judge { alike: 0, differ: 1, boxed: 0 },
         parameters: &[],
         constructor: Both::<kd_tree::KdTree<2>, kd_tree::KdTree<3>>::boxed,
     },
@@ -314,6 +370,8 @@ pub static TABLE: &[Entry] = &[
         memory: "40N + 64L in 2D, 48N + 96L in 3D; L the power of two from N/16 upwards",
         limits: "the memory limit; clumps far from the rest are slow",
         threads: false,
+        speed: Speed::Usual,
+        judge: Judge { alike: 0, differ: 0, boxed: 1 },
         parameters: &[],
         constructor: Both::<bvh::Bvh<2>, bvh::Bvh<3>>::boxed,
     },
@@ -326,6 +384,8 @@ pub static TABLE: &[Entry] = &[
         memory: "0",
         limits: "finds nothing",
         threads: false,
+        speed: Speed::Usual,
+        judge: Judge::NOT,
         parameters: &[],
         constructor: Both::<control::Nothing, control::Nothing>::boxed,
     },
@@ -338,6 +398,8 @@ pub static TABLE: &[Entry] = &[
         memory: "as nbs",
         limits: "as nbs",
         threads: false,
+        speed: Speed::Usual,
+        judge: Judge::NOT,
         parameters: &[],
         constructor: Both::<nbs2d::Nbs2d, nbs3d::Nbs3d>::boxed,
     },
@@ -350,6 +412,8 @@ pub static TABLE: &[Entry] = &[
         memory: "as cell-grid",
         limits: "as cell-grid",
         threads: true,
+        speed: Speed::Usual,
+        judge: Judge::NOT,
         parameters: &[],
         constructor: Both::<cell_grid::CellGrid<2>, cell_grid::CellGrid<3>>::boxed,
     },
@@ -362,6 +426,8 @@ pub static TABLE: &[Entry] = &[
         memory: "as streamed-nbs",
         limits: "as streamed-nbs",
         threads: true,
+        speed: Speed::Usual,
+        judge: Judge::NOT,
         parameters: &[],
         constructor: streamed,
     },
@@ -380,9 +446,21 @@ pub static TABLE: &[Entry] = &[
 /// The name of the detector to take without a reason for another.
 pub const DEFAULT: &str = "streamed-nbs";
 
-/// This detector.
-pub(crate) fn streamed_nbs(options: Options) -> Box<dyn AnyDetector> {
+/// Makes the detector named [`DEFAULT`].
+pub fn fast(options: Options) -> Box<dyn AnyDetector> {
     streamed(&Params::new(), options)
+}
+
+/// Makes the detector that copes with sizes and places of every kind.
+pub fn robust(options: Options) -> Box<dyn AnyDetector> {
+    Both::<bvh::Bvh<2>, bvh::Bvh<3>>::boxed(&Params::new(), options)
+}
+
+/// The detectors that have a place among the judges, in the order of their places.
+pub fn judges(place: fn(&Judge) -> u8) -> Vec<&'static Entry> {
+    let mut judges: Vec<&Entry> = TABLE.iter().filter(|it| place(&it.judge) > 0).collect();
+    judges.sort_by_key(|entry| place(&entry.judge));
+    judges
 }
 
 /// `nbs` with its parameter.
@@ -458,6 +536,12 @@ impl Entry {
 pub fn names() -> String {
     let detectors = TABLE.iter().filter(|entry| !entry.is_control());
     detectors.map(|entry| entry.name).collect::<Vec<_>>().join(", ")
+}
+
+/// The names of all detectors and controls, libraries that were not compiled included.
+pub fn all_names() -> impl Iterator<Item = &'static str> {
+    let peers = peers::PEERS.iter().map(|peer| peer.name).filter(|name| find(name).is_none());
+    TABLE.iter().map(|entry| entry.name).chain(peers)
 }
 
 #[cfg(test)]

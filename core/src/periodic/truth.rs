@@ -155,8 +155,7 @@ fn agreed(
     let n = periodic.scene().len();
     let options = Options { memory_limit: limit, ..Options::default() };
     let mut first: Option<(&'static str, Vec<ImagePair>)> = None;
-    for name in ["bvh", "streamed-nbs", "nbs", "sorting"] {
-        let Some(entry) = table::find(name) else { continue };
+    for entry in table::judges(|it| it.boxed) {
         let detector = &mut *entry.make(options);
         let pairs = match super::contacts(periodic, detector, Arithmetic::Exact, limit) {
             Ok(pairs) => pairs,

@@ -66,7 +66,7 @@ impl TrackerSpec {
             }),
             TrackerSpec::Verlet { detector, skin, rule } => {
                 let limit = options.memory_limit;
-                let costs = Costs::of(detector.entry.name);
+                let costs = Costs::of(detector.entry.speed);
                 Box::new(Verlet::new(detector.make(options), costs, *skin, *rule, limit))
             }
             TrackerSpec::Incremental { native, .. } => native.make(options),

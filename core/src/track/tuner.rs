@@ -15,6 +15,8 @@
 //! twice the best skin costs a quarter more of the excess, and an error of four times in BUILD is
 //! one of two times in the skin.
 
+use crate::detect::table::Speed;
+
 /// What a detector costs, in looks of 1 to 1.3 ns.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Costs {
@@ -30,9 +32,9 @@ impl Costs {
     /// Of `nbs` on 32,000.
     const SLOW: Costs = Costs { build: 100.0, make: 18.0, detect: 100.0 };
 
-    /// Of a detector, by its name.
-    pub fn of(detector: &str) -> Costs {
-        if detector == "streamed-nbs" { Costs::FAST } else { Costs::SLOW }
+    /// The costs of a detector.
+    pub fn of(speed: Speed) -> Costs {
+        if speed == Speed::Fast { Costs::FAST } else { Costs::SLOW }
     }
 }
 
@@ -205,10 +207,10 @@ mod tests {
     #[test]
     fn the_longer_asking_takes_the_more_lists_pay() {
         let many = Served { listed: 30.0, touching: 25.0, ..served(2e-3, 0.1) };
-        assert!(best(Costs::of("streamed-nbs"), &many).is_some());
+        assert!(best(Costs::of(Speed::Fast), &many).is_some());
         let fast = served(0.2, 0.4);
-        assert_eq!(best(Costs::of("streamed-nbs"), &fast), None);
-        assert!(best(Costs::of("nbs"), &fast).is_some());
+        assert_eq!(best(Costs::of(Speed::Fast), &fast), None);
+        assert!(best(Costs::of(Speed::Usual), &fast).is_some());
     }
 
     #[test]

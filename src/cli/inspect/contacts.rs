@@ -24,8 +24,6 @@ use crate::{oracle, with_scene};
 const NEAR: f64 = 1e-9;
 /// Where more contacts than this are to be expected, they are not looked for.
 const MOST: f64 = 5e7;
-/// Copes with sizes and places of every kind.
-const DETECTOR: &str = "bvh";
 
 /// The contacts of a scene.
 pub(super) enum Contacts {
@@ -119,10 +117,8 @@ where
             sum += depth;
         }
     });
-    let Some(entry) = table::find(DETECTOR) else {
-        return Contacts::Refused(format!("there is no {DETECTOR}"));
-    };
-    if let Err(refusal) = entry.make(Options::default()).visit(&swollen, Test::Exact, &mut sink) {
+    let mut detector = table::robust(Options::default());
+    if let Err(refusal) = detector.visit(&swollen, Test::Exact, &mut sink) {
         return Contacts::Refused(refusal.to_string());
     }
     let mut pairs = Vec::new();
@@ -276,7 +272,7 @@ fn in_f32(
     contacts: &Contacts,
 ) -> Option<[u64; 2]> {
     let Contacts::Found { open, boxed, .. } = contacts else { return None };
-    let mut detector = table::find(DETECTOR)?.make(Options::default());
+    let mut detector = table::robust(Options::default());
     if let Some(periodic) = periodic {
         let limit = Options::default().memory_limit;
         let rounded = periodic::contacts(periodic, &mut *detector, Arithmetic::F32, limit).ok()?;

@@ -92,13 +92,9 @@ pub fn find(scene: &AnyScene<'_>, memory_limit: u64) -> anyhow::Result<Vec<[u32;
     let options = Options { memory_limit, ..Options::default() };
     let mut refused = None;
     // Cells first; a tree where the scene is too wide for them.
-    for name in ["nbs", "kd-tree", "direct"] {
-        let Some(entry) = table::find(name).filter(|_| name != "direct" || scene.len() <= 20_000)
-        else {
-            continue;
-        };
+    for mut detector in [table::fast(options), table::robust(options)] {
         let mut pairs = Vec::new();
-        match entry.make(options).list(scene, Arithmetic::Exact.test(), &mut pairs) {
+        match detector.list(scene, Arithmetic::Exact.test(), &mut pairs) {
             Ok(()) => {
                 normalise(&mut pairs);
                 return Ok(pairs);

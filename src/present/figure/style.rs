@@ -1,9 +1,12 @@
-//! One colour and one marker per detector, the same in every figure.
+//! One colour and one marker per detector, the same in every figure of a report.
 //!
-//! The colours of the book's detectors are those of Okabe and Ito, which people with any of the
-//! common colour blindnesses tell apart; the others were chosen beside them, from Okabe and Ito and
-//! from Tol, to differ in lightness where hues can be mistaken. The marker says the same again, so
-//! that a figure survives a grey printer. Controls are grey, thin and dashed.
+//! The first colours are those of Okabe and Ito, which people with any of the common colour
+//! blindnesses tell apart; the others were chosen beside them, from Okabe and Ito and from Tol, to
+//! differ in lightness where hues can be mistaken. The marker says the same again, so that a figure
+//! survives a grey printer. Controls are grey, thin and dashed.
+//!
+//! The name of a detector decides which of them it prefers, so that it mostly looks the same in
+//! all reports; where two names prefer one, the second in the alphabet gets the next that is free.
 
 use std::collections::BTreeMap;
 
@@ -69,20 +72,23 @@ pub struct Style {
     pub control: bool,
 }
 
-/// The book's detectors, then the others.
-const KNOWN: [(&str, Colour, Marker); 12] = [
-    ("direct", (0, 0, 0), Marker::Square),
-    ("binary-tree", (230, 159, 0), Marker::Up),
-    ("screening", (86, 180, 233), Marker::Diamond),
-    ("sorting", (0, 158, 115), Marker::Down),
-    ("nbs", (213, 94, 0), Marker::Circle),
-    ("streamed-nbs", (0, 80, 200), Marker::Circle),
-    ("cell-grid", (204, 121, 167), Marker::Square),
-    ("hash-grid", (136, 34, 85), Marker::Cross),
-    ("hgrid", (160, 0, 230), Marker::Down),
-    ("sweep", (178, 161, 0), Marker::Plus),
-    ("kd-tree", (51, 34, 136), Marker::Up),
-    ("bvh", (140, 110, 70), Marker::Diamond),
+/// The styles of detectors.
+const PALETTE: [(Colour, Marker); 15] = [
+    ((0, 0, 0), Marker::Square),
+    ((230, 159, 0), Marker::Up),
+    ((86, 180, 233), Marker::Diamond),
+    ((0, 158, 115), Marker::Down),
+    ((213, 94, 0), Marker::Circle),
+    ((0, 80, 200), Marker::Circle),
+    ((204, 121, 167), Marker::Square),
+    ((136, 34, 85), Marker::Cross),
+    ((160, 0, 230), Marker::Down),
+    ((178, 161, 0), Marker::Plus),
+    ((51, 34, 136), Marker::Up),
+    ((140, 110, 70), Marker::Diamond),
+    ((0, 114, 178), Marker::Cross),
+    ((204, 102, 119), Marker::Plus),
+    ((90, 140, 90), Marker::Diamond),
 ];
 /// Rules by which trackers build their lists, as their names begin.
 const RULES: [(&str, Colour, Marker); 5] = [
@@ -94,36 +100,35 @@ const RULES: [(&str, Colour, Marker); 5] = [
 ];
 /// A skin that is found while a list is used.
 const AUTO: (&str, Colour, Marker) = ("auto", (230, 159, 0), Marker::Up);
-const REST: [Colour; 3] = [(0, 114, 178), (204, 102, 119), (90, 140, 90)];
-const MARKERS: [Marker; 5] =
-    [Marker::Cross, Marker::Plus, Marker::Diamond, Marker::Square, Marker::Up];
-
 /// The styles of all detectors of a record.
 #[derive(Clone, Debug, Default)]
 pub struct Styles(BTreeMap<String, Style>);
 
 impl Styles {
-    /// Names that have no style of their own get the remaining ones in alphabetical order.
+    /// The styles of all contenders of these cells.
     pub fn new<'a>(cells: impl Iterator<Item = &'a Cell>) -> Styles {
-        let mut styles: BTreeMap<String, Style> = BTreeMap::new();
         let contenders: BTreeMap<String, bool> =
             cells.map(|cell| (cell.id.contender(), cell.role.is_control())).collect();
-        let (mut others, mut controls) = (0, 0);
+        let mut places: BTreeMap<String, usize> = BTreeMap::new();
+        let mut styles = BTreeMap::new();
+        let mut controls = 0;
         for (name, control) in contenders {
             let style = if control {
                 controls += 1;
-                Style {
-                    colour: CONTROL,
-                    marker: if controls % 2 == 1 { Marker::Circle } else { Marker::Cross },
-                    control: true,
-                }
-            } else if let Some(style) = kept_for(&name) {
+                let marker = if controls % 2 == 1 { Marker::Circle } else { Marker::Cross };
+                Style { colour: CONTROL, marker, control }
+            } else if let Some(style) = of_rule(&name) {
                 style
             } else {
-                others += 1;
-                let (colour, marker) =
-                    (REST[(others - 1) % REST.len()], MARKERS[(others - 1) % MARKERS.len()]);
-                Style { colour, marker, control: false }
+                let detector = detector(&name);
+                let place = places.get(&detector).copied().unwrap_or_else(|| {
+                    let taken = |place: &usize| places.values().any(|other| other == place);
+                    let first = preferred(&detector);
+                    let all = (0..PALETTE.len()).map(|k| (first + k) % PALETTE.len());
+                    all.clone().find(|place| !taken(place)).unwrap_or(first)
+                });
+                places.insert(detector, place);
+                of_place(place)
             };
             styles.insert(name, style);
         }
@@ -140,7 +145,7 @@ impl Styles {
             free.then(|| taken.push(style.colour)).map(|()| style.colour)
         };
         let found: Vec<Option<Colour>> = names.iter().map(&mut own).collect();
-        let all: Vec<Colour> = KNOWN.iter().skip(1).map(|it| it.1).chain(REST).collect();
+        let all: Vec<Colour> = PALETTE.iter().skip(1).map(|it| it.0).collect();
         let mut farthest = || {
             let room = |a: &&Colour| taken.iter().map(|b| apart(**a, *b)).min().unwrap_or(255);
             let colour = all.iter().max_by_key(room).copied().unwrap_or(INK);
@@ -150,11 +155,22 @@ impl Styles {
         found.into_iter().map(|own| own.unwrap_or_else(&mut farthest)).collect()
     }
 
-    /// The style of a detector; grey for names that were not announced.
+    /// The style of a contender; the one that its name prefers if it was not announced.
     pub fn get(&self, name: &str) -> Style {
-        let known = self.0.get(name).copied().or_else(|| kept_for(name));
-        known.unwrap_or(Style { colour: CONTROL, marker: Marker::Plus, control: true })
+        let known = self.0.get(name).copied().or_else(|| of_rule(name));
+        known.unwrap_or_else(|| of_place(preferred(&detector(name))))
     }
+}
+
+fn of_place(place: usize) -> Style {
+    let (colour, marker) = PALETTE[place];
+    Style { colour, marker, control: false }
+}
+
+/// The place in the palette that a name prefers (FNV-1a).
+fn preferred(name: &str) -> usize {
+    let step = |hash: u32, byte: u8| (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193);
+    (name.bytes().fold(0x811c_9dc5, step) >> 8) as usize % PALETTE.len()
 }
 
 /// How far two colours are from each other: the largest of three differences.
@@ -162,35 +178,31 @@ fn apart(a: Colour, b: Colour) -> u8 {
     a.0.abs_diff(b.0).max(a.1.abs_diff(b.1)).max(a.2.abs_diff(b.2))
 }
 
-/// The style that is kept for a detector, or for the rule of a tracker where its skin does not
-/// matter.
-fn kept_for(name: &str) -> Option<Style> {
-    let (name, params) = split_contender(name);
+/// The style of the rule of a tracker, where the name says no skin but `auto`.
+fn of_rule(name: &str) -> Option<Style> {
+    let (_, params) = split_contender(name);
     let text = |key: &str| params.get(key).map(|value| value.to_string());
-    let known = |name: &str| KNOWN.iter().find(|known| known.0 == name);
-    let found = match (text(OVER), text("rule")) {
-        (None, _) if params.is_empty() => known(&name),
-        (Some(over), None) if name != "incremental" => known(&over),
-        (Some(over), None) if params.len() == 1 => {
-            return known(&over).map(|&(_, colour, _)| Style {
-                colour,
-                marker: Marker::Cross,
-                control: false,
-            });
-        }
-        (Some(_), Some(rule)) => match text("skin") {
-            None => RULES.iter().find(|kept| rule.starts_with(kept.0)),
-            Some(skin) => (skin == "auto").then_some(&AUTO),
-        },
-        _ => None,
+    let (rule, skin) = (text("rule")?, text("skin"));
+    let (_, colour, marker) = match skin.as_deref() {
+        None => *RULES.iter().find(|kept| rule.starts_with(kept.0))?,
+        Some("auto") => AUTO,
+        Some(_) => return None,
     };
-    found.map(|&(_, colour, marker)| Style { colour, marker, control: false })
+    Some(Style { colour, marker, control: false })
 }
 
-/// The place of a detector in legends: the book's order, then others, then controls.
+/// The detector of a contender, whose style a tracker without a rule has.
+fn detector(name: &str) -> String {
+    let (_, params) = split_contender(name);
+    match params.get(OVER).filter(|_| !params.contains_key("rule")) {
+        Some(over) => over.to_string(),
+        None => name.to_string(),
+    }
+}
+
+/// The place of a detector in legends: controls are last.
 pub fn rank(cell: &Cell) -> usize {
-    let other = if cell.role.is_control() { 99 } else { 50 };
-    KNOWN.iter().position(|known| known.0 == cell.id.contender()).unwrap_or(other)
+    usize::from(cell.role.is_control())
 }
 
 #[cfg(test)]
@@ -198,42 +210,31 @@ mod tests {
     use super::*;
     use crate::cells;
     use crate::cells::testing::Lab;
-    use crate::detect::table::{Role, TABLE};
 
     #[test]
     fn trackers_over_one_detector_are_told_apart_on_a_map() {
         let names = ["every-step(nbs)", "nbs", "verlet(bvh)", "verlet(nbs)"].map(String::from);
         let colours = Styles::default().of_map(&names);
-        assert_eq!((colours[0], colours[2]), ((213, 94, 0), (140, 110, 70)));
         for (k, &a) in colours.iter().enumerate() {
             assert!(colours[..k].iter().all(|&b| apart(a, b) >= 60), "{colours:?}");
         }
     }
 
     #[test]
-    fn every_detector_has_a_style_of_its_own() {
-        // New detectors have one of the rest, until they are given one that is kept for them.
-        let detectors: Vec<&str> = TABLE
-            .iter()
-            .filter(|entry| entry.role == Role::Detector)
-            .map(|entry| entry.name)
-            .collect();
+    fn all_names_of_a_record_have_styles_of_their_own() {
+        let names: Vec<String> = (0..PALETTE.len()).map(|k| format!("detector-{k}")).collect();
         let mut lab = Lab::new("e", "packed");
-        detectors.iter().for_each(|name| {
+        names.iter().chain(&["every-step(detector-3)".to_string()]).for_each(|name| {
             lab.detector(name).time(&[1]);
         });
         let styles = Styles::new(cells::cells(&lab.rows()).iter());
-        for (k, name) in detectors.iter().enumerate() {
-            let of = |name: &str| styles.get(name);
-            assert!(
-                !of(name).control
-                    && detectors[..k].iter().all(|other| of(other).colour != of(name).colour),
-                "{name}"
-            );
+        for (k, name) in names.iter().enumerate() {
+            let style = styles.get(name);
+            assert!(!style.control && names[..k].iter().all(|other| styles.get(other) != style));
         }
-        for (k, a) in KNOWN.iter().enumerate() {
-            assert!(KNOWN[..k].iter().all(|b| apart(a.1, b.1) >= 45), "{}", a.0);
-            assert!(REST.iter().all(|&b| apart(a.1, b) >= 30), "{}", a.0);
+        assert_eq!(styles.get("every-step(detector-3)"), styles.get("detector-3"));
+        for (k, a) in PALETTE.iter().enumerate() {
+            assert!(PALETTE[..k].iter().all(|b| apart(a.0, b.0) >= 30), "{a:?}");
         }
     }
 }

@@ -49,3 +49,15 @@ fn instructions_that_are_not_there_are_refused_with_those_that_are() {
     assert!(refusal.contains("level=neon") && refusal.contains("portable"), "{refusal}");
     assert!(pairs.is_empty());
 }
+
+/// No two detectors share a place among the judges, and no place is left out.
+#[test]
+fn judges_have_places_of_their_own() {
+    let places: [fn(&Judge) -> u8; 3] = [|it| it.alike, |it| it.differ, |it| it.boxed];
+    for place in places {
+        let judges = judges(place);
+        assert!(judges.iter().all(|entry| entry.role == Role::Detector));
+        let places: Vec<u8> = judges.iter().map(|entry| place(&entry.judge)).collect();
+        assert_eq!(places, [1, 2, 3, 4]);
+    }
+}

@@ -159,8 +159,8 @@ where
             play.name()
         );
         let options = Options { memory_limit: limit_for(scene.len()), threads: 1 };
-        let detector = table::find("streamed-nbs").context("streamed-nbs is not in the table")?;
-        let near = Near::new(detector.make(options), smallest);
+        let detector = table::fast(options);
+        let near = Near::new(detector, smallest);
         let fastest = FASTEST * stage.fastest();
         let (steps, time, last) = (steps as u64, frame / steps, None);
         Ok(Soft { stage, first, order, low, diameter, steps, time, fastest, near, last })
