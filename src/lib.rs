@@ -43,7 +43,7 @@ pub use contactbench_core::{
     contact, crowd, detect, event, filter, memory, oracle, pair_list, periodic, probe, searcher,
     sink, track, wide, with_scene,
 };
-pub use contactbench_terms::{nearest, number, text};
+pub use contactbench_terms::{grammar, nearest, number, text};
 
 #[cfg(test)]
 #[path = "../tests/program/committed.rs"]
@@ -56,6 +56,7 @@ pub mod experiment;
 pub mod findings;
 pub mod io;
 pub mod moving;
+pub mod plan;
 pub mod present;
 pub mod recommend;
 pub mod record;

@@ -1,12 +1,17 @@
 //! Made-up rows for the tests of everything right of the record, with a clock that says what it is
 //! told.
 
-use crate::experiment::Experiment;
+use std::collections::BTreeMap;
+
+use contactbench_terms::arithmetic::Arithmetic;
+use contactbench_terms::errors::{Causes, Errors};
+use contactbench_terms::scene::Stats;
+
+use crate::experiment::{Document, Entrant, Experiment, Planned};
 use crate::record::id::CellId;
 use crate::record::role::Role;
 use crate::record::row::{Outcome, Pass, Row};
-use contactbench_terms::errors::{Causes, Errors};
-use contactbench_terms::scene::Stats;
+use crate::record::value::AxisValue;
 
 /// Writes rows for one cell after another; the setters change the cell that the next rows belong
 /// to.
@@ -48,7 +53,7 @@ impl Lab {
     /// The detector, with parameters if it has any, in the role that its name says.
     pub fn detector(&mut self, spec: &str) -> &mut Lab {
         self.base.id = self.base.id.clone().with_contender(spec);
-        self.base.role = Role::by_name(&self.base.id.detector);
+        self.base.role = role_of(&self.base.id.detector);
         self
     }
     pub fn arithmetic(&mut self, name: &str) -> &mut Lab {
@@ -135,9 +140,62 @@ impl Lab {
     }
 }
 
+/// The role that a name has in these tests.
+fn role_of(name: &str) -> Role {
+    const PEERS: [&str; 5] = ["kiddo", "kd-tree-crate", "rstar", "parry", "zelll"];
+    const DETECTORS: [&str; 12] = [
+        "direct",
+        "binary-tree",
+        "screening",
+        "sorting",
+        "nbs",
+        "streamed-nbs",
+        "cell-grid",
+        "hash-grid",
+        "hgrid",
+        "sweep",
+        "kd-tree",
+        "bvh",
+    ];
+    match name.strip_suffix("-twin") {
+        Some(original) => Role::Twin(original.into()),
+        None if name == "nothing" => Role::Nothing,
+        None if PEERS.contains(&name) => Role::Peer,
+        None if DETECTORS.contains(&name) => Role::Detector,
+        None => Role::Runner,
+    }
+}
+
 /// An experiment with these claims and figures, in TOML.
 pub fn experiment(rest: &str) -> Experiment {
     let head = "name = 'e'\ntitle = 'A title'\nquestion = 'Which is fastest?'\nreading = 'Lower \
                 is better.'\ndetectors = []\nscene = []\n";
-    Experiment::unchecked(&format!("{head}{rest}")).unwrap()
+    read(&format!("{head}{rest}"))
 }
+
+/// An experiment of this text; no name in it is looked up.
+pub fn read(text: &str) -> Experiment {
+    Document::read(text).unwrap_or_else(|error| panic!("{error:#}")).0
+}
+
+/// The plan of these detectors, all in exact arithmetic with one thread, on scenes with 100
+/// particles of this generator and these parameters.
+pub fn planned(scene: &str, detectors: &[&str], params: &[Params]) -> Planned {
+    let entrant = |name: &&str| Entrant {
+        name: name.to_string(),
+        role: role_of(name),
+        arithmetic: (role_of(name) != Role::Runner).then(Arithmetic::default),
+        threads: 1,
+    };
+    let base = Lab::new("e", scene).base.id;
+    let scene = |params: &Params| CellId {
+        params: params.clone(),
+        arithmetic: String::new(),
+        ..base.clone()
+    };
+    let scenes: Vec<CellId> = params.iter().map(scene).collect();
+    let entrants = detectors.iter().map(entrant).collect();
+    Planned { quick: scenes.clone(), scenes, entrants, ..Planned::default() }
+}
+
+type Params = BTreeMap<String, AxisValue>;

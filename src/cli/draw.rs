@@ -13,7 +13,6 @@ use crate::cli::shared::sequence::{FRAMES, Sequence, Wanted, sequence};
 use crate::cli::shared::values;
 use crate::contact::{Arithmetic, Test};
 use crate::detect::Options;
-use crate::experiment::detectors;
 use crate::io::pairs::List;
 use crate::io::{self, Frame, Place};
 use crate::number::plural;
@@ -23,7 +22,7 @@ use crate::present::draw::film::Film;
 use crate::present::draw::{Boxed, Highlighted, Look, Slice};
 use crate::scene::Given;
 use crate::scene::motion::Motion;
-use crate::track::TrackerSpec;
+use crate::track::{self, TrackerSpec};
 
 /// Options of `draw`.
 #[derive(clap::Args)]
@@ -157,7 +156,7 @@ fn page(options: &Draw) -> anyhow::Result<ExitCode> {
         pairs.is_none() && !whole && labels.is_none() && !grid,
         "--pairs, --whole, --labels and --grid belong to pictures; leave them out for a page"
     );
-    let tracker = detectors::parse_tracker(options.tracker.as_deref().unwrap_or(TRACKER))?;
+    let tracker = track::parse(options.tracker.as_deref().unwrap_or(TRACKER))?;
     let play = |sequence: Sequence<'_>| play(options, &tracker, sequence);
     let Draw { motion, frames, .. } = *options;
     let wanted =

@@ -12,6 +12,7 @@ use crate::experiment::{MapAxes, Where, claims};
 use crate::findings::conditions::Conditions;
 use crate::findings::map;
 use crate::io;
+use crate::plan;
 use crate::present::figure::style::Styles;
 use crate::present::table::csv;
 use crate::present::{document, figure, sections, svg};
@@ -50,7 +51,8 @@ enum Kind {
 /// Draws the map, or prints it.
 pub fn map(options: &Map) -> anyhow::Result<ExitCode> {
     let kind = options.out.as_deref().map(kind).transpose()?;
-    let filter: Where = claims::parse_where(&options.filters)?;
+    let mut filter: Where = claims::parse_where(&options.filters)?;
+    plan::resolve(&mut filter).map_err(anyhow::Error::msg)?;
     let axes = MapAxes::new(&options.x, &options.y);
     let (rows, warnings) = rows(&options.folders)?;
     let cells = cells::cells(&rows);

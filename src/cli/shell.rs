@@ -9,8 +9,8 @@ use clap::error::{ContextKind, ContextValue};
 use clap_complete::Shell;
 
 use crate::cli::Cli;
-use crate::experiment::builtin;
 use crate::nearest::nearest;
+use crate::plan::builtin;
 use crate::scene::spec::GENERATORS;
 
 /// What to do with a word that is no verb (an experiment, a file or a scene may be meant), and with

@@ -12,11 +12,10 @@ use crate::cli::shared::scene::Source;
 use crate::cli::shared::sequence::{Sequence, Wanted, sequence};
 use crate::cli::shared::{terminal, values};
 use crate::contact::Arithmetic;
-use crate::experiment::detectors;
 use crate::moving::{Question, follow};
 use crate::present::tracking;
 use crate::scene::motion::{self, Kind, Motion};
-use crate::track::TrackerSpec;
+use crate::track::{self, TrackerSpec};
 
 /// Options of `track`.
 #[derive(clap::Args)]
@@ -67,7 +66,7 @@ pub fn track(options: &Track) -> anyhow::Result<ExitCode> {
         false => options.trackers.iter().map(String::as_str).collect(),
     };
     let trackers: Vec<TrackerSpec> =
-        texts.into_iter().map(detectors::parse_tracker).collect::<Result<_, _>>()?;
+        texts.into_iter().map(track::parse).collect::<Result<_, _>>()?;
     let Track { motion, frames, .. } = *options;
     let wanted = Wanted {
         motion,

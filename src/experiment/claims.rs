@@ -6,8 +6,8 @@ use anyhow::{bail, ensure};
 use serde::de::Error;
 use serde::{Deserialize, Deserializer};
 
+use crate::experiment::List;
 use crate::experiment::expression::Expression;
-use crate::experiment::{List, detectors};
 use crate::stats::growth::Model;
 
 /// Which rows: a field, parameter or variable, and the values that it may have.
@@ -126,7 +126,7 @@ impl ClaimKind {
     }
 
     /// The same, to be named otherwise.
-    pub(super) fn than_mut(&mut self) -> Option<&mut String> {
+    pub fn than_mut(&mut self) -> Option<&mut String> {
         match self {
             ClaimKind::Faster { than, .. } => Some(than),
             ClaimKind::AtMost { than, .. } => than.as_mut(),
@@ -160,25 +160,8 @@ impl Claim {
     }
 }
 
-/// Resolves groups and parameters among the detectors of a filter.
-pub(super) fn resolve(filter: &mut Where) -> Result<(), String> {
-    let Some(List(values)) = filter.get_mut("detector") else { return Ok(()) };
-    let mut all = Vec::new();
-    for value in values.drain(..) {
-        match value.as_str() {
-            Some(group) if group.starts_with('@') => {
-                all.extend(detectors::members(group)?.into_iter().map(toml::Value::from));
-            }
-            Some(name) => all.push(detectors::normal(name).into()),
-            None => all.push(value),
-        }
-    }
-    *values = all;
-    Ok(())
-}
-
-/// A filter from a command line: `scene=packed,loose` and `n>=1000`, each name once. An error says
-/// what an entry must be.
+/// A filter from a command line: `scene=packed,loose` and `n>=1000`, each name once. Names of
+/// detectors are as given. An error says what an entry must be.
 pub fn parse_where(entries: &[String]) -> anyhow::Result<Where> {
     let mut filter = Where::new();
     for entry in entries {
@@ -205,7 +188,6 @@ pub fn parse_where(entries: &[String]) -> anyhow::Result<Where> {
             name.trim()
         );
     }
-    resolve(&mut filter).map_err(anyhow::Error::msg)?;
     Ok(filter)
 }
 
@@ -275,7 +257,7 @@ mod tests {
         assert_eq!(shown("scene"), "\"packed\" \"loose\"");
         assert_eq!(shown("n"), "\">=1000\"");
         assert_eq!(shown("size-ratio"), "2 2.5");
-        let detectors = "\"verlet(nbs,rule=top-two,skin=0.1)\" \"streamed-nbs\"";
+        let detectors = "\"verlet(nbs,rule=top-two,skin=0.1)\" \"@streamed\"";
         assert_eq!(shown("detector"), detectors);
         for (entries, words) in [
             (&["packed"][..], "--where packed: it must be NAME=VALUE"),
@@ -283,7 +265,6 @@ mod tests {
             (&["n>many"], "--where n>many"),
             (&["n="], "--where n="),
             (&["n>=2", "n<=5"], "names n twice"),
-            (&["detector=@boook"], "@boook"),
         ] {
             let error = parse(entries).unwrap_err().to_string();
             assert!(error.contains(words), "{error}");

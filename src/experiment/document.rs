@@ -16,12 +16,12 @@ use toml::de::{DeTable, DeValue};
 use crate::experiment::claims::{Claim, ClaimKind};
 use crate::experiment::figures::{Figure, FigureKind};
 use crate::experiment::plain::plain;
-use crate::experiment::scenes::{Quick, SceneSweep};
+use crate::experiment::sweep::{Quick, SceneSweep};
 use crate::experiment::{Experiment, REQUIRED, keys};
 use crate::nearest::hint;
 
 /// What is wrong, and where.
-pub(super) struct Problem {
+struct Problem {
     /// Bytes of the text.
     pub at: Option<Range<usize>>,
     pub words: String,
@@ -56,7 +56,7 @@ impl From<toml::de::Error> for Problem {
 }
 
 /// An experiment as it stands in the text, and the places of its top-level keys.
-pub(super) struct Document<'a> {
+pub struct Document<'a> {
     text: &'a str,
     keys: Vec<(String, Range<usize>)>,
     claims: Vec<Range<usize>>,
@@ -64,8 +64,12 @@ pub(super) struct Document<'a> {
 }
 
 impl<'a> Document<'a> {
-    /// Reads the types; what values mean is not checked.
-    pub fn read(text: &'a str) -> Result<(Experiment, Document<'a>), Problem> {
+    /// Reads the types. It does not check what values mean.
+    pub fn read(text: &'a str) -> anyhow::Result<(Experiment, Document<'a>)> {
+        Document::parse(text).map_err(|problem| problem.located(text))
+    }
+
+    fn parse(text: &'a str) -> Result<(Experiment, Document<'a>), Problem> {
         let mut table = DeTable::parse(text)?;
         let root = table.get_mut();
         let keys = root.keys().map(|key| (key.get_ref().to_string(), key.span())).collect();
@@ -222,6 +226,3 @@ fn nest<'de, Common: Deserialize<'de>, Kind: Deserialize<'de>>(
     *table = own;
     Ok(())
 }
-
-#[cfg(test)]
-mod tests;

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use crate::experiment::document::Document;
 use crate::experiment::expression::Expression;
-use crate::experiment::{ClaimKind, Experiment, FigureKind, Where};
+use crate::experiment::{ClaimKind, Experiment, FigureKind, Planned, Where};
 use crate::nearest::hint;
 use crate::record::column::{COLUMNS, Column};
 use crate::record::id::{CellId, FIELDS, MACHINE, variable};
@@ -12,7 +12,7 @@ use crate::record::value::AxisValue;
 
 /// Checks all expressions and filters; the error has the place of the claim or figure.
 pub(super) fn check(experiment: &Experiment, document: &Document<'_>) -> anyhow::Result<()> {
-    let known = Known::new(experiment)?;
+    let known = Known::new(experiment);
     for (k, claim) in experiment.claims.iter().enumerate() {
         let problem = |words| document.claim(k, words);
         known.filter(&claim.filter).map_err(problem)?;
@@ -63,24 +63,15 @@ struct Known {
 }
 
 impl Known {
-    fn new(experiment: &Experiment) -> anyhow::Result<Known> {
-        let specs = [experiment.plan(false)?, experiment.plan(true)?].concat();
-        let cell = |spec, name| CellId {
-            arithmetic: String::new(),
-            ..experiment.cell(spec, name, None, 1)
-        };
-        let runners = experiment.runners.iter().map(|runner| &runner.name);
-        let mut ids = Vec::new();
-        for (k, name) in experiment.detectors.iter().chain(runners).enumerate() {
-            let scenes = specs.iter().take(if k == 0 { usize::MAX } else { 1 });
-            ids.extend(scenes.map(|spec| cell(spec, name)));
+    fn new(experiment: &Experiment) -> Known {
+        let Planned { scenes, quick, entrants, .. } = &experiment.planned;
+        let mut ids: Vec<CellId> = Vec::new();
+        for (k, entrant) in entrants.iter().enumerate() {
+            let scenes = scenes.iter().chain(quick).take(if k == 0 { usize::MAX } else { 1 });
+            let cell = |scene| entrant.cell(scene).with_threads(1);
+            ids.extend(scenes.map(cell));
         }
-        let mut arithmetics = ids.first().cloned().into_iter().collect::<Vec<_>>();
-        for arithmetic in &experiment.arithmetics {
-            arithmetics.iter_mut().for_each(|id| id.arithmetic = arithmetic.name().into());
-            ids.extend(arithmetics.iter().cloned());
-        }
-        Ok(Known { ids, runners: !experiment.runners.is_empty() })
+        Known { ids, runners: !experiment.runners.is_empty() }
     }
 
     fn values(&self, name: &str) -> Vec<AxisValue> {

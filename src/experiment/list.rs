@@ -119,6 +119,15 @@ where
     Item::deserialize(deserializer).map(|item| item.0)
 }
 
+/// As [`one`], for a key that may be absent.
+pub fn some<'de, D, T>(deserializer: D) -> Result<Option<T>, D::Error>
+where
+    D: Deserializer<'de>,
+    T: Deserialize<'de>,
+{
+    one(deserializer).map(Some)
+}
+
 /// For a key with a list, where one value may stand without brackets.
 pub fn many<'de, D, T>(deserializer: D) -> Result<Vec<T>, D::Error>
 where

@@ -1,38 +1,35 @@
 //! Experiments: a question, scenes, a sweep, detectors, what is expected and how to read the
 //! answer, as a TOML file. docs/EXPERIMENTS.md describes the files.
+//!
+//! Here is the file alone. What its names mean, and which scenes and detectors it plans, is in
+//! `plan`, which fills in [`Experiment::planned`].
 
-pub mod builtin;
 pub mod claims;
-pub mod detectors;
-mod document;
+pub mod document;
 pub mod expression;
 pub mod figures;
 pub mod keys;
 mod known;
 pub mod list;
 mod plain;
-pub mod plan;
-pub mod scenes;
+pub mod planned;
 pub mod shard;
+pub mod sweep;
 
-use std::io::Read;
-use std::path::Path;
-
-use anyhow::{Context, ensure};
 use serde::Deserialize;
 
 pub use crate::experiment::claims::{Claim, ClaimKind, Where};
-use crate::experiment::document::Document;
+pub use crate::experiment::document::Document;
 pub use crate::experiment::figures::{
     Against, Bars, Figure, FigureKind, Lines, MapAxes, SpeedError,
 };
 pub use crate::experiment::list::List;
-pub use crate::experiment::scenes::SceneSweep;
-use crate::memory::default_limit;
+pub use crate::experiment::planned::{Entrant, Planned};
+pub use crate::experiment::sweep::{Quick, SceneSweep};
 use crate::record::faults::{MOST_THREADS, is_word};
 use contactbench_terms::arithmetic::Arithmetic;
 
-/// One experiment file. [`Experiment::parse`] asks for the keys in [`REQUIRED`].
+/// One experiment file. [`Document::read`] requires the keys in [`REQUIRED`].
 #[derive(Clone, Debug, Deserialize)]
 #[serde(default, deny_unknown_fields, rename_all = "kebab-case")]
 pub struct Experiment {
@@ -76,9 +73,9 @@ pub struct Experiment {
     /// detections, one to warm the caches.
     pub time_limit_s: f64,
     /// Limit for a detector's arrays, and (with an allowance for input, output and program) for a
-    /// runner's address space.
-    #[serde(deserialize_with = "list::one")]
-    pub memory_limit_mib: u64,
+    /// runner's address space. `None`: the machine's.
+    #[serde(deserialize_with = "list::some")]
+    pub memory_limit_mib: Option<u64>,
     /// Scenes, each swept over its lists.
     #[serde(rename = "scene")]
     pub scenes: Vec<SceneSweep>,
@@ -93,6 +90,9 @@ pub struct Experiment {
     pub figures: Vec<Figure>,
     /// A table shown after the run and in the report, besides the usual ones.
     pub table: Option<Table>,
+    /// What the experiment plans; empty unless `plan` read the file.
+    #[serde(skip)]
+    pub planned: Planned,
 }
 
 /// The keys that every file must have.
@@ -133,12 +133,13 @@ impl Default for Experiment {
             blocks: 15,
             block_budget_s: f64::INFINITY,
             time_limit_s: 30.0,
-            memory_limit_mib: default_limit() >> 20,
+            memory_limit_mib: None,
             scenes: Vec::new(),
             runners: Vec::new(),
             claims: Vec::new(),
             figures: Vec::new(),
             table: None,
+            planned: Planned::default(),
         }
     }
 }
@@ -176,69 +177,30 @@ impl ExternalRunner {
     }
 }
 
-/// The bytes of an experiment file, at most; the largest of ours has 15 kB.
-const MOST_BYTES: u64 = 1 << 20;
-
-/// The text of an experiment file, which is read no further than its bound.
-pub fn text_of(path: &Path) -> anyhow::Result<String> {
-    let mut bytes = Vec::new();
-    let file = std::fs::File::open(path);
-    file.and_then(|file| file.take(MOST_BYTES + 1).read_to_end(&mut bytes))
-        .with_context(|| format!("cannot read the experiment {}", path.display()))?;
-    short_enough(&String::from_utf8_lossy(&bytes))
-        .with_context(|| format!("in {}", path.display()))?;
-    String::from_utf8(bytes).with_context(|| format!("{} is not text (UTF-8)", path.display()))
-}
-
-fn short_enough(text: &str) -> anyhow::Result<()> {
-    let scenes = text.matches("[[scene]]").count();
-    ensure!(
-        text.len() as u64 <= MOST_BYTES,
-        "an experiment has at most {} KiB, and this text is longer, with {scenes} [[scene]] tables \
-         in what was read; give a scene lists of values, or write several experiments",
-        MOST_BYTES >> 10
-    );
-    Ok(())
-}
+/// Blocks done before the budget can end a scene: the range of six values covers the median in
+/// 96.9% of samples.
+pub const FEWEST_BLOCKS: u32 = 6;
+/// Blocks of a quick run.
+const QUICK_BLOCKS: u32 = 3;
 
 impl Experiment {
-    /// Reads and checks an experiment file.
-    pub fn read(path: &Path) -> anyhow::Result<Experiment> {
-        let text = text_of(path)?;
-        Experiment::parse(&text, path.parent().unwrap_or(Path::new(".")))
-            .with_context(|| format!("in {}", path.display()))
+    /// The paired blocks of a scene.
+    pub fn all_blocks(&self, quick: bool) -> u32 {
+        if quick { self.blocks.min(QUICK_BLOCKS) } else { self.blocks }
     }
 
-    /// As [`Experiment::read`], for a run that is to begin: names in claims and figures must be of
-    /// rows that it will have.
-    pub fn read_to_run(path: &Path) -> anyhow::Result<Experiment> {
-        let text = text_of(path)?;
-        let named = |text: &str, folder: &Path| {
-            let (experiment, document) = Experiment::checked(text, folder)?;
-            known::check(&experiment, &document)?;
-            Ok::<_, anyhow::Error>(experiment)
-        };
-        named(&text, path.parent().unwrap_or(Path::new(".")))
-            .with_context(|| format!("in {}", path.display()))
+    /// The same, or the fewest after which the budget may end them.
+    pub fn enough_blocks(&self, quick: bool) -> u32 {
+        let blocks = self.all_blocks(quick);
+        if self.block_budget_s.is_finite() { blocks.min(FEWEST_BLOCKS) } else { blocks }
     }
 
-    /// Parses and checks; relative file names of scenes are taken from `folder`.
-    pub fn parse(text: &str, folder: &Path) -> anyhow::Result<Experiment> {
-        Experiment::checked(text, folder).map(|read| read.0)
-    }
-
-    fn checked<'a>(text: &'a str, folder: &Path) -> anyhow::Result<(Experiment, Document<'a>)> {
-        short_enough(text)?;
-        let (mut experiment, document) =
-            Document::read(text).map_err(|problem| problem.located(text))?;
-        experiment.detectors = detectors::expand(&experiment.detectors)
-            .map_err(|words| document.key("detectors", words))?;
-        experiment.ratios_to = experiment.ratios_to.as_deref().map(detectors::normal);
-        experiment.name_claimed(&document)?;
-        if let Some((key, words)) = experiment.problem() {
+    /// Checks the values. The error has the place of the first that cannot be meant.
+    pub fn check(&self, document: &Document<'_>) -> anyhow::Result<()> {
+        if let Some((key, words)) = self.problem() {
             return Err(document.key(key, words));
         }
-        for (k, figure) in experiment.figures.iter().enumerate() {
+        for (k, figure) in self.figures.iter().enumerate() {
             if let FigureKind::Lines(lines) = &figure.kind
                 && let Some(problem) = lines.problem()
             {
@@ -246,60 +208,12 @@ impl Experiment {
                 return Err(document.figure(k, words));
             }
         }
-        for sweep in &mut experiment.scenes {
-            sweep.relative_to(folder).with_context(|| format!("line {}", sweep.line))?;
-        }
-        let moves = experiment.plan(false)?.iter().any(|spec| spec.course.is_some());
-        experiment.plan(true)?;
-        if moves && (experiment.bound || experiment.cost_model) {
-            let words = "bound and cost-model are about single detections, and a scene moves; \
-                         leave them out";
-            let key = if experiment.bound { "bound" } else { "cost-model" };
-            return Err(document.key(key, words.into()));
-        }
-        Ok((experiment, document))
-    }
-
-    /// Parses without a check of what the values mean.
-    #[cfg(test)]
-    pub(crate) fn unchecked(text: &str) -> anyhow::Result<Experiment> {
-        Document::read(text).map(|read| read.0).map_err(|problem| problem.located(text))
-    }
-
-    /// Resolves groups and parameters where claims and figures name detectors.
-    fn name_claimed(&mut self, document: &Document) -> anyhow::Result<()> {
-        let runners = self.runners.iter().map(|runner| runner.name.clone());
-        let known: Vec<String> = self.detectors.iter().cloned().chain(runners).collect();
-        for (k, claim) in self.claims.iter_mut().enumerate() {
-            let problem = |words| document.claim(k, words);
-            claims::resolve(&mut claim.filter).map_err(problem)?;
-            if let Some(than) = claim.kind.than_mut() {
-                *than = detectors::normal(than);
-                if !known.contains(than) {
-                    let words = format!(
-                        "than = \"{than}\": it must be one of the experiment's detectors or \
-                         runners{}",
-                        crate::nearest::hint(than, known.iter().map(String::as_str))
-                    );
-                    return Err(problem(words));
-                }
-            }
-        }
-        for (k, figure) in self.figures.iter_mut().enumerate() {
-            let problem = |words| document.figure(k, words);
-            claims::resolve(&mut figure.filter).map_err(problem)?;
-            if let FigureKind::Bars(Bars { to }) = &mut figure.kind {
-                *to = detectors::normal(to);
-                if !known.contains(to) {
-                    let words = format!(
-                        "to = \"{to}\": it must be one of the experiment's detectors or runners{}",
-                        crate::nearest::hint(to, known.iter().map(String::as_str))
-                    );
-                    return Err(problem(words));
-                }
-            }
-        }
         Ok(())
+    }
+
+    /// Checks that rows of the planned run will have all names in claims and figures.
+    pub fn check_names(&self, document: &Document<'_>) -> anyhow::Result<()> {
+        known::check(self, document)
     }
 
     /// The first value that cannot be meant: its key, and what is wrong with it.
@@ -315,7 +229,7 @@ impl Experiment {
         let names = || self.detectors.iter().chain(self.runners.iter().map(|runner| &runner.name));
         for (k, name) in names().enumerate() {
             if names().take(k).any(|other| other == name) {
-                return Some(("runner", detectors::twice(name)));
+                return Some(("runner", twice(name)));
             }
         }
         if let Some(name) = self.ratios_to.as_ref().filter(|name| names().all(|n| n != *name)) {
@@ -345,8 +259,7 @@ impl Experiment {
             let words = "block-budget-s is nan: leave it out for no budget";
             return Some(("block-budget-s", words.into()));
         }
-        let limit = self.memory_limit_mib;
-        if limit > 1 << 30 {
+        if let Some(limit) = self.memory_limit_mib.filter(|&limit| limit > 1 << 30) {
             let words = format!("memory-limit-mib = {limit}: at most 2^30 (1 PiB) can be limited");
             return Some(("memory-limit-mib", words));
         }
@@ -374,5 +287,7 @@ impl Experiment {
     }
 }
 
-#[cfg(test)]
-mod documented;
+/// The message for two contenders of one name.
+pub fn twice(name: &str) -> String {
+    format!("there are two runners named '{name}'; their rows could not be told apart: rename one")
+}

@@ -12,15 +12,12 @@ use serde_json::Value;
 use crate::cells::label::varying;
 use crate::cells::select::may_match;
 use crate::cells::{AxisValue, Cell, CellId};
-use crate::experiment::plan::Program;
 use crate::experiment::shard::Shard;
-use crate::experiment::{Claim, ClaimKind, Experiment};
+use crate::experiment::{self, Claim, ClaimKind, Experiment};
+use crate::record::done::FILE;
 use crate::record::id::Projection;
 use crate::record::role::Role;
 use crate::record::row::{Outcome, Pass};
-use crate::scene::generate::sizes::GRADING;
-use crate::scene::generate::{file, table};
-use crate::scene::spec::Spec;
 
 /// Why a planned cell is not there, or is short.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -57,8 +54,8 @@ impl<'a> Scope<'a> {
         let shard = field("shard").and_then(Value::as_str).and_then(|text| text.parse().ok());
         let scenes = || {
             experiments.iter().flat_map(|experiment| {
-                let plan = experiment.plan(quick).unwrap_or_default();
-                plan.into_iter().enumerate().map(|(k, spec)| (&*experiment.name, k, spec.n))
+                let plan = experiment.planned.scenes(quick).iter().enumerate();
+                plan.map(|(k, scene)| (&*experiment.name, k, scene.n))
             })
         };
         let taken = shard.map(|shard: Shard| {
@@ -75,8 +72,9 @@ impl<'a> Scope<'a> {
     }
 
     /// Why a scene has no rows, or not all.
-    fn why(&self, experiment: &Experiment, quick: &[Spec], spec: &Spec, begun: bool) -> Why {
-        let place = quick.iter().position(|known| known == spec);
+    fn why(&self, experiment: &Experiment, scene: &CellId, begun: bool) -> Why {
+        let run = experiment.planned.scenes(self.quick);
+        let place = run.iter().position(|known| known == scene);
         match place {
             None if self.quick => Why::Quick,
             Some(k) if self.shard && !self.taken.contains(&(&*experiment.name, k)) => Why::Shard,
@@ -90,6 +88,8 @@ impl<'a> Scope<'a> {
 struct Planned<'a> {
     /// Its axes, those of the measured cell where there is one.
     id: CellId,
+    /// The entrant is there to measure by.
+    control: bool,
     /// The number of its scene in the plan.
     scene: usize,
     cell: Option<&'a Cell>,
@@ -169,36 +169,31 @@ pub struct Gap {
 impl<'a> Coverage<'a> {
     /// Of an experiment, with its cells.
     pub fn new(experiment: &'a Experiment, own: &[&'a Cell], scope: &Scope<'_>) -> Coverage<'a> {
-        // The file was planned when it was read; a plan that cannot be made has no scenes.
-        let plan = experiment.plan(false).unwrap_or_default();
-        let run = experiment.plan(scope.quick).unwrap_or_default();
+        let plan = &experiment.planned;
         let mut known: HashMap<CellId, Vec<&Cell>> = HashMap::new();
         for cell in own {
             for open in [false, true] {
-                known.entry(key(&cell.id, open)).or_default().push(cell);
+                known.entry(key(plan, &cell.id, open)).or_default().push(cell);
             }
         }
         let beside = own.iter().any(|cell| matches!(cell.role, Role::Base(_)));
-        let scenes: BTreeSet<Projection> = own.iter().map(|cell| scene(&cell.id)).collect();
+        let scenes: BTreeSet<Projection> = own.iter().map(|cell| scene(plan, &cell.id)).collect();
         let (mut planned, mut met) = (Vec::new(), BTreeSet::new());
-        for (k, spec) in plan.iter().enumerate() {
-            let entrants = experiment.entrants().into_iter();
+        for (k, place) in plan.scenes.iter().enumerate() {
+            let entrants = plan.entrants.iter();
             for entrant in entrants.filter(|entrant| !beside || entrant.is_of_builds()) {
-                let (arithmetic, open) = match entrant.program {
-                    Program::Own(arithmetic) => (Some(arithmetic), false),
-                    Program::External(_) => (None, true),
-                };
-                let id = experiment.cell(spec, entrant.name, arithmetic, entrant.threads);
+                let (id, open) = (entrant.cell(place), entrant.arithmetic.is_none());
                 let same = |cell: &&&Cell| same_file(&id, &cell.id);
-                let cells = known.get(&key(&id, open)).into_iter().flatten();
+                let cells = known.get(&key(plan, &id, open)).into_iter().flatten();
                 // Of several machines it is enough that one has measured it.
                 let cell = cells.filter(same).max_by_key(|cell| cell.times.len()).copied();
-                let place = scene(cell.map_or(&id, |cell| &cell.id));
-                let begun = scenes.contains(&place);
-                met.insert(place);
-                let why = scope.why(experiment, &run, spec, begun);
+                let found = scene(plan, cell.map_or(&id, |cell| &cell.id));
+                let begun = scenes.contains(&found);
+                met.insert(found);
+                let why = scope.why(experiment, place, begun);
                 let id = cell.map_or(id, |cell| cell.id.clone());
-                planned.push(Planned { id, scene: k, cell, why });
+                let control = entrant.role.is_control();
+                planned.push(Planned { id, control, scene: k, cell, why });
             }
         }
         let outside = scenes.difference(&met).count();
@@ -214,7 +209,7 @@ impl<'a> Coverage<'a> {
         let extra = |cell: &&&Cell| {
             matches!(cell.role, Role::Twin(_))
                 && !there.contains(&cell.id)
-                && met.contains(&scene(&cell.id))
+                && met.contains(&scene(plan, &cell.id))
         };
         let twins = own.iter().filter(extra).count();
         Coverage { experiment, planned, quick: scope.quick, outside, twins, unavailable }
@@ -299,18 +294,15 @@ impl<'a> Coverage<'a> {
     /// The planned cells that a claim is about.
     fn about(&self, claim: &Claim) -> Vec<&Planned<'a>> {
         let named = claim.filter.contains_key("detector");
-        let control = |id: &CellId| Role::by_name(&id.detector).is_control();
-        let meant = |id: &CellId| may_match(id, &claim.filter) && (named || !control(id));
+        let meant = |planned: &&Planned<'_>| {
+            may_match(&planned.id, &claim.filter) && (named || !planned.control)
+        };
         let place = |id: &CellId| id.clone().anywhere().without(&["detector"]);
-        let places: BTreeSet<Projection> = self
-            .planned
-            .iter()
-            .filter(|planned| meant(&planned.id))
-            .map(|planned| place(&planned.id))
-            .collect();
+        let places: BTreeSet<Projection> =
+            self.planned.iter().filter(meant).map(|planned| place(&planned.id)).collect();
         let than = claim.kind.than();
         let other = |id: &CellId| than == Some(&*id.contender()) && places.contains(&place(id));
-        self.planned.iter().filter(|planned| meant(&planned.id) || other(&planned.id)).collect()
+        self.planned.iter().filter(|planned| meant(planned) || other(&planned.id)).collect()
     }
 
     /// Why a cell is not there, if it is not, as far as these passes go.
@@ -368,22 +360,19 @@ fn passes(claim: &Claim) -> Vec<Pass> {
 
 /// What is the same in a planned cell and the measured one: a file and a hard case bring their own
 /// particles, and of an `open` entrant the arithmetic is not known.
-fn key(id: &CellId, open: bool) -> CellId {
+fn key(plan: &experiment::Planned, id: &CellId, open: bool) -> CellId {
     let mut key = id.clone().anywhere();
     if open {
         key.arithmetic.clear();
     }
-    if let Ok(generator) = table::find(&id.scene) {
-        if generator.own_n {
-            key.n = 0;
-        }
-        // What a generator has learnt since an older record was made is as it was before.
-        let given = key.params.iter().map(|(name, value)| (name.clone(), value.into())).collect();
-        if let Ok(all) = generator.check(id.dim, key.n, &given) {
-            key.params = all.iter().map(|(name, value)| (name.clone(), value.into())).collect();
-        }
+    if plan.own_n.contains(&id.scene) {
+        key.n = 0;
     }
-    if id.scene == file::NAME {
+    // A generator may have more parameters than when an older record was made.
+    for (name, value) in plan.defaults.get(&(id.scene.clone(), id.dim)).into_iter().flatten() {
+        key.params.entry(name.clone()).or_insert_with(|| value.clone());
+    }
+    if id.scene == FILE {
         key.dim = 0;
     }
     for name in FILES {
@@ -397,7 +386,7 @@ fn key(id: &CellId, open: bool) -> CellId {
 
 /// Parameters that name files: of particles, and of a grading curve. (Points of a curve that are
 /// written out are the end of themselves.)
-const FILES: [&str; 2] = ["path", GRADING.name];
+const FILES: [&str; 2] = ["path", "grading"];
 
 /// A file is named from the folder of the experiment; the record has the path that was opened.
 fn same_file(planned: &CellId, measured: &CellId) -> bool {
@@ -408,8 +397,8 @@ fn same_file(planned: &CellId, measured: &CellId) -> bool {
     })
 }
 
-fn scene(id: &CellId) -> Projection {
-    key(id, false).scene_id()
+fn scene(plan: &experiment::Planned, id: &CellId) -> Projection {
+    key(plan, id, false).scene_id()
 }
 
 #[cfg(test)]

@@ -7,7 +7,6 @@ use anyhow::{Context, bail, ensure};
 
 use crate::contact::Arithmetic;
 use crate::detect::table;
-use crate::experiment::detectors;
 use crate::moving::{self, Moved, Tracked, follow};
 use crate::recommend::race::{self, Ground, Question};
 use crate::recommend::standing::{Contender, Race, Standing};
@@ -15,7 +14,7 @@ use crate::run::judge::Judge;
 use crate::run::trajectory::Trajectory;
 use crate::run::{contender, disk};
 use crate::scene::Given;
-use crate::track::{Native, TrackerSpec};
+use crate::track::{self, Native, TrackerSpec};
 
 /// A setting that people use, in diameters of the largest body.
 pub struct Popular {
@@ -85,7 +84,7 @@ pub fn run(frames: Frames<'_>, note: &mut dyn FnMut(&str)) -> anyhow::Result<Fou
         .context("cannot make a temporary folder for frames; set TMPDIR to a writable place")?;
     let popular: Vec<TrackerSpec> = POPULAR
         .iter()
-        .map(|popular| detectors::parse_tracker(&format!("verlet({OVER},{})", popular.setting)))
+        .map(|popular| track::parse(&format!("verlet({OVER},{})", popular.setting)))
         .collect::<Result<_, _>>()?;
     // Of a file nobody knows how many will come.
     let ahead = if recorded { 1 } else { count };
@@ -199,7 +198,7 @@ fn trackers(best: &[&Standing], threads: usize, in_box: bool) -> anyhow::Result<
         names.extend(Native::ALL.map(|native| format!("incremental({})", native.name())));
     }
     let contender = |(k, name): (usize, String)| {
-        let spec = detectors::parse_tracker(&name)?;
+        let spec = track::parse(&name)?;
         let threads = if matches!(spec, TrackerSpec::Incremental { .. }) { 1 } else { threads };
         Ok(Contender { name, stays: k == 0, ..Contender::of(spec.detector().entry, threads) })
     };

@@ -6,7 +6,9 @@ use std::collections::{HashMap, HashSet};
 use crate::record::id::{CellId, Projection};
 use crate::record::outcome::{Outcome, Pass};
 use crate::record::row::{Measurement, Row};
-use crate::scene::generate::file;
+
+/// The scene that is read from a file.
+pub(crate) const FILE: &str = "file";
 
 /// What the record holds already.
 pub(crate) struct Index {
@@ -40,7 +42,7 @@ fn anywhere(row: &Row) -> Measurement {
 /// are, and in how many dimensions.
 pub(crate) fn scene(id: &CellId) -> Projection {
     let scene = id.scene_id();
-    if id.scene == file::NAME { scene.without(&["dim", "n"]) } else { scene }
+    if id.scene == FILE { scene.without(&["dim", "n"]) } else { scene }
 }
 
 /// What tells a timed sample from all others: its cell, its machine in it, what was timed, when it

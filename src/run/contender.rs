@@ -5,8 +5,8 @@ use std::path::Path;
 use std::time::Duration;
 
 use crate::contact::Arithmetic;
-use crate::experiment::plan::{Entrant, Program, THREADS};
-use crate::experiment::{Experiment, detectors};
+use crate::experiment::{Entrant, Experiment, ExternalRunner};
+use crate::plan::{self, THREADS, detectors, memory_limit, says_threads};
 use crate::record::id::{CellId, split_contender};
 use crate::record::role::Role;
 use crate::record::row::Row;
@@ -125,7 +125,7 @@ pub(crate) fn contenders(
 /// Those that the experiment names; only those of which another build may have something to say,
 /// if there is one.
 fn asked(experiment: &Experiment, path: &Path, beside: bool) -> Vec<Contender> {
-    let limit = experiment.memory_limit_mib << 20;
+    let limit = memory_limit(experiment);
     let start = |command: Vec<String>, install: &str, threads: usize| Start {
         command,
         install: install.to_string(),
@@ -134,58 +134,46 @@ fn asked(experiment: &Experiment, path: &Path, beside: bool) -> Vec<Contender> {
         processor: None,
     };
     let path = [path.display().to_string()];
-    let contender = |Entrant { name, program, threads }: Entrant<'_>| match program {
-        Program::Own(arithmetic) => {
-            // The names were checked when the experiment was read: what is left is a peer that
-            // was not compiled. A tracker is what its detector is.
-            let spec = track::parse(name);
-            let may_miss = spec.as_ref().is_ok_and(TrackerSpec::may_miss);
-            let (role, missing) = match spec {
-                Ok(spec) => (Role::from(spec.detector().entry.role), None),
-                Err(reason) => (Role::Peer, Some(reason.to_string())),
-            };
-            let with = |threads| {
-                let mut start = start(own(&path, name, arithmetic, threads, limit), "", threads);
-                // A tracker may take the limit for its lists beside its detector's arrays.
-                if detectors::is_tracker(name) {
-                    start.memory_limit = start.memory_limit.saturating_add(limit);
-                }
-                start
-            };
-            Contender {
-                name: name.into(),
-                arithmetic: Some(arithmetic),
-                role,
-                may_miss,
-                threads,
-                start: with(threads),
-                copy: (experiment.ceiling && threads > 1).then(|| with(1)),
-                missing,
-                duet: None,
+    let of_detector = |entrant: &Entrant, arithmetic| {
+        // The names were checked when the experiment was read: what cannot be parsed is a peer that
+        // was not compiled.
+        let Entrant { name, threads, .. } = entrant;
+        let spec = track::parse(name);
+        let with = |threads| {
+            let mut start = start(own(&path, name, arithmetic, threads, limit), "", threads);
+            // A tracker may take the limit for its lists beside its detector's arrays.
+            if detectors::is_tracker(name) {
+                start.memory_limit = start.memory_limit.saturating_add(limit);
             }
-        }
-        Program::External(runner) => {
-            let with = |threads: usize| {
-                let command =
-                    runner.command.iter().map(|word| word.replace(THREADS, &threads.to_string()));
-                start(command.collect(), &runner.install, threads)
-            };
-            let copied = experiment.ceiling && runner.says_threads() && threads > 1;
-            Contender {
-                name: name.into(),
-                arithmetic: None,
-                role: Role::Runner,
-                may_miss: false,
-                threads,
-                start: with(threads),
-                copy: copied.then(|| with(1)),
-                missing: None,
-                duet: None,
-            }
+            start
+        };
+        Contender {
+            may_miss: spec.as_ref().is_ok_and(TrackerSpec::may_miss),
+            missing: spec.err().map(|reason| reason.to_string()),
+            copy: (experiment.ceiling && *threads > 1).then(|| with(1)),
+            ..Contender::new(entrant, with(*threads))
         }
     };
-    let entrants = experiment.entrants().into_iter();
-    entrants.filter(|entrant| !beside || entrant.is_of_builds()).map(contender).collect()
+    let of_runner = |entrant: &Entrant, runner: &ExternalRunner| {
+        let with = |threads: usize| {
+            let word = |word: &String| word.replace(THREADS, &threads.to_string());
+            start(runner.command.iter().map(word).collect(), &runner.install, threads)
+        };
+        let copied = experiment.ceiling && says_threads(runner) && entrant.threads > 1;
+        Contender {
+            copy: copied.then(|| with(1)),
+            ..Contender::new(entrant, with(entrant.threads))
+        }
+    };
+    let contender = |entrant: &Entrant| match entrant.arithmetic {
+        Some(arithmetic) => Some(of_detector(entrant, arithmetic)),
+        None => {
+            let runner = experiment.runners.iter().find(|runner| runner.name == entrant.name)?;
+            Some(of_runner(entrant, runner))
+        }
+    };
+    let entrants = experiment.planned.entrants.iter();
+    entrants.filter(|entrant| !beside || entrant.is_of_builds()).filter_map(contender).collect()
 }
 
 /// A contender's name with something behind the detector's: `nbs-twin`.
@@ -195,6 +183,21 @@ fn suffixed(spec: &str, suffix: &str) -> String {
 }
 
 impl Contender {
+    fn new(entrant: &Entrant, start: Start) -> Contender {
+        let Entrant { name, role, arithmetic, threads } = entrant.clone();
+        Contender {
+            name,
+            arithmetic,
+            role,
+            may_miss: false,
+            threads,
+            start,
+            copy: None,
+            missing: None,
+            duet: None,
+        }
+    }
+
     /// The same once more.
     fn twin(&self) -> Contender {
         let name = suffixed(&self.name, TWIN);
@@ -233,13 +236,15 @@ impl Contender {
         scene: Option<&AnyScene<'_>>,
         stats: &Stats,
     ) -> Row {
-        let id = experiment.cell(spec, &self.name, self.arithmetic, self.threads);
+        let id = plan::id(experiment, spec);
+        let id = CellId {
+            dim: scene.map_or(id.dim, |scene| scene.dim() as u32),
+            n: scene.map_or(id.n, |scene| scene.len() as u64),
+            arithmetic: self.arithmetic.unwrap_or_default().name().into(),
+            ..id
+        };
         Row {
-            id: CellId {
-                dim: scene.map_or(id.dim, |scene| scene.dim() as u32),
-                n: scene.map_or(id.n, |scene| scene.len() as u64),
-                ..id
-            },
+            id: id.with_contender(&self.name).with_threads(self.threads as u32),
             role: self.role.clone(),
             stats: stats.clone(),
             ..Row::default()
@@ -254,7 +259,7 @@ mod tests {
     fn asked(lists: &str) -> Experiment {
         let head = "name = \"t\"\ntitle = \"t\"\nquestion = \"?\"\nreading = \"-\"\n";
         let scene = "\n[[scene]]\nname = \"packed\"\nn = 50\n";
-        Experiment::parse(&format!("{head}{lists}{scene}"), Path::new(".")).unwrap()
+        plan::parse(&format!("{head}{lists}{scene}"), Path::new(".")).unwrap()
     }
 
     #[test]

@@ -7,6 +7,7 @@ use anyhow::{Context, ensure};
 
 use crate::experiment::Experiment;
 use crate::experiment::shard::Shard;
+use crate::plan::specs;
 use crate::record::row::Row;
 use crate::run::contender::contenders;
 use crate::run::disk;
@@ -42,8 +43,7 @@ pub struct Job<'a> {
 pub(crate) fn plan<'a>(job: &Job<'a>) -> anyhow::Result<Vec<(&'a Experiment, Spec)>> {
     let mut scenes = Vec::new();
     for experiment in job.experiments {
-        let plan = experiment
-            .plan(job.quick)
+        let plan = specs(experiment, job.quick)
             .with_context(|| format!("in experiment {}", experiment.name))?;
         scenes.extend(plan.into_iter().map(|spec| (experiment, spec)));
     }

@@ -15,9 +15,9 @@ use std::time::Instant;
 
 use crate::contact::Arithmetic;
 use crate::detect::{Options, Refusal};
-use crate::experiment::detectors;
 use crate::io;
 use crate::periodic::Contacts;
+use crate::plan::detectors;
 use crate::record::built::build;
 use crate::record::provenance;
 use crate::run::alloc;
@@ -26,7 +26,7 @@ use crate::run::protocol::{Reply, Request, VERSION};
 use crate::run::trajectory::Trajectory;
 use crate::run::walk::Walk;
 use crate::searcher::{LoadError, Loaded, Searcher};
-use crate::track::TrackerSpec;
+use crate::track::{self, TrackerSpec};
 
 /// A detector, its scene and its buffers.
 pub struct Server {
@@ -52,7 +52,7 @@ impl Server {
     /// # Errors
     /// It is neither.
     pub fn new(text: &str, arithmetic: Arithmetic, options: Options) -> anyhow::Result<Server> {
-        let tracker = detectors::parse_tracker(text)?;
+        let tracker = track::parse(text)?;
         Ok(Server {
             name: detectors::normal(text),
             searcher: Searcher::new(tracker.detector(), options),

@@ -16,10 +16,10 @@ use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
 
 use crate::contact::Arithmetic;
-use crate::experiment::Experiment;
-use crate::experiment::plan::FEWEST_BLOCKS;
+use crate::experiment::{Experiment, FEWEST_BLOCKS};
 use crate::io::Place;
 use crate::moving::Moved;
+use crate::plan::memory_limit;
 use crate::record::done::{Index, TooSlow};
 use crate::record::id::CellId;
 use crate::record::row::{Outcome, Pass, Row, Writer};
@@ -88,7 +88,7 @@ impl Stage<'_> {
             return Ok(());
         }
         self.note(&given);
-        let limit = self.experiment.memory_limit_mib << 20;
+        let limit = memory_limit(self.experiment);
         if let Some((mut frames, count)) = self.spec.frames(&given)? {
             let moving = Trajectory::write_moving(self.folder, &mut frames, count)?;
             let (mut judge, moved) = Judge::moving(moving.clone(), limit)?;

@@ -1,24 +1,16 @@
 //! The order of the particles: as made, at random, or along a curve.
 
+use std::str::FromStr;
+
 use rand::seq::SliceRandom;
 
+use crate::nearest::hint;
 use crate::scene::generate::draw::shuffler;
 use crate::scene::{AnyScene, Real, array};
 use crate::with_scene;
 
 /// The order of the particles in a scene.
-#[derive(
-    Clone,
-    Copy,
-    Debug,
-    PartialEq,
-    Eq,
-    Default,
-    serde::Serialize,
-    serde::Deserialize,
-    clap::ValueEnum,
-)]
-#[serde(rename_all = "lowercase")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, clap::ValueEnum)]
 pub enum Order {
     /// A seeded random permutation.
     #[default]
@@ -30,6 +22,9 @@ pub enum Order {
 }
 
 impl Order {
+    /// All of them.
+    pub const ALL: [Order; 3] = [Order::Shuffled, Order::Generated, Order::Morton];
+
     /// Its name in files and records.
     pub fn name(self) -> &'static str {
         match self {
@@ -37,6 +32,19 @@ impl Order {
             Order::Generated => "generated",
             Order::Morton => "morton",
         }
+    }
+}
+
+impl FromStr for Order {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Order, String> {
+        let names = Order::ALL.map(Order::name);
+        let found = Order::ALL.into_iter().find(|order| order.name() == text.to_lowercase());
+        found.ok_or_else(|| {
+            let hint = hint(text, names);
+            format!("order is '{text}'; it must be shuffled, generated or morton{hint}")
+        })
     }
 }
 

@@ -3,10 +3,10 @@
 
 use std::collections::BTreeMap;
 
-use anyhow::{Context, bail, ensure};
+use anyhow::{Context, anyhow, ensure};
 use serde_json::Value;
 
-use crate::nearest::hint;
+use crate::grammar;
 pub use crate::scene::generate::table::{GENERATORS, Generator, Kind, Parameter, Preset};
 use crate::scene::generate::{Inputs, file, table};
 use crate::scene::motion::{self, Frames, Motion};
@@ -123,54 +123,31 @@ impl Spec {
     /// parameters. A piece without `=` belongs to the value before it, so that a path may hold
     /// commas. For `file`, `dim` is the parameter `file-dim`; `file` and `hard` bring their own n.
     pub fn parse(text: &str) -> anyhow::Result<Spec> {
-        let (name, rest) = text.split_once(':').unwrap_or((text, ""));
-        let name = name.trim();
+        let given = grammar::Spec::parse(text);
+        given.form("write it as in packed:dim=3,n=1000,spacing=0.98")?;
+        let name = given.name;
         let is_file = name == file::NAME;
-        let mut pairs: Vec<(String, String)> = Vec::new();
-        for piece in rest.split(',') {
-            match (piece.split_once('='), pairs.last_mut()) {
-                (Some((key, value)), _) => {
-                    pairs.push((key.trim().to_string(), value.trim().to_string()))
-                }
-                (None, Some((_, value))) => *value = format!("{value},{piece}"),
-                (None, None) if piece.trim().is_empty() => {}
-                (None, None) => bail!(
-                    "'{text}': '{piece}' is not of the form key=value, as in \
-                     packed:dim=3,n=1000,spacing=0.98"
-                ),
-            }
-        }
         let own_n = table::find(name).is_ok_and(|generator| generator.own_n);
         let mut dim = 2;
         let mut n = if own_n { 0 } else { 1000 };
         let mut seed = 1;
         let mut order = Order::default();
         let mut params = BTreeMap::new();
-        for (k, (key, value)) in pairs.iter().enumerate() {
-            ensure!(
-                pairs[..k].iter().all(|(other, _)| other != key),
-                "'{text}': {key} is given twice; leave one out"
-            );
+        for (key, value) in &given.params {
             let whole = || {
                 crate::number::whole(value).with_context(|| {
                     format!("'{text}': {key} is '{value}'; it must be a whole number")
                 })
             };
-            match key.as_str() {
+            match *key {
                 "dim" if !is_file => dim = u32::try_from(whole()?).unwrap_or(u32::MAX),
                 "n" => n = whole()?,
                 "seed" => seed = whole()?,
                 "order" => {
-                    order = <Order as clap::ValueEnum>::from_str(value, true).map_err(|_| {
-                        let hint = hint(value, ["shuffled", "generated", "morton"]);
-                        anyhow::anyhow!(
-                            "'{text}': order is '{value}'; it must be shuffled, generated or \
-                             morton{hint}"
-                        )
-                    })?;
+                    order = value.parse().map_err(|words| anyhow!("'{text}': {words}"))?;
                 }
                 _ => {
-                    let key = if key == "dim" { "file-dim" } else { key };
+                    let key = if *key == "dim" { "file-dim" } else { key };
                     params.insert(key.to_string(), scalar(key, value));
                 }
             }
@@ -372,8 +349,7 @@ mod tests {
             (
                 "loose:periodic=true",
                 "loose: the scene repeats along x and y, and here boundaries are open; take it \
-                 without its box, or one of detect, verify, inspect, draw, track, check, \
-                 recommend, run and scene, which know boxes",
+                 without its box",
             ),
             ("pack-c:s=-1", "pack-c: s is -1; it must be a finite number of at least 0"),
             ("file", "file: the parameter 'path' is missing (the file's name)"),
@@ -397,7 +373,7 @@ mod tests {
             ),
             (
                 "packed:3",
-                "'packed:3': '3' is not of the form key=value, as in \
+                "'packed:3': '3' is not of the form key=value; write it as in \
                  packed:dim=3,n=1000,spacing=0.98",
             ),
             ("pack-c:s=1,s=2", "'pack-c:s=1,s=2': s is given twice; leave one out"),

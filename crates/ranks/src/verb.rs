@@ -20,7 +20,7 @@ use contactbench::cli::shared::input::tell;
 use contactbench::cli::shared::limit::Limit;
 use contactbench::cli::shared::scene::Source;
 use contactbench::cli::shared::{terminal, values};
-use contactbench::experiment::{detectors, shard};
+use contactbench::experiment::shard;
 #[cfg(feature = "mpi")]
 use contactbench::io::Place;
 use contactbench::io::write::append;
@@ -83,7 +83,7 @@ pub struct Ranks {
 
 /// Measures, checks, prints.
 pub fn ranks(options: &Ranks) -> anyhow::Result<ExitCode> {
-    let spec = detectors::parse(&options.detector)?;
+    let spec = table::parse(&options.detector)?;
     ensure!(options.steps >= 1, "--steps 0: at least one is needed");
     for &ranks in &options.ranks {
         ensure!(

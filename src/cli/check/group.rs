@@ -10,8 +10,8 @@ use crate::check::contender::Contender;
 use crate::check::process::{Foreign, Met};
 use crate::check::{Limits, Wrong, conversation};
 use crate::contact::Arithmetic;
-use crate::detect::table::TABLE;
-use crate::experiment::detectors;
+use crate::detect::table::{self, TABLE};
+use crate::plan::detectors;
 
 /// Who is checked together, and how contacts are decided.
 pub(super) struct Group {
@@ -30,7 +30,7 @@ pub(super) fn detectors(options: &Check) -> anyhow::Result<Group> {
     let chosen = detectors::expand(&options.detector)
         .map_err(anyhow::Error::msg)?
         .iter()
-        .map(|name| Ok(Contender::from(detectors::parse(name)?)))
+        .map(|name| Ok(Contender::from(table::parse(name)?)))
         .collect::<anyhow::Result<Vec<_>>>()?;
     let chosen = if chosen.is_empty() {
         TABLE.iter().filter(|entry| entry.must_be_right()).map(Contender::from).collect()

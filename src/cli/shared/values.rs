@@ -6,8 +6,8 @@ use std::ffi::OsStr;
 use clap::builder::{PossibleValue, StringValueParser, TypedValueParser};
 
 use crate::detect::table::TABLE;
-use crate::experiment::{builtin, detectors};
 use crate::number;
+use crate::plan::{builtin, detectors};
 use crate::scene::spec::GENERATORS;
 
 /// A whole number: `1000000`, `1e6`, `1_000_000`.

@@ -4,6 +4,7 @@ use super::*;
 use crate::cells;
 use crate::cells::testing;
 use crate::cells::testing::Lab;
+use crate::experiment::Document;
 use crate::findings::coverage::Scope;
 use crate::present::sections::claims::evidence;
 
@@ -192,7 +193,7 @@ fn how_many_times_as_fast_is_counted() {
         let text = format!(
             "{head}{scene}[[claim]]\nname = 'c'\nkind = 'faster'\nthan = 'nbs'\nby = {by}\n"
         );
-        let error = Experiment::parse(&text, std::path::Path::new("")).unwrap_err();
+        let error = Document::read(&text).err().unwrap();
         assert!(format!("{error:#}").contains("it must be a finite number over 0"), "{error:#}");
     }
 }

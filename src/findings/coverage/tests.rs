@@ -1,8 +1,9 @@
-//! Plans held to made-up rows, and to the records in `results/`.
+//! Plans held to made-up rows.
 
 use super::*;
 use crate::cells;
-use crate::cells::testing::Lab;
+use crate::cells::testing::{self, Lab};
+use crate::experiment::Planned;
 use crate::findings::claim::{Status, Verdict, verdicts};
 use crate::present::sections::claims::evidence;
 use crate::present::sections::coverage::partial;
@@ -16,7 +17,13 @@ fn experiment(more: &str) -> Experiment {
          = 'list_push'\nwhere = {{ detector = 'nbs', s = '>= 2' }}\n[[claim]]\nname = \
          'fast'\nkind = 'faster'\nthan = 'sorting'\nwhere = {{ detector = 'nbs' }}\n"
     );
-    Experiment::parse(&text, Path::new("")).unwrap()
+    let scene = |&s: &u64| [("diameter", 1), ("s", s)].map(|(k, v)| (k.into(), v.into())).into();
+    let of = |all: &[u64]| {
+        let params: Vec<_> = all.iter().map(scene).collect();
+        testing::planned("pack-c", &["nbs", "sorting"], &params)
+    };
+    let planned = Planned { quick: of(&[1, 2, 50, 200]).quick, ..of(&ALL) };
+    Experiment { planned, ..testing::read(&text) }
 }
 
 /// All passes of both detectors on one spacing.
@@ -203,12 +210,11 @@ fn files_and_runners_are_known_again() {
     let text = "name = 'e'\ntitle = 't'\nquestion = '?'\nreading = '-'\nblocks = 0\ndetectors = \
                 ['nbs']\n[[scene]]\nname = 'file'\npath = './data/discs.csv'\n[[runner]]\nname = \
                 'theirs'\ncommand = ['x']\n";
-    let experiment = Experiment::parse(text, Path::new("")).unwrap();
-    let spec = &experiment.plan(false).unwrap()[0];
+    let path = [("path".to_string(), "./data/discs.csv".into())].into();
+    let planned = testing::planned("file", &["nbs", "theirs"], &[path]);
+    let planned = Planned { own_n: ["file".into()].into(), ..planned };
+    let experiment = Experiment { planned, ..testing::read(text) };
     let mut lab = Lab::new("e", "file");
-    for (name, value) in &spec.params {
-        lab.param(name, value.clone());
-    }
     lab.n(77).param("path", "/home/a/./data/discs.csv");
     lab.detector("nbs").count(&[]).memory(1, 1);
     lab.detector("theirs").arithmetic("f64").count(&[]).memory(1, 1);
@@ -222,48 +228,16 @@ fn files_and_runners_are_known_again() {
 /// A grading curve is a file, too; its points written out are the same wherever they are read.
 #[test]
 fn grading_curves_are_known_again() {
-    let text = "name = 'e'\ntitle = 't'\nquestion = '?'\nreading = '-'\nblocks = 0\ndetectors = \
-                ['nbs']\n[[scene]]\nname = 'loose'\nn = 10\nsizes = 'grading'\ngrading = \
-                ['sand.csv', '1 0, 2 100']\n";
-    let curves = |folder: &str| {
-        let experiment = Experiment::parse(text, Path::new(folder)).unwrap();
-        let specs = experiment.plan(false).unwrap();
-        (experiment, specs.into_iter().map(|spec| spec.params).collect::<Vec<_>>())
-    };
-    let (_, measured) = curves("/home/a");
-    assert_eq!(measured[0]["grading"], "/home/a/sand.csv");
-    assert_eq!(measured[1]["grading"], "1 0, 2 100");
-    let (experiment, _) = curves("");
     let mut lab = Lab::new("e", "loose");
-    for params in &measured {
-        for (name, value) in params {
-            lab.param(name, value.clone());
-        }
-        lab.n(10).detector("nbs").count(&[]).memory(1, 1);
+    for path in ["/home/a/sand.csv", "1 0, 2 100"] {
+        lab.param("grading", path).param("fraction", 0.5).count(&[]).memory(1, 1);
     }
+    let curve = |path: &str| [("grading".to_string(), path.into())].into();
+    let planned = testing::planned("loose", &["nbs"], &["sand.csv", "1 0, 2 100"].map(curve));
+    let given = [("fraction".to_string(), 0.5.into())].into();
+    let defaults = [(("loose".to_string(), 2), given)].into();
+    let planned = Planned { defaults, ..planned };
+    let experiment = Experiment { planned, blocks: 0, ..testing::experiment("") };
     let held = Held::new(&lab, &experiment, Value::Null);
     assert_eq!((held.summary.cells, held.summary.outside), ([2, 2], 0));
-}
-
-/// The committed records have all that their experiments plan, but for what was not installed.
-#[test]
-fn the_committed_records_are_whole() {
-    let mut seen = 0;
-    for folder in crate::committed::committed() {
-        let Ok(record) = crate::record::row::read(&folder.join("samples.jsonl")) else { continue };
-        let cells = cells::cells(&record.rows);
-        for copy in std::fs::read_dir(folder.join("experiments")).unwrap() {
-            let text = std::fs::read_to_string(copy.unwrap().path()).unwrap();
-            let experiment = Experiment::parse(&text, Path::new("")).unwrap();
-            let own: Vec<&Cell> =
-                cells.iter().filter(|cell| cell.id.experiment == experiment.name).collect();
-            let scope = Scope::default();
-            let summary = Coverage::new(&experiment, &own, &scope).summary();
-            let installed = summary.missing.keys().all(|why| *why == Why::Unavailable);
-            let budget = summary.short.keys().all(|why| *why == Why::Budget);
-            assert!(installed && budget, "{}: {summary:?}", folder.display());
-            seen += 1;
-        }
-    }
-    assert!(seen >= 6, "{seen} experiments");
 }

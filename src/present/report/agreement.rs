@@ -159,7 +159,7 @@ fn read(folder: &Path) -> (Vec<Row>, Vec<Experiment>) {
     let names: BTreeSet<&str> = rows.iter().map(|row| row.id.experiment.as_str()).collect();
     let experiment = |name: &&str| {
         let path = folder.join("experiments").join(format!("{name}.toml"));
-        let mut experiment = Experiment::read(&path).unwrap();
+        let mut experiment = crate::plan::read(&path).unwrap();
         experiment.figures.clear();
         experiment
     };

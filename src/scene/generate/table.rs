@@ -122,6 +122,18 @@ impl std::fmt::Display for Preset {
     }
 }
 
+impl Preset {
+    /// The value, if there is one.
+    fn value(self) -> Option<Value> {
+        match self {
+            Preset::Number(x) => Some(x.into()),
+            Preset::Whole(k) => Some(k.into()),
+            Preset::Word(word) => Some(word.into()),
+            Preset::Absent | Preset::Required => None,
+        }
+    }
+}
+
 /// What every scene takes beside its generator's parameters.
 const COMMON: [&str; 4] = ["dim", "n", "seed", "order"];
 
@@ -135,6 +147,14 @@ pub fn find(name: &str) -> anyhow::Result<&'static Generator> {
 }
 
 impl Generator {
+    /// The parameters that have a default value in 2 or 3 dimensions, with that value.
+    pub fn defaults(&self, dim: u32) -> BTreeMap<String, Value> {
+        let preset = |it: &Parameter| {
+            Some((it.name.to_string(), it.default[usize::from(dim == 3)].value()?))
+        };
+        self.params.iter().filter_map(preset).collect()
+    }
+
     /// Checks dimension, number and parameters, and gives all parameters that have a value,
     /// defaults included.
     pub fn check(
@@ -183,16 +203,16 @@ impl Generator {
                     }
                 },
                 None => match parameter.default[usize::from(dim == 3)] {
-                    Preset::Number(x) => x.into(),
-                    Preset::Whole(k) => k.into(),
-                    Preset::Word(word) => word.into(),
-                    Preset::Absent => continue,
                     Preset::Required => bail!(
                         "{}: the parameter '{}' is missing ({})",
                         self.name,
                         parameter.name,
                         parameter.meaning
                     ),
+                    preset => match preset.value() {
+                        Some(value) => value,
+                        None => continue,
+                    },
                 },
             };
             all.insert(parameter.name.to_string(), value);

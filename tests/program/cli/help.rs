@@ -1,7 +1,7 @@
 //! Help and lists.
 
 use contactbench::detect::table::TABLE;
-use contactbench::experiment::builtin;
+use contactbench::plan::builtin;
 
 use crate::common::run;
 
