@@ -242,10 +242,6 @@ pub fn outside(points: impl Iterator<Item = [f64; 3]>, lattice: &Lattice) -> Vec
     points.enumerate().filter(|(_, point)| is_outside(*point)).map(|(k, _)| k).collect()
 }
 
-/// Who takes boxes, for those who do not.
-pub const KNOWN_TO: &str = "detect, verify, inspect, draw, track, check, recommend, run and scene, \
-                            which know boxes";
-
 /// What the options say of the box.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Boundaries {

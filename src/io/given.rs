@@ -3,7 +3,7 @@
 use anyhow::bail;
 
 use crate::contact::Arithmetic;
-use crate::io::boxes::{KNOWN_TO, along};
+use crate::io::boxes::along;
 use crate::io::{Notice, RadiusSource};
 use crate::periodic::Periodic;
 use crate::scene::{AnyScene, Lattice};
@@ -55,7 +55,7 @@ impl Given {
             None => Ok(self.scene),
             Some(lattice) => bail!(
                 "{name}: the scene repeats along {}, and here boundaries are open; take it without \
-                 its box, or one of {KNOWN_TO}",
+                 its box",
                 along(lattice.periodic())
             ),
         }

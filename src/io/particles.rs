@@ -8,7 +8,7 @@ use anyhow::{Context, bail, ensure};
 use nalgebra::Point;
 
 use crate::io::Given;
-use crate::io::boxes::{KNOWN_TO, along};
+use crate::io::boxes::along;
 pub(crate) use crate::io::columns::{Column, Columns, DECIMAL_COMMAS, is_decimal_comma};
 use crate::io::lines::{listed, short};
 use crate::io::room::{room, room_for};
@@ -272,7 +272,7 @@ impl Particles {
         if let Some(lattice) = &self.lattice {
             bail!(
                 "{name}: the box repeats along {}, and here boundaries are open; give --open to \
-                 leave out contacts across it, or take one of {KNOWN_TO}",
+                 leave out contacts across it",
                 along(lattice.periodic())
             );
         }

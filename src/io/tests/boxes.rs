@@ -234,8 +234,7 @@ fn no_box_is_ignored() {
     let words = |axes: &str| {
         format!(
             "p: the box repeats along {axes}, and here boundaries are open; give --open to leave \
-             out contacts across it, or take one of detect, verify, inspect, draw, track, \
-             check, recommend, run and scene, which know boxes"
+             out contacts across it"
         )
     };
     for (flags, axes) in [("pp ff ff", "x"), ("ff pp pp", "y and z"), ("pp pp pp", "x, y and z")] {

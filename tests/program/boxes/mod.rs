@@ -36,8 +36,7 @@ fn counted(folder: &Path) -> Value {
 
 /// What a verb says that takes boundaries as open.
 const OPEN: &str = "the box repeats along x and y, and here boundaries are open; give --open to \
-                    leave out contacts across it, or take one of detect, verify, inspect, draw, \
-                    track, check, recommend, run and scene, which know boxes\n";
+                    leave out contacts across it\n";
 
 /// Or it would be a picture of other contacts.
 #[test]
