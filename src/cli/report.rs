@@ -7,12 +7,13 @@ use std::process::ExitCode;
 use anyhow::{Context, bail, ensure};
 
 use crate::cells;
-use crate::cli::run::quoted;
+use crate::cli::shared::ci;
 use crate::cli::shared::ci::{Case, Outputs};
-use crate::cli::shared::{ci, terminal};
+use crate::cli::shared::terminal::{self, quoted};
 use crate::experiment::Experiment;
 use crate::findings::claim;
 use crate::findings::failures::Culprit;
+use crate::plan;
 use crate::present::sections::claims::evidence;
 use crate::present::sections::failures;
 use crate::present::{document, latex, report};
@@ -88,8 +89,8 @@ fn read(folder: &Path) -> anyhow::Result<(Record, Vec<Experiment>)> {
     let parse = |(name, text): (&String, &String)| {
         let path = folder.join(folder::EXPERIMENTS).join(format!("{name}.toml"));
         // Files are named as in the experiment, which is no longer beside them.
-        let experiment = Experiment::parse(text, Path::new(""))
-            .with_context(|| format!("in {}", path.display()))?;
+        let experiment =
+            plan::parse(text, Path::new("")).with_context(|| format!("in {}", path.display()))?;
         let what = format!("it is of the experiment {}", experiment.name);
         let fault = Fault { place: path.display().to_string(), what };
         faults::sound(Vec::from_iter((experiment.name != *name).then_some(fault)))?;

@@ -21,6 +21,7 @@ pub(crate) mod processors;
 pub mod protocol;
 mod pulse;
 pub mod server;
+pub mod session;
 pub mod stage;
 pub mod trajectory;
 mod walk;
