@@ -2,25 +2,18 @@
 
 use std::path::Path;
 use std::process::ExitCode;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use anyhow::{Context, ensure};
 
 use crate::cli::detect::Detect;
+use crate::cli::detect::search::{Search, style};
 use crate::cli::shared::input::{self, Told};
 use crate::cli::shared::progress::Counted;
-use crate::crowd;
-use crate::detect::Options;
-use crate::detect::any::AnyDetector;
 use crate::detect::spec::DetectorSpec;
 use crate::io;
-use crate::io::RadiusSource;
-use crate::io::write::{Around, Framed, Style, framed};
+use crate::io::write::{Framed, framed};
 use crate::number::plural;
-use crate::periodic::{Contacts, Finder, Periodic, without_shift};
-use crate::scene::doubts::Touching;
-use crate::scene::{AnyScene, Given};
-use crate::sink::normalise_by;
 
 /// What was done.
 #[derive(Default)]
@@ -90,13 +83,19 @@ fn all(
             Some(kept) => search.insert(kept),
             None => search.insert(Search::new(options, spec, memory_limit)),
         };
-        let mut doubt = |scene: &AnyScene<'_>, source: Option<&RadiusSource>, found: &Touching| {
-            let place = input::place(&name, &about);
-            told.of_contacts(&place, scene, source, options.arithmetic, Some(found));
-        };
-        let of_frame = (about.frame, ids, by_id);
-        let pairs = search.frame(options, given, of_frame, out, &mut done, &mut doubt);
-        pairs.with_context(place)?;
+        let periodic = given.periodic().with_context(place)?;
+        let found = search.find(&given, periodic.as_ref()).with_context(place)?;
+        let (scene, source) = (&given.scene, given.source.as_ref());
+        let which = input::place(&name, &about);
+        told.of_contacts(&which, scene, source, options.arithmetic, Some(&found.touching));
+        let style = style(options, &given, periodic.as_ref(), ids, by_id);
+        out.frame(about.frame, &style, found.pairs.iter()).with_context(place)?;
+        done.frames += 1;
+        done.pairs += found.pairs.len();
+        done.time += found.time;
+        done.dim = scene.dim();
+        let [least, most] = done.particles;
+        done.particles = [least.min(n), most.max(n)];
     }
     told.end(&name);
     ensure!(done.frames > 0, "{name} holds no frame of particles; is it of another format?");
@@ -122,69 +121,4 @@ fn by_id(
         place()
     );
     Ok(before.unwrap_or(usable))
-}
-/// Hears what a frame's particles and contacts are.
-type Doubt<'a> = dyn FnMut(&AnyScene<'_>, Option<&RadiusSource>, &Touching) + 'a;
-
-/// A detector and its lists.
-struct Search {
-    memory_limit: u64,
-    detector: Box<dyn AnyDetector>,
-    finder: Finder,
-    pairs: Vec<[u32; 2]>,
-    contacts: Contacts,
-}
-
-impl Search {
-    fn new(options: &Detect, spec: &DetectorSpec, memory_limit: u64) -> Search {
-        let detector = spec.make(Options { memory_limit, threads: options.threads });
-        let (pairs, contacts) = (Vec::new(), Contacts::default());
-        Search { memory_limit, detector, finder: Finder::new(memory_limit), pairs, contacts }
-    }
-
-    /// Writes the contacts of frame `k`, in order.
-    fn frame(
-        &mut self,
-        options: &Detect,
-        given: Given,
-        (k, ids, by_id): (u64, Option<&[i64]>, bool),
-        out: &mut Framed<'_>,
-        done: &mut Done,
-        doubt: &mut Doubt<'_>,
-    ) -> anyhow::Result<()> {
-        let Search { memory_limit, detector, finder, pairs, contacts } = self;
-        let (n, dim) = (given.scene.len(), given.scene.dim());
-        let style = |around| Style { around, ids, by_id, extras: &options.extras };
-        match given.lattice {
-            None => {
-                let scene = given.scene.as_stored(options.arithmetic)?;
-                crowd::within(&scene, *memory_limit)?;
-                pairs.clear();
-                let started = Instant::now();
-                detector.list(&scene, options.arithmetic.test(), pairs)?;
-                done.time += started.elapsed();
-                normalise_by(options.threads, pairs);
-                done.pairs += pairs.len();
-                doubt(&scene, given.source.as_ref(), &Touching::open(&scene, pairs));
-                out.frame(k, &style(Around::Open(&given.scene)), without_shift(pairs))?;
-            }
-            Some(lattice) => {
-                let periodic = Periodic::new(given.scene, lattice)?;
-                crowd::within(periodic.scene(), *memory_limit)?;
-                contacts.clear();
-                let started = Instant::now();
-                finder.list(&periodic, &mut **detector, options.arithmetic, contacts)?;
-                done.time += started.elapsed();
-                let pairs = contacts.sorted(n, *memory_limit)?;
-                done.pairs += pairs.len();
-                let found = Touching::boxed(&periodic, &pairs);
-                doubt(periodic.scene(), given.source.as_ref(), &found);
-                out.frame(k, &style(Around::Boxed(&periodic)), pairs.into_iter())?;
-            }
-        }
-        let [least, most] = done.particles;
-        done.particles = [least.min(n), most.max(n)];
-        (done.frames, done.dim) = (done.frames + 1, dim);
-        Ok(())
-    }
 }

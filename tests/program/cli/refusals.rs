@@ -113,13 +113,13 @@ fn bad_options_are_refused_with_the_remedy() {
     refused(
         folder,
         &["a.csv", "--radius", "1", "--detector", "nbs", "--threads", "2"],
-        &["nbs is sequential", "leave out --threads, or use streamed-nbs"],
+        &["nbs is sequential", "leave out --threads, or use one of direct, streamed-nbs"],
     );
     // Too large for f32.
     refused(
         folder,
         &["a.csv", "--radius", "1e39", "--arithmetic", "f32"],
-        &["a.csv in f32", "radius"],
+        &["a.csv: in f32", "radius"],
     );
     // clap's own messages have several lines.
     let unknown = run(folder, &["detect", "a.csv", "--raduis", "1"]);

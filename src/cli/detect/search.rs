@@ -1,0 +1,152 @@
+//! The contacts of one scene, with its box or without.
+
+use std::borrow::Cow;
+use std::time::{Duration, Instant};
+
+use anyhow::Context;
+
+use crate::cli::detect::Detect;
+use crate::contact::Arithmetic;
+use crate::crowd;
+use crate::detect::Options;
+use crate::detect::any::AnyDetector;
+use crate::detect::spec::DetectorSpec;
+use crate::io::write::{Around, Style};
+use crate::pair_list::PAIR_BYTES;
+use crate::periodic::{Contacts, Finder, IMAGE_PAIR_BYTES, ImagePair, Periodic, without_shift};
+use crate::run::alloc;
+use crate::scene::Given;
+use crate::scene::doubts::Touching;
+use crate::sink::normalise_by;
+
+/// A detector, which keeps its buffers from scene to scene.
+pub(super) struct Search {
+    pub memory_limit: u64,
+    arithmetic: Arithmetic,
+    threads: usize,
+    detector: Box<dyn AnyDetector>,
+    finder: Finder,
+}
+
+/// Contacts in ascending order.
+pub(super) enum Pairs {
+    /// In open space.
+    Open(Vec<[u32; 2]>),
+    /// In a periodic box.
+    Boxed(Vec<ImagePair>),
+}
+
+/// What a search found.
+pub(super) struct Found {
+    pub pairs: Pairs,
+    pub touching: Touching,
+    /// Images made of particles.
+    pub images: usize,
+    pub time: Duration,
+    /// Bytes that the detector holds afterwards, where that is measured.
+    pub memory: Option<u64>,
+}
+
+impl Pairs {
+    pub fn len(&self) -> usize {
+        match self {
+            Pairs::Open(pairs) => pairs.len(),
+            Pairs::Boxed(pairs) => pairs.len(),
+        }
+    }
+
+    /// The contacts with their images.
+    pub fn imaged(&self) -> anyhow::Result<Cow<'_, [ImagePair]>> {
+        let pairs = match self {
+            Pairs::Open(pairs) => pairs,
+            Pairs::Boxed(pairs) => return Ok(pairs.into()),
+        };
+        let mut contacts = Vec::new();
+        let room = contacts.try_reserve_exact(pairs.len());
+        room.with_context(|| format!("no memory for {} contacts", pairs.len()))?;
+        contacts.extend(without_shift(pairs));
+        Ok(contacts.into())
+    }
+
+    /// As [`Pairs::imaged`], one by one.
+    pub fn iter(&self) -> Box<dyn Iterator<Item = ImagePair> + '_> {
+        match self {
+            Pairs::Open(pairs) => Box::new(without_shift(pairs)),
+            Pairs::Boxed(pairs) => Box::new(pairs.iter().copied()),
+        }
+    }
+}
+
+/// How contacts of a scene are written.
+pub(super) fn style<'a>(
+    options: &'a Detect,
+    given: &'a Given,
+    periodic: Option<&'a Periodic<'a>>,
+    ids: Option<&'a [i64]>,
+    by_id: bool,
+) -> Style<'a> {
+    let around = periodic.map_or(Around::Open(&given.scene), Around::Boxed);
+    Style { around, ids, by_id, extras: &options.extras }
+}
+
+impl Search {
+    pub fn new(options: &Detect, spec: &DetectorSpec, memory_limit: u64) -> Search {
+        let Detect { arithmetic, threads, .. } = *options;
+        let detector = spec.make(Options { memory_limit, threads });
+        Search { memory_limit, arithmetic, threads, detector, finder: Finder::new(memory_limit) }
+    }
+
+    /// Finds the contacts of a scene, in its box if it has one.
+    pub fn find(
+        &mut self,
+        given: &Given,
+        periodic: Option<&Periodic<'_>>,
+    ) -> anyhow::Result<Found> {
+        match periodic {
+            None => self.open(given),
+            Some(periodic) => self.boxed(periodic),
+        }
+    }
+
+    fn open(&mut self, given: &Given) -> anyhow::Result<Found> {
+        let name = self.arithmetic.name();
+        let scene = given.scene.as_stored(self.arithmetic).with_context(|| format!("in {name}"))?;
+        crowd::within(&scene, self.memory_limit)?;
+        let mut pairs = Vec::new();
+        let (started, test) = (Instant::now(), self.arithmetic.test());
+        let (result, usage) = alloc::measure(|| self.detector.list(&scene, test, &mut pairs));
+        let time = started.elapsed();
+        result?;
+        // What is left on the heap is the list of pairs and the detector's buffers.
+        let list = pairs.capacity() as u64 * PAIR_BYTES;
+        normalise_by(self.threads, &mut pairs);
+        Ok(Found {
+            touching: Touching::open(&given.scene, &pairs),
+            pairs: Pairs::Open(pairs),
+            images: 0,
+            time,
+            memory: usage.map(|usage| usage.live_bytes.saturating_sub(list)),
+        })
+    }
+
+    fn boxed(&mut self, periodic: &Periodic<'_>) -> anyhow::Result<Found> {
+        let Search { memory_limit, arithmetic, detector, finder, .. } = self;
+        crowd::within(periodic.scene(), *memory_limit)?;
+        let mut contacts = Contacts::default();
+        let started = Instant::now();
+        let (result, usage) =
+            alloc::measure(|| finder.list(periodic, &mut **detector, *arithmetic, &mut contacts));
+        let time = started.elapsed();
+        result?;
+        let list = contacts.plain.capacity() as u64 * PAIR_BYTES
+            + contacts.shifted.capacity() as u64 * IMAGE_PAIR_BYTES;
+        let pairs = contacts.sorted(periodic.scene().len(), *memory_limit)?;
+        Ok(Found {
+            touching: Touching::boxed(periodic, &pairs),
+            pairs: Pairs::Boxed(pairs),
+            images: finder.images() as usize,
+            time,
+            memory: usage.map(|usage| usage.live_bytes.saturating_sub(list)),
+        })
+    }
+}
