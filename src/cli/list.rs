@@ -1,5 +1,6 @@
 //! `contactbench list`.
 
+use std::collections::BTreeMap;
 use std::io::Write;
 use std::process::ExitCode;
 
@@ -9,11 +10,12 @@ use crate::cli::shared::terminal;
 use crate::contact::Arithmetic;
 use crate::detect::peers::PEERS;
 use crate::detect::table::{self, TABLE};
-use crate::experiment::builtin;
+use crate::experiment::Experiment;
+use crate::plan::builtin;
 use crate::present::table::{Cell, Column, Table};
 use crate::scene::hard::{self, Case, Expect};
 use crate::scene::motion::Kind;
-use crate::scene::spec::{GENERATORS, Parameter};
+use crate::scene::spec::{GENERATORS, Generator, Parameter};
 use crate::track;
 
 /// Options of `list`.
@@ -45,6 +47,13 @@ enum What {
     HardCases,
 }
 
+/// A thing that is listed, for people and for programs.
+struct Item {
+    name: String,
+    lines: Vec<String>,
+    json: Value,
+}
+
 impl What {
     /// A hundred hard cases would bury the rest: they are not among these.
     const USUAL: [What; 6] = [
@@ -56,61 +65,58 @@ impl What {
         What::Experiments,
     ];
 
-    /// Its name in JSON.
-    fn name(self) -> &'static str {
+    /// Its name in JSON, and the title of its table.
+    fn names(self) -> (&'static str, &'static str) {
         match self {
-            What::Detectors => "detectors",
-            What::Arithmetics => "arithmetics",
-            What::Scenes => "scenes",
-            What::Motions => "motions",
-            What::Trackers => "trackers",
-            What::Experiments => "experiments",
-            What::HardCases => "hard_cases",
+            What::Detectors => (
+                "detectors",
+                "DETECTORS (N particles; nx, ny, nz cells per axis; memory in bytes; parameters \
+                 with their values, the default first)",
+            ),
+            What::Arithmetics => ("arithmetics", "ARITHMETICS"),
+            What::Scenes => (
+                "scenes",
+                "SCENES (parameters with their defaults in 2D, 3D; lengths in diameters)",
+            ),
+            What::Motions => {
+                ("motions", "MOTIONS (with speed=NUMBER, in diameters per frame, and seed=NUMBER)")
+            }
+            What::Trackers => ("trackers", "TRACKERS (skins in diameters of the largest particle)"),
+            What::Experiments => {
+                ("experiments", "EXPERIMENTS (* part of the standard reproduction)")
+            }
+            What::HardCases => {
+                ("hard_cases", "HARD CASES (in experiments: name = \"hard\", case = \"NAME\")")
+            }
         }
     }
 
-    fn table(self) -> anyhow::Result<Table> {
+    fn items(self) -> anyhow::Result<Vec<Item>> {
         Ok(match self {
-            What::Detectors => detectors(),
-            What::Arithmetics => arithmetics(),
-            What::Scenes => scenes(),
-            What::Motions => motions(),
-            What::Trackers => trackers(),
-            What::Experiments => experiments()?,
-            What::HardCases => hard_cases(),
+            What::Detectors => TABLE.iter().map(detector).collect(),
+            What::Arithmetics => Arithmetic::ALL.map(|it| summed(it.name(), it.summary())).into(),
+            What::Scenes => GENERATORS.iter().map(scene).collect(),
+            What::Motions => Kind::ALL.map(|it| summed(it.name(), it.summary())).into(),
+            What::Trackers => track::FORMS.map(|(form, summary)| summed(form, summary)).into(),
+            What::Experiments => builtin::all()?.iter().map(experiment).collect(),
+            What::HardCases => hard::cases().map(hard_case).collect(),
         })
     }
 
-    fn json(self) -> anyhow::Result<Value> {
-        Ok(match self {
-            What::Detectors => TABLE.iter().map(detector_json).collect(),
-            What::Arithmetics => Arithmetic::ALL
-                .iter()
-                .map(|it| json!({ "name": it.name(), "summary": it.summary() }))
-                .collect(),
-            What::Scenes => scenes_json(),
-            What::Motions => Kind::ALL
-                .iter()
-                .map(|it| json!({ "name": it.name(), "summary": it.summary() }))
-                .collect(),
-            What::Trackers => track::FORMS
-                .iter()
-                .map(|(form, summary)| json!({ "name": form, "summary": summary }))
-                .collect(),
-            What::Experiments => builtin::all()?
-                .iter()
-                .map(|it| {
-                    json!({
-                        "name": it.name,
-                        "title": it.title,
-                        "question": it.question,
-                        "standard": it.standard,
-                        "detectors": it.detectors,
-                    })
-                })
-                .collect(),
-            What::HardCases => hard::cases().map(hard_case_json).collect(),
-        })
+    /// The table for people: each name with the lines about it, and an empty line after them.
+    fn table(self) -> anyhow::Result<Table> {
+        let entry = |name: String, lines: Vec<String>| {
+            let lines = lines.into_iter().chain([String::new()]).collect();
+            vec![Cell::from(name), Cell::lines(lines)]
+        };
+        let names = PEERS.map(|peer| peer.name).join(", ");
+        let libraries = format!("libraries, with the cargo feature peers: {names}");
+        let more = self == What::Detectors && !cfg!(feature = "peers");
+        let rows = std::iter::once((String::new(), Vec::new()))
+            .chain(self.items()?.into_iter().map(|Item { name, lines, .. }| (name, lines)))
+            .chain(more.then(|| (String::new(), vec![libraries])));
+        let columns = ["", ""].map(Column::left).into();
+        Ok(Table::new(self.names().1, columns).with(rows.map(|(name, lines)| entry(name, lines))))
     }
 }
 
@@ -121,7 +127,8 @@ pub fn list(options: &List) -> anyhow::Result<ExitCode> {
     if options.json {
         let mut all = Map::new();
         for what in wanted {
-            all.insert(what.name().into(), what.json()?);
+            let items = what.items()?.into_iter().map(|item| item.json);
+            all.insert(what.names().0.into(), items.collect());
         }
         terminal::json(&Value::Object(all))?;
     } else {
@@ -134,44 +141,23 @@ pub fn list(options: &List) -> anyhow::Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// A name and the lines on it, with an empty line after them.
-fn entry(name: impl Into<String>, lines: impl IntoIterator<Item = String>) -> Vec<Cell> {
-    let lines = lines.into_iter().chain([String::new()]).collect();
-    vec![Cell::from(name.into()), Cell::lines(lines)]
-}
-
-fn titled(title: &str, rows: impl IntoIterator<Item = Vec<Cell>>) -> Table {
-    let rows = std::iter::once(entry("", [])).chain(rows);
-    Table::new(title, ["", ""].map(Column::left).into()).with(rows)
+fn summed(name: &str, summary: &str) -> Item {
+    let json = json!({ "name": name, "summary": summary });
+    Item { name: name.into(), lines: vec![summary.into()], json }
 }
 
 fn dims(dims: &[u32]) -> String {
     dims.iter().map(|dim| format!("{dim}D")).collect::<Vec<_>>().join(", ")
 }
 
-fn detectors() -> Table {
-    let row = |it: &table::Entry| {
-        let parameter = |it: &table::Parameter| {
-            format!("{} [{}]: {}", it.name, it.values.join(", "), it.meaning)
-        };
-        let about = [
-            it.summary.to_string(),
-            format!("cost: {}; memory: {}", it.cost, it.memory),
-            format!("limits: {}", it.limits),
-        ];
-        entry(it.name, about.into_iter().chain(it.parameters.iter().map(parameter)))
-    };
-    let names = PEERS.map(|peer| peer.name).join(", ");
-    let libraries = format!("libraries, with the cargo feature peers: {names}");
-    let more = (!cfg!(feature = "peers")).then(|| entry("", [libraries]));
-    titled(
-        "DETECTORS (N particles; nx, ny, nz cells per axis; memory in bytes; parameters with \
-         their values, the default first)",
-        TABLE.iter().map(row).chain(more),
-    )
-}
-
-fn detector_json(it: &table::Entry) -> Value {
+fn detector(it: &table::Entry) -> Item {
+    let about = [
+        it.summary.to_string(),
+        format!("cost: {}; memory: {}", it.cost, it.memory),
+        format!("limits: {}", it.limits),
+    ];
+    let line =
+        |it: &table::Parameter| format!("{} [{}]: {}", it.name, it.values.join(", "), it.meaning);
     let parameter = |it: &table::Parameter| {
         json!({
             "name": it.name,
@@ -180,7 +166,7 @@ fn detector_json(it: &table::Entry) -> Value {
             "default": it.default(),
         })
     };
-    json!({
+    let json = json!({
         "name": it.name,
         "summary": it.summary,
         "cost": it.cost,
@@ -188,107 +174,75 @@ fn detector_json(it: &table::Entry) -> Value {
         "limits": it.limits,
         "threads": it.threads,
         "parameters": it.parameters.iter().map(parameter).collect::<Vec<_>>(),
-    })
-}
-
-fn arithmetics() -> Table {
-    let row = |it: Arithmetic| entry(it.name(), [it.summary().to_string()]);
-    titled("ARITHMETICS", Arithmetic::ALL.into_iter().map(row))
-}
-
-fn motions() -> Table {
-    let row = |it: Kind| entry(it.name(), [it.summary().to_string()]);
-    titled(
-        "MOTIONS (with speed=NUMBER, in diameters per frame, and seed=NUMBER)",
-        Kind::ALL.map(row),
-    )
-}
-
-fn trackers() -> Table {
-    let row = |&(form, summary): &(&str, &str)| entry(form, [summary.to_string()]);
-    titled("TRACKERS (skins in diameters of the largest body)", track::FORMS.iter().map(row))
-}
-
-/// The default of a generator's parameter in 2D or 3D.
-fn default(parameter: &Parameter, dim: u32) -> String {
-    parameter.default[dim as usize - 2].to_string()
-}
-
-fn scenes() -> Table {
-    let rows = GENERATORS.iter().map(|it| {
-        let parameter = |parameter: &Parameter| {
-            let mut defaults: Vec<String> =
-                it.dims.iter().map(|&dim| default(parameter, dim)).collect();
-            defaults.dedup();
-            format!("{} [{}]: {}", parameter.name, defaults.join(", "), parameter.meaning)
-        };
-        let summary = format!("{} ({})", it.summary, dims(it.dims));
-        entry(it.name, [summary].into_iter().chain(it.params.iter().map(parameter)))
     });
-    titled("SCENES (parameters with their defaults in 2D, 3D; lengths in diameters)", rows)
+    let lines = about.into_iter().chain(it.parameters.iter().map(line)).collect();
+    Item { name: it.name.into(), lines, json }
 }
 
-fn scenes_json() -> Value {
-    let scene = GENERATORS.iter().map(|it| {
-        let parameter = |parameter: &Parameter| {
-            let defaults = it.dims.iter().map(|&dim| (format!("{dim}D"), default(parameter, dim)));
-            json!({
-                "name": parameter.name,
-                "meaning": parameter.meaning,
-                "defaults": defaults.collect::<std::collections::BTreeMap<_, _>>(),
-            })
-        };
-        json!({
-            "name": it.name,
-            "summary": it.summary,
-            "dims": it.dims,
-            "parameters": it.params.iter().map(parameter).collect::<Vec<_>>(),
-        })
-    });
-    scene.collect()
-}
-
-fn experiments() -> anyhow::Result<Table> {
-    let all = builtin::all()?;
-    let rows = all.iter().map(|it| {
-        let mark = if it.standard { "*" } else { "" };
-        entry(format!("{mark}{}", it.name), [it.title.clone(), it.question.clone()])
-    });
-    Ok(titled("EXPERIMENTS (* part of the standard reproduction)", rows))
-}
-
-fn hard_cases() -> Table {
-    let rows = hard::cases().map(|case| {
-        let contacts = match case.expect {
-            Expect::Contacts(contacts) => {
-                let contacts =
-                    case.dims.iter().map(|&dim| contacts[usize::from(dim == 3)].to_string());
-                format!("contacts: {}", contacts.collect::<Vec<_>>().join(", "))
-            }
-            Expect::Oracle => "contacts: by the exact test of all pairs".into(),
-            Expect::Invalid => "must be refused".into(),
-        };
-        let about = format!("{}, {}; {contacts}", case.group.name(), dims(case.dims));
-        entry(case.name, [about, case.reason.into(), format!("source: {}", case.source)])
-    });
-    titled("HARD CASES (in experiments: name = \"hard\", case = \"NAME\")", rows)
-}
-
-fn hard_case_json(case: &Case) -> Value {
-    let contacts = match case.expect {
-        Expect::Contacts(contacts) => {
-            let of_dim = |dim: &u32| (format!("{dim}D"), contacts[usize::from(*dim == 3)].into());
-            Value::Object(case.dims.iter().map(of_dim).collect())
-        }
-        Expect::Oracle => "by the exact test of all pairs".into(),
-        Expect::Invalid => "must be refused".into(),
+fn scene(it: &Generator) -> Item {
+    let defaults = |parameter: &Parameter| -> Vec<(String, String)> {
+        let default = |dim: u32| parameter.default[dim as usize - 2].to_string();
+        it.dims.iter().map(|&dim| (format!("{dim}D"), default(dim))).collect()
     };
-    json!({
-        "name": case.name,
-        "group": case.group.name(),
-        "dims": case.dims,
-        "contacts": contacts,
-        "reason": case.reason,
-        "source": case.source,
-    })
+    let line = |parameter: &Parameter| {
+        let mut values: Vec<String> = defaults(parameter).into_iter().map(|it| it.1).collect();
+        values.dedup();
+        format!("{} [{}]: {}", parameter.name, values.join(", "), parameter.meaning)
+    };
+    let parameter = |parameter: &Parameter| {
+        json!({
+            "name": parameter.name,
+            "meaning": parameter.meaning,
+            "defaults": defaults(parameter).into_iter().collect::<BTreeMap<_, _>>(),
+        })
+    };
+    let json = json!({
+        "name": it.name,
+        "summary": it.summary,
+        "dims": it.dims,
+        "parameters": it.params.iter().map(parameter).collect::<Vec<_>>(),
+    });
+    let summary = format!("{} ({})", it.summary, dims(it.dims));
+    let lines = std::iter::once(summary).chain(it.params.iter().map(line)).collect();
+    Item { name: it.name.into(), lines, json }
+}
+
+fn experiment(it: &Experiment) -> Item {
+    let mark = if it.standard { "*" } else { "" };
+    let json = json!({
+        "name": it.name,
+        "title": it.title,
+        "question": it.question,
+        "standard": it.standard,
+        "detectors": it.detectors,
+    });
+    let lines = vec![it.title.clone(), it.question.clone()];
+    Item { name: format!("{mark}{}", it.name), lines, json }
+}
+
+fn hard_case(it: &Case) -> Item {
+    let (contacts, known) = match it.expect {
+        Expect::Contacts(contacts) => {
+            let of_dim = |&dim: &u32| contacts[usize::from(dim == 3)];
+            let words: Vec<String> = it.dims.iter().map(|dim| of_dim(dim).to_string()).collect();
+            let known = it.dims.iter().map(|dim| (format!("{dim}D"), of_dim(dim)));
+            (format!("contacts: {}", words.join(", ")), json!(known.collect::<BTreeMap<_, _>>()))
+        }
+        Expect::Oracle => {
+            let words = "by the exact test of all pairs";
+            (format!("contacts: {words}"), json!(words))
+        }
+        Expect::Invalid => ("must be refused".into(), json!("must be refused")),
+    };
+    let json = json!({
+        "name": it.name,
+        "group": it.group.name(),
+        "dims": it.dims,
+        "contacts": known,
+        "reason": it.reason,
+        "source": it.source,
+    });
+    let about = format!("{}, {}; {contacts}", it.group.name(), dims(it.dims));
+    let lines = vec![about, it.reason.into(), format!("source: {}", it.source)];
+    Item { name: it.name.into(), lines, json }
 }
