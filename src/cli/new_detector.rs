@@ -241,54 +241,38 @@ fn entry(Names { name, module, kind }: &Names) -> String {
          group: Group::Modern,\n        summary: \
          \"sorts along x, tests what is within reach\",\n        cost: \"N log N key comparisons, \
          N^(2 - 1/D) bound tests in a box\",\n        memory: \"16N\",\n        limits: \"the \
-         memory limit\",\n        threads: false,\n        parameters: &[],\n{constructor}    }},\n"
+         memory limit\",\n        threads: false,\n        speed: Speed::Usual,\n        \
+         judge: Judge::NOT,\n        parameters: &[],\n{constructor}    }},\n"
     )
 }
 
-/// Writes all files, or leaves all as they were.
+/// Writes all files beside their places, and then puts them there: a file is as it was or as it
+/// will be, and nothing is changed unless all could be written.
 fn write_all(changes: &[Change]) -> anyhow::Result<()> {
-    for (k, change) in changes.iter().enumerate() {
-        if let Err(error) = write(change) {
-            let (mut left, done) = (Vec::new(), &changes[..k]);
-            for change in done.iter().rev() {
-                let undone = match &change.before {
-                    Some(before) => put(&change.path, before),
-                    None => std::fs::remove_file(&change.path),
-                };
-                left.extend(undone.err().map(|_| change.path.display().to_string()));
-            }
-            let state = if left.is_empty() {
-                "nothing was changed".into()
-            } else {
-                format!("could not undo {}", left.join(", "))
-            };
-            return Err(error)
-                .with_context(|| format!("cannot write {}; {state}", change.path.display()));
+    let written = |change: &Change| -> std::io::Result<tempfile::NamedTempFile> {
+        let folder = change.path.parent().unwrap_or(Path::new("."));
+        let mut file = tempfile::NamedTempFile::new_in(folder)?;
+        file.write_all(change.after.as_bytes())?;
+        if let Ok(metadata) = std::fs::metadata(&change.path) {
+            file.as_file().set_permissions(metadata.permissions())?;
         }
+        Ok(file)
+    };
+    let mut files = Vec::new();
+    for change in changes {
+        let name = change.path.display();
+        let file = written(change);
+        files.push(file.with_context(|| format!("cannot write {name}; nothing was changed"))?);
+    }
+    for (file, Change { path, before, .. }) in files.into_iter().zip(changes) {
+        // Not over a file that has come in the meantime.
+        let put = match before {
+            None => file.persist_noclobber(path),
+            Some(_) => file.persist(path),
+        };
+        put.with_context(|| format!("cannot write {}", path.display()))?;
     }
     Ok(())
-}
-
-fn write(change: &Change) -> std::io::Result<()> {
-    if change.before.is_none() {
-        // Not over a file that has come in the meantime.
-        std::fs::File::create_new(&change.path)?;
-    }
-    put(&change.path, &change.after).inspect_err(|_| {
-        if change.before.is_none() {
-            let _ = std::fs::remove_file(&change.path);
-        }
-    })
-}
-
-/// A file is as it was or as it will be, never half of it.
-fn put(path: &Path, text: &str) -> std::io::Result<()> {
-    let mut file = tempfile::NamedTempFile::new_in(path.parent().unwrap_or(Path::new(".")))?;
-    file.write_all(text.as_bytes())?;
-    if let Ok(metadata) = std::fs::metadata(path) {
-        file.as_file().set_permissions(metadata.permissions())?;
-    }
-    file.persist(path).map(drop).map_err(|error| error.error)
 }
 
 #[cfg(test)]
@@ -296,7 +280,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_cannot_be_finished_is_undone() {
+    fn nothing_is_changed_unless_all_can_be_written() {
         let folder = tempfile::tempdir().unwrap();
         let at = |name: &str| folder.path().join(name);
         std::fs::write(at("old"), "before").unwrap();
