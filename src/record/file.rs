@@ -9,7 +9,6 @@ use serde::{Deserialize, Serialize};
 use crate::record::faults::{self, Fault};
 use crate::record::ledger::Ledger;
 use crate::record::provenance;
-use crate::record::role::Role;
 use crate::record::row::Row;
 use crate::record::seal::{self, Flaw};
 
@@ -203,6 +202,7 @@ mod tests {
     use std::collections::BTreeSet;
 
     use super::*;
+    use crate::record::role::Role;
     use crate::record::id::CellId;
     use crate::record::ledger::{self, Entry, Process};
     use crate::record::outcome::{Outcome, Pass};

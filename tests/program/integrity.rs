@@ -111,7 +111,7 @@ fn rows_are_held_to_each_other() {
     let count = line(&text, &["\"pass\":\"count\"", "\"arithmetic\":\"exact\"", "\"n\":50,"]);
     let other = "0x0000000000000001";
     type Change = fn(&mut Value);
-    let cases: [(usize, Change, &str); 16] = [
+    let cases: [(usize, Change, &str); 17] = [
         (time, |row| row["digest"] = "0x0000000000000001".into(), "its digest is 0x0"),
         (time, |row| row["digest"] = "0x01".into(), "its digest is '0x01'"),
         (
