@@ -2,7 +2,6 @@
 
 use nalgebra::Point;
 
-use crate::scene::hard::Expect;
 use crate::scene::{Given, Lattice, Radii, Scene, SceneError};
 
 /// The steps of a case, or why there is no such scene.
@@ -70,38 +69,6 @@ pub fn lattice(dim: u32, m: u32, at: impl Fn(f64) -> f64) -> Vec<Place> {
     (0..m * m * layers).map(|k| [k % m, k / m % m, k / m / m].map(|i| at(f64::from(i)))).collect()
 }
 
-/// The number of pairs in a lattice of `m` sites per axis whose squared distance is at most
-/// `square`, in lattice spacings.
-pub const fn lattice_contacts(dim: u32, m: i64, square: i64) -> u64 {
-    let layers = if dim == 2 { 1 } else { m };
-    let (mut twice, mut a) = (0, 1 - m);
-    while a < m {
-        let mut b = 1 - m;
-        while b < m {
-            let mut c = 1 - layers;
-            while c < layers {
-                let d = a * a + b * b + c * c;
-                if d > 0 && d <= square {
-                    twice += (m - a.abs()) * (m - b.abs()) * (layers - c.abs());
-                }
-                c += 1;
-            }
-            b += 1;
-        }
-        a += 1;
-    }
-    (twice / 2) as u64
-}
-
-/// The contacts of lattices of `m[0]` sites per axis in 2D, `m[1]` in 3D, whose bodies reach
-/// √`square` lattice spacings.
-pub const fn of_lattice(m: [u32; 2], square: i64) -> Expect {
-    Expect::Contacts([
-        lattice_contacts(2, m[0] as i64, square),
-        lattice_contacts(3, m[1] as i64, square),
-    ])
-}
-
 /// The first of two numbers in the plane, the second in space.
 pub fn by_dim<T>(dim: u32, values: [T; 2]) -> T {
     let [plane, space] = values;
@@ -136,9 +103,4 @@ pub fn reach_from(x: f64, d: f64) -> f64 {
     let part = sum - x;
     let lost = (x - (sum - part)) + (d - part);
     if lost < 0.0 { sum.next_down() } else { sum }
-}
-
-/// The number of pairs of `n` particles.
-pub const fn pairs(n: u64) -> u64 {
-    n * (n - 1) / 2
 }

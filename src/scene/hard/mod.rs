@@ -4,8 +4,10 @@
 //! the number of contacts where the construction tells it, else what testing every pair in exact
 //! arithmetic gives. A case is a list of *steps*: scenes that one detector is given one after the
 //! other. The last step is judged; those before it leave something behind (group `state`), and may
-//! be refused. One file per group, but `signs` holds two, and sizes fill `sizes` and `levels`;
-//! `build` has what they share.
+//! be refused.
+//!
+//! The table of all cases is `cases.md`; the modules make their scenes, one for each group, but
+//! `signs` holds two, and sizes fill `sizes` and `levels`; `build` has what they share.
 //!
 //! Coordinates are dyadic wherever ties matter, and made with + - * / and square roots only: the
 //! same bits on every machine.
@@ -25,31 +27,47 @@ mod sizes;
 mod state;
 mod tangent;
 
+use std::sync::LazyLock;
+
 use anyhow::{anyhow, ensure};
 use build::Steps;
 
 use crate::scene::Given;
 
-/// The cases of each file, in the order of the groups.
-static FILES: [&[Case]; 13] = [
-    borders::CASES,
-    tangent::CASES,
-    signs::CASES,
-    edges::CASES,
-    extremes::CASES,
-    keys::CASES,
-    degenerate::CASES,
-    sizes::CASES,
-    levels::CASES,
-    crowds::CASES,
-    clusters::CASES,
-    state::CASES,
-    boxes::CASES,
+/// The name of a case, and what makes its steps in 2 or 3 dimensions.
+type Maker = (&'static str, fn(u32) -> Steps);
+
+static MAKERS: [&[Maker]; 13] = [
+    borders::MAKERS,
+    tangent::MAKERS,
+    signs::MAKERS,
+    edges::MAKERS,
+    extremes::MAKERS,
+    keys::MAKERS,
+    degenerate::MAKERS,
+    sizes::MAKERS,
+    levels::MAKERS,
+    crowds::MAKERS,
+    clusters::MAKERS,
+    state::MAKERS,
+    boxes::MAKERS,
 ];
+
+/// The table's rows that have a maker; a test holds that none lacks one.
+static CASES: LazyLock<Vec<Case>> = LazyLock::new(|| {
+    let mut group = None;
+    let case = |line: &'static str| {
+        if let Some(name) = line.strip_prefix("## ") {
+            group = Group::ALL.into_iter().find(|group| group.name() == name);
+        }
+        Case::of_row(group?, line)
+    };
+    include_str!("cases.md").lines().filter_map(case).collect()
+});
 
 /// All cases, group by group.
 pub fn cases() -> impl Iterator<Item = &'static Case> {
-    FILES.into_iter().flatten()
+    CASES.iter()
 }
 
 /// A scene, or a history of scenes, on which detectors go wrong.
@@ -143,54 +161,62 @@ impl Group {
 
     /// The name in lists.
     pub fn name(self) -> &'static str {
-        match self {
-            Group::Borders => "borders",
-            Group::Tangent => "tangent",
-            Group::Signs => "signs",
-            Group::Zeros => "zeros",
-            Group::Edges => "edges",
-            Group::Extremes => "extremes",
-            Group::Keys => "keys",
-            Group::Degenerate => "degenerate",
-            Group::Sizes => "sizes",
-            Group::Crowds => "crowds",
-            Group::Clusters => "clusters",
-            Group::State => "state",
-            Group::Boxes => "boxes",
-        }
+        [
+            "borders",
+            "tangent",
+            "signs",
+            "zeros",
+            "edges",
+            "extremes",
+            "keys",
+            "degenerate",
+            "sizes",
+            "crowds",
+            "clusters",
+            "state",
+            "boxes",
+        ][self as usize]
     }
 }
 
 impl Case {
-    /// A case of the group with what most cases have; name, reason and maker are missing.
-    const fn in_group(group: Group) -> Case {
-        Case {
-            name: "",
-            group,
-            dims: &[2, 3],
-            reason: "",
-            source: "own",
-            expect: Expect::Oracle,
-            allows: &[],
-            make: |dim| build::uniform(dim, &[], 0.5),
-        }
+    /// A row of the table: name, contacts in 2D and in 3D, refusals, source, reason. None of a line
+    /// that is no such row.
+    fn of_row(group: Group, line: &'static str) -> Option<Case> {
+        let cells: Vec<&'static str> = line.split('|').map(str::trim).collect();
+        let &["", name, plane, space, allows, source, reason, ""] = &cells[..] else { return None };
+        let &(_, make) = MAKERS.into_iter().flatten().find(|(known, _)| *known == name)?;
+        let dims: &[u32] = match (plane, space) {
+            ("-", _) => &[3],
+            (_, "-") => &[2],
+            _ => &[2, 3],
+        };
+        let expect = match if plane == "-" { space } else { plane } {
+            "invalid" => Expect::Invalid,
+            "oracle" => Expect::Oracle,
+            _ => Expect::Contacts([plane, space].map(|count| count.parse().unwrap_or(0))),
+        };
+        let allows: &[Allowed] = match allows {
+            "domain" => &[Allowed::Domain],
+            "memory" => &[Allowed::Memory],
+            _ => &[],
+        };
+        let source = if source.is_empty() { "own" } else { source };
+        Some(Case { name, group, dims, reason, source, expect, allows, make })
     }
 
     /// The scenes that one detector is given one after the other: at least one. An invalid case
     /// gives an error that holds the [`crate::scene::SceneError`].
     pub fn steps(&self, dim: u32) -> anyhow::Result<Vec<Given>> {
-        let dims = || {
+        ensure!(
+            self.dims.contains(&dim),
+            "the hard case '{}' is made in {} only, not in {dim}",
+            self.name,
             self.dims
                 .iter()
                 .map(|dim| format!("{dim} dimensions"))
                 .collect::<Vec<_>>()
                 .join(" and ")
-        };
-        ensure!(
-            self.dims.contains(&dim),
-            "the hard case '{}' is made in {} only, not in {dim}",
-            self.name,
-            dims()
         );
         (self.make)(dim)
     }
@@ -199,13 +225,11 @@ impl Case {
 /// The case of that name; the error names the nearest ones.
 pub fn find(name: &str) -> anyhow::Result<&'static Case> {
     cases().find(|case| case.name == name).ok_or_else(|| {
-        let mut near: Vec<_> = cases()
-            .map(|case| {
-                (!case.name.contains(name), strsim::levenshtein(case.name, name), case.name)
-            })
-            .collect();
+        let far = |case: &str| (!case.contains(name), strsim::levenshtein(case, name));
+        let mut near: Vec<&str> = cases().map(|case| case.name).collect();
         near.sort_unstable();
-        let near: Vec<&str> = near.iter().take(3).map(|(.., name)| *name).collect();
+        near.sort_by_key(|case| far(case));
+        near.truncate(3);
         anyhow!(
             "there is no hard case '{name}'; the nearest names are {} (contactbench list \
              hard-cases)",

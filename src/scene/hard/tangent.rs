@@ -7,235 +7,130 @@
 //!      3
 //! ```
 
+use crate::scene::hard::Maker;
 use crate::scene::hard::build::*;
-use crate::scene::hard::{Case, Expect, Group};
 
-const TANGENT: Case = Case::in_group(Group::Tangent);
-
-pub const CASES: &[Case] = &[
-    Case {
-        name: "tangent-3-4-5",
-        reason: "exact ties in every direction of the triple: a strict test loses all",
-        expect: Expect::Contacts([8, 24]),
-        make: |dim| ties(dim, [3.0, 4.0, 0.0], 5.0, 0.125),
-        ..TANGENT
-    },
-    Case {
-        name: "tangent-5-12-13",
-        reason: "as tangent-3-4-5, with squares of more bits",
-        expect: Expect::Contacts([8, 24]),
-        make: |dim| ties(dim, [5.0, 12.0, 0.0], 13.0, 0.5),
-        ..TANGENT
-    },
-    Case {
-        name: "tangent-8-15-17",
-        reason: "as tangent-3-4-5, with squares of more bits",
-        expect: Expect::Contacts([8, 24]),
-        make: |dim| ties(dim, [8.0, 15.0, 0.0], 17.0, 2.0),
-        ..TANGENT
-    },
-    Case {
-        name: "tangent-1-2-2-3",
-        dims: &[3],
-        reason: "exact ties with three differences: their order of summation matters in rounded \
-                 arithmetic",
-        expect: Expect::Contacts([0, 24]),
-        make: |dim| ties(dim, [1.0, 2.0, 2.0], 3.0, 1.0),
-        ..TANGENT
-    },
-    Case {
-        name: "tangent-2-3-6-7",
-        dims: &[3],
-        reason: "exact ties in all 48 directions of a triple of different numbers",
-        expect: Expect::Contacts([0, 48]),
-        make: |dim| ties(dim, [2.0, 3.0, 6.0], 7.0, 0.25),
-        ..TANGENT
-    },
-    Case {
-        name: "tangent-4-4-7-9",
-        dims: &[3],
-        reason: "as tangent-1-2-2-3, far from the axes",
-        expect: Expect::Contacts([0, 24]),
-        make: |dim| ties(dim, [4.0, 4.0, 7.0], 9.0, 0.125),
-        ..TANGENT
-    },
-    Case {
-        name: "tangent-many-bits",
-        reason: "ties of numbers of up to 36 bits: the squares do not fit 53, and rounded in f64 \
-                 they say apart",
-        expect: Expect::Contacts([24, 72]),
-        make: |dim| {
-            // Triples with a factor for which the rounded squares say apart.
-            let triples = [
-                [128.0, 4095.0, 4097.0, two_to(24) - 111.0],
-                [1155.0, 68.0, 1157.0, two_to(24) - 37.0],
-                [3.0, 4.0, 5.0, two_to(27) - 19.0],
-            ];
-            let couples = triples.into_iter().flat_map(|[x, y, length, scale]| {
-                let directions = orientations(dim, [x * scale, y * scale, 0.0]);
-                directions.into_iter().map(move |v| Couple {
-                    v,
-                    outward: 0,
-                    radii: [0.5 * length * scale; 2],
-                })
+pub const MAKERS: &[Maker] = &[
+    ("tangent-3-4-5", |dim| ties(dim, [3.0, 4.0, 0.0], 5.0, 0.125)),
+    ("tangent-5-12-13", |dim| ties(dim, [5.0, 12.0, 0.0], 13.0, 0.5)),
+    ("tangent-8-15-17", |dim| ties(dim, [8.0, 15.0, 0.0], 17.0, 2.0)),
+    ("tangent-1-2-2-3", |dim| ties(dim, [1.0, 2.0, 2.0], 3.0, 1.0)),
+    ("tangent-2-3-6-7", |dim| ties(dim, [2.0, 3.0, 6.0], 7.0, 0.25)),
+    ("tangent-4-4-7-9", |dim| ties(dim, [4.0, 4.0, 7.0], 9.0, 0.125)),
+    ("tangent-many-bits", |dim| {
+        // Triples with a factor for which the rounded squares say apart.
+        let triples = [
+            [128.0, 4095.0, 4097.0, two_to(24) - 111.0],
+            [1155.0, 68.0, 1157.0, two_to(24) - 37.0],
+            [3.0, 4.0, 5.0, two_to(27) - 19.0],
+        ];
+        let couples = triples.into_iter().flat_map(|[x, y, length, scale]| {
+            let directions = orientations(dim, [x * scale, y * scale, 0.0]);
+            directions.into_iter().map(move |v| Couple {
+                v,
+                outward: 0,
+                radii: [0.5 * length * scale; 2],
+            })
+        });
+        together(dim, two_to(38), couples)
+    }),
+    ("one-ulp-in-x", |dim| {
+        let triple = by_dim(dim, [[3.0, 4.0, 0.0], [4.0, 4.0, 7.0]]);
+        let length = by_dim(dim, [5.0, 9.0]);
+        let couples = orientations(dim, triple)
+            .into_iter()
+            .flat_map(|v| [-1, 0, 1].map(|outward| (v, outward)));
+        together(
+            dim,
+            32.0,
+            couples.map(|(v, outward)| Couple { v, outward, radii: [0.5 * length; 2] }),
+        )
+    }),
+    ("one-ulp-in-r", |dim| {
+        let triple = by_dim(dim, [[5.0, 12.0, 0.0], [2.0, 3.0, 6.0]]);
+        let r: f64 = by_dim(dim, [6.5, 3.5]);
+        let couples = orientations(dim, triple)
+            .into_iter()
+            .flat_map(|v| [r, r.next_up(), r.next_down()].map(|other| (v, other)));
+        together(dim, 64.0, couples.map(|(v, other)| Couple { v, outward: 0, radii: [r, other] }))
+    }),
+    ("one-ulp-in-both", |dim| {
+        let r: f64 = 2.5;
+        let changes =
+            [(1, r.next_up()), (1, r.next_down()), (-1, r.next_up()), (-1, r.next_down())];
+        let couples = orientations(dim, [3.0, 4.0, 0.0])
+            .into_iter()
+            .flat_map(|v| changes.map(|change| (v, change)));
+        together(
+            dim,
+            16.0,
+            couples.map(|(v, (outward, other))| Couple { v, outward, radii: [r, other] }),
+        )
+    }),
+    ("unequal-radii", |dim| {
+        let parts = [0.5, 0.25, two_to(-10), two_to(-20), 0.0];
+        let couples = orientations(dim, [3.0, 4.0, 0.0])
+            .into_iter()
+            .flat_map(|v| parts.map(|part| (v, part)));
+        together(
+            dim,
+            32.0,
+            couples.map(|(v, part)| Couple {
+                v,
+                outward: 0,
+                radii: [5.0 * part, 5.0 * (1.0 - part)],
+            }),
+        )
+    }),
+    ("many-scales", |dim| {
+        let triple = by_dim(dim, [[3.0, 4.0, 0.0], [2.0, 3.0, 6.0]]);
+        let length = by_dim(dim, [5.0, 7.0]);
+        // Of each scale a tie, one nearer by a part in 2^20, and, in space, one with the axes
+        // turned; and one too far.
+        let couples = (-10..=10).flat_map(|k| {
+            let v = triple.map(|x| two_to(k) * x);
+            let r = 0.5 * two_to(k) * length;
+            let near = v.map(|x| x * (1.0 - two_to(-20)));
+            let far = v.map(|x| x * (1.0 + two_to(-20)));
+            let turned = (dim == 3).then_some([v[2], v[0], v[1]]);
+            [Some(v), Some(near), turned, Some(far)].into_iter().flatten().map(move |v| Couple {
+                v,
+                outward: 0,
+                radii: [r; 2],
+            })
+        });
+        together(dim, two_to(15), couples)
+    }),
+    ("dyadic-offset", |dim| {
+        let couples =
+            orientations(dim, [3.0, 4.0, 0.0]).into_iter().enumerate().flat_map(|(k, v)| {
+                let place = plus([two_to(44); 3], 1.0, site(k, 16.0));
+                [place, plus(place, 1.0, v)]
             });
-            together(dim, two_to(38), couples)
-        },
-        ..TANGENT
-    },
-    Case {
-        name: "one-ulp-in-x",
-        reason: "of each three couples one is exactly tangent, one a last bit nearer, one a last \
-                 bit farther and so apart",
-        expect: Expect::Contacts([2 * 8, 2 * 24]),
-        make: |dim| {
-            let triple = by_dim(dim, [[3.0, 4.0, 0.0], [4.0, 4.0, 7.0]]);
-            let length = by_dim(dim, [5.0, 9.0]);
-            let couples = orientations(dim, triple)
-                .into_iter()
-                .flat_map(|v| [-1, 0, 1].map(|outward| (v, outward)));
-            together(
-                dim,
-                32.0,
-                couples.map(|(v, outward)| Couple { v, outward, radii: [0.5 * length; 2] }),
-            )
-        },
-        ..TANGENT
-    },
-    Case {
-        name: "one-ulp-in-r",
-        reason: "of each three couples one is exactly tangent, one has a radius a last bit \
-                 larger, one a last bit smaller and so is apart",
-        expect: Expect::Contacts([2 * 8, 2 * 48]),
-        make: |dim| {
-            let triple = by_dim(dim, [[5.0, 12.0, 0.0], [2.0, 3.0, 6.0]]);
-            let r: f64 = by_dim(dim, [6.5, 3.5]);
-            let couples = orientations(dim, triple)
-                .into_iter()
-                .flat_map(|v| [r, r.next_up(), r.next_down()].map(|other| (v, other)));
-            together(
-                dim,
-                64.0,
-                couples.map(|(v, other)| Couple { v, outward: 0, radii: [r, other] }),
-            )
-        },
-        ..TANGENT
-    },
-    Case {
-        name: "one-ulp-in-both",
-        reason: "a coordinate and a radius change by a last bit each, with and against one \
-                 another: only exact arithmetic can say",
-        make: |dim| {
-            let r: f64 = 2.5;
-            let changes =
-                [(1, r.next_up()), (1, r.next_down()), (-1, r.next_up()), (-1, r.next_down())];
-            let couples = orientations(dim, [3.0, 4.0, 0.0])
-                .into_iter()
-                .flat_map(|v| changes.map(|change| (v, change)));
-            together(
-                dim,
-                16.0,
-                couples.map(|(v, (outward, other))| Couple { v, outward, radii: [r, other] }),
-            )
-        },
-        ..TANGENT
-    },
-    Case {
-        name: "unequal-radii",
-        reason: "ties whose length is split unevenly, from one half to 2^-20 and nothing",
-        expect: Expect::Contacts([5 * 8, 5 * 24]),
-        make: |dim| {
-            let parts = [0.5, 0.25, two_to(-10), two_to(-20), 0.0];
-            let couples = orientations(dim, [3.0, 4.0, 0.0])
-                .into_iter()
-                .flat_map(|v| parts.map(|part| (v, part)));
-            together(
-                dim,
-                32.0,
-                couples.map(|(v, part)| Couple {
-                    v,
-                    outward: 0,
-                    radii: [5.0 * part, 5.0 * (1.0 - part)],
-                }),
-            )
-        },
-        ..TANGENT
-    },
-    Case {
-        name: "many-scales",
-        reason: "ties at 21 scales from 2^-10 to 2^10 in one scene: a tolerance that is right for \
-                 one scale is wrong for another",
-        expect: Expect::Contacts([2 * 21, 3 * 21]),
-        make: |dim| {
-            let triple = by_dim(dim, [[3.0, 4.0, 0.0], [2.0, 3.0, 6.0]]);
-            let length = by_dim(dim, [5.0, 7.0]);
-            // Of each scale a tie, one nearer by a part in 2^20, and, in space, one with the axes
-            // turned; and one too far.
-            let couples = (-10..=10).flat_map(|k| {
-                let v = triple.map(|x| two_to(k) * x);
-                let r = 0.5 * two_to(k) * length;
-                let near = v.map(|x| x * (1.0 - two_to(-20)));
-                let far = v.map(|x| x * (1.0 + two_to(-20)));
-                let turned = (dim == 3).then_some([v[2], v[0], v[1]]);
-                [Some(v), Some(near), turned, Some(far)]
-                    .into_iter()
-                    .flatten()
-                    .map(move |v| Couple { v, outward: 0, radii: [r; 2] })
-            });
-            together(dim, two_to(15), couples)
-        },
-        ..TANGENT
-    },
-    Case {
-        name: "dyadic-offset",
-        reason: "ties at an offset of 2^44: the numbers are exact, p·p + q·q - 2p·q has lost \
-                 every bit",
-        expect: Expect::Contacts([8, 24]),
-        make: |dim| {
-            let couples =
-                orientations(dim, [3.0, 4.0, 0.0]).into_iter().enumerate().flat_map(|(k, v)| {
-                    let place = plus([two_to(44); 3], 1.0, site(k, 16.0));
-                    [place, plus(place, 1.0, v)]
-                });
-            uniform(dim, &couples.collect::<Vec<_>>(), 2.5)
-        },
-        ..TANGENT
-    },
-    Case {
-        name: "kissing-crown",
-        reason: "one body in exact touch with small ones at all lattice points of one length, \
-                 themselves apart",
-        expect: Expect::Contacts([36, 102]),
-        make: |dim| {
-            let (length, r) = by_dim(dim, [(65, 0.5), (9, 0.5)]);
-            let centre = ([0.0; 3], f64::from(length) - r);
-            let crown = of_length(dim, length).into_iter().map(|v| (v, r));
-            each(dim, &std::iter::once(centre).chain(crown).collect::<Vec<_>>())
-        },
-        ..TANGENT
-    },
-    Case {
-        name: "sum-of-radii-rounds",
-        reason: "a distance of 1 + 2^-53 against a sum of radii equal to it or a hair less: both \
-                 round to 1",
-        expect: Expect::Contacts([2, 3]),
-        make: |dim| {
-            let r = two_to(-53);
-            // Along every axis two couples 1 + 2^-53 apart, one in touch, one 2^-106 short of it.
-            let bodies = (0..dim as usize).flat_map(|axis| {
-                [r, r.next_down()].into_iter().enumerate().flat_map(move |(k, small)| {
-                    let at = |x: f64| {
+        uniform(dim, &couples.collect::<Vec<_>>(), 2.5)
+    }),
+    ("kissing-crown", |dim| {
+        let (length, r) = by_dim(dim, [(65, 0.5), (9, 0.5)]);
+        let centre = ([0.0; 3], f64::from(length) - r);
+        let crown = of_length(dim, length).into_iter().map(|v| (v, r));
+        each(dim, &std::iter::once(centre).chain(crown).collect::<Vec<_>>())
+    }),
+    ("sum-of-radii-rounds", |dim| {
+        let r = two_to(-53);
+        // Along every axis two couples 1 + 2^-53 apart, one in touch, one 2^-106 short of it.
+        let bodies = (0..dim as usize).flat_map(|axis| {
+            [r, r.next_down()].into_iter().enumerate().flat_map(move |(k, small)| {
+                let at =
+                    |x: f64| {
                         std::array::from_fn(|a| {
                             if a == axis { x } else { 8.0 * (k + 1 + 2 * axis) as f64 }
                         })
                     };
-                    [(at(-r), small), (at(1.0), 1.0)]
-                })
-            });
-            each(dim, &bodies.collect::<Vec<_>>())
-        },
-        ..TANGENT
-    },
+                [(at(-r), small), (at(1.0), 1.0)]
+            })
+        });
+        each(dim, &bodies.collect::<Vec<_>>())
+    }),
 ];
 
 /// Two bodies: the second is `v` from the first, and then `outward` last bits farther away along
