@@ -200,10 +200,10 @@ fn scene(it: &Generator) -> Item {
         "name": it.name,
         "summary": it.summary,
         "dims": it.dims,
-        "parameters": it.params.iter().map(parameter).collect::<Vec<_>>(),
+        "parameters": it.params().map(parameter).collect::<Vec<_>>(),
     });
     let summary = format!("{} ({})", it.summary, dims(it.dims));
-    let lines = std::iter::once(summary).chain(it.params.iter().map(line)).collect();
+    let lines = std::iter::once(summary).chain(it.params().map(line)).collect();
     Item { name: it.name.into(), lines, json }
 }
 

@@ -127,7 +127,8 @@ impl Spec {
         given.form("write it as in packed:dim=3,n=1000,spacing=0.98")?;
         let name = given.name;
         let is_file = name == file::NAME;
-        let own_n = table::find(name).is_ok_and(|generator| generator.own_n);
+        let generator = table::find(name).ok();
+        let own_n = generator.is_some_and(|generator| generator.own_n);
         let mut dim = 2;
         let mut n = if own_n { 0 } else { 1000 };
         let mut seed = 1;
@@ -148,7 +149,8 @@ impl Spec {
                 }
                 _ => {
                     let key = if *key == "dim" { "file-dim" } else { key };
-                    params.insert(key.to_string(), scalar(key, value));
+                    let is_text = generator.is_some_and(|generator| generator.is_text(key));
+                    params.insert(key.to_string(), scalar(is_text, value));
                 }
             }
         }
@@ -219,10 +221,9 @@ fn json(value: &toml::Value) -> Value {
     }
 }
 
-/// A value of the command line: whole number, number or text; paths and names of cases are text
-/// whatever they look like.
-fn scalar(key: &str, value: &str) -> toml::Value {
-    if ["path", "case", "frame", "format", "columns", "box", "grading"].contains(&key) {
+/// A value of the command line: text where the parameter is, else whole number, number or text.
+fn scalar(is_text: bool, value: &str) -> toml::Value {
+    if is_text {
         value.into()
     } else if let Ok(whole) = value.parse::<i64>() {
         whole.into()

@@ -21,7 +21,7 @@
 //! contact test.
 
 use crate::scene::Given;
-use crate::scene::generate::table::{Generator, Kind, Parameter, Preset, no_history};
+use crate::scene::generate::table::{Generator, Kind, Parameter, no_history, number};
 use crate::scene::generate::{DIAMETER, Inputs, assemble};
 
 /// The table line of pack A.
@@ -30,7 +30,7 @@ pub const PACK_A: Generator = Generator {
     dims: &[2],
     summary: "the book's pack A: columns D apart, rows 2D apart",
     own_n: false,
-    params: &[DIAMETER],
+    params: &[&[DIAMETER]],
     make: |inputs| pack(inputs, |i, j| [i, 2.0 * j]),
     history: no_history,
 };
@@ -41,7 +41,7 @@ pub const PACK_B: Generator = Generator {
     dims: &[2],
     summary: "the book's pack B: columns S apart, rows 2D apart",
     own_n: false,
-    params: &[DIAMETER, S],
+    params: &[&[DIAMETER, S]],
     make: |inputs| {
         let s = inputs.number("s")?;
         pack(inputs, |i, j| [i * s, 2.0 * j])
@@ -55,7 +55,7 @@ pub const PACK_C: Generator = Generator {
     dims: &[2],
     summary: "the book's pack C: columns and rows S apart",
     own_n: false,
-    params: &[DIAMETER, S],
+    params: &[&[DIAMETER, S]],
     make: |inputs| {
         let s = inputs.number("s")?;
         pack(inputs, |i, j| [i * s, j * s])
@@ -69,7 +69,7 @@ pub const PACK_D: Generator = Generator {
     dims: &[2],
     summary: "the book's pack D: columns D and S apart in turn, rows 2D apart",
     own_n: false,
-    params: &[DIAMETER, S],
+    params: &[&[DIAMETER, S]],
     make: |inputs| {
         let s = inputs.number("s")?;
         pack(inputs, |i, j| {
@@ -80,12 +80,7 @@ pub const PACK_D: Generator = Generator {
     history: no_history,
 };
 
-const S: Parameter = Parameter {
-    name: "s",
-    kind: Kind::NotNegative,
-    default: [Preset::Number(1.0); 2],
-    meaning: "S/D, the spacing in diameters",
-};
+const S: Parameter = number("s", Kind::NotNegative, 1.0, "S/D, the spacing in diameters");
 
 fn pack(inputs: &Inputs<'_>, site: impl Fn(f64, f64) -> [f64; 2]) -> anyhow::Result<Given> {
     let root = inputs.n.isqrt();

@@ -12,25 +12,23 @@
 use anyhow::ensure;
 
 use crate::io::boxes::Axes;
-use crate::scene::generate::table::{Kind, Parameter, Preset};
+use crate::scene::generate::table::{Kind, Parameter, optional};
 use crate::scene::generate::{DIAMETER, Inputs, OFFSET};
 use crate::scene::{AnyScene, Given, Lattice};
 
 /// Along which axes the box repeats.
-pub const PERIODIC: Parameter = Parameter {
-    name: "periodic",
-    kind: Kind::Axes,
-    default: [Preset::Absent; 2],
-    meaning: "the box repeats: true, or along these axes: x, xy and so on, none",
-};
+pub const PERIODIC: Parameter = optional(
+    "periodic",
+    Kind::Axes,
+    "the box repeats: true, or along these axes: x, xy and so on, none",
+);
 
 /// The shear.
-pub const TILT: Parameter = Parameter {
-    name: "tilt",
-    kind: Kind::Finite,
-    default: [Preset::Absent; 2],
-    meaning: "the images along y are moved along x by this, in edges of the box along x",
-};
+pub const TILT: Parameter = optional(
+    "tilt",
+    Kind::Finite,
+    "the images along y are moved along x by this, in edges of the box along x",
+);
 
 /// How the box of a scene repeats.
 #[derive(Clone, Copy, Debug)]

@@ -18,13 +18,11 @@
 //! larger and its packing fraction somewhat smaller than asked. In generated order the clusters
 //! come first, one after the other, then the background.
 
-use crate::scene::generate::boxes::{PERIODIC, TILT, boxed};
+use crate::scene::generate::boxes::boxed;
 use crate::scene::generate::draw::Draw;
-use crate::scene::generate::sizes::{
-    EXPONENT, GIANTS, GRADING, SHARE, SIZE_RATIO, SIZES, unit_radii,
-};
-use crate::scene::generate::table::{Generator, Kind, Parameter, Preset, no_history};
-use crate::scene::generate::{DIAMETER, Inputs, OFFSET, assemble, box_edge};
+use crate::scene::generate::sizes::unit_radii;
+use crate::scene::generate::table::{Generator, Kind, Parameter, Preset, no_history, number};
+use crate::scene::generate::{Inputs, OF_BODIES, assemble, box_edge};
 use crate::scene::{AnyScene, Given, Scene};
 
 /// The table line.
@@ -34,40 +32,33 @@ pub const GENERATOR: Generator = Generator {
     summary: "Gaussian clusters on a thin uniform background",
     own_n: false,
     params: &[
-        DIAMETER,
-        OFFSET,
-        SIZE_RATIO,
-        SIZES,
-        EXPONENT,
-        SHARE,
-        GIANTS,
-        GRADING,
-        PERIODIC,
-        TILT,
-        Parameter {
-            name: "per-cluster",
-            kind: Kind::Count,
-            default: [Preset::Whole(100); 2],
-            meaning: "particles in a cluster; the last cluster may be smaller",
-        },
-        Parameter {
-            name: "width",
-            kind: Kind::NotNegative,
-            default: [Preset::Number(4.0), Preset::Number(2.0)],
-            meaning: "standard deviation of a cluster along each axis, in diameters",
-        },
-        Parameter {
-            name: "background",
-            kind: Kind::Share,
-            default: [Preset::Number(0.1); 2],
-            meaning: "share of the particles that is uniform in the box",
-        },
-        Parameter {
-            name: "fraction",
-            kind: Kind::Positive,
-            default: [Preset::Number(0.01); 2],
-            meaning: "volume of the bodies over the volume of the box",
-        },
+        OF_BODIES,
+        &[
+            Parameter {
+                name: "per-cluster",
+                kind: Kind::Count,
+                default: [Preset::Whole(100); 2],
+                meaning: "particles in a cluster; the last cluster may be smaller",
+            },
+            Parameter {
+                name: "width",
+                kind: Kind::NotNegative,
+                default: [Preset::Number(4.0), Preset::Number(2.0)],
+                meaning: "standard deviation of a cluster along each axis, in diameters",
+            },
+            number(
+                "background",
+                Kind::Share,
+                0.1,
+                "share of the particles that is uniform in the box",
+            ),
+            number(
+                "fraction",
+                Kind::Positive,
+                0.01,
+                "volume of the bodies over the volume of the box",
+            ),
+        ],
     ],
     make: |inputs| if inputs.dim == 2 { make::<2>(inputs) } else { make::<3>(inputs) },
     history: no_history,

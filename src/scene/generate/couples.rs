@@ -21,7 +21,7 @@ use anyhow::ensure;
 
 use crate::contact::exact;
 use crate::scene::generate::draw::Draw;
-use crate::scene::generate::table::{Generator, Kind, Parameter, Preset, no_history};
+use crate::scene::generate::table::{Generator, Kind, no_history, number};
 use crate::scene::generate::{DIAMETER, Inputs, room};
 use crate::scene::{Radii, Scene};
 
@@ -31,15 +31,15 @@ pub const GENERATOR: Generator = Generator {
     dims: &[2, 3],
     summary: "couples that just touch, astride borders of textbook cells",
     own_n: false,
-    params: &[
+    params: &[&[
         DIAMETER,
-        Parameter {
-            name: "offset",
-            kind: Kind::Finite,
-            default: [Preset::Number(0.0); 2],
-            meaning: "lowest x, in diameters, from -10^12 to 10^12; rounded to f64",
-        },
-    ],
+        number(
+            "offset",
+            Kind::Finite,
+            0.0,
+            "lowest x, in diameters, from -10^12 to 10^12; rounded to f64",
+        ),
+    ]],
     make: |inputs| {
         Ok(if inputs.dim == 2 { make::<2>(inputs)?.into() } else { make::<3>(inputs)?.into() })
     },

@@ -15,7 +15,7 @@ use std::path::Path;
 use anyhow::ensure;
 
 use crate::io;
-use crate::scene::generate::table::{Generator, Kind, Parameter, Preset, no_history};
+use crate::scene::generate::table::{Generator, Kind, Parameter, Preset, no_history, optional};
 
 /// The name under which the program knows files.
 pub const NAME: &str = "file";
@@ -26,101 +26,50 @@ pub const GENERATOR: Generator = Generator {
     dims: &[2, 3],
     summary: "a particle file: CSV, XYZ, LAMMPS, MercuryDPM, YADE, NumPy, VTK or PLY",
     own_n: true,
-    params: &[
+    params: &[&[
         Parameter {
             name: "path",
             kind: Kind::Text,
             default: [Preset::Required; 2],
             meaning: "the file's name",
         },
-        Parameter {
-            name: "radius",
-            kind: Kind::NotNegative,
-            default: [Preset::Absent; 2],
-            meaning: "radius of all particles, for files that hold none",
-        },
-        Parameter {
-            name: "file-dim",
-            kind: Kind::Dim,
-            default: [Preset::Absent; 2],
-            meaning: "2 or 3, where the file leaves it open: three columns without names, or z = 0",
-        },
-        Parameter {
-            name: "frame",
-            kind: Kind::Text,
-            default: [Preset::Absent; 2],
-            meaning: "which frame, of a file that has several: a number from 0, or last",
-        },
-        Parameter {
-            name: "format",
-            kind: Kind::Text,
-            default: [Preset::Absent; 2],
-            meaning: "the format, where content and ending do not tell",
-        },
-        Parameter {
-            name: "columns",
-            kind: Kind::Text,
-            default: [Preset::Absent; 2],
-            meaning: "which column of a text holds what, as in x=3,y=4,z=5,r=6",
-        },
-        Parameter {
-            name: "box",
-            kind: Kind::Text,
-            default: [Preset::Absent; 2],
-            meaning: "the box, in the place of the file's: LX,LY,LZ, with a tilt LX,LY,LZ,XY,XZ,YZ",
-        },
-        Parameter {
-            name: "periodic",
-            kind: Kind::Axes,
-            default: [Preset::Absent; 2],
-            meaning: "the box repeats along these axes, whatever the file says: true, x, xy and so \
+        optional("radius", Kind::NotNegative, "radius of all particles, for files that hold none"),
+        optional(
+            "file-dim",
+            Kind::Dim,
+            "2 or 3, where the file leaves it open: three columns without names, or z = 0",
+        ),
+        optional(
+            "frame",
+            Kind::Text,
+            "which frame, of a file that has several: a number from 0, or last",
+        ),
+        optional("format", Kind::Text, "the format, where content and ending do not tell"),
+        optional("columns", Kind::Text, "which column of a text holds what, as in x=3,y=4,z=5,r=6"),
+        optional(
+            "box",
+            Kind::Text,
+            "the box, in the place of the file's: LX,LY,LZ, with a tilt LX,LY,LZ,XY,XZ,YZ",
+        ),
+        optional(
+            "periodic",
+            Kind::Axes,
+            "the box repeats along these axes, whatever the file says: true, x, xy and so \
                       on, none",
-        },
-        Parameter {
-            name: "open",
-            kind: Kind::Yes,
-            default: [Preset::Absent; 2],
-            meaning: "true: boundaries are open, also where the file's box repeats",
-        },
-    ],
+        ),
+        optional("open", Kind::Yes, "true: boundaries are open, also where the file's box repeats"),
+    ]],
     make: |inputs| {
         let path = Path::new(inputs.text("path")?);
-        let frame = match inputs.text("frame") {
-            Ok(text) => {
-                text.parse().map_err(|must| anyhow::anyhow!("file: frame is '{text}'; {must}"))?
-            }
-            Err(_) => io::Frame::default(),
-        };
-        let format = match inputs.text("format") {
-            Ok(text) => Some(
-                text.parse().map_err(|must| anyhow::anyhow!("file: format is '{text}'; {must}"))?,
-            ),
-            Err(_) => None,
-        };
-        let columns = match inputs.text("columns") {
-            Ok(text) => Some(
-                text.parse()
-                    .map_err(|must| anyhow::anyhow!("file: columns is '{text}'; {must}"))?,
-            ),
-            Err(_) => None,
-        };
-        let edges = match inputs.text("box") {
-            Ok(text) => Some(
-                text.parse().map_err(|must| anyhow::anyhow!("file: box is '{text}'; {must}"))?,
-            ),
-            Err(_) => None,
-        };
-        let periodic = inputs.text("periodic").ok().and_then(|text| text.parse().ok());
-        let dim = inputs.whole("file-dim").ok().map(|dim| dim as u32);
         let options = io::Options {
             radius: inputs.number("radius").ok(),
-            dim,
-            frame,
-            format,
-            columns,
+            dim: inputs.whole("file-dim").ok().map(|dim| dim as u32),
+            frame: inputs.parsed("frame")?.unwrap_or_default(),
+            format: inputs.parsed("format")?,
+            columns: inputs.parsed("columns")?,
             boundaries: io::Boundaries {
-                edges,
-                periodic,
+                edges: inputs.parsed("box")?,
+                periodic: inputs.parsed("periodic")?,
                 open: inputs.text("open").is_ok_and(|text| text == "true"),
             },
             ..io::Options::NONE

@@ -24,12 +24,12 @@ pub const GENERATOR: Generator = Generator {
     dims: &[2, 3],
     summary: "a named case on which detectors go wrong; contactbench list hard-cases",
     own_n: true,
-    params: &[Parameter {
+    params: &[&[Parameter {
         name: "case",
         kind: Kind::Case,
         default: [Preset::Required; 2],
         meaning: "the name of the case",
-    }],
+    }]],
     make: |inputs| {
         let mut steps = steps(inputs)?;
         // Every case has a last step.

@@ -13,13 +13,11 @@
 //! is the volume of all bodies over `fraction`. Overlaps are kept, so that about 4·fraction·n/2
 //! (2D) or 8·fraction·n/2 (3D) pairs touch.
 
-use crate::scene::generate::boxes::{PERIODIC, TILT, boxed};
+use crate::scene::generate::boxes::boxed;
 use crate::scene::generate::draw::Draw;
-use crate::scene::generate::sizes::{
-    EXPONENT, GIANTS, GRADING, SHARE, SIZE_RATIO, SIZES, unit_radii,
-};
-use crate::scene::generate::table::{Generator, Kind, Parameter, Preset, no_history};
-use crate::scene::generate::{DIAMETER, Inputs, OFFSET, assemble, box_edge};
+use crate::scene::generate::sizes::unit_radii;
+use crate::scene::generate::table::{Generator, Kind, no_history, number};
+use crate::scene::generate::{Inputs, OF_BODIES, assemble, box_edge};
 use crate::scene::{AnyScene, Given, Scene};
 
 /// The table line.
@@ -29,22 +27,13 @@ pub const GENERATOR: Generator = Generator {
     summary: "uniform random in a square or cube",
     own_n: false,
     params: &[
-        DIAMETER,
-        OFFSET,
-        SIZE_RATIO,
-        SIZES,
-        EXPONENT,
-        SHARE,
-        GIANTS,
-        GRADING,
-        PERIODIC,
-        TILT,
-        Parameter {
-            name: "fraction",
-            kind: Kind::Positive,
-            default: [Preset::Number(0.05); 2],
-            meaning: "volume of the bodies over the volume of the box",
-        },
+        OF_BODIES,
+        &[number(
+            "fraction",
+            Kind::Positive,
+            0.05,
+            "volume of the bodies over the volume of the box",
+        )],
     ],
     make: |inputs| if inputs.dim == 2 { make::<2>(inputs) } else { make::<3>(inputs) },
     history: no_history,

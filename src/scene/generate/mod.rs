@@ -22,10 +22,12 @@ pub mod sizes;
 pub mod table;
 
 use std::collections::BTreeMap;
+use std::fmt::Display;
+use std::str::FromStr;
 
 use anyhow::Context;
 use nalgebra::Point;
-use table::{Kind, Parameter, Preset};
+use table::{Kind, Parameter, number};
 
 use crate::scene::{Radii, Scene};
 
@@ -43,40 +45,51 @@ pub struct Inputs<'a> {
 
 impl Inputs<'_> {
     fn number(&self, name: &str) -> anyhow::Result<f64> {
-        self.params
-            .get(name)
-            .and_then(|value| value.as_f64())
-            .with_context(|| format!("the number '{name}' is missing"))
+        let value = self.params.get(name).and_then(|value| value.as_f64());
+        value.with_context(|| format!("the number '{name}' is missing"))
     }
 
     fn whole(&self, name: &str) -> anyhow::Result<u64> {
-        self.params
-            .get(name)
-            .and_then(|value| value.as_u64())
-            .with_context(|| format!("the whole number '{name}' is missing"))
+        let value = self.params.get(name).and_then(|value| value.as_u64());
+        value.with_context(|| format!("the whole number '{name}' is missing"))
     }
 
     fn text(&self, name: &str) -> anyhow::Result<&str> {
-        self.params
-            .get(name)
-            .and_then(|value| value.as_str())
-            .with_context(|| format!("the text '{name}' is missing"))
+        let value = self.params.get(name).and_then(|value| value.as_str());
+        value.with_context(|| format!("the text '{name}' is missing"))
+    }
+
+    /// A text in its own type; none if it is not given.
+    fn parsed<T: FromStr<Err: Display>>(&self, name: &str) -> anyhow::Result<Option<T>> {
+        let Ok(text) = self.text(name) else { return Ok(None) };
+        let parsed = text.parse().map(Some);
+        parsed.map_err(|must| anyhow::anyhow!("file: {name} is '{text}'; {must}"))
     }
 }
 
-const DIAMETER: Parameter = Parameter {
-    name: "diameter",
-    kind: Kind::Positive,
-    default: [Preset::Number(1.0); 2],
-    meaning: "largest diameter, in units of length",
-};
+const DIAMETER: Parameter =
+    number("diameter", Kind::Positive, 1.0, "largest diameter, in units of length");
 
-const OFFSET: Parameter = Parameter {
-    name: "offset",
-    kind: Kind::Finite,
-    default: [Preset::Number(0.0); 2],
-    meaning: "added to every coordinate, in largest diameters; the sums are rounded to f64",
-};
+const OFFSET: Parameter = number(
+    "offset",
+    Kind::Finite,
+    0.0,
+    "added to every coordinate, in largest diameters; the sums are rounded to f64",
+);
+
+/// The parameters of generators whose bodies have sizes and a box.
+const OF_BODIES: &[Parameter] = &[
+    DIAMETER,
+    OFFSET,
+    sizes::SIZE_RATIO,
+    sizes::SIZES,
+    sizes::EXPONENT,
+    sizes::SHARE,
+    sizes::GIANTS,
+    sizes::GRADING,
+    boxes::PERIODIC,
+    boxes::TILT,
+];
 
 /// The edge of a square or cube that the bodies fill to the packing fraction, in diameters.
 fn box_edge<const D: usize>(n: u64, radii: Option<&[f64]>, fraction: f64) -> f64 {

@@ -19,13 +19,11 @@
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
-use crate::scene::generate::boxes::{PERIODIC, TILT, boxed};
+use crate::scene::generate::boxes::{PERIODIC, boxed};
 use crate::scene::generate::draw::Draw;
-use crate::scene::generate::sizes::{
-    EXPONENT, GIANTS, GRADING, SHARE, SIZE_RATIO, SIZES, unit_radii,
-};
-use crate::scene::generate::table::{Generator, Kind, Parameter, Preset, no_history};
-use crate::scene::generate::{DIAMETER, Inputs, OFFSET, assemble};
+use crate::scene::generate::sizes::unit_radii;
+use crate::scene::generate::table::{Generator, Kind, Parameter, Preset, no_history, number};
+use crate::scene::generate::{Inputs, OF_BODIES, assemble};
 use crate::scene::{AnyScene, Given, Scene};
 
 /// The table line.
@@ -35,34 +33,22 @@ pub const GENERATOR: Generator = Generator {
     summary: "jittered lattice that overlaps and touches like a dense granular pack",
     own_n: false,
     params: &[
-        DIAMETER,
-        OFFSET,
-        SIZE_RATIO,
-        SIZES,
-        EXPONENT,
-        SHARE,
-        GIANTS,
-        GRADING,
-        PERIODIC,
-        TILT,
-        Parameter {
-            name: "lattice",
-            kind: Kind::Word([&["hexagonal", "square"], &["fcc", "cubic"]]),
-            default: [Preset::Word("hexagonal"), Preset::Word("fcc")],
-            meaning: "arrangement of the sites",
-        },
-        Parameter {
-            name: "spacing",
-            kind: Kind::Positive,
-            default: [Preset::Number(0.99); 2],
-            meaning: "distance of nearest sites, in diameters",
-        },
-        Parameter {
-            name: "jitter",
-            kind: Kind::NotNegative,
-            default: [Preset::Number(0.05); 2],
-            meaning: "each coordinate moves uniformly within ± this, in diameters",
-        },
+        OF_BODIES,
+        &[
+            Parameter {
+                name: "lattice",
+                kind: Kind::Word([&["hexagonal", "square"], &["fcc", "cubic"]]),
+                default: [Preset::Word("hexagonal"), Preset::Word("fcc")],
+                meaning: "arrangement of the sites",
+            },
+            number("spacing", Kind::Positive, 0.99, "distance of nearest sites, in diameters"),
+            number(
+                "jitter",
+                Kind::NotNegative,
+                0.05,
+                "each coordinate moves uniformly within ± this, in diameters",
+            ),
+        ],
     ],
     make: |inputs| {
         let (lattice, n) = (inputs.text("lattice")?, inputs.n);

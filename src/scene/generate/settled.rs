@@ -22,13 +22,11 @@
 
 use anyhow::ensure;
 
-use crate::scene::generate::boxes::{PERIODIC, Repeats, TILT, boxed};
+use crate::scene::generate::boxes::{Repeats, boxed};
 use crate::scene::generate::draw::Draw;
-use crate::scene::generate::sizes::{
-    EXPONENT, GIANTS, GRADING, SHARE, SIZE_RATIO, SIZES, unit_radii,
-};
-use crate::scene::generate::table::{Generator, Kind, Parameter, Preset, no_history};
-use crate::scene::generate::{DIAMETER, Inputs, OFFSET, assemble, box_edge, room};
+use crate::scene::generate::sizes::unit_radii;
+use crate::scene::generate::table::{Generator, Kind, no_history, number};
+use crate::scene::generate::{Inputs, OF_BODIES, assemble, box_edge, room};
 use crate::scene::{AnyScene, Given, Scene};
 
 /// The table line.
@@ -38,28 +36,21 @@ pub const GENERATOR: Generator = Generator {
     summary: "random places with at most a stated overlap, the largest bodies first",
     own_n: false,
     params: &[
-        DIAMETER,
-        OFFSET,
-        SIZE_RATIO,
-        SIZES,
-        EXPONENT,
-        SHARE,
-        GIANTS,
-        GRADING,
-        PERIODIC,
-        TILT,
-        Parameter {
-            name: "fraction",
-            kind: Kind::Positive,
-            default: [Preset::Number(0.3); 2],
-            meaning: "volume of the bodies over the volume of the box",
-        },
-        Parameter {
-            name: "overlap",
-            kind: Kind::Share,
-            default: [Preset::Number(0.05); 2],
-            meaning: "how far two bodies may overlap, over the sum of their radii",
-        },
+        OF_BODIES,
+        &[
+            number(
+                "fraction",
+                Kind::Positive,
+                0.3,
+                "volume of the bodies over the volume of the box",
+            ),
+            number(
+                "overlap",
+                Kind::Share,
+                0.05,
+                "how far two bodies may overlap, over the sum of their radii",
+            ),
+        ],
     ],
     make: |inputs| if inputs.dim == 2 { make::<2>(inputs) } else { make::<3>(inputs) },
     history: no_history,

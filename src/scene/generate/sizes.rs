@@ -24,59 +24,45 @@ use rand::seq::SliceRandom;
 
 use crate::scene::generate::draw::{Draw, sizes};
 use crate::scene::generate::grading::Curve;
-use crate::scene::generate::table::{Kind, Parameter, Preset};
+use crate::scene::generate::table::{Kind, Parameter, number, optional};
 use crate::scene::generate::{Inputs, room};
 
 /// Smallest and largest.
-pub const SIZE_RATIO: Parameter = Parameter {
-    name: "size-ratio",
-    kind: Kind::AtLeastOne,
-    default: [Preset::Number(1.0); 2],
-    meaning: "radii between r / ratio and r, uniform unless `sizes` says otherwise; 1 = one radius \
+pub const SIZE_RATIO: Parameter = number(
+    "size-ratio",
+    Kind::AtLeastOne,
+    1.0,
+    "radii between r / ratio and r, uniform unless `sizes` says otherwise; 1 = one radius \
               for all",
-};
+);
 
 /// The distribution.
-pub const SIZES: Parameter = Parameter {
-    name: "sizes",
-    kind: Kind::Word([&["power", "binary", "lognormal", "giants", "grading"]; 2]),
-    default: [Preset::Absent; 2],
-    meaning: "how radii are distributed: power, binary, lognormal, giants or grading; uniform if \
+pub const SIZES: Parameter = optional(
+    "sizes",
+    Kind::Word([&["power", "binary", "lognormal", "giants", "grading"]; 2]),
+    "how radii are distributed: power, binary, lognormal, giants or grading; uniform if \
               it is left out",
-};
+);
 
 /// Of [`SIZES`] `power`.
-pub const EXPONENT: Parameter = Parameter {
-    name: "exponent",
-    kind: Kind::Finite,
-    default: [Preset::Absent; 2],
-    meaning: "for sizes=power: numbers of radii go as r^exponent",
-};
+pub const EXPONENT: Parameter =
+    optional("exponent", Kind::Finite, "for sizes=power: numbers of radii go as r^exponent");
 
 /// Of [`SIZES`] `binary`.
-pub const SHARE: Parameter = Parameter {
-    name: "share",
-    kind: Kind::Share,
-    default: [Preset::Absent; 2],
-    meaning: "for sizes=binary: volume of the small ones over that of all",
-};
+pub const SHARE: Parameter =
+    optional("share", Kind::Share, "for sizes=binary: volume of the small ones over that of all");
 
 /// Of [`SIZES`] `giants`.
-pub const GIANTS: Parameter = Parameter {
-    name: "giants",
-    kind: Kind::Count,
-    default: [Preset::Absent; 2],
-    meaning: "for sizes=giants: how many have the largest radius",
-};
+pub const GIANTS: Parameter =
+    optional("giants", Kind::Count, "for sizes=giants: how many have the largest radius");
 
 /// Of [`SIZES`] `grading`.
-pub const GRADING: Parameter = Parameter {
-    name: "grading",
-    kind: Kind::Text,
-    default: [Preset::Absent; 2],
-    meaning: "for sizes=grading: a file with sieve size and percent passing by volume in each \
+pub const GRADING: Parameter = optional(
+    "grading",
+    Kind::Text,
+    "for sizes=grading: a file with sieve size and percent passing by volume in each \
               line, or these points",
-};
+);
 
 /// The cube of its inverse is still a normal number.
 const MOST: f64 = 1e100;

@@ -40,11 +40,26 @@ pub struct Generator {
     /// It decides the number of particles itself, and n is 0 where none is given.
     pub own_n: bool,
     /// Its parameters.
-    pub params: &'static [Parameter],
+    pub params: &'static [&'static [Parameter]],
     /// Makes the scene, in generated order.
     pub make: fn(&Inputs<'_>) -> anyhow::Result<Given>,
     /// Makes the scenes that a detector is to be given before it, in generated order.
     pub history: fn(&Inputs<'_>) -> anyhow::Result<Vec<Given>>,
+}
+
+/// A parameter that is a number by default.
+pub const fn number(
+    name: &'static str,
+    kind: Kind,
+    default: f64,
+    meaning: &'static str,
+) -> Parameter {
+    Parameter { name, kind, default: [Preset::Number(default); 2], meaning }
+}
+
+/// A parameter that stays away by default.
+pub const fn optional(name: &'static str, kind: Kind, meaning: &'static str) -> Parameter {
+    Parameter { name, kind, default: [Preset::Absent; 2], meaning }
 }
 
 /// For generators whose scenes stand alone.
@@ -147,12 +162,23 @@ pub fn find(name: &str) -> anyhow::Result<&'static Generator> {
 }
 
 impl Generator {
+    /// Its parameters.
+    pub fn params(&self) -> impl Iterator<Item = &'static Parameter> + use<> {
+        self.params.iter().copied().flatten()
+    }
+
+    /// Whether a parameter is text, whatever it looks like.
+    pub fn is_text(&self, name: &str) -> bool {
+        let of_text = |kind: Kind| matches!(kind, Kind::Text | Kind::Case);
+        self.params().any(|parameter| parameter.name == name && of_text(parameter.kind))
+    }
+
     /// The parameters that have a default value in 2 or 3 dimensions, with that value.
     pub fn defaults(&self, dim: u32) -> BTreeMap<String, Value> {
         let preset = |it: &Parameter| {
             Some((it.name.to_string(), it.default[usize::from(dim == 3)].value()?))
         };
-        self.params.iter().filter_map(preset).collect()
+        self.params().filter_map(preset).collect()
     }
 
     /// Checks dimension, number and parameters, and gives all parameters that have a value,
@@ -175,26 +201,19 @@ impl Generator {
             self.name,
             u32::MAX
         );
-        for name in params.keys() {
-            if !self.params.iter().any(|parameter| parameter.name == name) {
-                let known = self
-                    .params
-                    .iter()
-                    .map(|parameter| parameter.name)
-                    .collect::<Vec<_>>()
-                    .join(", ");
-                let own = self.params.iter().map(|parameter| parameter.name);
-                let hint = hint(name, own.chain(COMMON));
-                bail!(
-                    "{}: there is no parameter '{name}'{hint}; the parameters are: {known}",
-                    self.name
-                );
-            }
+        let known = || self.params().map(|parameter| parameter.name);
+        if let Some(name) = params.keys().find(|name| known().all(|known| known != **name)) {
+            bail!(
+                "{}: there is no parameter '{name}'{}; the parameters are: {}",
+                self.name,
+                hint(name, known().chain(COMMON)),
+                known().collect::<Vec<_>>().join(", ")
+            );
         }
         let mut all = BTreeMap::new();
         // A file has its own, and nobody has looked.
         let known = (self.name != file::NAME).then_some(dim);
-        for parameter in self.params {
+        for parameter in self.params() {
             let value = match params.get(parameter.name) {
                 Some(value) => match parameter.kind.check(value, known) {
                     Ok(value) => value,
