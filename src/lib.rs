@@ -16,7 +16,8 @@
 //! 4. [`experiment`]: what is asked, as a TOML file; [`run`]: every detector answers in a process
 //!    of its own, and rows are appended to the [`record`].
 //! 5. [`cells`] and [`stats`]: the rows of one measurement together, medians and intervals;
-//!    [`findings`]: what they say; [`present`]: what that looks like. [`recommend`] does it all at
+//!    [`findings`]: what they say; [`present`]: what that looks like; [`views`]:
+//!    pictures of scenes, films and traces. [`recommend`] does it all at
 //!    once for one scene.
 //! 6. [`cli`]: the verbs of the program `contactbench`.
 //!
@@ -63,3 +64,4 @@ pub mod record;
 pub mod run;
 pub mod scene;
 pub mod stats;
+pub mod views;

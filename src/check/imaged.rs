@@ -6,19 +6,16 @@
 
 use std::collections::HashMap;
 
-use anyhow::{Context, bail};
+use anyhow::Context;
 
 use crate::check::listed::{
     Allowed, Couple, Naming, READING_BYTES, Taken, Terms, Touching, Verification, room_for,
 };
 use crate::check::reading::{Reading, TakenBox};
-use crate::contact::Arithmetic;
-use crate::detect::{Options, table};
 use crate::io;
 use crate::oracle::Errors;
 use crate::periodic::{self, ImagePair, Periodic, depth};
-use crate::scene::{AnyScene, Radii, Real, Scene};
-use crate::with_scene;
+use crate::scene::touching::{contacts, gap, nearest, resized};
 
 mod explain;
 
@@ -41,7 +38,7 @@ impl Verification {
         others: &[Naming],
         terms: Terms,
     ) -> anyhow::Result<Verification> {
-        along_axes(periodic, list.images)?;
+        io::boxes::hold(periodic.lattice().periodic(), list.images)?;
         let mut truth = periodic::truth(periodic, terms.arithmetic, terms.memory_limit)?.pairs;
         let mut left_out = [truth.len() as u64, list.pairs.len() as u64];
         if let Some(groups) = terms.without {
@@ -106,109 +103,12 @@ impl Verification {
     }
 }
 
-/// Refuses images along an axis that is open.
-pub(crate) fn along_axes(
-    periodic: &Periodic<'_>,
-    images: Option<&[[i32; 3]]>,
-) -> anyhow::Result<()> {
-    let axes = periodic.lattice().periodic();
-    let open = |image: &[i32; 3]| (0..3).any(|k| image[k] != 0 && !axes[k]);
-    let images = images.unwrap_or_default();
-    if let Some(k) = images.iter().position(open) {
-        bail!(
-            "pair {k} of the list (from 0) names the image {}, and the box repeats along {}; give \
-             --periodic with all axes along which it repeats",
-            images[k].map(|s| s.to_string()).join(","),
-            io::boxes::along(axes)
-        );
-    }
-    Ok(())
-}
-
-/// What is asked of a contact.
-pub(crate) trait Measure {
-    /// How far apart the particles are, in the units of the scene.
-    fn gap(&self, pair: ImagePair) -> f64;
-    /// The image of j nearest to i, but for very skewed boxes; of a particle itself another one.
-    fn nearest(&self, pair: [u32; 2]) -> ImagePair;
-}
-
-impl Measure for Periodic<'_> {
-    fn gap(&self, pair: ImagePair) -> f64 {
-        let radius = |k: u32| with_scene!(self.scene(), scene => scene.radius(k as usize).wide());
-        -depth(self, pair) * 0.5 * (radius(pair.i) + radius(pair.j))
-    }
-
-    fn nearest(&self, [i, j]: [u32; 2]) -> ImagePair {
-        let [a, b] = [i, j].map(|k| super::listed::particle(self.scene(), k).0);
-        let axes = self.lattice().periodic();
-        let about: [i32; 3] = std::array::from_fn(|v| {
-            let dual = self.lattice().dual(v);
-            let at: f64 = a.iter().zip(&b).zip(dual).map(|((a, b), dual)| (a - b) * dual).sum();
-            if axes[v] { at.round().clamp(-1e9, 1e9) as i32 } else { 0 }
-        });
-        let steps = |v: usize| if axes[v] { -1..=1 } else { 0..=0 };
-        let mut best = (f64::NEG_INFINITY, ImagePair::new(i, j, about));
-        for x in steps(0) {
-            for y in steps(1) {
-                for z in steps(2) {
-                    let pair = ImagePair::new(i, j, [about[0] + x, about[1] + y, about[2] + z]);
-                    let depth = depth(self, pair);
-                    if depth > best.0 && !(i == j && pair.image == [0; 3]) {
-                        best = (depth, pair);
-                    }
-                }
-            }
-        }
-        best.1
-    }
-}
-
-/// All contacts in exact arithmetic, by a detector that copes with sizes and places of every kind;
-/// they and the images may take so many bytes each.
-pub fn contacts(periodic: &Periodic<'_>, limit: u64) -> anyhow::Result<Vec<ImagePair>> {
-    let options = Options { memory_limit: limit, ..Options::default() };
-    Ok(periodic::contacts(periodic, &mut *table::robust(options), Arithmetic::Exact, limit)?)
-}
-
 /// All pairs that are apart by no more than a length, in order.
-fn within_gap(periodic: &Periodic<'_>, gap: f64, limit: u64) -> anyhow::Result<Vec<ImagePair>> {
-    let larger = |r: f64| ((r + gap / 2.0) * (1.0 + 1e-9)).min(f64::MAX);
-    let mut near = contacts(&swollen(periodic, larger)?, limit)?;
-    near.retain(|&pair| periodic.gap(pair) <= gap);
+fn within_gap(periodic: &Periodic<'_>, most: f64, limit: u64) -> anyhow::Result<Vec<ImagePair>> {
+    let larger = |r: f64| ((r + most / 2.0) * (1.0 + 1e-9)).min(f64::MAX);
+    let mut near = contacts(&resized(periodic, larger)?, limit)?;
+    near.retain(|&pair| gap(periodic, pair) <= most);
     Ok(near)
-}
-
-/// The pairs that do not touch, with a gap under so many mean radii, in order; none where they
-/// cannot be found.
-pub(crate) fn nearly(periodic: &Periodic<'_>, part: f64, limit: u64) -> Vec<ImagePair> {
-    let Ok(swollen) = swollen(periodic, |r| r * (1.0 + part)) else { return Vec::new() };
-    let mut near = contacts(&swollen, limit).unwrap_or_default();
-    near.retain(|&pair| (-part..0.0).contains(&depth(periodic, pair)));
-    near
-}
-
-/// The same with other radii.
-fn swollen(
-    periodic: &Periodic<'_>,
-    larger: impl Fn(f64) -> f64,
-) -> anyhow::Result<Periodic<'static>> {
-    let scene: AnyScene<'static> = match periodic.scene() {
-        AnyScene::Plane(scene) => swell(&scene.widened(), larger)?.into(),
-        AnyScene::Space(scene) => swell(&scene.widened(), larger)?.into(),
-    };
-    Ok(Periodic::new(scene, *periodic.lattice())?)
-}
-
-fn swell<const D: usize>(
-    scene: &Scene<'_, f64, D>,
-    larger: impl Fn(f64) -> f64,
-) -> anyhow::Result<Scene<'static, f64, D>> {
-    let radii = match scene.radii() {
-        Radii::Uniform(r) => Radii::Uniform(larger(*r)),
-        Radii::Each(radii) => Radii::Each(radii.iter().map(|&r| larger(r)).collect()),
-    };
-    Ok(Scene::new(scene.centres().to_vec(), radii)?)
 }
 
 /// Against which a list is compared.
@@ -359,7 +259,7 @@ impl View<'_> {
                 errors.self_pairs += 1;
                 errors.duplicate += more - 1;
             } else if expected + may == 0 {
-                let nearest = self.periodic.nearest(pair);
+                let nearest = nearest(self.periodic, pair);
                 spurious.apart(self.periodic, nearest);
                 errors.duplicate += more - 1;
             } else {
@@ -400,7 +300,7 @@ impl Worst {
     }
 
     fn apart(&mut self, periodic: &Periodic<'_>, pair: ImagePair) {
-        self.gap = self.gap.max(periodic.gap(pair));
+        self.gap = self.gap.max(gap(periodic, pair));
         self.add(pair, depth(periodic, pair));
     }
 

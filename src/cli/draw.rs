@@ -16,13 +16,12 @@ use crate::detect::Options;
 use crate::io::pairs::List;
 use crate::io::{self, Frame, Place};
 use crate::number::plural;
-use crate::periodic::Periodic;
-use crate::present::draw;
-use crate::present::draw::film::Film;
-use crate::present::draw::{Boxed, Highlighted, Look, Slice};
-use crate::scene::Given;
+use crate::periodic::without_shift;
 use crate::scene::motion::Motion;
+use crate::scene::touching::{in_any_box, in_open_space};
 use crate::track::{self, TrackerSpec};
+use crate::views::draw::{self, Highlighted, Look, Slice};
+use crate::views::film::Film;
 
 /// Options of `draw`.
 #[derive(clap::Args)]
@@ -93,8 +92,20 @@ pub fn draw(options: &Draw) -> anyhow::Result<ExitCode> {
         bail!("there is nothing to draw; name a particle file, or a scene such as packed:n=200");
     };
     doubt_given(&name, &given, Arithmetic::Exact);
-    let Given { scene, lattice, has_box, .. } = given;
-    let limit = options.limit.bytes(scene.len());
+    let periodic = in_any_box(&given)?;
+    let (n, dim) = (periodic.scene().len(), periodic.scene().dim());
+    let limit = options.limit.bytes(n);
+    let pairs = match &options.pairs {
+        None => Highlighted::from_scene(&periodic, limit).with_context(|| name.clone())?,
+        Some(path) => {
+            let mut list = list(path)?;
+            if !given.has_box {
+                list.without_box();
+            }
+            let pairs = Highlighted::compare(&periodic, &list, limit);
+            pairs.with_context(|| path.display().to_string())?
+        }
+    };
     let look = Look {
         title: name.clone(),
         labels: options.labels,
@@ -102,43 +113,23 @@ pub fn draw(options: &Draw) -> anyhow::Result<ExitCode> {
         slice: options.slice,
         whole: options.whole,
     };
-    let what = format!("N = {}, {}D", scene.len(), scene.dim());
-    let (picture, contacts, across, wrong) = match lattice {
-        None => {
-            let pairs = match &options.pairs {
-                None => Highlighted::from_scene(&scene, limit)?,
-                Some(path) => {
-                    Highlighted::compare(&scene, draw::without_images(list(path)?, has_box)?, limit)
-                        .with_context(|| path.display().to_string())?
-                }
-            };
-            let Highlighted { contacts, missed, spurious, duplicates, .. } = &pairs;
-            let wrong = [missed.len(), spurious.len(), duplicates.len()];
-            let count = contacts.len() + missed.len();
-            (draw::svg(&scene, &pairs, &look)?, count, String::new(), wrong)
-        }
-        Some(lattice) => {
-            let periodic = Periodic::new(scene, lattice)?;
-            let boxed = match &options.pairs {
-                None => Boxed::new(&periodic, None, limit).with_context(|| name.clone())?,
-                Some(path) => Boxed::new(&periodic, Some(&list(path)?), limit)
-                    .with_context(|| path.display().to_string())?,
-            };
-            let across = format!(", {} of them across the box", boxed.across);
-            (draw::svg_in_box(&boxed, &look)?, boxed.contacts, across, boxed.wrong)
-        }
-    };
+    let picture = draw::svg(&periodic, &pairs, &look)?;
     let bytes = if png { crate::present::svg::png(&picture)? } else { picture.into_bytes() };
     io::write::whole(&options.output, |out| out.write_all(&bytes))
         .with_context(|| format!("cannot write {place}; choose another place with -o"))?;
     let size = crate::cli::bytes(bytes.len() as u64);
-    let [missed, spurious, repeated] = wrong;
-    let contacts = plural(contacts, "contact");
-    let wrong = match &options.pairs {
-        None => String::new(),
-        Some(_) => format!(", {missed} missed, {spurious} spurious, {repeated} repeated"),
-    };
-    say!("{name}: {what}, {contacts}{across}{wrong}; {place} ({size})");
+    let touching = || pairs.contacts.iter().chain(&pairs.missed);
+    let mut found = plural(touching().count(), "contact");
+    if periodic.lattice().repeats() {
+        let across = touching().filter(|pair| pair.image != [0; 3]).count();
+        found += &format!(", {across} of them across the box");
+    }
+    if options.pairs.is_some() {
+        let Highlighted { missed, spurious, duplicates, .. } = &pairs;
+        let [missed, spurious, repeated] = [missed, spurious, duplicates].map(Vec::len);
+        found += &format!(", {missed} missed, {spurious} spurious, {repeated} repeated");
+    }
+    say!("{name}: N = {n}, {dim}D, {found}; {place} ({size})");
     Ok(ExitCode::SUCCESS)
 }
 
@@ -184,11 +175,12 @@ fn play(options: &Draw, tracker: &TrackerSpec, sequence: Sequence<'_>) -> anyhow
             "{name}: a page plays scenes in open space, and this one repeats; take it without its \
              box (of a file: --open), or draw a picture of one frame"
         );
-        let frame = given.scene;
         let mut pairs = Vec::new();
-        let step = at_work.step(&frame, Test::Exact, None, &mut pairs);
+        let step = at_work.step(&given.scene, Test::Exact, None, &mut pairs);
         let step = step.with_context(|| format!("frame {k}: {tracker}"))?;
-        let pairs = Highlighted::compare(&frame, pairs, memory_limit)?;
+        let frame = in_open_space(&given.scene)?;
+        let pairs =
+            Highlighted::from_scene(&frame, memory_limit)?.against(without_shift(&pairs).collect());
         ensure!(
             pairs.spurious.is_empty() && pairs.duplicates.is_empty(),
             "frame {k}: {tracker} reported pairs that do not touch, or some twice: a defect"

@@ -7,7 +7,7 @@ use anyhow::Context;
 
 use crate::cli::shared::scene::Source;
 use crate::io::write;
-use crate::present::trace::{Algorithm, example, page, still, trace as run};
+use crate::views::trace::{Algorithm, example, page, still, trace as run};
 
 /// Options of `trace`.
 #[derive(clap::Args)]

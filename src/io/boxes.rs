@@ -226,6 +226,24 @@ pub fn along(axes: [bool; 3]) -> String {
     }
 }
 
+/// Refuses a list that names images along an axis that is open.
+///
+/// # Errors
+/// The first such pair of the list.
+pub fn hold(axes: [bool; 3], images: Option<&[[i32; 3]]>) -> anyhow::Result<()> {
+    let open = |image: &[i32; 3]| (0..3).any(|k| image[k] != 0 && !axes[k]);
+    let images = images.unwrap_or_default();
+    if let Some(k) = images.iter().position(open) {
+        bail!(
+            "pair {k} of the list (from 0) names the image {}, and the box repeats along {}; give \
+             --periodic with all axes along which it repeats",
+            images[k].map(|s| s.to_string()).join(","),
+            along(axes)
+        );
+    }
+    Ok(())
+}
+
 /// A particle is outside the box where it is farther out than this part of a vector: the corner
 /// and the coordinates in units of the vectors are rounded.
 const OUT: f64 = 1e-9;

@@ -2,16 +2,13 @@
 
 pub mod csv;
 pub mod document;
-pub mod draw;
 pub mod escape;
 pub mod figure;
 pub mod latex;
 pub mod page;
-pub mod player;
 pub mod recommendation;
 pub mod report;
 pub mod sections;
 pub mod svg;
 pub mod table;
-pub mod trace;
 pub mod tracking;

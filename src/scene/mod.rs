@@ -9,6 +9,7 @@ pub mod order;
 pub mod origin;
 pub mod spec;
 pub mod stats;
+pub mod touching;
 
 pub use crate::io::Given;
 pub use contactbench_core::scene::*;

@@ -1,10 +1,11 @@
 //! How a list in a box may be meant that differs from the truth, so that it agrees.
 
-use super::{Listed, View, contacts, swollen};
+use super::{Listed, View};
 use crate::check::listed::{Allowed, Naming, Terms, Verification, WORST};
 use crate::check::reading::{Deviation, FAR, ImagesOf, ROUNDED, Reading, TANGENT, TakenBox};
 use crate::contact::Arithmetic;
 use crate::periodic::{self, ImagePair, Periodic, depth};
+use crate::scene::touching::{contacts, resized};
 use crate::scene::{Lattice, Radii};
 use crate::with_scene;
 
@@ -248,7 +249,7 @@ impl Search<'_> {
             Ok(all)
         };
         let with_radii = |by: f64| -> Option<Vec<ImagePair>> {
-            contacts(&swollen(periodic, |r| (by * r).min(f64::MAX)).ok()?, terms.memory_limit).ok()
+            contacts(&resized(periodic, |r| (by * r).min(f64::MAX)).ok()?, terms.memory_limit).ok()
         };
         if before.wrong == 0 || missed > 0 && spurious > 0 {
         } else if spurious > 0 && errors.widest_false <= FAR {
@@ -344,7 +345,7 @@ impl Search<'_> {
         }
         let before = self.best.clone();
         for by in [0.5, 2.0] {
-            let Ok(sized) = swollen(periodic, |r| (by * r).min(f64::MAX)) else { continue };
+            let Ok(sized) = resized(periodic, |r| (by * r).min(f64::MAX)) else { continue };
             let Ok(truth) = contacts(&sized, terms.memory_limit) else { continue };
             let deviation = Some(Deviation::Radii(by));
             let plain = Reading { deviation, ..of.reading.clone() };

@@ -1,9 +1,10 @@
 use super::*;
 use crate::check::listed::WORST;
 use crate::check::reading::Deviation;
+use crate::detect::{Options, table};
 use crate::periodic::BRUTE_FORCE;
-use crate::scene::Lattice;
 use crate::scene::spec::Spec;
+use crate::scene::{Lattice, Radii, Scene};
 
 /// Discs in a box of these edges that repeats along both.
 fn discs(centres: &[[f64; 2]], radius: f64, edges: [f64; 2]) -> Periodic<'static> {
@@ -134,11 +135,11 @@ fn the_nearest_image_is_found() {
     let periodic = Periodic::new(scene.unwrap().into(), lattice).unwrap();
     // By -3 of the second vector and 27 of the first, (1.25, 0) are left; by -4 and 28, (0.25, 1),
     // which is shorter, though the fractions of the difference are 27.3125 and -3.
-    let pair = periodic.nearest([0, 1]);
+    let pair = nearest(&periodic, [0, 1]);
     assert_eq!((pair.i, pair.j, pair.image), (0, 1, [28, -4, 0]));
     let distance = (0.0625f64 + 1.0 + 0.25).sqrt();
     assert!((depth(&periodic, pair) + 2.0 * (distance - 1.0)).abs() < 1e-14);
-    assert!((periodic.gap(pair) - (distance - 1.0)).abs() < 1e-14);
+    assert!((gap(&periodic, pair) - (distance - 1.0)).abs() < 1e-14);
 }
 
 /// Beyond what is tested by all pairs, and against the guess of a list that knows no box.

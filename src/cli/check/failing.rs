@@ -11,10 +11,9 @@ use crate::check::{Differences, Failure, Report, Wrong, listed, regression};
 use crate::contact::Arithmetic;
 use crate::memory::default_limit;
 use crate::number::mean_radii;
-use crate::oracle;
-use crate::periodic::{ImagePair, depth};
-use crate::present::draw;
-use crate::present::draw::{Highlighted, Look};
+use crate::periodic::{self, ImagePair, depth};
+use crate::scene::touching::in_any_box;
+use crate::views::draw::{self, Highlighted, Look};
 
 /// So many kinds of refusals are shown.
 const KINDS: usize = 6;
@@ -108,30 +107,21 @@ pub(super) fn refusals(report: &Report, out: &mut dyn Write) -> anyhow::Result<(
     Ok(())
 }
 
-/// The scene with its contacts, and what is wrong with the pairs. None where nobody could draw it,
-/// and in boxes.
+/// The scene with its contacts, and what is wrong with the pairs; none where it cannot be drawn.
 fn picture(failure: &Failure) -> Option<String> {
     let Failure { detector, arithmetic, found, smallest, wrong, .. } = failure;
-    let smallest = &smallest.clone().open("").ok()?;
-    let mut contacts = oracle::truth(smallest, *arithmetic).ok()?.pairs;
+    let (smallest, limit) = (in_any_box(smallest).ok()?, default_limit());
+    let mut pairs = Highlighted::from_scene(&smallest, limit).ok()?;
+    pairs.contacts = periodic::truth(&smallest, *arithmetic, limit).ok()?.pairs;
     let wrong = wrong.as_ref().unwrap_or(found);
-    let Differences { missed, spurious, selves, duplicate } = match wrong {
-        Wrong::Pairs(differences) => differences.clone(),
-        _ => Differences::default(),
-    };
-    let plain = |pairs: &[ImagePair]| pairs.iter().map(|pair| [pair.i, pair.j]).collect::<Vec<_>>();
-    let missed = plain(&missed);
-    contacts.retain(|pair| missed.binary_search(pair).is_err());
-    let near = Highlighted::from_scene(smallest, default_limit()).ok()?.near;
-    let pairs = Highlighted {
-        contacts,
-        near,
-        missed,
-        spurious: [plain(&spurious), plain(&selves)].concat(),
-        duplicates: plain(&duplicate),
-    };
+    if let Wrong::Pairs(Differences { missed, spurious, selves, duplicate }) = wrong {
+        pairs.contacts.retain(|pair| missed.binary_search(pair).is_err());
+        pairs.missed = missed.clone();
+        pairs.spurious = [&spurious[..], selves].concat();
+        pairs.duplicates = duplicate.clone();
+    }
     let title = format!("{detector}, {}: {wrong}", arithmetic.name());
-    draw::svg(smallest, &pairs, &Look::titled(title)).ok()
+    draw::svg(&smallest, &pairs, &Look::titled(title)).ok()
 }
 
 pub(super) fn describe(

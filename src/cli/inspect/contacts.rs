@@ -4,7 +4,6 @@ use std::collections::HashSet;
 
 use serde_json::json;
 
-use crate::check::imaged;
 use crate::cli::inspect::Line;
 use crate::contact::depth::depth;
 use crate::contact::{Arithmetic, Test};
@@ -15,7 +14,7 @@ use crate::number::{number, plural};
 use crate::pair_list::{Allowance, PairList};
 use crate::periodic::{self, ImagePair, Periodic};
 use crate::scene::doubts::{Touching, doubts, f32_spacing};
-use crate::scene::{AnyScene, Radii, Real, Scene, Stored, array};
+use crate::scene::{AnyScene, Radii, Real, Scene, Stored, array, touching};
 use crate::sink::{Sink, Visit, normalise};
 use crate::{oracle, with_scene};
 
@@ -57,7 +56,7 @@ impl Contacts {
     pub fn in_box(periodic: &Periodic<'_>) -> Contacts {
         // As `detect` has it, so that a box much smaller than the particles is refused at once.
         let limit = crate::memory::limit_for(periodic.scene().len());
-        let pairs = match imaged::contacts(periodic, limit) {
+        let pairs = match touching::contacts(periodic, limit) {
             Ok(pairs) => pairs,
             Err(error) => return Contacts::Refused(format!("{error:#}")),
         };
@@ -65,7 +64,7 @@ impl Contacts {
         let (near, overlap) = depths.fold((0, 0.0), |(near, sum), depth| {
             (near + u64::from(depth < 2.0 * NEAR), sum + depth)
         });
-        let near = near + imaged::nearly(periodic, 2.0 * NEAR, limit).len() as u64;
+        let near = near + touching::nearly(periodic, 2.0 * NEAR, limit).len() as u64;
         Contacts::Found { open: Vec::new(), boxed: pairs, near, overlap }
     }
 

@@ -8,10 +8,10 @@ mod traces;
 
 use contactbench::contact::Arithmetic;
 use contactbench::detect::{Options, table};
-use contactbench::present::trace::Algorithm;
 use contactbench::probe::Tally;
 use contactbench::scene::spec::Spec;
 use contactbench::scene::{AnyScene, Radii, Scene};
+use contactbench::views::trace::Algorithm;
 
 const ALL: [Algorithm; 4] =
     [Algorithm::Nbs, Algorithm::Sorting, Algorithm::Screening, Algorithm::BinaryTree];

@@ -1,60 +1,58 @@
 //! Drawings of scenes, contacts and mistakes.
 
-use contactbench::present::draw;
-use contactbench::present::draw::{Highlighted, Look};
-use contactbench::scene::AnyScene;
+use contactbench::periodic::{Periodic, without_shift};
+use contactbench::scene::touching::{contacts, in_open_space};
 use contactbench::sink::normalise;
+use contactbench::views::draw::{self, Highlighted, Look};
 
 use super::{counted, discs, scene};
 
+fn space(text: &str) -> Periodic<'static> {
+    in_open_space(&scene(text)).unwrap()
+}
+
+fn found(scene: &Periodic<'_>) -> Highlighted {
+    Highlighted::from_scene(scene, 1 << 30).unwrap()
+}
+
+fn against(scene: &Periodic<'_>, reported: &[[u32; 2]]) -> Highlighted {
+    found(scene).against(without_shift(reported).collect())
+}
+
 #[test]
 fn a_drawing_shows_scene_contacts_and_mistakes() {
-    let scene = discs(&[[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [3.0000001, 0.0], [9.0, 9.0]], 0.5);
-    let of = |pairs: &Highlighted, look: &Look| draw::svg(&scene, pairs, look).unwrap();
-    let plain =
-        of(&Highlighted::from_scene(&scene, 1 << 30).unwrap(), &Look::titled("a < b & \"c\""));
-    assert_eq!(
-        plain.matches("<circle").count(),
-        5 + 3 + 2,
-        "discs, tangent and nearly tangent marks, two of them in the legend"
-    );
-    assert!(
-        plain.contains("contacts: 2")
-            && plain.contains("exactly tangent: 2")
-            && plain.contains("nearly tangent")
-    );
-    assert!(
-        plain.contains("a &lt; b &amp; &quot;c&quot;")
-            && !plain.contains("missed")
-            && plain.contains(">4</text>")
-    );
-    let wrong = of(
-        &Highlighted::compare(&scene, vec![[1, 2], [4, 0], [3, 3]], 1 << 30).unwrap(),
-        &Look { labels: Some(false), grid: true, ..Look::default() },
-    );
-    assert!(
-        wrong.contains("missed: touching, but not reported: 1")
-            && wrong.contains("spurious: reported, but apart: 2")
-    );
-    assert!(!wrong.contains(">4</text>") && wrong.contains("cells of edge 1.0"));
+    let centres = [[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [3.0000001, 0.0], [9.0, 9.0]];
+    let scene = in_open_space(&discs(&centres, 0.5)).unwrap();
+    let plain = draw::svg(&scene, &found(&scene), &Look::titled("a < b & \"c\"")).unwrap();
+    // Discs, tangent and nearly tangent marks, two of them in the legend.
+    assert_eq!(plain.matches("<circle").count(), 5 + 3 + 2);
+    let words =
+        ["contacts: 2", "exactly tangent: 2", "nearly tangent", "a &lt; b &amp; &quot;c&quot;"];
+    assert!(words.iter().all(|words| plain.contains(words)), "{plain}");
+    assert!(!plain.contains("missed") && plain.contains(">4</text>"), "{plain}");
+    let look = Look { labels: Some(false), grid: true, ..Look::default() };
+    let wrong = draw::svg(&scene, &against(&scene, &[[1, 2], [4, 0], [3, 3]]), &look).unwrap();
+    assert!(wrong.contains("missed: touching, but not reported: 1"), "{wrong}");
+    assert!(wrong.contains("spurious: reported, but apart: 2"), "{wrong}");
+    assert!(!wrong.contains(">4</text>") && wrong.contains("cells of edge 1.0"), "{wrong}");
 }
 
 /// In a crowd, and off the middle of a pack of spheres.
 #[test]
 fn the_worst_mistake_is_seen() {
     for (spec, place) in [("packed:n=5000", ""), ("packed:dim=3,n=1000", ", slice ")] {
-        let scene = scene(spec);
-        let all = Highlighted::from_scene(&scene, 1 << 30).unwrap().contacts;
+        let scene = space(spec);
+        let all = contacts(&scene, 1 << 30).unwrap();
         for k in [0, all.len() / 2, all.len() - 1] {
             let mut reported = all.clone();
-            let [i, j] = reported.remove(k);
-            let pairs = Highlighted::compare(&scene, reported, 1 << 30).unwrap();
+            let missed = reported.remove(k);
+            let pairs = found(&scene).against(reported);
             let svg = draw::svg(&scene, &pairs, &Look::titled("t")).unwrap();
             assert!(svg.contains("missed: touching, but not reported: 1<"), "{spec} {k}");
-            let around = format!(", around {i} and {j}: the worst mistake");
+            let around = format!(", around {} and {}: the worst mistake", missed.i, missed.j);
             // Spheres of a slice are large enough to be seen as it is.
             assert!(svg.contains(place) && svg.contains(&around) == place.is_empty(), "{spec} {k}");
-            let numbers = svg.contains(&format!(">{i}</text>"));
+            let numbers = svg.contains(&format!(">{}</text>", missed.i));
             assert!(numbers || !place.is_empty(), "{spec} {k}: few enough for numbers");
             on_the_sheet(&svg);
             let whole = Look { whole: true, ..Look::titled("t") };
@@ -66,10 +64,9 @@ fn the_worst_mistake_is_seen() {
 
 #[test]
 fn captions_are_whole() {
-    let scene = discs(&[[0.0, 0.0], [0.0, 9.0]], 0.5);
+    let scene = in_open_space(&discs(&[[0.0, 0.0], [0.0, 9.0]], 0.5)).unwrap();
     let words: Vec<String> = (0..60).map(|k| format!("word-{k}")).collect();
-    let pairs = Highlighted::from_scene(&scene, 1 << 30).unwrap();
-    let svg = draw::svg(&scene, &pairs, &Look::titled(words.join(" "))).unwrap();
+    let svg = draw::svg(&scene, &found(&scene), &Look::titled(words.join(" "))).unwrap();
     let texts = svg.split_once("</title>").unwrap().1;
     assert!(words.iter().all(|word| texts.contains(word.as_str())), "{texts}");
     on_the_sheet(&svg);
@@ -77,30 +74,18 @@ fn captions_are_whole() {
 
 /// All lines end on the sheet.
 fn on_the_sheet(svg: &str) {
-    let side = |name: &str| {
-        svg.split(&format!(" {name}=\""))
-            .nth(1)
-            .unwrap()
-            .split('"')
-            .next()
-            .unwrap()
-            .parse::<f64>()
-            .unwrap()
+    let side = |name: &str| -> f64 {
+        let value = svg.split(&format!(" {name}=\"")).nth(1).unwrap().split('"').next();
+        value.unwrap().parse().unwrap()
     };
     let (width, height) = (side("width"), side("height"));
-    for path in svg
-        .split(" d=\"")
-        .skip(1)
-        .map(|rest| rest.split('"').next().unwrap())
-        .filter(|path| !path.contains(['A', 'h', 'H']))
-    {
+    let paths = svg.split(" d=\"").skip(1).map(|rest| rest.split('"').next().unwrap());
+    for path in paths.filter(|path| !path.contains(['A', 'h', 'H'])) {
         for point in path.split(['M', 'L']).skip(1) {
             let (x, y) = point.split_once(' ').unwrap();
             let (x, y): (f64, f64) = (x.parse().unwrap(), y.parse().unwrap());
-            assert!(
-                (0.0..=width).contains(&x) && (0.0..=height).contains(&y),
-                "{x} {y} on {width} x {height}"
-            );
+            let inside = (0.0..=width).contains(&x) && (0.0..=height).contains(&y);
+            assert!(inside, "{x} {y} on {width} x {height}");
         }
     }
 }
@@ -109,48 +94,42 @@ fn on_the_sheet(svg: &str) {
 /// picture, and nothing in it that is no number.
 #[test]
 fn every_scene_can_be_drawn() {
-    let hard: Vec<AnyScene<'static>> = [
-        (vec![], 1.0),
-        (vec![[3.0, 4.0]], 0.0),
-        (vec![[3.0, 4.0], [3.0, 4.0]], 0.0),
-        (vec![[1e15, 1e15], [1e15 + 1.0, 1e15]], 0.5),
-        (vec![[f64::MAX, f64::MAX], [-f64::MAX, -f64::MAX]], f64::MAX),
-        (vec![[0.0, 0.0], [1e-310, 0.0]], 5e-311),
-        (vec![[0.0, 0.0], [1e300, 1.0]], 1.0),
-        ((0..1000).map(|k| [f64::from(k), 0.0]).collect(), 0.5),
-    ]
-    .into_iter()
-    .map(|(centres, r): (Vec<[f64; 2]>, f64)| discs(&centres, r))
-    .chain(["packed:dim=3,n=300", "loose:dim=3,n=1", "packed:n=5000"].map(scene))
-    .collect();
-    for scene in &hard {
+    let row: Vec<[f64; 2]> = (0..1000).map(|k| [f64::from(k), 0.0]).collect();
+    let hard: [(&[[f64; 2]], f64); 8] = [
+        (&[], 1.0),
+        (&[[3.0, 4.0]], 0.0),
+        (&[[3.0, 4.0], [3.0, 4.0]], 0.0),
+        (&[[1e15, 1e15], [1e15 + 1.0, 1e15]], 0.5),
+        (&[[f64::MAX, f64::MAX], [-f64::MAX, -f64::MAX]], f64::MAX),
+        (&[[0.0, 0.0], [1e-310, 0.0]], 5e-311),
+        (&[[0.0, 0.0], [1e300, 1.0]], 1.0),
+        (&row, 0.5),
+    ];
+    let hard = hard.into_iter().map(|(centres, r)| discs(centres, r));
+    let made = ["packed:dim=3,n=300", "loose:dim=3,n=1", "packed:n=5000"].map(scene);
+    for scene in hard.chain(made) {
+        let scene = in_open_space(&scene).unwrap();
         for grid in [false, true] {
-            let svg = draw::svg(
-                scene,
-                &Highlighted::from_scene(scene, 1 << 30).unwrap(),
-                &Look { grid, ..Look::titled("hard") },
-            )
-            .unwrap();
-            assert!(!svg.contains("NaN") && !svg.contains("inf"), "N = {}", scene.len());
+            let look = Look { grid, ..Look::titled("hard") };
+            let svg = draw::svg(&scene, &found(&scene), &look).unwrap();
+            assert!(!svg.contains("NaN") && !svg.contains("inf"), "N = {}", scene.scene().len());
             on_the_sheet(&svg);
-            if !grid {
-                contactbench::present::svg::png(&svg).unwrap();
-            }
         }
     }
-    let many = scene("loose:n=200001");
-    let error =
-        draw::svg(&many, &Highlighted::default(), &Look::default()).unwrap_err().to_string();
-    assert!(error.contains("200001 particles are too many"), "{error}");
+    let many = draw::svg(&space("loose:n=200001"), &Highlighted::default(), &Look::default());
+    assert!(many.unwrap_err().to_string().contains("200001 particles are too many"));
+    let beyond = against(&space("packed:n=9"), &[[0, 9]]);
+    let beyond = draw::svg(&space("packed:n=9"), &beyond, &Look::default());
+    assert!(beyond.unwrap_err().to_string().contains("the scene has 9 particles"));
 }
 
 /// `draw` finds contacts as every detector does.
 #[test]
 fn drawn_contacts_are_the_contacts() {
     for text in ["packed:n=500", "loose:dim=3,n=300", "clustered:n=200"] {
-        let scene = scene(text);
-        let (_, mut pairs) = counted("direct", &scene);
+        let (_, mut pairs) = counted("direct", &scene(text));
         normalise(&mut pairs);
-        assert_eq!(draw::find(&scene, 1 << 30).unwrap(), pairs, "{text}");
+        let found = contacts(&space(text), 1 << 30).unwrap();
+        assert!(found.into_iter().eq(without_shift(&pairs)), "{text}");
     }
 }

@@ -1,6 +1,6 @@
 //! Traces do what the detectors do, and show what the book prints.
 
-use contactbench::present::trace::{Algorithm, Trace, example, page, trace};
+use contactbench::views::trace::{Algorithm, Trace, example, page, trace};
 
 use super::{ALL, counted, discs, scene};
 
@@ -41,25 +41,18 @@ fn a_trace_counts_and_finds_what_the_counted_build_does() {
 }
 
 fn heads(trace: &Trace, step: usize, letter: char) -> Vec<i64> {
-    let heads = trace.steps[step].state.heads_of(letter);
     let value = |list: i64| {
-        usize::try_from(list)
-            .ok()
-            .and_then(|list| heads.get(list))
-            .and_then(|head| head.first)
-            .map_or(-1, |k| i64::from(k) + 1)
+        let list = usize::try_from(list).ok();
+        let first = list.and_then(|list| trace.steps[step].state.value(letter, list));
+        first.map_or(-1, |k| i64::from(k) + 1)
     };
     let shift = i64::from(trace.names.shift[usize::from(letter == 'B')]);
     (1..=10).map(|shown| value(shown - shift)).collect()
 }
 
 fn links(trace: &Trace, step: usize, letter: char) -> Vec<i64> {
-    trace.steps[step]
-        .state
-        .links_of(letter)
-        .iter()
-        .map(|next| next.map_or(-1, |k| i64::from(k) + 1))
-        .collect()
+    let links = trace.steps[step].state.array(letter).iter();
+    links.map(|next| next.value.map_or(-1, |k| i64::from(k) + 1)).collect()
 }
 
 /// G5 of the book on the arrays that are shown (p103-110), and how many steps there are.
@@ -80,7 +73,7 @@ fn the_books_ten_particles_are_shown_as_printed() {
     let last = trace.steps.len() - 1;
     for letter in ['A', 'a', 'B'] {
         assert_eq!(heads(&trace, last, letter), [-1; 10]);
-        assert!(trace.steps[last].state.heads_of(letter).iter().all(|head| !head.old));
+        assert!(trace.steps[last].state.array(letter).iter().all(|head| !head.old));
     }
 }
 
@@ -98,13 +91,13 @@ fn the_lists_that_are_shown_hold_the_particles_of_their_cells() {
                 trace.steps.iter().filter(|step| trace.parts[step.part].ends_with("are checked"))
             {
                 for &letter in letters {
-                    for (list, head) in (0..).zip(step.state.heads_of(letter)) {
+                    for (list, head) in (0..).zip(step.state.array(letter)) {
                         let cell = match letter {
                             'A' => [list, step.marks.row.unwrap()],
                             'a' => [list, step.marks.row.unwrap() - 1],
                             _ => [list % nx, list / nx],
                         };
-                        let mut shown = step.state.chain(link, head.first);
+                        let mut shown = step.state.chain(link, head.value);
                         shown.sort_unstable();
                         let there: Vec<u32> = (0..)
                             .zip(&trace.discs)
@@ -127,26 +120,24 @@ fn the_other_examples_are_shown_as_printed() {
     let screening = trace(Algorithm::Screening, None).unwrap();
     assert_eq!(screening.steps.len(), 70);
     assert_eq!(links(&screening, 9, 'E'), [-1, 1, -1, 2, 3, -1, 5, -1, 7]);
-    let (nx, c) = (screening.cells.count[0], screening.steps[9].state.heads_of('C'));
+    let (nx, c) = (screening.cells.count[0], screening.steps[9].state.array('C'));
     let shown =
-        |column: u32, row: u32| c[((row - 5) * nx + column - 1) as usize].first.map(|k| k + 1);
+        |column: u32, row: u32| c[((row - 5) * nx + column - 1) as usize].value.map(|k| k + 1);
     assert_eq!(
         [shown(2, 7), shown(5, 6), shown(5, 7), shown(6, 6)],
         [Some(9), Some(6), Some(4), Some(8)]
     );
-    assert_eq!(c.iter().filter(|head| head.first.is_some()).count(), 4);
+    assert_eq!(c.iter().filter(|head| head.value.is_some()).count(), 4);
 
     let sorting = trace(Algorithm::Sorting, None).unwrap();
     assert_eq!(sorting.steps.len(), 93);
     let last = &sorting.steps.last().unwrap().state;
     let keys = |axis: usize| {
-        last.keys[axis]
-            .iter()
-            .map(|key| key.unwrap() + sorting.names.shift[axis])
-            .collect::<Vec<_>>()
+        let keys = last.array(['X', 'Y'][axis]).iter();
+        keys.map(|key| sorting.names.key(axis, key.value.unwrap())).collect::<Vec<_>>()
     };
     assert_eq!((keys(0), keys(1)), (vec![3, 4, 4, 4, 5, 5, 5, 6], vec![7, 5, 6, 7, 6, 7, 8, 6]));
-    assert_eq!(last.particles.iter().map(|k| k + 1).collect::<Vec<_>>(), [7, 5, 3, 1, 6, 4, 2, 8]);
+    assert_eq!(links(&sorting, 92, 'D'), [7, 5, 3, 1, 6, 4, 2, 8]);
     let search = sorting
         .steps
         .iter()

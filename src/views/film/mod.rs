@@ -5,12 +5,11 @@ mod page;
 
 use anyhow::{bail, ensure};
 
-use crate::contact::Arithmetic;
 use crate::number::{number, plural};
-use crate::present::draw::Slice;
-use crate::present::draw::flat::{Circle, Flat};
-use crate::present::draw::pairs::Highlighted;
-use crate::scene::AnyScene;
+use crate::periodic::{ImagePair, Periodic};
+use crate::views::draw::bodies::particles;
+use crate::views::draw::plane::{Circle, Plane};
+use crate::views::draw::{Highlighted, Slice};
 
 /// The largest page, in bytes: larger ones are slow to open.
 pub const MOST_BYTES: usize = 5_000_000;
@@ -77,27 +76,26 @@ impl Film {
     /// discs, and a frame of another scale than the first.
     pub fn take(
         &mut self,
-        scene: &AnyScene<'_>,
+        periodic: &Periodic<'_>,
         pairs: &Highlighted,
         built: bool,
     ) -> anyhow::Result<()> {
-        let k = self.frames.len();
+        let (k, scene) = (self.frames.len(), periodic.scene());
         self.space = scene.dim() == 3;
         ensure!(
             self.space || self.slice.is_none(),
             "a slice was asked for, but the scene is of discs; leave out --slice"
         );
-        let flat = Flat::new(&scene.stored(Arithmetic::F64)?, self.slice, scene.len());
-        self.slice = flat.slice;
-        (self.particles, self.factor) = match k {
-            0 => (scene.len(), flat.factor),
-            _ => (self.particles, self.factor),
-        };
+        let plane = Plane::new(&particles(scene), scene.dim(), self.slice, scene.len());
+        self.slice = plane.slice;
+        if k == 0 {
+            (self.particles, self.factor) = (scene.len(), plane.factor);
+        }
         ensure!(
-            flat.factor == self.factor,
+            plane.factor == self.factor,
             "frame {k} is of another scale than the first; take the frames before (--frames)"
         );
-        let circles = flat.circles.len();
+        let circles = plane.circles.len();
         ensure!(
             circles <= MOST_CIRCLES,
             "{circles} particles are too many to be seen moving; at most {MOST_CIRCLES} are \
@@ -106,19 +104,16 @@ impl Film {
         );
         let radii = |circles: &[Circle]| circles.iter().map(|circle| circle.r).collect::<Vec<_>>();
         let first = self.frames.first();
-        let others = first.is_some_and(|first| radii(&first.circles) != radii(&flat.circles));
+        let others = first.is_some_and(|first| radii(&first.circles) != radii(&plane.circles));
         if (self.space || others) && !self.own_radii {
             // Those of earlier frames are written, too.
             let before: usize = self.frames.iter().map(|frame| frame.circles.len()).sum();
             self.bytes += (CIRCLE[1] - CIRCLE[0]) * before;
             self.own_radii = true;
         }
-        let shown = |pairs: &[[u32; 2]]| -> Vec<[u16; 2]> {
-            let places = pairs.iter().filter_map(|pair| {
-                let [a, b] = pair.map(|particle| flat.place(particle));
-                Some([u16::try_from(a?).ok()?, u16::try_from(b?).ok()?])
-            });
-            places.collect()
+        let place = |particle: u32| u16::try_from(plane.place(particle)?).ok();
+        let shown = |pairs: &[ImagePair]| -> Vec<[u16; 2]> {
+            pairs.iter().filter_map(|pair| Some([place(pair.i)?, place(pair.j)?])).collect()
         };
         let (mut both, missed) = (shown(&pairs.contacts), shown(&pairs.missed));
         let missed_here = missed.len();
@@ -140,7 +135,7 @@ impl Film {
             }
         }
         self.frames.push(Frame {
-            circles: flat.circles,
+            circles: plane.circles,
             pairs: both,
             missed_here,
             contacts: pairs.contacts.len() + pairs.missed.len(),
@@ -150,16 +145,6 @@ impl Film {
         Ok(())
     }
 
-    /// Frames so far.
-    pub fn len(&self) -> usize {
-        self.frames.len()
-    }
-
-    /// Are there none?
-    pub fn is_empty(&self) -> bool {
-        self.frames.is_empty()
-    }
-
     /// What there is to see, in a sentence.
     pub fn summary(&self) -> String {
         let Film { tracker, particles, .. } = self;
@@ -167,7 +152,7 @@ impl Film {
         let built = self.frames.iter().filter(|frame| frame.built).count();
         let missed: usize = self.frames.iter().map(|frame| frame.missed).sum();
         let slice = self.slice.filter(|_| self.space).map_or(String::new(), |slice| {
-            format!(", slice {} = {}", ["x", "y", "z"][slice.axis], number(slice.at))
+            format!(", slice {} = {}", slice.name(), number(slice.at))
         });
         let frames = plural(self.frames.len(), "frame");
         let missed = match self.frames.iter().position(|frame| frame.missed > 0) {

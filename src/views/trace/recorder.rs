@@ -1,10 +1,9 @@
-//! A probe that keeps what a detector tells, as steps.
+//! A probe that keeps the events of a detector as steps.
 
 use crate::event::{Event, Part};
-use crate::present::trace::state::{Node, State};
-use crate::present::trace::words::Chain;
-use crate::present::trace::{Algorithm, Disc, MOST_STEPS, words};
 use crate::probe::{Op, Probe, Tally};
+use crate::views::trace::state::State;
+use crate::views::trace::{Algorithm, Disc, MOST_STEPS, words};
 
 /// How particles and cells are numbered where they are shown.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -28,9 +27,27 @@ impl Names {
         k.map_or("-1".into(), |k| self.particle(k).to_string())
     }
 
+    /// A place of sorting: places are numbered as particles are.
+    pub fn place(&self, at: usize) -> u32 {
+        self.particle(at as u32)
+    }
+
+    /// A range of places, from the first to the one after the last.
+    pub fn places(&self, [from, to]: [usize; 2]) -> String {
+        match to - from {
+            1 => format!("place {}", self.place(from)),
+            _ => format!("places {} to {}", self.place(from), self.place(to) - 1),
+        }
+    }
+
+    /// A column or a row.
+    pub fn key(&self, axis: usize, key: u32) -> u32 {
+        key + self.shift[axis]
+    }
+
     /// A cell, as (column, row).
     pub fn cell(&self, [column, row]: [u32; 2]) -> String {
-        format!("({}, {})", column + self.shift[0], row + self.shift[1])
+        format!("({}, {})", self.key(0, column), self.key(1, row))
     }
 }
 
@@ -113,27 +130,7 @@ impl Recorder {
         count: [u32; 2],
         discs: &[Disc],
     ) -> Recorder {
-        let [nx, ny] = count.map(|count| count as usize);
-        let (n, heads) = (discs.len(), |letter, lists| (letter, vec![Default::default(); lists]));
-        let mut state = State::default();
-        match algorithm {
-            Algorithm::Nbs => {
-                state.heads = vec![heads('B', ny), heads('A', nx), heads('a', nx)];
-                state.links = vec![('Y', vec![None; n]), ('X', vec![None; n])];
-            }
-            Algorithm::Screening => {
-                state.heads = vec![heads('C', nx * ny)];
-                state.links = vec![('E', vec![None; n])];
-            }
-            Algorithm::Sorting => {
-                state.keys = [vec![None; n], vec![None; n]];
-                state.particles = (0..n as u32).collect();
-            }
-            Algorithm::BinaryTree => {
-                state.nodes = vec![Node::default()];
-                state.links = vec![('E', vec![None; n])];
-            }
-        }
+        let state = State::new(algorithm, discs.len(), count.map(|count| count as usize));
         let mut recorder = Recorder {
             algorithm,
             names,
@@ -191,42 +188,15 @@ impl Recorder {
     }
 
     fn event(&mut self, event: Event) {
-        let before = self.state.clone();
+        let was_empty = match event {
+            Event::Reset { heads, list } => self.state.value(heads, list).is_none(),
+            _ => false,
+        };
         self.state.apply(&event);
         match event {
-            Event::Begin(part) => {
-                match part {
-                    Part::CentralRow { row } => self.row = Some(row),
-                    Part::RemoveColumns | Part::RemoveCells => self.central = None,
-                    Part::RemoveRows => self.row = None,
-                    _ => {}
-                }
-                self.part(words::title(part, self.row, &self.names));
-                if let Part::Tree { halvings } = part {
-                    self.step(words::tree(halvings), Marks { path: vec![0], ..Marks::default() });
-                }
-            }
+            Event::Begin(part) => self.begin(part),
             Event::Visit { particle } => self.visiting = Some(particle),
-            Event::Central { cell } => {
-                self.central = Some(cell);
-                match self.algorithm {
-                    // The step that found it is about it.
-                    Algorithm::Nbs | Algorithm::Screening => {
-                        if let Some(step) = self.steps.last_mut() {
-                            step.marks.central = Some(cell);
-                        }
-                    }
-                    Algorithm::Sorting => {}
-                    Algorithm::BinaryTree => {
-                        let words = format!(
-                            "The walk over the tree has come to the leaf of cell {}: it is \
-                             central.",
-                            self.names.cell(cell)
-                        );
-                        self.step(words, Marks::default());
-                    }
-                }
-            }
+            Event::Central { cell } => self.central(cell),
             Event::Compare { place } => self.places.push(place),
             Event::Node { node, .. } => self.path.push(node),
             Event::Made { node, .. } => {
@@ -238,12 +208,45 @@ impl Recorder {
                     (self.row, self.central) = (None, None);
                     self.part("Which rows are new?".into());
                 }
-                if let Some((words, marks)) = words::sentence(self, &before, &event) {
+                if let Some((words, marks)) = words::sentence(self, was_empty, &event) {
                     self.step(words, marks);
                 }
                 if matches!(event, Event::Take { .. }) {
                     self.visiting = None;
                 }
+            }
+        }
+    }
+
+    fn begin(&mut self, part: Part) {
+        match part {
+            Part::CentralRow { row } => self.row = Some(row),
+            Part::RemoveColumns | Part::RemoveCells => self.central = None,
+            Part::RemoveRows => self.row = None,
+            _ => {}
+        }
+        self.part(words::title(part, self.row, &self.names));
+        if let Part::Tree { halvings } = part {
+            self.step(words::tree(halvings), Marks { path: vec![0], ..Marks::default() });
+        }
+    }
+
+    fn central(&mut self, cell: [u32; 2]) {
+        self.central = Some(cell);
+        match self.algorithm {
+            // The step that found it is about it.
+            Algorithm::Nbs | Algorithm::Screening => {
+                if let Some(step) = self.steps.last_mut() {
+                    step.marks.central = Some(cell);
+                }
+            }
+            Algorithm::Sorting => {}
+            Algorithm::BinaryTree => {
+                let cell = self.names.cell(cell);
+                let words = format!(
+                    "The walk over the tree has come to the leaf of cell {cell}: it is central."
+                );
+                self.step(words, Marks::default());
             }
         }
     }
@@ -259,7 +262,8 @@ impl Recorder {
     }
 
     /// The particles of a list as they are shown.
-    pub(super) fn chain(&self, letter: char, first: Option<u32>) -> Chain {
-        Chain(self.state.chain(letter, first).into_iter().map(|k| self.names.particle(k)).collect())
+    pub(super) fn chain(&self, links: char, first: Option<u32>) -> String {
+        let names = self.state.chain(links, first).into_iter().map(|k| self.names.particle(k));
+        names.map(|name| name.to_string()).collect::<Vec<_>>().join(" \u{2192} ")
     }
 }

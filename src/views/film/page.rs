@@ -4,19 +4,17 @@ use std::fmt::Write;
 
 use serde_json::{Value, json};
 
-use crate::present::draw::film::{Film, Frame};
-use crate::present::draw::page_coordinates::PageCoordinates;
-use crate::present::player::palette::{DARK, LIGHT, Palette};
-use crate::present::svg::{px, segment};
-use crate::present::{escape, player};
+use crate::text;
+use crate::views::draw::page_coordinates::PageCoordinates;
+use crate::views::draw::plane::bounds;
+use crate::views::film::{Film, Frame};
+use crate::views::player::{self, painted};
+use crate::views::{px, segment};
 
 /// The most pixels of the drawing.
 const MOST: [f64; 2] = [1200.0, 900.0];
 /// Numbers of the page for a pixel: what is finer is not seen.
 const FINE: f64 = 32.0;
-/// Contacts that were missed, on bright ground and on dark.
-const MISSED: [&str; 2] = ["#d11507", "#ff6b5e"];
-
 /// The page of a film.
 pub fn html(film: &Film) -> String {
     let page = page(film);
@@ -33,8 +31,8 @@ pub fn html(film: &Film) -> String {
     let [discs, contacts, missed] =
         film.frames.first().map_or_else(Default::default, |first| picture(first, &page));
     let [width, height] = page.size.map(px);
-    let last = film.len().saturating_sub(1);
-    let summary = escape::html(&film.summary());
+    let last = film.frames.len().saturating_sub(1);
+    let summary = text::html(&film.summary());
     include_str!("page.html")
         .replace("@@STYLE@@", &format!("{}{}", colours(), player::STYLE))
         .replace("@@PLAYER@@", player::SCRIPT)
@@ -49,20 +47,13 @@ pub fn html(film: &Film) -> String {
         .replace("@@DATA@@", &data)
         // Last, so that a name cannot be taken for a place.
         .replace("@@SUMMARY@@", &summary)
-        .replace("@@TITLE@@", &escape::html(&film.title))
+        .replace("@@TITLE@@", &text::html(&film.title))
 }
 
 /// Around the circles of all frames.
 fn page(film: &Film) -> PageCoordinates {
-    let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-    for circle in film.frames.iter().flat_map(|frame| &frame.circles) {
-        for k in 0..2 {
-            low[k] = low[k].min(circle.at[k] - circle.r);
-            high[k] = high[k].max(circle.at[k] + circle.r);
-        }
-    }
-    let bounds = if low[0] <= high[0] { [low, high] } else { [[0.0; 2], [1.0; 2]] };
-    PageCoordinates::around(bounds, MOST, 0.0)
+    let circles = film.frames.iter().flat_map(|frame| &frame.circles);
+    PageCoordinates::around(bounds(circles).unwrap_or([[0.0; 2], [1.0; 2]]), MOST, 0.0)
 }
 
 /// A length of the page as the data have it.
@@ -106,14 +97,9 @@ fn marks(film: &Film, is_marked: impl Fn(&Frame) -> bool, top: u32, bottom: u32)
 }
 
 fn colours() -> String {
-    let variables = |palette: &Palette, missed: &str| {
-        let Palette { ground, ink, line, disc: [disc, rim], accent, contact, .. } = palette;
-        format!(
-            "{{--ground:{ground};--ink:{ink};--line:{line};--disc:{disc};--rim:{rim};\
-             --accent:{accent};--contact:{contact};--missed:{missed}}}\n"
-        )
-    };
-    let [bright, dark] = [variables(&LIGHT, MISSED[0]), variables(&DARK, MISSED[1])];
+    let variables = "{--ground:@ground;--ink:@ink;--line:@line;--disc:@disc;--rim:@rim;\
+                     --accent:@accent;--contact:@contact;--missed:@missed}\n";
+    let [bright, dark] = [false, true].map(|dark| painted(variables, dark));
     // Without JavaScript nobody says that it is dark.
     let wish = format!("@media (prefers-color-scheme:dark){{:root:not(.js){dark}}}\n");
     format!(":root{bright}{wish}:root.dark{dark}")

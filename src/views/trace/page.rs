@@ -8,71 +8,59 @@ use std::collections::HashMap;
 
 use serde_json::{Value, json};
 
-use crate::present::player::palette::{DARK, LIGHT, Palette};
-use crate::present::svg::px;
-use crate::present::trace::Trace;
-use crate::present::trace::arrays::{Arrays, WIDTH};
-use crate::present::trace::picture::{Scene, style};
-use crate::present::{escape, player};
+use crate::text;
+use crate::views::player::{self, painted};
+use crate::views::px;
+use crate::views::trace::Trace;
+use crate::views::trace::arrays::{Arrays, WIDTH};
+use crate::views::trace::picture::{Scene, style};
 
 /// The page of a trace of a scene with this name.
 pub fn html(trace: &Trace, name: &str) -> String {
-    let (scene, arrays) = (Scene::new(trace), Arrays::new(trace));
-    let ops = trace.ops();
+    let (scene, arrays, ops) = (Scene::new(trace), Arrays::new(trace), trace.ops());
     let mut fragments = Fragments::default();
     let steps: Vec<Value> = trace
         .steps
         .iter()
         .map(|step| {
-            let layers = scene.layers(trace, step).map(|layer| fragments.number(layer));
-            let blocks: Vec<usize> =
-                arrays.draw(trace, step).into_iter().map(|block| fragments.number(block)).collect();
+            let layers = scene.layers(step).map(|layer| fragments.number(layer));
+            let blocks = arrays.draw(step).into_iter().map(|block| fragments.number(block));
+            let blocks: Vec<usize> = blocks.collect();
             let counts: Vec<u64> = ops.iter().map(|(op, _)| step.tally.get(*op)).collect();
             json!([step.words, step.part, layers, blocks, counts, step.state.contacts.len()])
         })
         .collect();
-    let contacts: Vec<String> =
-        trace.contacts.iter().map(|&pair| scene.line(trace, pair)).collect();
+    let contacts: Vec<String> = trace.contacts.iter().map(|&pair| scene.line(pair)).collect();
     let names: Vec<&str> = ops.iter().map(|(_, words)| words.as_str()).collect();
-    // In a script nothing but its end tag must be avoided.
     let data = json!({
         "steps": steps,
         "parts": trace.parts,
         "ops": names,
         "f": fragments.texts,
         "contacts": contacts,
-    })
-    .to_string()
-    .replace("</", "<\\/");
-    let blocks = "<g></g>".repeat(arrays.len());
+    });
     let [sw, sh] = scene.size.map(px);
+    let colours = [colours(false, ":root", ""), colours(true, ":root.dark", ":root.dark ")];
     include_str!("page.html")
-        .replace(
-            "@@STYLE@@",
-            &format!(
-                "{}{}{}",
-                colours(&LIGHT, ":root", ""),
-                colours(&DARK, ":root.dark", ":root.dark "),
-                player::STYLE
-            ),
-        )
+        .replace("@@STYLE@@", &(colours.concat() + player::STYLE))
         .replace("@@PLAYER@@", player::SCRIPT)
         .replace("@@SCENE@@", &format!("0 0 {sw} {sh}"))
         .replace("@@ARRAYS@@", &format!("0 0 {} {}", px(WIDTH), px(arrays.height)))
-        .replace("@@GROUND@@", &scene.ground(trace))
-        .replace("@@GRID@@", &scene.grid(trace))
-        .replace("@@DISCS@@", &scene.discs(trace))
-        .replace("@@NUMBERS@@", &scene.numbers(trace))
-        .replace("@@BLOCKS@@", &blocks)
+        .replace("@@GROUND@@", &scene.ground())
+        .replace("@@GRID@@", &scene.grid())
+        .replace("@@DISCS@@", &scene.discs())
+        .replace("@@NUMBERS@@", &scene.numbers())
+        .replace("@@BLOCKS@@", &"<g></g>".repeat(arrays.len()))
         .replace("@@LAST@@", &(trace.steps.len() - 1).to_string())
-        .replace("@@DATA@@", &data)
+        // In a script nothing but its end tag must be avoided.
+        .replace("@@DATA@@", &data.to_string().replace("</", "<\\/"))
         // Last, so that a name cannot be taken for a place.
-        .replace("@@TITLE@@", &escape::html(&trace.title(name)))
+        .replace("@@TITLE@@", &text::html(&trace.title(name)))
 }
 
-fn colours(palette: &Palette, root: &str, scope: &str) -> String {
-    let Palette { ground, ink, accent, .. } = palette;
-    format!("{root}{{--ground:{ground};--ink:{ink};--accent:{accent}}}\n{}", style(palette, scope))
+fn colours(dark: bool, root: &str, scope: &str) -> String {
+    let variables = painted("{--ground:@ground;--ink:@ink;--accent:@accent}\n", dark);
+    format!("{root}{variables}{}", style(dark, scope))
 }
 
 /// Texts, each once.

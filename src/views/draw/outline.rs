@@ -1,7 +1,7 @@
 //! The faces of a box where they cross the plane that is drawn.
 
-use crate::present::draw::flat::Flat;
 use crate::scene::Lattice;
+use crate::views::draw::plane::Plane;
 
 /// A piece of a face, from here to there.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -13,14 +13,14 @@ pub struct Face {
 }
 
 /// The faces of a box in a plane, as far as they lie within `view`, or all.
-pub fn faces(flat: &Flat, lattice: &Lattice, view: Option<[[f64; 2]; 2]>) -> Vec<Face> {
-    let view = view.unwrap_or_else(|| around(flat, lattice));
+pub fn faces(plane: &Plane, lattice: &Lattice, view: Option<[[f64; 2]; 2]>) -> Vec<Face> {
+    let view = view.unwrap_or_else(|| around(plane, lattice));
     let [[x, y], [right, top]] = view;
     // A corner, and whether the edge from it is a face, and of which kind.
     let mut polygon: Vec<([f64; 2], Option<bool>)> =
         [[x, y], [right, y], [right, top], [x, top]].map(|corner| (corner, None)).to_vec();
-    let whole = closed(lattice, flat.slice.is_some());
-    let dim = if flat.slice.is_some() { 3 } else { 2 };
+    let whole = closed(lattice, plane.slice.is_some());
+    let dim = if plane.slice.is_some() { 3 } else { 2 };
     for vector in 0..dim {
         let repeats = lattice.periodic()[vector];
         let dual = match &whole {
@@ -31,8 +31,8 @@ pub fn faces(flat: &Flat, lattice: &Lattice, view: Option<[[f64; 2]; 2]>) -> Vec
         // How far along the vector, from 0 to 1 within the box.
         let along = |point: [f64; 2]| {
             let mut at = lattice.origin();
-            flat.axes.iter().zip(point).for_each(|(&axis, x)| at[axis] = x / flat.factor);
-            if let Some(slice) = flat.slice {
+            plane.axes.iter().zip(point).for_each(|(&axis, x)| at[axis] = x / plane.factor);
+            if let Some(slice) = plane.slice {
                 at[slice.axis] = slice.at;
             }
             (0..dim).map(|k| dual[k] * (at[k] - lattice.origin()[k])).sum::<f64>()
@@ -58,15 +58,15 @@ fn closed(lattice: &Lattice, space: bool) -> Option<Lattice> {
 
 /// A rectangle around the circles and all corners of the box, and a little more, so that no face
 /// lies in its rim.
-fn around(flat: &Flat, lattice: &Lattice) -> [[f64; 2]; 2] {
-    let circles = flat.bounds().unwrap_or([[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]]);
+fn around(plane: &Plane, lattice: &Lattice) -> [[f64; 2]; 2] {
+    let circles = plane.bounds().unwrap_or([[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]]);
     let [mut low, mut high] = (0..8).fold(circles, |[mut low, mut high], corner| {
-        for (k, &axis) in flat.axes.iter().enumerate() {
+        for (k, &axis) in plane.axes.iter().enumerate() {
             let vectors = lattice.vectors().iter().enumerate();
             let taken = vectors.filter(|(vector, _)| corner >> vector & 1 == 1);
             let at = taken.fold(lattice.origin()[axis], |at, (_, vector)| at + vector[axis]);
-            low[k] = low[k].min(at * flat.factor);
-            high[k] = high[k].max(at * flat.factor);
+            low[k] = low[k].min(at * plane.factor);
+            high[k] = high[k].max(at * plane.factor);
         }
         [low, high]
     });

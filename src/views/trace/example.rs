@@ -6,8 +6,8 @@
 
 use nalgebra::Point;
 
-use crate::present::trace::Algorithm;
 use crate::scene::{AnyScene, Radii, Scene};
+use crate::views::trace::Algorithm;
 
 /// A scene, and how it is numbered.
 pub struct Example {

@@ -2,19 +2,19 @@
 
 mod lines;
 
-use crate::check::listed::particle;
 use crate::contact::{Test, any_bodies};
 use crate::filter::Cells;
 use crate::io::boxes::{along, outside};
 use crate::number::wrap;
-use crate::present::draw::flat::Flat;
-use crate::present::draw::outline::{Face, faces};
-use crate::present::draw::page_coordinates::PageCoordinates;
-use crate::present::draw::pairs::Highlighted;
-use crate::present::draw::{Boxed, LABELLED, Look};
-use crate::present::escape;
-use crate::present::svg::{px, segment};
+use crate::periodic::Periodic;
 use crate::scene::{AnyScene, Real, Scene};
+use crate::text;
+use crate::views::draw::bodies::{Bodies, Body};
+use crate::views::draw::outline::{Face, faces};
+use crate::views::draw::page_coordinates::PageCoordinates;
+use crate::views::draw::plane::{Circle, Plane};
+use crate::views::draw::{Highlighted, LABELLED, Look};
+use crate::views::{px, segment};
 use crate::with_scene;
 
 /// The most pixels of the drawing, without margins and text.
@@ -46,17 +46,16 @@ const SPURIOUS: &str = "#e07b00";
 
 /// A picture to be drawn.
 pub struct Sheet<'a> {
-    scene: &'a AnyScene<'a>,
-    flat: &'a Flat,
+    periodic: &'a Periodic<'a>,
+    bodies: &'a Bodies,
+    plane: &'a Plane,
     pairs: &'a Highlighted,
     look: &'a Look,
-    /// Where it repeats: its box, and which bodies are images.
-    boxed: Option<&'a Boxed<'a>>,
     faces: Vec<Face>,
     page: PageCoordinates,
     /// The lines of the title.
     title: Vec<String>,
-    /// What lies under it.
+    /// The lines under it.
     subtitle: Vec<String>,
     /// The pixels of both.
     header: f64,
@@ -68,50 +67,59 @@ pub struct Sheet<'a> {
 impl<'a> Sheet<'a> {
     /// An empty sheet, large enough.
     pub fn new(
-        scene: &'a AnyScene<'a>,
-        flat: &'a Flat,
+        periodic: &'a Periodic<'a>,
+        bodies: &'a Bodies,
+        plane: &'a Plane,
         pairs: &'a Highlighted,
         look: &'a Look,
         detail: Option<[u32; 2]>,
-        boxed: Option<&'a Boxed<'a>>,
     ) -> Sheet<'a> {
-        let view = flat.bounds().filter(|_| detail.is_some());
-        let faces = boxed.map_or(Vec::new(), |boxed| faces(flat, boxed.periodic.lattice(), view));
-        let bounds = around(flat, &faces).unwrap_or([[0.0; 2], [1.0; 2]]);
+        let lattice = periodic.lattice();
+        let view = plane.bounds().filter(|_| detail.is_some());
+        let faces = if lattice.repeats() { faces(plane, lattice, view) } else { Vec::new() };
+        let bounds = around(plane, &faces).unwrap_or([[0.0; 2], [1.0; 2]]);
         let width = PageCoordinates::around(bounds, MOST, HEADER).size[0];
-        let bodies = if scene.dim() == 2 { "discs" } else { "spheres" };
-        let own = |body: u32| boxed.is_none_or(|boxed| boxed.body(body) == (body, [0; 3]));
-        let met = flat.circles.iter().filter(|circle| own(circle.id)).count();
-        let slice = flat.slice.map(|slice| {
-            let meet = if detail.is_none() { format!(": {met} meet it") } else { String::new() };
-            format!(", slice {} = {}{meet}", ["x", "y", "z"][slice.axis], slice.at)
-        });
-        let name = |body: u32| boxed.map_or(body, |boxed| boxed.body(body).0);
-        let detail = detail.map(|pair| {
-            let [i, j] = pair.map(name);
-            format!(", around {i} and {j}: the worst mistake")
-        });
-        let repeats = boxed.map(|boxed| {
-            let (scene, lattice) = (boxed.periodic.scene(), boxed.periodic.lattice());
-            let centre = |k: u32| {
-                let centre = particle(scene, k).0;
-                std::array::from_fn(|axis| centre.get(axis).copied().unwrap_or(0.0))
-            };
-            let outside = match outside((0..scene.len() as u32).map(centre), lattice).len() {
+        let count = periodic.scene().len();
+        let mut subtitle =
+            format!("{count} {}", if periodic.scene().dim() == 2 { "discs" } else { "spheres" });
+        if lattice.repeats() {
+            let centres = bodies.all[..count].iter().map(|body| body.centre);
+            subtitle += &format!(" in a box that repeats along {}", along(lattice.periodic()));
+            subtitle += &match outside(centres, lattice).len() {
                 0 => String::new(),
                 count => format!(", {count} outside it"),
             };
-            format!(" in a box that repeats along {}{outside}", along(lattice.periodic()))
-        });
-        let subtitle = [repeats, slice, detail].map(Option::unwrap_or_default).concat();
-        let count = boxed.map_or(scene.len(), |boxed| boxed.periodic.scene().len());
-        let subtitle = format!("{count} {bodies}{subtitle}");
+        }
+        if let Some(slice) = plane.slice {
+            subtitle += &format!(", slice {} = {}", slice.name(), slice.at);
+            if detail.is_none() {
+                let met = plane.circles.iter().filter(|circle| (circle.id as usize) < count);
+                subtitle += &format!(": {} meet it", met.count());
+            }
+        }
+        if let Some(pair) = detail {
+            let [i, j] = pair.map(|body| bodies.all[body as usize].particle);
+            subtitle += &format!(", around {i} and {j}: the worst mistake");
+        }
         let title = wrap(&look.title, (width / TITLE_LETTER) as usize);
         let subtitle = wrap(&subtitle, (width / LETTER) as usize);
         let header = HEADER + TITLE * (title.len() - 1) as f64 + LINE * (subtitle.len() - 1) as f64;
         let page = PageCoordinates::around(bounds, MOST, header);
         let (rows, body) = (Vec::new(), String::new());
-        Sheet { scene, flat, pairs, look, boxed, faces, page, title, subtitle, header, rows, body }
+        Sheet {
+            periodic,
+            bodies,
+            plane,
+            pairs,
+            look,
+            faces,
+            page,
+            title,
+            subtitle,
+            header,
+            rows,
+            body,
+        }
     }
 
     /// Draws it.
@@ -126,7 +134,8 @@ impl<'a> Sheet<'a> {
         self.wrong(&pairs.duplicates, SPURIOUS, "2 4", "reported more than once");
         self.wrong(&pairs.spurious, SPURIOUS, "", "spurious: reported, but apart");
         self.wrong(&pairs.missed, MISSED, "9 5", "missed: touching, but not reported");
-        let own = self.flat.circles.iter().filter(|circle| !self.is_image(circle.id)).count();
+        let own =
+            self.plane.circles.iter().filter(|circle| !self.body_of(circle).is_image()).count();
         if self.look.labels.unwrap_or(own <= LABELLED) {
             self.labels();
         }
@@ -143,7 +152,7 @@ impl<'a> Sheet<'a> {
             legend += &format!("<g transform=\"translate(16 {})\">{mark}", px(y + 0.5 * ROW));
             for (k, line) in wrap(&text, most).iter().enumerate() {
                 let at = px(5.0 + LINE * k as f64);
-                legend += &format!("<text x=\"44\" y=\"{at}\">{}</text>", escape::html(line));
+                legend += &format!("<text x=\"44\" y=\"{at}\">{}</text>", text::html(line));
                 y += if k == 0 { ROW } else { LINE };
             }
             legend += "</g>\n";
@@ -152,16 +161,16 @@ impl<'a> Sheet<'a> {
         let (mut texts, mut y) = (String::new(), 22.0);
         for line in &title {
             let bold = "font-size=\"16\" font-weight=\"bold\"";
-            let line = escape::html(line);
+            let line = text::html(line);
             texts += &format!("<text x=\"14\" y=\"{}\" {bold}>{line}</text>\n", px(y));
             y += TITLE;
         }
         for line in &subtitle {
-            let (at, line) = (px(y - 1.0), escape::html(line));
+            let (at, line) = (px(y - 1.0), text::html(line));
             texts += &format!("<text x=\"14\" y=\"{at}\" fill=\"#555\">{line}</text>\n");
             y += LINE;
         }
-        let whole = escape::html(&look.title);
+        let whole = text::html(&look.title);
         let (w, h) = (px(width), px(height));
         format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{w}\" height=\"{h}\" viewBox=\"0 0 \
@@ -172,7 +181,7 @@ impl<'a> Sheet<'a> {
     }
 
     fn circles(&mut self) {
-        let crowd = self.flat.circles.len() > CROWD;
+        let crowd = self.plane.circles.len() > CROWD;
         // Points, and discs too small to be seen, are dots.
         let least = if crowd { 0.5 } else { 1.6 };
         for (images, fill, rim) in [
@@ -181,8 +190,9 @@ impl<'a> Sheet<'a> {
         ] {
             let look = if crowd { String::new() } else { format!(" stroke=\"{rim}\"") };
             let (mut discs, mut dots) = (String::new(), String::new());
-            let circles = &self.flat.circles;
-            for circle in circles.iter().filter(|circle| self.is_image(circle.id) == images) {
+            let circles = &self.plane.circles;
+            let such = |circle: &&Circle| self.body_of(circle).is_image() == images;
+            for circle in circles.iter().filter(such) {
                 let ([x, y], r) = (self.page.at(circle.at).map(px), self.page.length(circle.r));
                 if r < least {
                     dots += &format!("M{x} {y}h0");
@@ -203,9 +213,8 @@ impl<'a> Sheet<'a> {
         }
     }
 
-    /// Is the body an image of a particle?
-    fn is_image(&self, body: u32) -> bool {
-        self.boxed.is_some_and(|boxed| boxed.body(body) != (body, [0; 3]))
+    fn body_of(&self, circle: &Circle) -> &'a Body {
+        &self.bodies.all[circle.id as usize]
     }
 
     /// The outline of the box.
@@ -229,16 +238,17 @@ impl<'a> Sheet<'a> {
 
     fn labels(&mut self) {
         let mut texts = String::new();
-        for circle in &self.flat.circles {
+        for circle in &self.plane.circles {
             let [x, y] = self.page.at(circle.at);
             let size = (0.8 * self.page.length(circle.r)).clamp(8.0, 17.0);
-            let pale = if self.is_image(circle.id) { " fill=\"#8a8167\"" } else { "" };
+            let body = self.body_of(circle);
+            let pale = if body.is_image() { " fill=\"#8a8167\"" } else { "" };
             texts += &format!(
                 "<text x=\"{}\" y=\"{}\" font-size=\"{}\"{pale}>{}</text>\n",
                 px(x),
                 px(y + 0.36 * size),
                 px(size),
-                self.boxed.map_or(circle.id, |boxed| boxed.body(circle.id).0)
+                body.particle
             );
         }
         self.body += &format!(
@@ -248,10 +258,10 @@ impl<'a> Sheet<'a> {
     }
 
     fn grid(&mut self) {
-        let Some((origin, edge)) = cells(self.scene) else { return };
-        let Some([low, high]) = self.flat.bounds() else { return };
+        let Some((origin, edge)) = cells(self.periodic.scene()) else { return };
+        let Some([low, high]) = self.plane.bounds() else { return };
         let look = "stroke=\"#b9b9b0\" stroke-width=\"1\" fill=\"none\"";
-        let edge_here = edge * self.flat.factor;
+        let edge_here = edge * self.plane.factor;
         if (0..2).any(|k| (high[k] - low[k]) / edge_here > MOST_LINES) {
             self.rows.push((
                 String::new(),
@@ -261,7 +271,7 @@ impl<'a> Sheet<'a> {
         }
         let mut lines = String::new();
         for k in 0..2 {
-            let first = origin[self.flat.axes[k]] * self.flat.factor;
+            let first = origin[self.plane.axes[k]] * self.plane.factor;
             let numbers = ((low[k] - first) / edge_here).ceil() as i64
                 ..=((high[k] - first) / edge_here).floor() as i64;
             for number in numbers {
@@ -280,18 +290,18 @@ impl<'a> Sheet<'a> {
 }
 
 /// The rectangle around all circles and faces.
-fn around(flat: &Flat, faces: &[Face]) -> Option<[[f64; 2]; 2]> {
-    faces.iter().flat_map(|face| face.ends).fold(flat.bounds(), |bounds, point| {
+fn around(plane: &Plane, faces: &[Face]) -> Option<[[f64; 2]; 2]> {
+    faces.iter().flat_map(|face| face.ends).fold(plane.bounds(), |bounds, point| {
         let [low, high] = bounds.unwrap_or([point; 2]);
         Some([[0, 1].map(|k| low[k].min(point[k])), [0, 1].map(|k| high[k].max(point[k]))])
     })
 }
 
 /// Is a pair too small to be seen in a picture of all circles?
-pub fn too_small(flat: &Flat, [i, j]: [u32; 2]) -> bool {
-    let Some(bounds) = flat.bounds() else { return false };
+pub fn too_small(plane: &Plane, [i, j]: [u32; 2]) -> bool {
+    let Some(bounds) = plane.bounds() else { return false };
     let page = PageCoordinates::around(bounds, MOST, HEADER);
-    let radii = [i, j].map(|k| flat.circle(k).map_or(f64::INFINITY, |circle| circle.r));
+    let radii = [i, j].map(|k| plane.circle(k).map_or(f64::INFINITY, |circle| circle.r));
     page.length(radii[0].min(radii[1])) < SEEN
 }
 

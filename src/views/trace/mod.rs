@@ -2,11 +2,11 @@
 //! to understand.
 //!
 //! ```
-//! use contactbench::present::trace::{Algorithm, example, trace};
+//! use contactbench::views::trace::{Algorithm, example, trace};
 //!
 //! let trace = trace(Algorithm::Nbs, None)?;
 //! assert_eq!(trace.contacts.len(), 6);
-//! let page = contactbench::present::trace::page::html(&trace, "ten particles");
+//! let page = contactbench::views::trace::page::html(&trace, "ten particles");
 //! assert!(page.starts_with("<!doctype html>"));
 //! # Ok::<(), anyhow::Error>(())
 //! ```
@@ -28,7 +28,6 @@ pub mod state;
 pub mod still;
 mod tree;
 mod words;
-mod words_sort;
 
 use anyhow::{Context, ensure};
 use recorder::{Names, Recorder, Step};

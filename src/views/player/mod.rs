@@ -1,0 +1,38 @@
+//! What pages that step share: buttons, keys, swipes, the address, light and dark. A page puts both
+//! into itself, so that it needs nothing else.
+
+/// The rules of how such a page looks.
+pub const STYLE: &str = include_str!("player.css");
+/// What such a page does.
+pub const SCRIPT: &str = include_str!("player.js");
+
+/// The colours of pages that step, and of pictures of their steps: on paper and in bright rooms,
+/// and on dark screens.
+const COLOURS: [(&str, [&str; 2]); 14] = [
+    ("@ground", ["#ffffff", "#12151a"]),
+    // Text, and text that matters less.
+    ("@ink", ["#1b1f26", "#eef1f5"]),
+    ("@faint", ["#6b7480", "#98a2af"]),
+    ("@line", ["#c3cad2", "#434c58"]),
+    // Cells without particles.
+    ("@border", ["#f0f1f3", "#1c2128"]),
+    ("@disc", ["#c9dcf0", "#2f4a69"]),
+    ("@rim", ["#46688c", "#9cc2ea"]),
+    // The central row, the one below it, and the cell whose particles are tested.
+    ("@row", ["#fff2c9", "#3d350f"]),
+    ("@below", ["#fbf7ea", "#262313"]),
+    ("@central", ["#ffd152", "#8a6a00"]),
+    // What is read, and what the step is about.
+    ("@look", ["#d8c9f2", "#513f80"]),
+    ("@accent", ["#d05a00", "#ff9a3d"]),
+    ("@contact", ["#0b4f9e", "#7fbcff"]),
+    // Contacts that a tracker missed.
+    ("@missed", ["#d11507", "#ff6b5e"]),
+];
+
+/// Puts the colours into rules that name them as `@ink`.
+pub fn painted(rules: &str, dark: bool) -> String {
+    COLOURS.iter().fold(rules.to_string(), |rules, (name, colours)| {
+        rules.replace(name, colours[usize::from(dark)])
+    })
+}
