@@ -99,7 +99,7 @@ pub fn draw(options: &Draw) -> anyhow::Result<ExitCode> {
         None => Highlighted::from_scene(&periodic, limit).with_context(|| name.clone())?,
         Some(path) => {
             let mut list = list(path)?;
-            if !given.has_box {
+            if !given.has_box && !periodic.lattice().repeats() {
                 list.without_box();
             }
             let pairs = Highlighted::compare(&periodic, &list, limit);

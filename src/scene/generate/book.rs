@@ -24,7 +24,6 @@ use crate::scene::Given;
 use crate::scene::generate::table::{Generator, Kind, Parameter, no_history, number};
 use crate::scene::generate::{DIAMETER, Inputs, assemble};
 
-/// The table line of pack A.
 pub const PACK_A: Generator = Generator {
     name: "pack-a",
     dims: &[2],
@@ -35,7 +34,6 @@ pub const PACK_A: Generator = Generator {
     history: no_history,
 };
 
-/// The table line of pack B.
 pub const PACK_B: Generator = Generator {
     name: "pack-b",
     dims: &[2],
@@ -49,7 +47,6 @@ pub const PACK_B: Generator = Generator {
     history: no_history,
 };
 
-/// The table line of pack C.
 pub const PACK_C: Generator = Generator {
     name: "pack-c",
     dims: &[2],
@@ -63,7 +60,6 @@ pub const PACK_C: Generator = Generator {
     history: no_history,
 };
 
-/// The table line of pack D.
 pub const PACK_D: Generator = Generator {
     name: "pack-d",
     dims: &[2],

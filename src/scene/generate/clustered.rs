@@ -25,7 +25,6 @@ use crate::scene::generate::table::{Generator, Kind, Parameter, Preset, no_histo
 use crate::scene::generate::{Inputs, OF_BODIES, assemble, box_edge};
 use crate::scene::{AnyScene, Given, Scene};
 
-/// The table line.
 pub const GENERATOR: Generator = Generator {
     name: "clustered",
     dims: &[2, 3],

@@ -25,7 +25,6 @@ use crate::scene::generate::table::{Generator, Kind, no_history, number};
 use crate::scene::generate::{DIAMETER, Inputs, room};
 use crate::scene::{Radii, Scene};
 
-/// The table line.
 pub const GENERATOR: Generator = Generator {
     name: "couples",
     dims: &[2, 3],

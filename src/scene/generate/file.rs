@@ -20,7 +20,6 @@ use crate::scene::generate::table::{Generator, Kind, Parameter, Preset, no_histo
 /// The name under which the program knows files.
 pub const NAME: &str = "file";
 
-/// The table line.
 pub const GENERATOR: Generator = Generator {
     name: NAME,
     dims: &[2, 3],

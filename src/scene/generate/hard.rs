@@ -18,7 +18,6 @@ use crate::scene::{Given, hard};
 /// The name under which the program knows hard cases.
 pub const NAME: &str = "hard";
 
-/// The table line.
 pub const GENERATOR: Generator = Generator {
     name: NAME,
     dims: &[2, 3],

@@ -26,7 +26,6 @@ use crate::scene::generate::table::{Generator, Kind, Parameter, Preset, no_histo
 use crate::scene::generate::{Inputs, OF_BODIES, assemble};
 use crate::scene::{AnyScene, Given, Scene};
 
-/// The table line.
 pub const GENERATOR: Generator = Generator {
     name: "packed",
     dims: &[2, 3],

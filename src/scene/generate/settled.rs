@@ -29,7 +29,6 @@ use crate::scene::generate::table::{Generator, Kind, no_history, number};
 use crate::scene::generate::{Inputs, OF_BODIES, assemble, box_edge, room};
 use crate::scene::{AnyScene, Given, Scene};
 
-/// The table line.
 pub const GENERATOR: Generator = Generator {
     name: "settled",
     dims: &[2, 3],

@@ -11,13 +11,11 @@ use crate::with_scene;
 /// A particle, or an image of one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Body {
-    /// The number of the particle.
     pub particle: u32,
     /// Where the image is, in vectors of the box; 0 for the particle itself.
     pub image: [i32; 3],
     /// In the plane the third coordinate is 0.
     pub centre: [f64; 3],
-    /// The radius.
     pub r: f64,
 }
 
@@ -45,7 +43,6 @@ pub fn particles(scene: &AnyScene<'_>) -> Vec<Body> {
     })
 }
 
-/// All bodies of a picture.
 pub struct Bodies {
     /// The particles, and behind them the images.
     pub all: Vec<Body>,

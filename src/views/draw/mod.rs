@@ -51,7 +51,6 @@ pub const LABELLED: usize = 60;
 /// What a picture shows beside particles and pairs.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Look {
-    /// Stands above the picture.
     pub title: String,
     /// The numbers of the particles; if not said, up to [`LABELLED`] particles.
     pub labels: Option<bool>,
@@ -65,7 +64,6 @@ pub struct Look {
 }
 
 impl Look {
-    /// With a title, and nothing else said.
     pub fn titled(title: impl Into<String>) -> Look {
         Look { title: title.into(), ..Look::default() }
     }

@@ -6,7 +6,6 @@ use crate::views::draw::plane::Plane;
 /// A piece of a face, from here to there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Face {
-    /// Both ends.
     pub ends: [[f64; 2]; 2],
     /// The box repeats there.
     pub repeats: bool,

@@ -69,7 +69,6 @@ impl Highlighted {
         self
     }
 
-    /// All pairs, kind by kind.
     pub fn all(&self) -> impl Iterator<Item = &ImagePair> {
         let Highlighted { contacts, near, missed, spurious, duplicates } = self;
         [contacts, near, missed, spurious, duplicates].into_iter().flatten()

@@ -35,7 +35,6 @@ impl Slice {
         })
     }
 
-    /// Its axis by name.
     pub fn name(&self) -> &'static str {
         ["x", "y", "z"][self.axis.min(2)]
     }
@@ -62,25 +61,21 @@ impl FromStr for Slice {
     }
 }
 
-/// A circle to be drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Circle {
     /// The place of its body.
     pub id: u32,
-    /// The centre.
     pub at: [f64; 2],
     /// The radius in the plane.
     pub r: f64,
 }
 
-/// What lies in the plane.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plane {
     /// In the order of the bodies.
     pub circles: Vec<Circle>,
     /// For spheres: the slice.
     pub slice: Option<Slice>,
-    /// The axes of the plane.
     pub axes: [usize; 2],
     /// Coordinates are those of the scene times this power of two, so that no difference overflows,
     /// and none vanishes.
@@ -162,7 +157,6 @@ impl Plane {
         self.number();
     }
 
-    /// The rectangle around all circles.
     pub fn bounds(&self) -> Option<[[f64; 2]; 2]> {
         bounds(&self.circles)
     }

@@ -44,7 +44,6 @@ const BOX: &str = "#555";
 const MISSED: &str = "#d11507";
 const SPURIOUS: &str = "#e07b00";
 
-/// A picture to be drawn.
 pub struct Sheet<'a> {
     periodic: &'a Periodic<'a>,
     bodies: &'a Bodies,
@@ -53,7 +52,6 @@ pub struct Sheet<'a> {
     look: &'a Look,
     faces: Vec<Face>,
     page: PageCoordinates,
-    /// The lines of the title.
     title: Vec<String>,
     /// The lines under it.
     subtitle: Vec<String>,
@@ -122,7 +120,6 @@ impl<'a> Sheet<'a> {
         }
     }
 
-    /// Draws it.
     pub fn draw(mut self) -> String {
         if self.look.grid {
             self.grid();

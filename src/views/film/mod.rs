@@ -28,13 +28,11 @@ const EMPTY: usize = 20_000;
 /// Frames that are to be played.
 pub struct Film {
     title: String,
-    /// How the scene moves.
     motion: String,
     /// The tracker whose builds and misses are shown.
     tracker: String,
     slice: Option<Slice>,
     frames: Vec<Frame>,
-    /// Discs or spheres.
     space: bool,
     /// Circles have other radii than in the first frame.
     own_radii: bool,
@@ -44,7 +42,6 @@ pub struct Film {
     bytes: usize,
 }
 
-/// One of them.
 struct Frame {
     circles: Vec<Circle>,
     /// Pairs of places in that list: those that were reported, and behind them those that were
@@ -168,7 +165,6 @@ impl Film {
         )
     }
 
-    /// The page.
     pub fn html(&self) -> String {
         page::html(self)
     }

@@ -11,11 +11,9 @@ use crate::views::film::{Film, Frame};
 use crate::views::player::{self, painted};
 use crate::views::{px, segment};
 
-/// The most pixels of the drawing.
 const MOST: [f64; 2] = [1200.0, 900.0];
 /// Numbers of the page for a pixel: what is finer is not seen.
 const FINE: f64 = 32.0;
-/// The page of a film.
 pub fn html(film: &Film) -> String {
     let page = page(film);
     let data = json!({

@@ -7,7 +7,6 @@ use crate::views::trace::state::Slot;
 use crate::views::trace::tree::Tree;
 use crate::views::trace::{Algorithm, Trace};
 
-/// Width of the panel.
 pub const WIDTH: f64 = 900.0;
 /// Values side by side.
 const PER_LINE: usize = 20;
@@ -67,14 +66,11 @@ pub struct Arrays<'a> {
     blocks: Vec<(Array, f64)>,
     /// Without nodes where the algorithm has none.
     tree: Tree,
-    /// The width of a value.
     width: f64,
-    /// Height of the panel.
     pub height: f64,
 }
 
 impl<'a> Arrays<'a> {
-    /// Their places.
     pub fn new(trace: &'a Trace) -> Arrays<'a> {
         let (tree, n) = (Tree::new(trace), trace.discs.len());
         let [columns, rows] = [0, 1].map(|axis| trace.shown(axis).count());
@@ -96,12 +92,10 @@ impl<'a> Arrays<'a> {
         Arrays { trace, blocks, tree, width, height }
     }
 
-    /// The number of blocks.
     pub fn len(&self) -> usize {
         self.blocks.len()
     }
 
-    /// The blocks of a step.
     pub fn draw(&self, step: &Step) -> Vec<String> {
         let draw = |&((letter, kind, title), y): &(Array, f64)| {
             let block = match kind {

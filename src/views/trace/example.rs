@@ -9,11 +9,8 @@ use nalgebra::Point;
 use crate::scene::{AnyScene, Radii, Scene};
 use crate::views::trace::Algorithm;
 
-/// A scene, and how it is numbered.
 pub struct Example {
-    /// What it is called.
     pub name: &'static str,
-    /// Its centres.
     pub centres: &'static [[f64; 2]],
     /// Added to the number of a cell to have the book's: our cells begin at the lowest centre.
     pub shift: [u32; 2],
@@ -47,7 +44,6 @@ const NINE: [[f64; 2]; 9] = [
     [11.0, 68.0],
 ];
 
-/// The example of an algorithm.
 pub fn example(algorithm: Algorithm) -> Example {
     match algorithm {
         Algorithm::Nbs => {
@@ -66,7 +62,6 @@ pub fn example(algorithm: Algorithm) -> Example {
 }
 
 impl Example {
-    /// As a scene.
     pub fn scene(&self) -> AnyScene<'static> {
         let centres: Vec<_> = self.centres.iter().copied().map(Point::from).collect();
         // Finite centres and a positive radius: cannot fail; an empty scene would be seen by the

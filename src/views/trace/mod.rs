@@ -50,9 +50,10 @@ pub const MOST_CELLS: u32 = 40;
 pub const MOST_STEPS: usize = 3000;
 
 /// A detector that tells its steps.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
 pub enum Algorithm {
     /// Munjiza-NBS
+    #[default]
     Nbs,
     /// Sorting with binary search
     Sorting,
@@ -63,7 +64,6 @@ pub enum Algorithm {
 }
 
 impl Algorithm {
-    /// Its name as a detector.
     pub fn name(self) -> &'static str {
         match self {
             Algorithm::Nbs => "nbs",
@@ -74,12 +74,9 @@ impl Algorithm {
     }
 }
 
-/// A disc, and its cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Disc {
-    /// The centre.
     pub at: [f64; 2],
-    /// The radius.
     pub r: f64,
     /// Column and row, as the detector numbers them.
     pub cell: [u32; 2],
@@ -88,17 +85,13 @@ pub struct Disc {
 /// A detection, step by step.
 #[derive(Clone, Debug)]
 pub struct Trace {
-    /// Who detects.
     pub algorithm: Algorithm,
-    /// The particles.
     pub discs: Vec<Disc>,
-    /// The grid.
     pub cells: Cells<2>,
     /// How particles and cells are numbered where they are shown.
     pub names: Names,
     /// The steps. The first is the beginning, the last the end.
     pub steps: Vec<Step>,
-    /// The titles of the parts.
     pub parts: Vec<String>,
     /// The pairs that the detector reported, as it did.
     pub contacts: Vec<[u32; 2]>,
@@ -175,7 +168,8 @@ pub fn trace(algorithm: Algorithm, scene: Option<&AnyScene<'_>>) -> anyhow::Resu
         }
     }
     .with_context(|| format!("{} refuses the scene", algorithm.name()))?;
-    let (steps, parts, tally, all) = recorder.end();
+    recorder.end();
+    let Recorder { steps, parts, tally, all, .. } = recorder;
     ensure!(
         all <= MOST_STEPS,
         "{} takes {all} steps for this scene; at most {MOST_STEPS} can be shown: take fewer \

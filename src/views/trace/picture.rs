@@ -43,7 +43,6 @@ impl Trace {
 }
 
 impl<'a> Scene<'a> {
-    /// The panel of a trace.
     pub fn new(trace: &'a Trace) -> Scene<'a> {
         let cells = [0, 1].map(|axis| trace.shown(axis).count());
         let edge = (SIDE / cells[0].max(cells[1]).max(1) as f64).min(110.0);
@@ -107,7 +106,6 @@ impl<'a> Scene<'a> {
         rect(class, [MARGIN, y], [width, self.edge], "")
     }
 
-    /// The discs.
     pub fn discs(&self) -> String {
         (0..self.trace.discs.len() as u32).map(|k| self.disc(k, "disc")).collect()
     }
@@ -120,7 +118,6 @@ impl<'a> Scene<'a> {
         format!("<circle class=\"{class}\" cx=\"{x}\" cy=\"{y}\" r=\"{r}\"/>")
     }
 
-    /// The particles' numbers.
     pub fn numbers(&self) -> String {
         let size = (0.3 * self.edge).clamp(9.0, 24.0);
         let number = |(k, at): (u32, [f64; 2])| {

@@ -17,7 +17,6 @@ pub struct Names {
 }
 
 impl Names {
-    /// A particle's number.
     pub fn particle(&self, k: u32) -> u32 {
         k + self.first
     }
@@ -40,12 +39,10 @@ impl Names {
         }
     }
 
-    /// A column or a row.
     pub fn key(&self, axis: usize, key: u32) -> u32 {
         key + self.shift[axis]
     }
 
-    /// A cell, as (column, row).
     pub fn cell(&self, [column, row]: [u32; 2]) -> String {
         format!("({}, {})", self.key(0, column), self.key(1, row))
     }
@@ -54,13 +51,9 @@ impl Names {
 /// What is marked in the picture of a step.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Marks {
-    /// The central row.
     pub row: Option<u32>,
-    /// The central cell.
     pub central: Option<[u32; 2]>,
-    /// A cell that is looked at.
     pub cell: Option<[u32; 2]>,
-    /// A particle that is dealt with.
     pub particle: Option<u32>,
     /// A pair that is tested, and whether it touches.
     pub pair: Option<(u32, u32, bool)>,
@@ -74,14 +67,10 @@ pub struct Marks {
     pub path: Vec<u32>,
 }
 
-/// A step.
 #[derive(Clone, Debug)]
 pub struct Step {
-    /// What it does.
     pub words: String,
-    /// The part to which it belongs.
     pub part: usize,
-    /// What it is about.
     pub marks: Marks,
     /// The arrays after it.
     pub state: State,
@@ -90,6 +79,7 @@ pub struct Step {
 }
 
 /// Listens to a detector.
+#[derive(Default)]
 pub struct Recorder {
     pub(super) algorithm: Algorithm,
     pub(super) names: Names,
@@ -104,10 +94,11 @@ pub struct Recorder {
     pub(super) places: Vec<usize>,
     pub(super) path: Vec<u32>,
     pub(super) made: usize,
-    tally: Tally,
-    parts: Vec<String>,
-    steps: Vec<Step>,
-    all: usize,
+    pub(super) tally: Tally,
+    pub(super) parts: Vec<String>,
+    pub(super) steps: Vec<Step>,
+    /// The number of steps, also of those beyond the limit.
+    pub(super) all: usize,
 }
 
 impl Probe for Recorder {
@@ -123,7 +114,6 @@ impl Probe for Recorder {
 }
 
 impl Recorder {
-    /// Nothing has happened yet.
     pub(super) fn new(
         algorithm: Algorithm,
         names: Names,
@@ -131,33 +121,18 @@ impl Recorder {
         discs: &[Disc],
     ) -> Recorder {
         let state = State::new(algorithm, discs.len(), count.map(|count| count as usize));
-        let mut recorder = Recorder {
-            algorithm,
-            names,
-            count,
-            discs: discs.to_vec(),
-            state,
-            row: None,
-            central: None,
-            visiting: None,
-            places: Vec::new(),
-            path: Vec::new(),
-            made: 0,
-            tally: Tally::default(),
-            parts: vec!["The beginning".into()],
-            steps: Vec::new(),
-            all: 0,
-        };
+        let (discs, parts) = (discs.to_vec(), vec!["The beginning".into()]);
+        let mut recorder =
+            Recorder { algorithm, names, count, discs, state, parts, ..Recorder::default() };
         recorder.step(words::beginning(&recorder), Marks::default());
         recorder
     }
 
-    /// The last step; then steps, titles, counts, and how many steps there would have been.
-    pub(super) fn end(mut self) -> (Vec<Step>, Vec<String>, Tally, usize) {
+    /// Takes the last step.
+    pub(super) fn end(&mut self) {
         self.part("The end".into());
         (self.row, self.central) = (None, None);
-        self.step(words::end(&self), Marks::default());
-        (self.steps, self.parts, self.tally, self.all)
+        self.step(words::end(self), Marks::default());
     }
 
     fn part(&mut self, title: String) {

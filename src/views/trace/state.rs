@@ -3,7 +3,6 @@
 use crate::event::Event;
 use crate::views::trace::Algorithm;
 
-/// A place of an array.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Slot {
     /// A particle, or a key of sorting; none is shown as -1.
@@ -12,24 +11,19 @@ pub struct Slot {
     pub old: bool,
 }
 
-/// A child of a node.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Child {
-    /// Nothing.
     #[default]
     None,
-    /// Another node.
     Node(u32),
     /// A leaf: the head of its list.
     Leaf(u32),
 }
 
-/// A node of the binary tree.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Node {
     /// Levels below the root.
     pub level: usize,
-    /// Its two halves.
     pub children: [Child; 2],
 }
 
@@ -39,9 +33,7 @@ pub struct State {
     /// The arrays by letter. NBS: heads B, A and a (the row below), links Y and X. Screening: heads
     /// C, links E. Sorting: keys X and Y, particles D. The tree: links E.
     pub arrays: Vec<(char, Vec<Slot>)>,
-    /// Nodes of the tree.
     pub nodes: Vec<Node>,
-    /// Contacts found.
     pub contacts: Vec<[u32; 2]>,
 }
 

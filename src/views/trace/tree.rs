@@ -16,9 +16,7 @@ pub struct Tree {
     leaves: Vec<[[f64; 2]; 2]>,
     /// Pixels between two levels.
     level: f64,
-    /// The width of a leaf.
     leaf: f64,
-    /// Height of the drawing.
     pub height: f64,
 }
 

@@ -6,7 +6,6 @@ use crate::views::trace::Algorithm;
 use crate::views::trace::recorder::{Marks, Names, Recorder};
 use crate::views::trace::state::links;
 
-/// The first step.
 pub fn beginning(recorder: &Recorder) -> String {
     let n = recorder.discs.len();
     let what = match recorder.algorithm {
@@ -29,7 +28,6 @@ pub fn beginning(recorder: &Recorder) -> String {
     format!("{}, in cells as large as the largest disc. {what}", plural(n, "particle"))
 }
 
-/// The last step.
 pub fn end(recorder: &Recorder) -> String {
     let contacts = recorder.state.contacts.len();
     let arrays = match recorder.algorithm {
@@ -46,7 +44,6 @@ pub fn end(recorder: &Recorder) -> String {
     format!("Done: {}, each found once.{arrays}", plural(contacts, "contact"))
 }
 
-/// The title of a part.
 pub fn title(part: Part, row: Option<u32>, names: &Names) -> String {
     let row = row.map_or(0, |row| names.key(1, row));
     match part {
@@ -67,7 +64,6 @@ pub fn title(part: Part, row: Option<u32>, names: &Names) -> String {
     }
 }
 
-/// The root alone.
 pub fn tree(halvings: u32) -> String {
     format!(
         "Halved {halvings} times along x and along y, in turn, the square has {} levels of nodes. \
@@ -217,14 +213,16 @@ fn of_places(recorder: &Recorder, event: &Event, marks: &mut Marks) -> Option<St
         }
         Event::Halved { axis, places: [from, to], middle } => {
             marks.range = Some([from, to]);
-            let [all, lower, upper] =
-                [[from, to], [from, middle], [middle, to]].map(|range| names.places(range));
+            let all = names.places([from, to]);
             let what = match middle {
                 _ if middle == from => format!("all of {all} are in the upper half of the values"),
                 _ if middle == to => format!("all of {all} are in the lower half of the values"),
-                _ => {
-                    format!("the lower {}s are in {lower}, the upper ones in {upper}", cells[axis])
-                }
+                _ => format!(
+                    "the lower {}s are in {}, the upper ones in {}",
+                    cells[axis],
+                    names.places([from, middle]),
+                    names.places([middle, to])
+                ),
             };
             format!("The pointers meet: {what}.")
         }
