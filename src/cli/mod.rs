@@ -27,6 +27,8 @@ pub mod trace;
 pub mod track;
 pub mod verify;
 
+use std::process::ExitCode;
+
 use clap::{Parser, Subcommand};
 pub use shared::terminal::say;
 
@@ -140,6 +142,34 @@ pub enum Verb {
         after_help = "Example: echo '{\"request\":\"quit\"}' | contactbench runner --detector nbs"
     )]
     Runner(runner::Serve),
+}
+
+impl Cli {
+    /// Does what was asked for.
+    pub fn run(self) -> anyhow::Result<ExitCode> {
+        match self.verb {
+            None => run::standard(self.quick),
+            Some(Verb::Run(options)) => run::run(&options),
+            Some(Verb::Report(options)) => report::report(&options),
+            Some(Verb::Compare(options)) => compare::compare(&options),
+            Some(Verb::Merge(options)) => merge::merge(&options),
+            Some(Verb::Map(options)) => map::map(&options),
+            Some(Verb::List(options)) => list::list(&options),
+            Some(Verb::Check(options)) => check::check(&options),
+            Some(Verb::Detect(options)) => detect::detect(&options),
+            Some(Verb::Inspect(options)) => inspect::inspect(&options),
+            Some(Verb::Verify(options)) => verify::verify(&options),
+            Some(Verb::Scene(options)) => scene::scene(&options),
+            Some(Verb::NewDetector(options)) => new_detector::new_detector(&options),
+            Some(Verb::Recommend(options)) => recommend::recommend(&options),
+            Some(Verb::Draw(options)) => draw::draw(&options),
+            Some(Verb::Trace(options)) => trace::trace(&options),
+            Some(Verb::Track(options)) => track::track(&options),
+            Some(Verb::Ranks(passed)) => satellite::run("contactbench-ranks", &passed),
+            Some(Verb::Completions(options)) => shell::completions(&options),
+            Some(Verb::Runner(options)) => runner::serve(&options),
+        }
+    }
 }
 
 /// Bytes as people read them.

@@ -5,6 +5,7 @@ use std::path::Path;
 use crate::cells::{self, Cell};
 use crate::findings::coverage::{Coverage, Scope, Why};
 use crate::plan::parse;
+use crate::record::role::Role;
 
 fn error(text: &str) -> String {
     let error = parse(text, Path::new(".")).err().unwrap_or_else(|| panic!("accepted: {text}"));
@@ -226,7 +227,16 @@ fn plans_are_bounded_before_they_are_made() {
     assert_eq!(plan("\"nbs\"", &format!("{packed}n = [{whole}]\n")), Ok(()));
 }
 
-/// A grading curve is a file, too; its points written out are the same wherever they are read.
+#[test]
+fn a_runner_is_no_control_whatever_its_name() {
+    let runner = "[[runner]]\nname = \"x-twin\"\ncommand = [\"x\"]\n";
+    let text = format!("{HEAD}[[scene]]\nname = \"packed\"\nn = 10\n{runner}");
+    let entrants = parse(&text, Path::new(".")).unwrap().planned.entrants;
+    let roles: Vec<(&str, &Role)> = entrants.iter().map(|it| (&*it.name, &it.role)).collect();
+    assert_eq!(roles, [("nbs", &Role::Detector), ("x-twin", &Role::Runner)]);
+}
+
+/// A grading curve is a file, too, unless its points are written out.
 #[test]
 fn files_are_taken_from_the_folder_of_the_experiment() {
     let text = format!(

@@ -202,10 +202,10 @@ mod tests {
     use std::collections::BTreeSet;
 
     use super::*;
-    use crate::record::role::Role;
     use crate::record::id::CellId;
     use crate::record::ledger::{self, Entry, Process};
     use crate::record::outcome::{Outcome, Pass};
+    use crate::record::role::Role;
     use crate::record::row::Course;
     use contactbench_terms::errors::{Causes, Errors};
     use contactbench_terms::moved::Moved;

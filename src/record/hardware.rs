@@ -19,9 +19,9 @@ pub struct Hardware {
     /// Family, model and stepping: the numbers by which makers tell processors apart that may have
     /// one name.
     pub cpu_family: Option<u64>,
-    /// See there.
+    /// See `cpu_family`.
     pub cpu_model: Option<u64>,
-    /// See there.
+    /// See `cpu_family`.
     pub cpu_stepping: Option<u64>,
     /// Fingerprint of everything that the processor says it can do: 16 hexadecimal digits.
     pub cpu_flags: Option<String>,
@@ -38,20 +38,13 @@ pub struct Hardware {
 impl Hardware {
     /// That of this machine.
     pub fn here() -> Hardware {
-        let mut here = processor();
-        let system = system();
-        here.cpu = here.cpu.or(system.cpu);
-        here.cpu_family = here.cpu_family.or(system.cpu_family);
-        here.cpu_model = here.cpu_model.or(system.cpu_model);
-        here.cpu_stepping = here.cpu_stepping.or(system.cpu_stepping);
-        here.cpu_vendor = here.cpu_vendor.or(system.cpu_vendor);
-        here.cpu_flags = here.cpu_flags.or(system.cpu_flags);
-        if !system.caches.is_empty() {
-            here.caches = system.caches;
-        }
-        here.memory_bytes = system.memory_bytes;
-        here.cores = std::thread::available_parallelism().ok().map(|cores| cores.get() as u64);
-        here
+        let (processor, system) = (processor(), system());
+        let caches = match system.caches.is_empty() {
+            true => processor.caches.clone(),
+            false => system.caches.clone(),
+        };
+        let cores = std::thread::available_parallelism().ok().map(|cores| cores.get() as u64);
+        Hardware { caches, cores, ..processor.or(system) }
     }
 
     /// May the two be one? What one of them does not say does not tell them apart, with one

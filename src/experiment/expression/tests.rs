@@ -1,4 +1,4 @@
-//! Expressions: precedence, errors with their column, and agreement with a tree evaluated by hand.
+//! Expressions: precedence, and errors with their column.
 
 use proptest::prelude::*;
 
@@ -82,107 +82,7 @@ fn variables_are_named_once_with_their_column() {
     assert!(!expression.uses_time() && Expression::parse("1e3*time_ns").unwrap().uses_time());
 }
 
-/// The straightforward evaluator: a tree, printed with all parentheses or with none that are not
-/// needed.
-#[derive(Clone, Debug)]
-enum Tree {
-    Number(f64),
-    Variable,
-    Negated(Box<Tree>),
-    Joined(char, Box<[Tree; 2]>),
-    Called(usize, Box<Tree>),
-    Largest(Vec<Tree>),
-}
-
-impl Tree {
-    fn value(&self, n: f64) -> f64 {
-        match self {
-            Tree::Number(number) => *number,
-            Tree::Variable => n,
-            Tree::Negated(tree) => -tree.value(n),
-            Tree::Called(k, tree) => UNARY[*k].1(tree.value(n)),
-            Tree::Largest(trees) => {
-                trees.iter().map(|tree| tree.value(n)).reduce(f64::max).unwrap()
-            }
-            Tree::Joined(sign, sides) => {
-                let [a, b] = [sides[0].value(n), sides[1].value(n)];
-                match sign {
-                    '+' => a + b,
-                    '-' => a - b,
-                    '*' => a * b,
-                    '/' => a / b,
-                    _ => a.powf(b),
-                }
-            }
-        }
-    }
-
-    /// 0: a sum, 1: a product, 2: a sign, 3: a power, 4: anything that stands alone.
-    fn level(&self) -> u8 {
-        match self {
-            Tree::Joined('+' | '-', _) => 0,
-            Tree::Joined('*' | '/', _) => 1,
-            Tree::Negated(_) => 2,
-            Tree::Joined(..) => 3,
-            _ => 4,
-        }
-    }
-
-    fn text(&self, least: u8, spare: bool) -> String {
-        let level = self.level();
-        let text = match self {
-            Tree::Number(number) => format!("{number:?}"),
-            Tree::Variable => "n".into(),
-            Tree::Negated(tree) => format!("-{}", tree.text(2, spare)),
-            Tree::Called(k, tree) => format!("{}({})", UNARY[*k].0, tree.text(0, spare)),
-            Tree::Largest(trees) => {
-                let trees: Vec<String> = trees.iter().map(|tree| tree.text(0, spare)).collect();
-                format!("max({})", trees.join(" , "))
-            }
-            // A power groups to the right, everything else to the left.
-            Tree::Joined('^', sides) => {
-                format!("{}^{}", sides[0].text(4, spare), sides[1].text(2, spare))
-            }
-            Tree::Joined(sign, sides) => {
-                let right = sides[1].text(level + 1, spare);
-                format!("{} {sign} {right}", sides[0].text(level, spare))
-            }
-        };
-        if level < least || spare && level < 4 { format!("({text})") } else { text }
-    }
-}
-
-fn tree() -> impl Strategy<Value = Tree> {
-    let leaf = prop_oneof![
-        prop_oneof![0.0..10.0, Just(1e-7), Just(1e21)].prop_map(Tree::Number),
-        Just(Tree::Variable)
-    ];
-    leaf.prop_recursive(5, 24, 3, |tree| {
-        let pair = (tree.clone(), tree.clone());
-        let sign = prop_oneof![Just('+'), Just('-'), Just('*'), Just('/'), Just('^')];
-        prop_oneof![
-            tree.clone().prop_map(|tree| Tree::Negated(Box::new(tree))),
-            (sign, pair).prop_map(|(sign, (a, b))| Tree::Joined(sign, Box::new([a, b]))),
-            (0..UNARY.len(), tree.clone()).prop_map(|(k, tree)| Tree::Called(k, Box::new(tree))),
-            prop::collection::vec(tree, 2..4).prop_map(Tree::Largest),
-        ]
-    })
-}
-
 proptest! {
-    #[test]
-    fn random_expressions_have_the_value_of_their_tree(tree in tree(), n in 0.5..1e6) {
-        let expected = tree.value(n);
-        for spare in [false, true] {
-            let text = tree.text(0, spare);
-            let found = Expression::parse(&text).unwrap().evaluate(|_| Some(n)).unwrap();
-            prop_assert!(
-                found.to_bits() == expected.to_bits() || found.is_nan() && expected.is_nan(),
-                "{}: {} instead of {}", text, found, expected
-            );
-        }
-    }
-
     #[test]
     fn no_text_makes_the_parser_panic(text in "[-+*/^(), .e0-9nlogmax_µ]{0,40}") {
         if let Ok(expression) = Expression::parse(&text) {

@@ -67,13 +67,10 @@ fn builds_take_turns_in_one_record() {
     );
     let ended = run(folder, &["compare", "same", "--against", "nbs"]);
     assert!(ended.code == Some(2) && ended.stderr.contains("<B>"), "{}", ended.stderr);
-    refused(folder, &["run", "t.toml", "--against", "none"], &["--against none: there is no such"]);
     good(folder, &["run", "t.toml", "--quick", "--out", "one"]);
     refused(folder, &["compare", "one"], &["one is of one build", "run --against PROGRAM"]);
 }
 
-/// A block takes all builds in turns, so that one of which only some rows are there is taken again;
-/// the later rows count.
 #[test]
 fn what_is_no_build_is_refused_before_the_run() {
     let folder = tempfile::tempdir().unwrap();
@@ -81,13 +78,15 @@ fn what_is_no_build_is_refused_before_the_run() {
     file(folder, "t.toml", EXPERIMENT);
     for (program, words) in [
         ("/bin/sh", "--against /bin/sh is no build of contactbench: "),
-        ("none", "no such program"),
+        ("none", "--against none: there is no such program"),
     ] {
         refused(folder, &["run", "t.toml", "--out", "a", "--against", program], &[words]);
         assert!(!folder.join("a").exists());
     }
 }
 
+/// A block takes all builds in turns, so that one of which only some rows are there is taken again;
+/// the later rows count.
 #[test]
 fn builds_that_were_stopped_are_resumed() {
     let folder = tempfile::tempdir().unwrap();
