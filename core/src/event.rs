@@ -1,15 +1,16 @@
 //! What a detector does, step by step, for probes that show it ([`crate::probe::Probe::note`]).
 //!
-//! The detectors of the book make events: `nbs` for discs, `screening`, `sorting` and `binary-tree`.
-//! An event is made by the very statement that does what it names, and only where a probe asks for
-//! it: with [`crate::probe::Silent`] and [`crate::probe::Tally`] nothing of this is compiled.
+//! The detectors of the book make events: `nbs` for discs, `screening`, `sorting` and
+//! `binary-tree`. An event is made by the very statement that does what it names, and only where a
+//! probe asks for it: with [`crate::probe::Silent`] and [`crate::probe::Tally`] nothing of this is
+//! compiled.
 //!
 //! Particles, lists, places and nodes count from 0, cells from 1 as in [`crate::filter::cells`]. Of
 //! cells in space the first two axes are told.
 
-/// Something that happened. In all events `particle`, `i` and `j` are particles, `cell` is column and
-/// row, `heads` the letter of an array of heads, `list` a place in it and `first` what stands there;
-/// `places` are the first place and the one after the last.
+/// Something that happened. In all events `particle`, `i` and `j` are particles, `cell` is column
+/// and row, `heads` the letter of an array of heads, `list` a place in it and `first` what stands
+/// there; `places` are the first place and the one after the last.
 #[allow(missing_docs, reason = "fields have one meaning in all events")]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Event {
@@ -21,7 +22,8 @@ pub enum Event {
     Push { heads: char, list: usize, particle: u32, next: Option<u32> },
     /// A head was looked at.
     Look { heads: char, list: usize, first: Option<u32> },
-    /// A head was looked at, and marked old if it was new and not empty; `old`: it was marked before.
+    /// A head was looked at, and marked old if it was new and not empty; `old`: it was marked
+    /// before.
     Take { heads: char, list: usize, first: Option<u32>, old: bool },
     /// A head was set back to empty and new.
     Reset { heads: char, list: usize },
@@ -34,8 +36,8 @@ pub enum Event {
     /// An integerised coordinate was written into the array of keys of an axis, at the place that
     /// has the particle's number before the sort.
     Key { axis: usize, particle: u32, key: u32 },
-    /// A range of places is to be parted by `mid` along an axis: keys below go left. No key is below
-    /// the first of `values` or above the second.
+    /// A range of places is to be parted by `mid` along an axis: keys below go left. No key is
+    /// below the first of `values` or above the second.
     Halve { axis: usize, places: [usize; 2], values: [u32; 2], mid: u32 },
     /// What stands at two places was exchanged, keys of this axis and later ones and particles.
     Swap { axis: usize, places: [usize; 2] },

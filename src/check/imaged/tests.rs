@@ -1,6 +1,7 @@
 use super::*;
 use crate::check::listed::WORST;
 use crate::check::reading::Deviation;
+use crate::contact::Arithmetic;
 use crate::detect::{Options, table};
 use crate::periodic::BRUTE_FORCE;
 use crate::scene::spec::Spec;
