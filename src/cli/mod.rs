@@ -61,8 +61,7 @@ pub enum Verb {
                             my-experiment.toml --out results/mine")]
     Run(run::Run),
     /// Makes report and figures of a result folder again, from its record alone
-    #[command(after_help = "Example: contactbench report results/reference\nExample: \
-                            contactbench report results/reference --table latex > table.tex")]
+    #[command(after_help = "Example: contactbench report results/reference")]
     Report(report::Report),
     /// Compares two result folders: of two revisions, or two machines
     #[command(after_help = "Example: contactbench compare results/before results/after\nExample: \

@@ -6,9 +6,7 @@ use std::process::ExitCode;
 
 use anyhow::{Context, bail, ensure};
 
-use crate::cells;
-use crate::cli::shared::ci;
-use crate::cli::shared::ci::{Case, Outputs};
+use crate::cli::shared::ci::{self, Case, Outputs};
 use crate::cli::shared::terminal::{self, quoted};
 use crate::experiment::Experiment;
 use crate::findings::claim;
@@ -16,7 +14,7 @@ use crate::findings::failures::Culprit;
 use crate::plan;
 use crate::present::sections::claims::evidence;
 use crate::present::sections::failures;
-use crate::present::{document, latex, report};
+use crate::present::{document, report};
 use crate::record::faults::{self, Fault};
 use crate::record::merge::Part;
 use crate::record::row::{Outcome, Record};
@@ -29,11 +27,8 @@ pub struct Report {
     folder: PathBuf,
     #[command(flatten)]
     ci: Outputs,
-    /// Print the main results as a table for a paper or a README instead, and write nothing
-    #[arg(long, value_enum, value_name = "FORMAT")]
-    table: Option<latex::Format>,
     /// Put the copies of experiments of an older record under its seal, and make no report
-    #[arg(long, conflicts_with = "table")]
+    #[arg(long)]
     seal: bool,
 }
 
@@ -45,16 +40,7 @@ pub fn report(options: &Report) -> anyhow::Result<ExitCode> {
         writeln!(terminal::out(), "sealed: {count} copies of experiments")?;
         return Ok(ExitCode::SUCCESS);
     }
-    let Some(format) = options.table else { return finish(&options.folder, &options.ci) };
-    let (record, experiments) = read(&options.folder)?;
-    let partial = report::partial(&options.folder, &experiments, &record.rows);
-    for warning in record.warnings.iter().chain(&partial) {
-        say!("warning: {warning}");
-    }
-    let text = latex::tables(&experiments, &cells::cells(&record.rows), format);
-    // For a paper, as it is.
-    std::io::stdout().lock().write_all(text.as_bytes())?;
-    Ok(ExitCode::SUCCESS)
+    finish(&options.folder, &options.ci)
 }
 
 /// The last result folder inside of this one, as a hint.

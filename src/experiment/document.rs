@@ -17,7 +17,7 @@ use crate::experiment::claims::{Claim, ClaimKind};
 use crate::experiment::figures::{Figure, FigureKind};
 use crate::experiment::plain::plain;
 use crate::experiment::sweep::{Quick, SceneSweep};
-use crate::experiment::{Experiment, REQUIRED, keys};
+use crate::experiment::{Experiment, REQUIRED, RETIRED, keys};
 use crate::nearest::hint;
 
 /// What is wrong, and where.
@@ -73,6 +73,7 @@ impl<'a> Document<'a> {
         let mut table = DeTable::parse(text)?;
         let root = table.get_mut();
         let keys = root.keys().map(|key| (key.get_ref().to_string(), key.span())).collect();
+        let retired = RETIRED.into_iter().filter(|key| root.remove(*key).is_some()).collect();
         top_level(root)?;
         if let Some(missing) = REQUIRED.iter().find(|key| !root.contains_key(**key)) {
             let form = if *missing == "scene" { "give a [[scene]]" } else { "give it a value" };
@@ -91,6 +92,7 @@ impl<'a> Document<'a> {
             nest::<Figure, FigureKind>(figure, at, "figure", Some("lines"))
         })?;
         let mut experiment = Experiment::deserialize(table.into_deserializer())?;
+        experiment.retired = retired;
         for (sweep, place) in experiment.scenes.iter_mut().zip(scenes) {
             sweep.line = line(&text[..place.start]);
         }

@@ -54,15 +54,8 @@ pub struct Experiment {
     /// With every detector with several threads: as many copies of it with one thread each, all at
     /// work at the same time.
     pub ceiling: bool,
-    /// Measures the machine's memory bandwidth before the run; the report then compares times with
-    /// it.
-    pub bound: bool,
-    /// The report fits costs per operation to times, and says where detectors overtake each other.
-    pub cost_model: bool,
     /// The detector that all others are compared with in a table of ratios.
     pub ratios_to: Option<String>,
-    /// The report says what following printed advice would cost in these scenes.
-    pub advice: bool,
     /// Paired blocks: each runs every detector once, in a fresh random order. 0: no times, only
     /// answers, counts and memory.
     #[serde(deserialize_with = "list::one")]
@@ -93,21 +86,26 @@ pub struct Experiment {
     /// What the experiment plans; empty unless `plan` read the file.
     #[serde(skip)]
     pub planned: Planned,
+    /// Keys of the file that only older programs computed anything for.
+    #[serde(skip)]
+    pub retired: Vec<&'static str>,
 }
+
+/// Keys of older files: they are read, because records hold copies, and ask for nothing.
+pub const RETIRED: [&str; 3] = ["bound", "cost-model", "advice"];
 
 /// The keys that every file must have.
 pub const REQUIRED: [&str; 6] = ["name", "title", "question", "reading", "detectors", "scene"];
 
 impl Experiment {
     /// Does it ask which detector is the fastest? Its question has the word, or it compares times:
-    /// with one detector, with advice, on a map or in a claim; or it has no claims, and does not
+    /// with one detector, on a map or in a claim; or it has no claims, and does not
     /// compare arithmetics.
     pub fn asks_fastest(&self) -> bool {
         let faster = |claim: &Claim| matches!(claim.kind, ClaimKind::Faster { .. });
         let map = |figure: &Figure| matches!(figure.kind, FigureKind::Map(_));
         self.question.to_lowercase().contains("fast")
             || self.ratios_to.is_some()
-            || self.advice
             || self.claims.is_empty() && self.arithmetics.len() == 1
             || self.claims.iter().any(faster)
             || self.figures.iter().any(map)
@@ -126,10 +124,7 @@ impl Default for Experiment {
             arithmetics: vec![Arithmetic::Exact],
             threads: 1.into(),
             ceiling: false,
-            bound: false,
-            cost_model: false,
             ratios_to: None,
-            advice: false,
             blocks: 15,
             block_budget_s: f64::INFINITY,
             time_limit_s: 30.0,
@@ -140,6 +135,7 @@ impl Default for Experiment {
             figures: Vec::new(),
             table: None,
             planned: Planned::default(),
+            retired: Vec::new(),
         }
     }
 }

@@ -1,13 +1,10 @@
 //! What a record says: findings as values, from cells, and what is said of the rows behind them.
 
-pub mod bound;
 pub mod claim;
 pub mod compare;
 pub mod conditions;
-pub mod cost;
 pub mod courses;
 pub mod coverage;
-pub mod crossover;
 pub mod errors;
 pub mod every;
 pub mod failures;
@@ -15,9 +12,7 @@ pub mod map;
 pub mod noise;
 pub mod operations;
 pub mod overhead;
-pub mod price;
 pub mod ratios;
-pub mod regret;
 pub mod scenes;
 pub mod threads;
 pub mod verdicts;

@@ -32,7 +32,6 @@ pub const FILES: &[(&str, &str)] = &[
     ("mended", include_str!("../../experiments/mended.toml")),
     ("maps", include_str!("../../experiments/maps.toml")),
     ("maps-motion", include_str!("../../experiments/maps-motion.toml")),
-    ("price", include_str!("../../experiments/price.toml")),
     ("scale", include_str!("../../experiments/scale.toml")),
     ("peers", include_str!("../../experiments/peers.toml")),
     ("codes", include_str!("../../experiments/codes.toml")),

@@ -85,13 +85,6 @@ fn checked<'a>(text: &'a str, folder: &Path) -> anyhow::Result<(Experiment, Docu
     }
     let whole = specs(&experiment, false)?;
     let quick = specs(&experiment, true)?;
-    let moves = whole.iter().any(|spec| spec.course.is_some());
-    if moves && (experiment.bound || experiment.cost_model) {
-        let words = "bound and cost-model are about single detections, and a scene moves; leave \
-                     them out";
-        let key = if experiment.bound { "bound" } else { "cost-model" };
-        return Err(document.key(key, words.into()));
-    }
     let ids = |specs: &[_]| specs.iter().map(|spec| id(&experiment, spec)).collect();
     experiment.planned = Planned {
         scenes: ids(&whole),

@@ -15,32 +15,6 @@ pub fn markdown(text: &str) -> String {
     out
 }
 
-/// Text for LaTeX: none of it is a command.
-pub fn latex(text: &str) -> String {
-    let mut out = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '&' | '%' | '$' | '#' | '_' | '{' | '}' => out.extend(['\\', c]),
-            '\\' => out += "\\textbackslash{}",
-            '~' => out += "\\textasciitilde{}",
-            '^' => out += "\\textasciicircum{}",
-            '<' => out += "\\textless{}",
-            '>' => out += "\\textgreater{}",
-            '|' => out += "\\textbar{}",
-            '"' => out += "\\textquotedbl{}",
-            // At the start of a line it would be an option of the line break before it.
-            '[' | ']' => out.extend(['{', c, '}']),
-            '–' => out += "--",
-            '×' => out += "$\\times$",
-            '²' => out += "$^2$",
-            'Δ' => out += "$\\Delta$",
-            c if c.is_control() => out.push(' '),
-            c => out.push(c),
-        }
-    }
-    out
-}
-
 /// One line of text, as a comment needs it.
 pub fn one_line(text: &str) -> String {
     text.chars()
@@ -55,7 +29,6 @@ mod tests {
     #[test]
     fn nothing_becomes_markup() {
         assert_eq!(markdown("a|b*c_d<e>\n`f`[g]#"), "a\\|b\\*c\\_d\\<e\\> \\`f\\`\\[g\\]\\#");
-        assert_eq!(latex("my_50% & {[a]}\\"), "my\\_50\\% \\& \\{{[}a{]}\\}\\textbackslash{}");
         assert_eq!(one_line("a\nb\u{2028}c"), "a b c");
     }
 }

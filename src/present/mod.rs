@@ -4,7 +4,6 @@ pub mod csv;
 pub mod document;
 pub mod escape;
 pub mod figure;
-pub mod latex;
 pub mod page;
 pub mod recommendation;
 pub mod report;

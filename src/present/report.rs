@@ -13,7 +13,6 @@ use crate::findings::claim::{self, Verdict};
 use crate::findings::conditions::Conditions;
 use crate::findings::coverage::{Coverage, Scope, Summary};
 use crate::findings::failures::{Culprit, Culprits};
-use crate::findings::price::Price;
 use crate::findings::verdicts::Matrix;
 use crate::findings::winners::{Winners, winners};
 use crate::present::document::{self, Block, Text};
@@ -62,8 +61,6 @@ pub struct Part<'a> {
     pub asks_fastest: bool,
     /// How the detector of interest compares, in a sentence, if the experiment asks.
     pub headline: Option<sections::Headline>,
-    /// What each arithmetic costs.
-    pub price: Vec<Block>,
     /// Who is right, case by case, if the experiment asks.
     pub matrix: Option<Matrix>,
     /// Its figures: title, and files as SVG and PNG.
@@ -106,7 +103,7 @@ pub fn write(
     let (mut parts, mut csv_files, mut warnings) =
         (Vec::new(), Files::default(), warnings.to_vec());
     for experiment in experiments {
-        let mut part = Part::new(experiment, &cells, &machine, &scope, &mut csv_files);
+        let mut part = Part::new(experiment, &cells, &scope, &mut csv_files);
         for plan in &experiment.figures {
             match figure::draw(&figure_folder, experiment, plan, &cells, &styles, &machine) {
                 Ok(paths) if paths.is_empty() => {}
@@ -178,7 +175,6 @@ impl<'a> Part<'a> {
     fn new(
         experiment: &'a Experiment,
         cells: &'a [Cell],
-        machine: &Machine,
         scope: &Scope<'_>,
         files: &mut Files,
     ) -> Part<'a> {
@@ -189,12 +185,12 @@ impl<'a> Part<'a> {
         let maps = Drawn::all(experiment, cells);
         files.maps.extend(maps.iter().map(|it| sections::map::rows(&it.name, &it.map)));
         let mut tables = sections::map::section(&maps);
-        tables.extend(sections::sections(experiment, &own, machine, files));
+        tables.extend(sections::sections(experiment, &own, files));
         // The matrix says all that these would, of a hundred scenes.
         if matrix.is_none() {
             tables.extend(sections::tables(&own));
         }
-        let (winners, price) = (winners(&own), Price::new(&own));
+        let winners = winners(&own);
         let asks_fastest = experiment.asks_fastest();
         tables.splice(0..0, sections::winners::details(&winners, asks_fastest));
         Part {
@@ -204,7 +200,6 @@ impl<'a> Part<'a> {
             winners,
             asks_fastest,
             headline: sections::Headline::new(experiment, &own),
-            price: price.map_or(Vec::new(), |price| sections::price::blocks(&price)),
             matrix,
             figures: Vec::new(),
             maps,
@@ -346,7 +341,6 @@ fn head(parts: &[Part<'_>], warnings: &[String], origin: &Origin<'_>) -> Vec<Blo
         if let Some(headline) = part.headline.as_ref().filter(|headline| !headline.answers) {
             out.push(Block::Paragraph(headline.text.clone()));
         }
-        out.extend(part.price.iter().cloned());
         out.extend(part.fastest());
     }
     out

@@ -10,7 +10,6 @@
 //! in trackers, which run the race on all frames, written to files. What settings of other codes
 //! would miss is told by the code of `track` ([`crate::moving`]).
 
-pub mod counted;
 pub mod motion;
 pub mod race;
 pub mod standing;

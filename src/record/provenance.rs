@@ -3,7 +3,6 @@
 use std::path::Path;
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use crate::record::built::build;
@@ -11,33 +10,12 @@ use crate::record::hardware::Hardware;
 use crate::record::row::SCHEMA;
 use crate::record::seal;
 
-/// The memory bandwidth measured before a run, in bytes per second.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Bandwidth {
-    /// Threads at work.
-    pub threads: usize,
-    /// Bytes of one of the three arrays, over all threads.
-    pub array_bytes: u64,
-    /// Adding up an array.
-    pub read: f64,
-    /// Filling an array.
-    pub write: f64,
-    /// a = b + s c.
-    pub triad: f64,
-}
-
 /// The name of the provenance file in a result folder.
 pub const FILE: &str = "provenance.json";
 
-/// What there is to know about this run, as a JSON object; the bandwidths are those measured, if
-/// any were; the rows call the machine by the label.
-pub fn gather(
-    experiments: &[String],
-    quick: bool,
-    shard: Option<String>,
-    bandwidth: &[Bandwidth],
-    label: &str,
-) -> Value {
+/// What there is to know about this run, as a JSON object; the rows call the machine by the
+/// label.
+pub fn gather(experiments: &[String], quick: bool, shard: Option<String>, label: &str) -> Value {
     let clock = read("/proc/cpuinfo").lines().find_map(|line| {
         line.strip_prefix("cpu MHz")?.trim_start_matches([' ', '\t', ':']).parse::<f64>().ok()
     });
@@ -74,9 +52,6 @@ pub fn gather(
     }
     if let Some(shard) = shard {
         all["shard"] = json!(shard);
-    }
-    if !bandwidth.is_empty() {
-        all["bandwidth_bytes_per_s"] = json!(bandwidth);
     }
     all
 }

@@ -2,7 +2,6 @@
 //! appended to the record.
 
 pub mod alloc;
-pub mod bandwidth;
 pub mod client;
 pub(crate) mod contender;
 mod copies;

@@ -14,7 +14,7 @@ use crate::run::job::{self, Ready};
 use crate::run::origins::{Origins, fingerprint};
 use crate::run::plan::Job;
 use crate::run::stage::Progress;
-use crate::run::{bandwidth, interrupt};
+use crate::run::interrupt;
 
 /// What is to be run.
 pub struct Asked {
@@ -111,7 +111,7 @@ pub fn run(
     );
     let (mut record, mut origins) = opened(folder, &ready, done.rows.len())?;
     interrupt::install().context("cannot listen to Ctrl-C")?;
-    write_origin(asked, &experiments, folder, &label, base)?;
+    write_origin(asked, folder, &label, base)?;
     let stopped = |error: anyhow::Error| {
         let of_disk = |cause: &(dyn std::error::Error + 'static)| cause.is::<std::io::Error>();
         match error.is::<WriteError>() || error.chain().any(of_disk) {
@@ -146,7 +146,6 @@ fn opened(folder: &Path, ready: &Ready<'_>, rows: usize) -> anyhow::Result<(Writ
 /// Writes the copies of the experiments and the provenance of the run.
 fn write_origin(
     asked: &Asked,
-    experiments: &[Experiment],
     folder: &Path,
     label: &str,
     base: Option<String>,
@@ -160,7 +159,6 @@ fn write_origin(
     }
     // The runs that go on with a record may be the first of their machine.
     let first = !folder.join(provenance::FILE).exists();
-    let bandwidth = if first { bandwidth::asked(experiments) } else { Vec::new() };
     let file = if first {
         provenance::FILE.into()
     } else {
@@ -168,7 +166,7 @@ fn write_origin(
     };
     let names: Vec<String> = texts.iter().map(|it| it.0.clone()).collect();
     let shard = asked.shard.map(|shard| shard.to_string());
-    let mut provenance = provenance::gather(&names, asked.quick, shard, &bandwidth, label);
+    let mut provenance = provenance::gather(&names, asked.quick, shard, label);
     provenance[copies::FIELD] = copies::field(texts.iter().map(|(name, text)| (&**name, &**text)));
     if let Some(base) = base {
         provenance[BASE] = base.into();

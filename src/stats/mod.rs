@@ -3,5 +3,4 @@
 pub mod growth;
 pub mod interval;
 pub mod line;
-pub mod nnls;
 pub mod unpaired;

@@ -11,7 +11,6 @@ title = 'A map'
 question = 'Who is the fastest?'
 reading = 'The name in the tile.'
 detectors = ['nbs', 'sorting', 'cell-grid']
-advice = true
 blocks = 2
 [[scene]]
 name = 'loose'
@@ -26,7 +25,7 @@ x = 'n'
 y = 'fraction'
 ";
 
-/// A record with a map and a table of advice, made once.
+/// A record with a map, made once.
 static RECORD: LazyLock<Template> = LazyLock::new(|| {
     Template::new(|folder| {
         file(folder, "small.toml", EXPERIMENT);
@@ -39,24 +38,18 @@ fn read(path: &Path) -> String {
 }
 
 #[test]
-fn a_run_draws_its_maps_and_says_what_advice_costs() {
+fn a_run_draws_its_maps() {
     let folder = RECORD.copy();
     let out = folder.path().join("out");
     let maps = read(&out.join("maps.csv"));
     // Two panels of four places, and two blocks decide nothing.
     assert_eq!(maps.lines().count(), 9, "{maps}");
     assert!(maps.lines().skip(1).all(|line| line.contains(",no,")), "{maps}");
-    let regret = read(&out.join("regret.csv"));
-    // Three pieces of advice name detectors that took part in these eight scenes: grids, and in
-    // none a tree, screening or streamed-nbs.
-    assert!(regret.lines().count() > 16 && regret.contains("one grid"), "{regret}");
     let page = read(&out.join("report.html"));
     assert_eq!(page.matches("data-row=").count(), 8);
     assert!(page.contains("<a href=\"#maps\">Maps</a>") && page.contains("<section id=\"maps\">"));
     let report = read(&out.join("report.md"));
-    for words in ["Who is the fastest in each place", "What printed advice costs", "Ericson"] {
-        assert!(report.contains(words), "{words}");
-    }
+    assert!(report.contains("Who is the fastest in each place"), "{report}");
     assert!(out.join("figures/small-winners.svg").exists());
 }
 

@@ -413,38 +413,3 @@ fn narrow(browser: &Browser, page: &Path) {
         assert!(bottom < 500, "the answer is seen at once: it ends at {bottom}");
     }
 }
-
-#[test]
-fn tables_for_papers_are_printed() {
-    let folder = tempfile::tempdir().unwrap();
-    report(folder.path());
-    let written = std::fs::metadata(folder.path().join("report.md")).unwrap().modified().unwrap();
-    let latex = crate::common::run(folder.path(), &["report", ".", "--table", "latex"]);
-    assert_eq!(latex.code, Some(0), "{}", latex.stderr);
-    let median = medians()[&("packed".into(), 3, 1000, "nbs".into(), "exact".into())] / 1000.0;
-    let begin = format!("1000 & nbs (exact) & 1 & \\textbf{{{median:.2}}} & ");
-    assert!(latex.stdout.contains(&begin), "no {begin} in {}", latex.stdout);
-    assert!(
-        latex.stdout.contains("\\textless{}/script\\textgreater{}") && !latex.stdout.contains(EVIL)
-    );
-    assert_eq!(latex.stdout.matches("\\begin{tabular}").count(), 3);
-    let markdown = crate::common::run(folder.path(), &["report", ".", "--table", "markdown"]);
-    assert!(
-        markdown.stdout.contains("**packed, 3D**\n\n| N | detector |")
-            && !markdown.stdout.contains("nothing"),
-        "{}",
-        markdown.stdout
-    );
-    assert_eq!(
-        std::fs::metadata(folder.path().join("report.md")).unwrap().modified().unwrap(),
-        written,
-        "nothing was written"
-    );
-    let bad = crate::common::run(folder.path(), &["report", ".", "--table", "word"]);
-    assert_eq!(
-        (bad.code, bad.stderr.contains("latex, markdown")),
-        (Some(2), true),
-        "{}",
-        bad.stderr
-    );
-}

@@ -279,12 +279,6 @@ impl Page<'_> {
                     part.winners.contests.is_empty(),
                 );
             }
-            if let Some((sentence, table)) = part.price.split_first() {
-                // The sentence at once, the table on demand.
-                out += &document::html(std::slice::from_ref(sentence));
-                let table = document::html(table);
-                out += &details("Price and error of each arithmetic", &table, false);
-            }
             out += "</article>\n";
         }
         out

@@ -1,16 +1,14 @@
-//! The sections of a report that are about speed: ratios to one detector, threads, the memory
-//! bound, the cost model, the harness's share.
+//! The sections of a report that are about speed: ratios to one detector, threads, the harness's
+//! share.
 //!
 //! Each appears where its experiment asks for it, or its rows are in the record; a report without
 //! them is as it was.
 
 pub mod answer;
-pub mod bound;
 mod by_size;
 pub mod claims;
 pub mod compare;
 pub mod conditions;
-pub mod cost;
 pub mod courses;
 pub mod coverage;
 pub mod errors;
@@ -19,19 +17,14 @@ pub mod map;
 pub mod noise;
 pub mod operations;
 pub mod overhead;
-pub mod price;
 pub mod ratios;
-pub mod regret;
 pub mod scenes;
 pub mod threads;
 pub mod verdicts;
 pub mod winners;
 
-use crate::cells::machine::Machine;
 use crate::cells::{Cell, by_machine};
 use crate::experiment::Experiment;
-use crate::findings::bound::Bound;
-use crate::findings::crossover::CostModel;
 use crate::findings::noise::Noise;
 use crate::findings::overhead::Overhead;
 use crate::findings::ratios::Ratios;
@@ -44,8 +37,6 @@ use crate::present::table::{Table, csv};
 pub struct Files {
     ratios: Vec<Table>,
     threads: Vec<Table>,
-    bound: Vec<Table>,
-    regret: Vec<Table>,
     /// Of all maps.
     pub maps: Vec<Table>,
 }
@@ -56,8 +47,6 @@ impl Files {
         let files = [
             ("ratios.csv", &self.ratios),
             ("threads.csv", &self.threads),
-            ("bound.csv", &self.bound),
-            ("regret.csv", &self.regret),
             ("maps.csv", &self.maps),
         ];
         let files = files.into_iter();
@@ -86,12 +75,7 @@ impl Headline {
 }
 
 /// The sections of an experiment.
-pub fn sections(
-    experiment: &Experiment,
-    own: &[&Cell],
-    machine: &Machine,
-    files: &mut Files,
-) -> Vec<Block> {
+pub fn sections(experiment: &Experiment, own: &[&Cell], files: &mut Files) -> Vec<Block> {
     let mut out = Vec::new();
     if let Some(reference) = &experiment.ratios_to {
         out.push(Block::heading(3, format!("Who is how fast, against {reference}")));
@@ -103,43 +87,20 @@ pub fn sections(
             None => out.push(Block::paragraph("The reference has no time in this record.")),
         }
     }
-    let advice =
-        if experiment.advice { crate::findings::regret::followed(own) } else { Vec::new() };
-    if !advice.is_empty() {
-        out.push(Block::heading(3, "What printed advice costs"));
-        out.extend(regret::blocks(&advice));
-        files.regret.push(regret::rows(&advice));
-    }
     if let Some(found) = Threads::new(own) {
         out.push(Block::heading(3, "What threads gain"));
         out.extend(threads::blocks(&found));
         files.threads.push(threads::rows(&found));
     }
-    if experiment.bound {
-        out.push(Block::heading(3, "How near the memory's bound"));
-        match Bound::new(own, machine) {
-            Some(found) => {
-                out.extend(bound::blocks(&found));
-                files.bound.push(bound::rows(&found));
-            }
-            None => out.push(Block::paragraph(
-                "The provenance of this record holds no bandwidth: it was not measured before the \
-                 run.",
-            )),
-        }
-    }
-    if experiment.cost_model {
-        out.push(Block::heading(3, "What an operation costs"));
-        for (name, cells) in by_machine(own) {
-            out.extend(of_machine(&name));
-            out.extend(cost::blocks(CostModel::new(&cells, &machine.caches).as_ref()));
-        }
-    }
-    if experiment.ratios_to.is_some() || experiment.bound || experiment.cost_model {
-        let found = by_machine(own).into_iter().map(|(machine, cells)| {
-            (machine, Overhead::new(&cells).map(|found| overhead::blocks(&found)))
-        });
-        out.extend(by_machine_blocks("What the harness adds", found));
+    let found = by_machine(own).into_iter().map(|(machine, cells)| {
+        (machine, Overhead::new(&cells).map(|found| overhead::blocks(&found)))
+    });
+    out.extend(by_machine_blocks("What the harness adds", found));
+    if !experiment.retired.is_empty() {
+        let keys = experiment.retired.join(", ");
+        out.push(Block::paragraph(format!(
+            "The experiment asks for {keys}, which an older program computed; this one does not."
+        )));
     }
     out
 }

@@ -1,9 +1,8 @@
 //! A table as a value, which knows nothing of the language that it will be written in: Markdown,
-//! HTML, LaTeX, CSV, or plain text for a terminal.
+//! HTML, CSV, or plain text for a terminal.
 
 mod csv;
 mod html;
-mod latex;
 mod markdown;
 mod plain;
 

@@ -58,22 +58,6 @@ fn html_aligns_numbers_scrolls_and_escapes() {
 }
 
 #[test]
-fn latex_is_booktabs_with_a_line_per_group() {
-    let latex = table().latex();
-    assert_eq!(
-        latex,
-        "\\begin{tabular}{rlrr}\n\\toprule\n\\multicolumn{4}{l}{a\\_b \\& c} \\\\\n\\midrule\n\
-         $N$ & detector & time / $N$ & ratio \\\\\n &  & (ns) &  \\\\\n\\midrule\n\
-         1000 & n\\textbar{}b\\textless{}s & \\textbf{12.35} & 1 \\\\\n \
-         & x & -- & 1.50 (1.25--2.00) \\\\\n \
-         & a; b & wrong ($3.200\\times10^{8}$) & 50\\% \\\\\n\\bottomrule\n\\end{tabular}\n"
-    );
-    let mut two = table();
-    two.rows.push(two.rows[0].clone());
-    assert_eq!(two.latex().matches("\\midrule").count(), 3);
-}
-
-#[test]
 fn csv_has_every_digit_three_columns_per_interval_and_quotes() {
     let mut table = table();
     table.rows[0][1] = "a,\"b\"".into();
