@@ -16,7 +16,6 @@ use crate::record::row::{Outcome, Pass};
 /// What an expression gives for a cell.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Reading {
-    /// A finite number.
     Value(f64),
     /// The cell ended well but lacks a variable, or the result is not a finite number.
     Missing,
@@ -39,7 +38,6 @@ impl Expression {
         Ok(())
     }
 
-    /// The passes it needs.
     pub fn passes(&self) -> Vec<Pass> {
         let pass = |(name, _): (&str, usize)| Column::find(name)?.pass;
         let passes: BTreeSet<Pass> = self.variables().filter_map(pass).collect();

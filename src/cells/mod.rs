@@ -27,7 +27,6 @@ use contactbench_terms::scene::Stats;
 /// All that was measured of one detector on one scene.
 #[derive(Clone, Debug, Default)]
 pub struct Cell {
-    /// Which cell.
     pub id: CellId,
     /// What its detector is there for.
     pub role: Role,
@@ -54,9 +53,7 @@ pub struct Cell {
     pub values: BTreeMap<&'static str, f64>,
     /// Against exact decisions on the scene as given.
     pub errors: Option<Errors>,
-    /// The same by cause.
     pub causes: Option<Causes>,
-    /// The scene as realised.
     pub stats: Stats,
 }
 
@@ -181,6 +178,11 @@ impl Cell {
     pub fn ratio(&self, to: &Cell) -> Option<Interval> {
         let rounds: Vec<_> = self.rounds.iter().zip(&to.rounds).collect();
         if rounds.is_empty() { ratio(&self.times, &to.times) } else { typical_ratio(&rounds) }
+    }
+
+    /// The same ratio of the first detections in new processes.
+    pub fn cold_ratio(&self, to: &Cell) -> Option<Interval> {
+        ratio(self.first_times(), to.first_times())
     }
 
     /// Frames of its scene, over which counts and contacts are summed; 1 at rest.

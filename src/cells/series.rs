@@ -15,9 +15,7 @@ use crate::stats::interval::{Blocks, Interval, median, typical_ratio};
 pub struct Line {
     /// The detector, with its parameters.
     pub detector: String,
-    /// How it decides.
     pub arithmetic: String,
-    /// Its threads.
     pub threads: u32,
     /// What it is there for.
     pub role: Role,
@@ -41,14 +39,12 @@ pub struct BySize<T> {
     pub title: String,
     /// All N, ascending.
     pub sizes: Vec<u64>,
-    /// The contenders.
     pub lines: Vec<LineValues<T>>,
 }
 
 /// The values of a contender.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LineValues<T> {
-    /// Who it is.
     pub line: Line,
     /// How it is called among the others.
     pub name: String,
@@ -70,18 +66,20 @@ pub fn groups<'a>(cells: &[&'a Cell]) -> Vec<Group<'a>> {
     groups.into_values().collect()
 }
 
-/// The label of a line: its arithmetic where there are several, its threads where they are not one.
-pub fn label(line: &Line, cells: &[&Cell]) -> String {
-    let arithmetics: BTreeSet<&str> =
-        cells.iter().map(|cell| cell.id.arithmetic.as_str()).collect();
-    let mut label = line.detector.clone();
-    if arithmetics.len() > 1 {
-        label += &format!(" ({})", line.arithmetic);
+/// The labels of lines among these cells: with the arithmetic if there are several, and with the
+/// threads if they are not one.
+pub fn labels(cells: &[&Cell]) -> impl Fn(&Line) -> String + Copy {
+    let several = cells.iter().any(|cell| cell.id.arithmetic != cells[0].id.arithmetic);
+    move |line| {
+        let mut label = line.detector.clone();
+        if several {
+            label += &format!(" ({})", line.arithmetic);
+        }
+        if line.threads > 1 {
+            label += &format!(" ({} threads)", line.threads);
+        }
+        label
     }
-    if line.threads > 1 {
-        label += &format!(" ({} threads)", line.threads);
-    }
-    label
 }
 
 impl Line {
@@ -97,15 +95,13 @@ impl Line {
 }
 
 impl<'a> Group<'a> {
-    /// All N, in order.
     pub fn sizes(&self) -> BTreeSet<u64> {
         self.lines.values().flat_map(|cells| cells.keys().copied()).collect()
     }
 
-    /// The number of scenes of this many particles: one for each seed.
-    pub fn seeds(&self, n: u64) -> usize {
-        let cells = self.lines.values().filter_map(|sizes| sizes.get(&n)).flatten();
-        cells.map(|cell| cell.id.seed).collect::<BTreeSet<_>>().len()
+    /// The cells at one N.
+    pub fn cells(&self, n: u64) -> impl Iterator<Item = &'a Cell> {
+        self.lines.values().filter_map(move |sizes| sizes.get(&n)).flatten().copied()
     }
 
     /// The cells of a line at one N.
@@ -118,7 +114,6 @@ impl<'a> Group<'a> {
         self.fastest_of(n, |_| true)
     }
 
-    /// The same among these.
     pub fn fastest_of(&self, n: u64, wanted: impl Fn(&Line) -> bool) -> Option<(&Line, f64)> {
         self.ranked(n, wanted).first().copied()
     }

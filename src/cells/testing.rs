@@ -85,11 +85,6 @@ impl Lab {
         self.base.stats.packing_fraction = packing_fraction;
         self
     }
-    /// The largest radius of the scene over the smallest.
-    pub fn ratio(&mut self, ratio: f64) -> &mut Lab {
-        self.base.stats.radius_ratio = Some(ratio);
-        self
-    }
     fn push(&mut self, pass: Pass, change: impl FnOnce(&mut Row)) -> &mut Lab {
         let mut row = Row { pass, ..self.base.clone() };
         change(&mut row);

@@ -68,7 +68,7 @@ pub fn map(options: &Map) -> anyhow::Result<ExitCode> {
     let picture = || {
         let [x, y] = axes.labels();
         let title = format!("Who is the fastest: {y} against {x}");
-        figure::of_map(&title, &axes, &found, &Styles::new(cells.iter()))
+        figure::map::drawn(&title, &axes, &found, &Styles::new(cells.iter()))
     };
     let bytes = match kind {
         Kind::Svg => picture()?.into_bytes(),

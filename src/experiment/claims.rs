@@ -135,6 +135,19 @@ impl ClaimKind {
     }
 }
 
+impl ClaimKind {
+    /// The expressions that are read in every cell.
+    pub fn sides(&self) -> Vec<&Expression> {
+        match self {
+            ClaimKind::Faster { .. } => Vec::new(),
+            ClaimKind::Equal { value, to, .. } | ClaimKind::AtMost { value, to, .. } => {
+                vec![value, to]
+            }
+            ClaimKind::Constant { value, .. } | ClaimKind::Model { value, .. } => vec![value],
+        }
+    }
+}
+
 impl Claim {
     /// Where the claim comes from, and when its limit was set.
     pub fn origin(&self) -> String {
@@ -150,13 +163,8 @@ impl Claim {
 
     /// Is it about times, which are of one machine?
     pub fn uses_time(&self) -> bool {
-        match &self.kind {
-            ClaimKind::Faster { .. } => true,
-            ClaimKind::Equal { value, to, .. } | ClaimKind::AtMost { value, to, .. } => {
-                value.uses_time() || to.uses_time()
-            }
-            ClaimKind::Constant { value, .. } | ClaimKind::Model { value, .. } => value.uses_time(),
-        }
+        let timed = matches!(self.kind, ClaimKind::Faster { .. });
+        timed || self.kind.sides().iter().any(|side| side.uses_time())
     }
 }
 

@@ -54,19 +54,15 @@ impl Status {
 /// A claim and what came of it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Verdict {
-    /// The experiment's name.
     pub experiment: String,
-    /// The sentence claimed.
     pub claim: String,
     /// Where the claim comes from.
     pub source: String,
     /// What it answers to the experiment's question if it holds; may be empty.
     pub answers: String,
-    /// What came of it.
     pub status: Status,
     /// False for times, which are of one machine.
     pub machine_independent: bool,
-    /// The numbers.
     pub evidence: Evidence,
 }
 
@@ -81,10 +77,9 @@ pub fn verdicts(experiment: &Experiment, cells: &[Cell], coverage: &Coverage<'_>
     let own: Vec<Cell> =
         cells.iter().filter(|cell| cell.id.experiment == experiment.name).cloned().collect();
     let judge = |claim: &Claim| {
-        let Checked { finding: (status, found), without, time } = check(claim, &own)
-            .unwrap_or_else(|error| {
-                Checked::of((Status::Fails, Found::Unusable(format!("{error:#}"))))
-            });
+        let Checked { status, found, without, time } = check(claim, &own).unwrap_or_else(|error| {
+            Checked::new(Status::Fails, Found::Unusable(format!("{error:#}")))
+        });
         let uncovered = coverage.uncovered(claim);
         let status = match (status, &found) {
             _ if uncovered.is_none() => status,
@@ -106,42 +101,51 @@ pub fn verdicts(experiment: &Experiment, cells: &[Cell], coverage: &Coverage<'_>
     experiment.claims.iter().map(judge).collect()
 }
 
-type Finding = (Status, Found);
-
-/// A finding, the cells without a value, and the times of those with one.
+/// What a claim came to.
 struct Checked {
-    finding: Finding,
+    status: Status,
+    found: Found,
+    /// The cells without a value.
     without: Option<Without>,
+    /// The times of those with one.
     time: Option<[f64; 2]>,
 }
 
 impl Checked {
-    fn of(finding: Finding) -> Checked {
-        Checked { finding, without: None, time: None }
+    fn new(status: Status, found: Found) -> Checked {
+        Checked { status, found, without: None, time: None }
     }
+}
+
+/// What the values of cells say of a claim.
+struct Finding {
+    status: Status,
+    found: Found,
+    /// The cells that it is about.
+    used: BTreeSet<CellId>,
 }
 
 fn check(claim: &Claim, own: &[Cell]) -> anyhow::Result<Checked> {
     if own.is_empty() {
-        return Ok(Checked::of((Status::NotShown, Found::NoRows)));
+        return Ok(Checked::new(Status::NotShown, Found::NoRows));
     }
     let named = claim.filter.contains_key("detector");
     let mut cells = select::select(own, &claim.filter)?;
     cells.retain(|cell| named || !cell.role.is_control());
     if cells.is_empty() {
-        return Ok(Checked::of((Status::NotShown, Found::NoCell)));
+        return Ok(Checked::new(Status::NotShown, Found::NoCell));
     }
     let wrong: Vec<&&Cell> =
         cells.iter().filter(|cell| cell.overall().0 == Outcome::Wrong).collect();
     if let Some(first) = wrong.first() {
         let first = place(&first.id, &varying(&cells));
-        return Ok(Checked::of((Status::Fails, Found::Wrong { cells: wrong.len(), first })));
+        return Ok(Checked::new(Status::Fails, Found::Wrong { cells: wrong.len(), first }));
     }
     if let Some(first) =
         cells.iter().find(|cell| cell.overall().0 == Outcome::Crashed && cell.role.is_ours())
     {
         let first = place(&first.id, &varying(&cells));
-        return Ok(Checked::of((Status::Fails, Found::Crashed { first })));
+        return Ok(Checked::new(Status::Fails, Found::Crashed { first }));
     }
     // A cell without one of these is named with those left out.
     let points = |sides: &[&Expression]| -> anyhow::Result<Vec<Valued>> {
@@ -149,21 +153,17 @@ fn check(claim: &Claim, own: &[Cell]) -> anyhow::Result<Checked> {
         let mut points = Vec::new();
         for &cell in &cells {
             let values: Option<Vec<f64>> = sides.iter().map(|side| reading(side, cell)).collect();
-            points.extend(values.map(|values| (cell, values[0])));
+            points.extend(values.map(|values| Valued { cell, value: values[0] }));
         }
         Ok(points)
     };
-    let (finding, used) = match &claim.kind {
-        ClaimKind::Constant { value, within } => {
-            judged(points(&[value])?, |points| constant(points, *within))
-        }
+    let Finding { status, found, used } = match &claim.kind {
+        ClaimKind::Constant { value, within } => constant(&points(&[value])?, *within),
         ClaimKind::Equal { value, to, within } => {
-            let own = |cell: &Cell| reading(to, cell);
-            judged(points(&[value, to])?, |points| compared(points, own, Some(*within)))
+            compared(&points(&[value, to])?, |cell| reading(to, cell), Some(*within))
         }
         ClaimKind::AtMost { value, to, than: None } => {
-            let own = |cell: &Cell| reading(to, cell);
-            judged(points(&[value, to])?, |points| compared(points, own, None))
+            compared(&points(&[value, to])?, |cell| reading(to, cell), None)
         }
         ClaimKind::AtMost { value, to, than: Some(than) } => {
             to.check(own)?;
@@ -173,12 +173,10 @@ fn check(claim: &Claim, own: &[Cell]) -> anyhow::Result<Checked> {
                 by_id.get(&id).and_then(|other| reading(to, other))
             };
             let mut points = points(&[value])?;
-            points.retain(|(cell, _)| cell.id.contender() != *than);
-            judged(points, |points| compared(points, other, None))
+            points.retain(|point| point.cell.id.contender() != *than);
+            compared(&points, other, None)
         }
-        ClaimKind::Model { value, model } => {
-            judged(points(&[value])?, |points| grows(points, *model))
-        }
+        ClaimKind::Model { value, model } => grows(&points(&[value])?, *model),
         ClaimKind::Faster { than, by } => faster(than, *by, &cells, own),
     };
     let mut outcomes = BTreeMap::new();
@@ -191,7 +189,7 @@ fn check(claim: &Claim, own: &[Cell]) -> anyhow::Result<Checked> {
     let of_law = matches!(claim.kind, ClaimKind::Constant { .. } | ClaimKind::Model { .. });
     cells.retain(|cell| used.contains(&cell.id));
     let time = if of_law && !claim.uses_time() { times(&cells) } else { None };
-    Ok(Checked { finding, without, time })
+    Ok(Checked { status, found, without, time })
 }
 
 /// Smallest and largest median time per particle, if all cells have one and are of one detector in
@@ -203,16 +201,6 @@ fn times(cells: &[&Cell]) -> Option<[f64; 2]> {
     let times = times.filter(|times| one.len() == 1 && !times.is_empty())?;
     let [low, high] = [f64::min, f64::max].map(|pick| times.iter().copied().reduce(pick));
     Some([low?, high?])
-}
-
-/// The finding, and the cells that it is about.
-fn judged(
-    points: Vec<Valued>,
-    finding: impl FnOnce(&[Valued]) -> Finding,
-) -> (Finding, BTreeSet<CellId>) {
-    let found =
-        if points.is_empty() { (Status::NotShown, Found::NoValue) } else { finding(&points) };
-    (found, points.iter().map(|point| point.0.id.clone()).collect())
 }
 
 /// The value of a cell; an expression of what was asked (n, parameters) has one however the
@@ -228,33 +216,41 @@ fn reading(value: &Expression, cell: &Cell) -> Option<f64> {
 }
 
 /// A cell and its value.
-type Valued<'a> = (&'a Cell, f64);
+#[derive(Clone, Copy)]
+struct Valued<'a> {
+    cell: &'a Cell,
+    value: f64,
+}
 
-fn extremes<'a>(points: &[Valued<'a>]) -> Option<(Valued<'a>, Valued<'a>)> {
-    let low = points.iter().copied().min_by(|a, b| a.1.total_cmp(&b.1))?;
-    let high = points.iter().copied().max_by(|a, b| a.1.total_cmp(&b.1))?;
-    Some((low, high))
+impl Finding {
+    /// A finding about all cells with a value.
+    fn new(points: &[Valued], status: Status, found: Found) -> Finding {
+        let used = points.iter().map(|point| point.cell.id.clone()).collect();
+        Finding { status, found, used }
+    }
 }
 
 fn constant(points: &[Valued], within: f64) -> Finding {
-    let Some((low, high)) = extremes(points) else {
-        return (Status::NotShown, Found::NoValue);
+    let by_value = |a: &&Valued, b: &&Valued| a.value.total_cmp(&b.value);
+    let (Some(low), Some(high)) = (points.iter().min_by(by_value), points.iter().max_by(by_value))
+    else {
+        return Finding::new(points, Status::NotShown, Found::NoValue);
     };
     if points.len() < 2 {
-        return (Status::NotShown, Found::Single(low.1));
+        return Finding::new(points, Status::NotShown, Found::Single(low.value));
     }
-    let spread = match high.1 == low.1 {
+    let spread = match high.value == low.value {
         true => Some(0.0),
-        false => (low.1 > 0.0).then(|| high.1 / low.1 - 1.0),
+        false => (low.value > 0.0).then(|| high.value / low.value - 1.0),
     };
     let within = within + ROUNDING;
     let holds = spread.is_some_and(|spread| spread <= within);
-    let cells: Vec<&Cell> = points.iter().map(|point| point.0).collect();
+    let cells: Vec<&Cell> = points.iter().map(|point| point.cell).collect();
     let fields = varying(&cells);
-    let at = |(cell, value): Valued| At { value, place: place(&cell.id, &fields) };
+    let at = |it: &Valued| At { value: it.value, place: place(&it.cell.id, &fields) };
     let found =
         Found::Constant { low: at(low), high: at(high), spread, within, over: over(&cells) };
-    (if holds { Status::Holds } else { Status::Fails }, found)
+    Finding::new(points, if holds { Status::Holds } else { Status::Fails }, found)
 }
 
 /// `equal`, within a tolerance, or `at-most`, to what `to` gives for a cell.
@@ -266,39 +262,52 @@ fn compared(points: &[Valued], to: impl Fn(&Cell) -> Option<f64>, equal: Option<
         _ if value <= to => -(1.0 - value / to).abs(),
         _ => (value - to) / to.abs(),
     };
-    let sides: Vec<(&Cell, f64, f64)> =
-        points.iter().filter_map(|(cell, value)| Some((*cell, *value, to(cell)?))).collect();
-    let gaps: Vec<f64> = sides
+    struct Sides<'a> {
+        point: &'a Valued<'a>,
+        limit: f64,
+        gap: f64,
+    }
+    if points.is_empty() {
+        return Finding::new(points, Status::NotShown, Found::NoValue);
+    }
+    let sides: Vec<Sides> = points
         .iter()
-        .map(|(_, value, to)| gap(*value, *to))
-        .map(|g| if g.is_nan() { 0.0 } else { g })
+        .filter_map(|point| {
+            let limit = to(point.cell)?;
+            let gap = gap(point.value, limit);
+            Some(Sides { point, limit, gap: if gap.is_nan() { 0.0 } else { gap } })
+        })
         .collect();
-    let Some((worst, &(cell, value, limit))) =
-        gaps.iter().zip(&sides).max_by(|a, b| a.0.total_cmp(b.0))
-    else {
-        return (Status::NotShown, Found::NoSides);
+    let Some(worst) = sides.iter().max_by(|a, b| a.gap.total_cmp(&b.gap)) else {
+        return Finding::new(points, Status::NotShown, Found::NoSides);
     };
-    let cells: Vec<&Cell> = sides.iter().map(|side| side.0).collect();
+    let cells: Vec<&Cell> = sides.iter().map(|side| side.point.cell).collect();
     let allowed = equal.unwrap_or(0.0) + ROUNDING;
-    let bad = gaps.iter().filter(|gap| **gap > allowed).count();
+    let bad = sides.iter().filter(|side| side.gap > allowed).count();
     let found = Found::Compared {
         equal: equal.is_some(),
         cells: sides.len(),
         bad,
-        worst: At { value, place: place(&cell.id, &varying(&cells)) },
-        limit,
-        gap: *worst,
+        worst: At {
+            value: worst.point.value,
+            place: place(&worst.point.cell.id, &varying(&cells)),
+        },
+        limit: worst.limit,
+        gap: worst.gap,
         over: over(&cells),
     };
-    (if bad > 0 { Status::Fails } else { Status::Holds }, found)
+    Finding::new(points, if bad > 0 { Status::Fails } else { Status::Holds }, found)
 }
 
 fn grows(points: &[Valued], wanted: Model) -> Finding {
+    if points.is_empty() {
+        return Finding::new(points, Status::NotShown, Found::NoValue);
+    }
     let mut series: BTreeMap<Projection, Vec<(f64, f64)>> = BTreeMap::new();
-    for (cell, value) in points {
+    for Valued { cell, value } in points {
         series.entry(cell.id.without(&["n", "seed"])).or_default().push((cell.id.n as f64, *value));
     }
-    let cells: Vec<&Cell> = points.iter().map(|point| point.0).collect();
+    let cells: Vec<&Cell> = points.iter().map(|point| point.cell).collect();
     let fields: Vec<String> =
         varying(&cells).into_iter().filter(|name| name != "n" && name != "seed").collect();
     let mut fitting: Option<Fitting> = None;
@@ -329,10 +338,10 @@ fn grows(points: &[Valued], wanted: Model) -> Finding {
     };
     // What decided comes first.
     others.sort_by_key(|series| !fails(series));
-    (status, Found::Growth { law: wanted, fitting, others })
+    Finding::new(points, status, Found::Growth { law: wanted, fitting, others })
 }
 
-fn faster(than: &str, by: f64, cells: &[&Cell], own: &[Cell]) -> (Finding, BTreeSet<CellId>) {
+fn faster(than: &str, by: f64, cells: &[&Cell], own: &[Cell]) -> Finding {
     let other: BTreeMap<&CellId, &Cell> = own.iter().map(|cell| (&cell.id, cell)).collect();
     let mut found: Vec<(&Cell, Interval)> = Vec::new();
     for &cell in cells.iter().filter(|cell| cell.id.contender() != than) {
@@ -348,7 +357,8 @@ fn faster(than: &str, by: f64, cells: &[&Cell], own: &[Cell]) -> (Finding, BTree
         .chain(cells.iter().map(|c| c.id.clone()).filter(|id| id.contender() == than));
     let used: BTreeSet<CellId> = used.collect();
     let Some((worst, interval)) = found.iter().max_by(|a, b| a.1.high.total_cmp(&b.1.high)) else {
-        return ((Status::NotShown, Found::NoTimes { than: than.into() }), used);
+        let found = Found::NoTimes { than: than.into() };
+        return Finding { status: Status::NotShown, found, used };
     };
     let low = found.iter().map(|(_, ratio)| ratio.median).fold(f64::INFINITY, f64::min);
     let high = found.iter().map(|(_, ratio)| ratio.median).fold(0.0, f64::max);
@@ -377,7 +387,7 @@ fn faster(than: &str, by: f64, cells: &[&Cell], own: &[Cell]) -> (Finding, BTree
         worst: *interval,
         place: place(&worst.id, &varying(&compared)),
     };
-    ((status, found), used)
+    Finding { status, found, used }
 }
 
 #[cfg(test)]

@@ -37,23 +37,19 @@ pub struct Conditions {
     pub slow: (usize, usize),
     /// Were the sources those of a commit? None where a part of the record does not say.
     pub dirty: Option<bool>,
-    /// The commits.
     pub revisions: BTreeSet<String>,
-    /// The kinds of build.
     pub profiles: BTreeSet<String>,
 }
 
 /// What else a machine did.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum Load {
-    /// Nobody looked.
     #[default]
     Unknown,
     /// The highest load average of the minute before a run; the processes of the run are not in it.
     Before(f64),
     /// Of the machine on which others were busiest, while it was timed.
     Watched {
-        /// So many seconds.
         seconds: f64,
         /// Cores that other processes used.
         others: f64,

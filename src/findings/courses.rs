@@ -9,7 +9,6 @@ use contactbench_terms::arithmetic::Arithmetic;
 /// All courses of an experiment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Courses {
-    /// Those who took part.
     pub trackers: Vec<String>,
     /// The arithmetic, where there are several.
     pub arithmetic: Option<String>,
@@ -17,12 +16,10 @@ pub struct Courses {
     pub courses: Vec<Course>,
 }
 
-/// One course.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Course {
     /// `packed, 3D, N = 1000, motion = drift`.
     pub title: String,
-    /// How it moves.
     pub motion: Motion,
     /// What each tracker did, in their order; none where one has no answer.
     pub done: Vec<Option<Done>>,
@@ -33,7 +30,6 @@ pub struct Course {
 pub struct Motion {
     /// From one frame to the next, in the mean.
     pub mean_way: Option<f64>,
-    /// The longest.
     pub longest_way: Option<f64>,
     /// In a frame, in the mean.
     pub contacts: Option<f64>,
@@ -43,12 +39,10 @@ pub struct Motion {
     pub tunnelled: Option<f64>,
 }
 
-/// What a tracker did.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Done {
     /// Frames in which it built its list.
     pub builds: f64,
-    /// Missed pair-steps.
     pub missed: f64,
     /// Those among all that there were.
     pub share: f64,

@@ -4,17 +4,19 @@
 //! before; it is *short* if it has fewer blocks than are planned. What could not be started at all
 //! is not there.
 
-use std::collections::{BTreeMap, BTreeSet, HashMap};
-use std::path::Path;
+mod same;
 
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+
+use same::{key, same_file, scene};
 use serde_json::Value;
 
 use crate::cells::label::varying;
 use crate::cells::select::may_match;
 use crate::cells::{AxisValue, Cell, CellId};
 use crate::experiment::shard::Shard;
-use crate::experiment::{self, Claim, ClaimKind, Experiment};
-use crate::record::done::FILE;
+use crate::experiment::{Claim, ClaimKind, Experiment};
+use crate::findings::every;
 use crate::record::id::Projection;
 use crate::record::role::Role;
 use crate::record::row::{Outcome, Pass};
@@ -22,7 +24,6 @@ use crate::record::row::{Outcome, Pass};
 /// Why a planned cell is not there, or is short.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Why {
-    /// The run ended before.
     Stopped,
     /// A quick run has fewer scenes and blocks.
     Quick,
@@ -90,7 +91,7 @@ struct Planned<'a> {
     id: CellId,
     /// The entrant is there to measure by.
     control: bool,
-    /// The number of its scene in the plan.
+    /// The number of its scene among those planned.
     scene: usize,
     cell: Option<&'a Cell>,
     /// Why it would not be there.
@@ -113,7 +114,6 @@ pub struct Coverage<'a> {
 /// The plan of an experiment in numbers.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Summary {
-    /// Of which experiment.
     pub experiment: String,
     /// Planned scenes in which nothing is missing but what is unavailable; and all.
     pub scenes: [usize; 2],
@@ -123,7 +123,6 @@ pub struct Summary {
     pub missing: BTreeMap<Why, usize>,
     /// Cells with fewer blocks than are planned.
     pub short: BTreeMap<Why, Short>,
-    /// Blocks planned.
     pub blocks: u32,
     /// Scenes with rows that are not planned: those of a quick run.
     pub outside: usize,
@@ -136,7 +135,6 @@ pub struct Summary {
 /// Cells with fewer blocks than are planned.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Short {
-    /// So many cells.
     pub cells: usize,
     /// The fewest and the most blocks.
     pub blocks: [usize; 2],
@@ -147,18 +145,17 @@ pub struct Short {
 pub struct Uncovered {
     /// Planned cells of the claim that are not there, or are short where times are claimed.
     pub cells: usize,
-    /// Of so many.
     pub of: usize,
     /// The axes that tell them from the others.
     pub gaps: Vec<Gap>,
-    /// Why.
     pub why: BTreeMap<Why, usize>,
+    /// The contenders that could not be started.
+    pub unavailable: BTreeSet<String>,
 }
 
 /// An axis on which planned values are not covered.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Gap {
-    /// The axis.
     pub name: String,
     /// Values that are not covered in all cells, ascending.
     pub missing: Vec<AxisValue>,
@@ -179,10 +176,13 @@ impl<'a> Coverage<'a> {
         let beside = own.iter().any(|cell| matches!(cell.role, Role::Base(_)));
         let scenes: BTreeSet<Projection> = own.iter().map(|cell| scene(plan, &cell.id)).collect();
         let (mut planned, mut met) = (Vec::new(), BTreeSet::new());
-        for (k, place) in plan.scenes.iter().enumerate() {
+        let mut numbers: HashMap<every::Key, usize> = HashMap::new();
+        for place in &plan.scenes {
             let entrants = plan.entrants.iter();
             for entrant in entrants.filter(|entrant| !beside || entrant.is_of_builds()) {
                 let (id, open) = (entrant.cell(place), entrant.arithmetic.is_none());
+                let next = numbers.len();
+                let number = *numbers.entry(every::key(&id)).or_insert(next);
                 let same = |cell: &&&Cell| same_file(&id, &cell.id);
                 let cells = known.get(&key(plan, &id, open)).into_iter().flatten();
                 // Of several machines it is enough that one has measured it.
@@ -193,7 +193,7 @@ impl<'a> Coverage<'a> {
                 let why = scope.why(experiment, place, begun);
                 let id = cell.map_or(id, |cell| cell.id.clone());
                 let control = entrant.role.is_control();
-                planned.push(Planned { id, control, scene: k, cell, why });
+                planned.push(Planned { id, control, scene: number, cell, why });
             }
         }
         let outside = scenes.difference(&met).count();
@@ -215,7 +215,6 @@ impl<'a> Coverage<'a> {
         Coverage { experiment, planned, quick: scope.quick, outside, twins, unavailable }
     }
 
-    /// The plan in numbers.
     pub fn summary(&self) -> Summary {
         let (mut missing, mut short) = (BTreeMap::new(), BTreeMap::<Why, Short>::new());
         let mut broken = BTreeSet::new();
@@ -257,11 +256,14 @@ impl<'a> Coverage<'a> {
             let short = || Some(self.short(planned, enough)?.0).filter(|_| timed);
             self.missing(planned, &passes).or_else(short)
         };
-        let mut why = BTreeMap::new();
+        let (mut why, mut unavailable) = (BTreeMap::new(), BTreeSet::new());
         let mut gone = Vec::new();
         for planned in &about {
             if let Some(reason) = lacks(planned) {
                 *why.entry(reason).or_default() += 1;
+                if reason == Why::Unavailable {
+                    unavailable.insert(planned.id.contender());
+                }
                 gone.push(*planned);
             }
         }
@@ -288,7 +290,7 @@ impl<'a> Coverage<'a> {
             (missing.len() < planned.len()).then_some(Gap { name, missing, planned })
         };
         let gaps = varying(&all.iter().collect::<Vec<_>>()).into_iter().filter_map(gap).collect();
-        Some(Uncovered { cells: gone.len(), of: all.len(), gaps, why })
+        Some(Uncovered { cells: gone.len(), of: all.len(), gaps, why, unavailable })
     }
 
     /// The planned cells that a claim is about.
@@ -351,54 +353,8 @@ fn unavailable(own: &[&Cell]) -> BTreeMap<String, String> {
 fn passes(claim: &Claim) -> Vec<Pass> {
     match &claim.kind {
         ClaimKind::Faster { .. } => vec![Pass::Time],
-        ClaimKind::Equal { value, to, .. } | ClaimKind::AtMost { value, to, .. } => {
-            [value.passes(), to.passes()].concat()
-        }
-        ClaimKind::Constant { value, .. } | ClaimKind::Model { value, .. } => value.passes(),
+        kind => kind.sides().iter().flat_map(|side| side.passes()).collect(),
     }
-}
-
-/// What is the same in a planned cell and the measured one: a file and a hard case bring their own
-/// particles, and of an `open` entrant the arithmetic is not known.
-fn key(plan: &experiment::Planned, id: &CellId, open: bool) -> CellId {
-    let mut key = id.clone().anywhere();
-    if open {
-        key.arithmetic.clear();
-    }
-    if plan.own_n.contains(&id.scene) {
-        key.n = 0;
-    }
-    // A generator may have more parameters than when an older record was made.
-    for (name, value) in plan.defaults.get(&(id.scene.clone(), id.dim)).into_iter().flatten() {
-        key.params.entry(name.clone()).or_insert_with(|| value.clone());
-    }
-    if id.scene == FILE {
-        key.dim = 0;
-    }
-    for name in FILES {
-        if let Some(path) = key.params.get(name).map(ToString::to_string) {
-            let file = Path::new(&path).file_name().unwrap_or_default().to_string_lossy();
-            key.params.insert(name.into(), (&*file).into());
-        }
-    }
-    key
-}
-
-/// Parameters that name files: of particles, and of a grading curve. (Points of a curve that are
-/// written out are the end of themselves.)
-const FILES: [&str; 2] = ["path", "grading"];
-
-/// A file is named from the folder of the experiment; the record has the path that was opened.
-fn same_file(planned: &CellId, measured: &CellId) -> bool {
-    FILES.iter().all(|&name| {
-        let path = |id: &CellId| id.params.get(name).map(ToString::to_string).unwrap_or_default();
-        let (planned, measured) = (path(planned), path(measured));
-        Path::new(&measured).ends_with(planned.trim_start_matches("./"))
-    })
-}
-
-fn scene(plan: &experiment::Planned, id: &CellId) -> Projection {
-    key(plan, id, false).scene_id()
 }
 
 #[cfg(test)]

@@ -22,26 +22,19 @@ pub struct ErrorTable {
 pub struct ErrorLine {
     /// Their names, or `all`, or `all but` one.
     pub detectors: String,
-    /// How they decide.
     pub arithmetic: String,
-    /// The scene.
     pub scene: String,
-    /// What they got wrong.
     pub sum: Sum,
 }
 
-/// Errors of several cells.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Sum {
-    /// How many cells.
     pub cells: usize,
-    /// True contacts.
     pub contacts: f64,
     /// Against the scene as given.
     pub errors: Errors,
     /// None as soon as one cell has none: a record of an earlier version.
     pub causes: Option<Causes>,
-    /// How the cells ended.
     pub outcomes: BTreeSet<Outcome>,
 }
 

@@ -1,13 +1,13 @@
 //! The scenes of an experiment. A scene is one set of particles: another N, seed, order or
-//! parameter makes another scene. Plans, coverage, contests and ratios all count scenes so.
+//! parameter makes another scene. Plans, coverage, contests and ratios count scenes by [`key`].
 //!
 //! An answer shows every scene if they are few. Otherwise it shows the ends of each sweep, and the
 //! table of details has all.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, HashSet};
 
 use crate::cells::label::{family, swept, title};
-use crate::cells::{Cell, CellId};
+use crate::cells::{AxisValue, Cell, CellId};
 
 /// The most scenes that an answer shows, unless the first and last of each sweep are more.
 pub const ROWS: usize = 30;
@@ -16,19 +16,46 @@ pub const ROWS: usize = 30;
 pub struct Scene<'a> {
     /// `packed, 3D, N = 1000`.
     pub title: String,
-    /// Its particles.
     pub n: u64,
-    /// All cells there.
     pub cells: Vec<&'a Cell>,
     /// Is it among the scenes that an answer shows?
     pub shown: bool,
 }
 
-/// Place of a scene in its sweep: parameters with order, then N, then seed.
-type Place = ((BTreeMap<String, crate::record::value::AxisValue>, String), u64, u64);
+/// Where a scene stands in its sweep.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+struct Place {
+    params: BTreeMap<String, AxisValue>,
+    order: String,
+    n: u64,
+    seed: u64,
+}
 
-fn place(id: &CellId) -> Place {
-    ((id.params.clone(), id.order.clone()), id.n, id.seed)
+impl Place {
+    fn new(id: &CellId) -> Place {
+        let CellId { params, order, n, seed, .. } = id;
+        Place { params: params.clone(), order: order.clone(), n: *n, seed: *seed }
+    }
+
+    /// Whether both have the same parameters and order.
+    fn is_same_setting(&self, other: &Place) -> bool {
+        (&self.params, &self.order) == (&other.params, &other.order)
+    }
+}
+
+/// The identity of a scene: equal if, and only if, two cells have the same particles.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Key(String, u32, [Option<String>; 2], Place);
+
+/// The identity of the scene of a cell.
+pub fn key(id: &CellId) -> Key {
+    let (scene, dim, rest) = family(id);
+    Key(scene.into(), dim, rest, Place::new(id))
+}
+
+/// The number of scenes among these cells.
+pub fn count<'a>(cells: impl IntoIterator<Item = &'a Cell>) -> usize {
+    cells.into_iter().map(|cell| key(&cell.id)).collect::<HashSet<_>>().len()
 }
 
 /// All scenes, in the order of their sweeps.
@@ -36,7 +63,7 @@ pub fn every<'a>(cells: &[&'a Cell]) -> Vec<Scene<'a>> {
     let mut families: BTreeMap<_, BTreeMap<Place, Vec<&'a Cell>>> = BTreeMap::new();
     for &cell in cells {
         let scenes = families.entry(family(&cell.id)).or_default();
-        scenes.entry(place(&cell.id)).or_default().push(cell);
+        scenes.entry(Place::new(&cell.id)).or_default().push(cell);
     }
     let sweeps: Vec<Vec<&Place>> =
         families.values().map(|scenes| scenes.keys().collect()).collect();
@@ -45,14 +72,19 @@ pub fn every<'a>(cells: &[&'a Cell]) -> Vec<Scene<'a>> {
     for (scenes, chosen) in families.values().zip(&chosen) {
         let own: Vec<&Cell> = scenes.values().flatten().copied().collect();
         let varied = swept(&own);
-        for (k, (place, cells)) in scenes.iter().enumerate() {
-            let (setting, n, seed) = place;
-            let drawn = scenes.keys().filter(|other| (&other.0, other.1) == (setting, *n)).count();
+        let places: Vec<&Place> = scenes.keys().collect();
+        for (k, cells) in scenes.values().enumerate() {
+            // Scenes that differ in their seeds alone stand side by side.
+            let same = |other: usize| {
+                let other = places.get(other);
+                other.is_some_and(|it| it.n == places[k].n && it.is_same_setting(places[k]))
+            };
             let mut title = title(&cells[0].id, &varied);
-            if drawn > 1 {
-                title += &format!(", seed = {seed}");
+            if same(k + 1) || k > 0 && same(k - 1) {
+                title += &format!(", seed = {}", places[k].seed);
             }
-            out.push(Scene { title, n: *n, cells: cells.clone(), shown: chosen.contains(&k) });
+            let (n, shown) = (places[k].n, chosen.contains(&k));
+            out.push(Scene { title, n, cells: cells.clone(), shown });
         }
     }
     out
@@ -82,7 +114,7 @@ fn chosen(sweeps: &[Vec<&Place>]) -> Vec<BTreeSet<usize>> {
 fn values(places: &[&Place], of: impl IntoIterator<Item = usize>) -> BTreeSet<usize> {
     let (mut sizes, mut seen) = (BTreeSet::new(), BTreeSet::new());
     let mut is_new = |k: &usize| {
-        let ((params, order), n, _) = places[*k];
+        let Place { params, order, n, .. } = places[*k];
         let mut new = sizes.insert(*n);
         for (name, value) in params {
             new |= seen.insert((name.as_str(), value.to_string()));
@@ -94,19 +126,20 @@ fn values(places: &[&Place], of: impl IntoIterator<Item = usize>) -> BTreeSet<us
 
 /// Each setting at its smallest N.
 fn firsts(places: &[&Place]) -> BTreeSet<usize> {
-    let first = |k: &usize| *k == 0 || places[k - 1].0 != places[*k].0;
+    let first = |k: &usize| *k == 0 || !places[k - 1].is_same_setting(places[*k]);
     (0..places.len()).filter(first).collect()
 }
 
 /// Each setting at its largest N, of several seeds the first.
 fn lasts(places: &[&Place]) -> BTreeSet<usize> {
-    let largest = |place: &Place| {
-        let own = places.iter().filter(|other| other.0 == place.0);
-        own.map(|other| other.1).max() == Some(place.1)
-    };
-    let first_seed =
-        |k: usize| k == 0 || places[k - 1].0 != places[k].0 || places[k - 1].1 < places[k].1;
-    (0..places.len()).filter(|&k| largest(places[k]) && first_seed(k)).collect()
+    let mut found = BTreeSet::new();
+    let mut start = 0;
+    for own in places.chunk_by(|a, b| a.is_same_setting(b)) {
+        let largest = own.last().map(|place| place.n);
+        found.extend(own.iter().position(|place| Some(place.n) == largest).map(|k| start + k));
+        start += own.len();
+    }
+    found
 }
 
 /// The first and the last setting at their largest N; of a single one, its smallest and largest N.

@@ -11,15 +11,11 @@ use crate::record::row::Outcome;
 /// What a detector failed to do on a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Failure {
-    /// The contender.
     pub name: String,
     /// The scene and its dimension.
     pub scene: String,
-    /// How it ended.
     pub outcome: Outcome,
-    /// At these N.
     pub sizes: BTreeSet<u64>,
-    /// The first reason.
     pub reason: String,
     /// How many other reasons there are.
     pub more: usize,
@@ -28,21 +24,17 @@ pub struct Failure {
 /// A contender that is wrong, crashed, or could not be started.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Culprit {
-    /// The contender.
     pub name: String,
-    /// Wrong, crashed or unavailable.
     pub outcome: Outcome,
     /// The first of its cells.
     pub id: CellId,
     /// Its cells that ended so.
     pub cells: usize,
-    /// All of its cells.
     pub of: usize,
     /// Wrong pairs in the worst of them, 0 if they were not counted.
     pub wrong_pairs: u64,
     /// The place of that cell.
     pub worst: String,
-    /// The reason given there.
     pub reason: String,
 }
 
@@ -50,7 +42,6 @@ pub struct Culprit {
 /// everywhere); and runners of these experiments that could not be started.
 #[derive(Debug, Default)]
 pub struct Culprits {
-    /// Failures.
     pub all: Vec<Culprit>,
     /// Runners that could not be started, and are optional.
     pub absent: Vec<Culprit>,
@@ -125,11 +116,12 @@ pub fn failures(cells: &[&Cell]) -> Vec<Failure> {
     // name, scene, outcome: N and reason
     type Found<'a> = BTreeMap<(String, String, Outcome), Vec<(u64, &'a str)>>;
     let mut found: Found = BTreeMap::new();
+    let called = series::labels(cells);
     for cell in cells {
         let (outcome, reason) = cell.overall();
         if !outcome.is_good() {
             let scene = format!("{} {}D", label::scene(&cell.id), cell.id.dim);
-            let name = series::label(&Line::new(cell), cells);
+            let name = called(&Line::new(cell));
             found.entry((name, scene, outcome)).or_default().push((cell.id.n, reason));
         }
     }

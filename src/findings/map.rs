@@ -56,7 +56,6 @@ pub struct Axis {
 /// A map of one scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Panel {
-    /// The experiment.
     pub experiment: String,
     /// `loose, 3D, order = morton`.
     pub title: String,
@@ -69,7 +68,6 @@ pub struct Panel {
 pub struct Spot {
     /// Which of the values across and upwards.
     pub at: [usize; 2],
-    /// Particles.
     pub n: u64,
     /// Who is the fastest; none if nobody has a time.
     pub contest: Option<Contest>,
@@ -82,11 +80,9 @@ pub struct Spot {
 pub enum Answer {
     /// One is decidedly the fastest, by so many of [`STEPS`].
     Decided(usize),
-    /// Several may be.
     Undecided,
     /// Only one has a time.
     Alone,
-    /// Nobody has.
     Nobody,
 }
 
@@ -222,7 +218,6 @@ fn spot(at: [usize; 2], cells: &[&Cell], noises: &BTreeMap<&str, Noise>, varied:
     Spot { at, n: scene.n, contest, outcome }
 }
 
-/// What tells panels apart.
 fn panel_key(cell: &Cell, apart: &[String], varied: &[&str]) -> Projection {
     let id = &cell.id;
     let kept = |name: &str| apart.iter().any(|known| known == name) || APART.contains(&name);

@@ -24,7 +24,6 @@ const FEW: usize = 5;
 /// Every twin against its original.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Noise {
-    /// Twins with times.
     pub twins: Vec<Twin>,
     /// Nine in ten cells of the twins are within this factor of the original; 1 without twins.
     pub floor: f64,
@@ -32,10 +31,8 @@ pub struct Noise {
     pub(super) floors: BTreeMap<u64, f64>,
 }
 
-/// A twin.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Twin {
-    /// Its name.
     pub name: String,
     /// The detector whose code it is.
     pub original: String,

@@ -1,8 +1,8 @@
 //! How the operations of each detector grow with N: exponent and law, fitted to exact counts.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 
-use crate::cells::{Cell, label};
+use crate::cells::{Cell, CellId, label};
 use crate::record::id::{Axes, Projection};
 use crate::record::row::Pass;
 use crate::stats::growth::{self, Choice};
@@ -11,9 +11,7 @@ use contactbench_terms::op::Op;
 /// All operations of a detector on a scene, over N.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Operations {
-    /// The scene.
     pub scene: String,
-    /// The detector.
     pub detector: String,
     /// The law that fits, if one does.
     pub choice: Choice,
@@ -23,11 +21,10 @@ pub struct Operations {
 pub fn operations(cells: &[&Cell]) -> Vec<Operations> {
     let mut series: BTreeMap<Projection, Vec<(f64, f64)>> = BTreeMap::new();
     // Operations are counted with one thread whatever the times are taken with.
-    let again = |cell: &Cell| {
-        cells
-            .iter()
-            .any(|other| cell.id.threads() > 1 && other.id == cell.id.clone().with_threads(1))
-    };
+    let single: HashSet<&CellId> =
+        cells.iter().map(|cell| &cell.id).filter(|id| id.threads() == 1).collect();
+    let again =
+        |cell: &Cell| cell.id.threads() > 1 && single.contains(&cell.id.clone().with_threads(1));
     let counted = |cell: &&&Cell| {
         !cell.role.is_control() && cell.outcome(&[Pass::Count]).0.is_good() && !again(cell)
     };

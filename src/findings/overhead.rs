@@ -16,13 +16,10 @@ pub const LEAST: f64 = 0.01;
 /// The share of the harness in the time of the fastest detector.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Overhead {
-    /// The largest share.
     pub share: f64,
     /// The N of that scene.
     pub n: u64,
-    /// The fastest detector there.
     pub detector: String,
-    /// The scene.
     pub scene: String,
     /// From this N on the share is below [`LEAST`] everywhere; none if it never is.
     pub clear_from: Option<u64>,

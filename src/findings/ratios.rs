@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 
 use crate::cells::series::{BySize, Group, Line};
 use crate::cells::{Cell, series};
+use crate::findings::every;
 use crate::findings::noise::Noise;
 use crate::record::role::Role;
 use crate::record::row::{Outcome, Pass};
@@ -30,13 +31,10 @@ pub struct Ratios {
 /// The fastest library on a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Library {
-    /// The scene.
     pub title: String,
-    /// Particles.
     pub n: u64,
     /// Scenes of that many particles: one for each seed.
     pub scenes: usize,
-    /// Its name.
     pub name: String,
     /// Its time over that of the reference.
     pub ratio: Interval,
@@ -50,7 +48,6 @@ pub struct Library {
 /// A scene at all its N.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SceneRatios {
-    /// The experiment's name.
     pub experiment: String,
     /// How the reference stands to the fastest, by N; without those N at which nobody has a time.
     pub fastest: Vec<Fastest>,
@@ -61,11 +58,9 @@ pub struct SceneRatios {
 /// The fastest of those with a right answer and one thread, controls aside, at one N.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fastest {
-    /// Particles.
     pub n: u64,
     /// Scenes of that many particles: one for each seed.
     pub scenes: usize,
-    /// Its name.
     pub name: String,
     /// Its median time per detection, in nanoseconds.
     pub time_ns: f64,
@@ -86,7 +81,6 @@ pub enum Near {
     Within(Interval),
     /// The ratio is above [`NEAR`].
     Beyond(Interval),
-    /// Neither is sure.
     Undecided(Option<Interval>),
     /// It has no time: how it ended, or none if it was not measured.
     Absent(Option<Outcome>),
@@ -141,11 +135,8 @@ impl Entry {
 /// Cells that did not end well, of one contender and for one kind of reason.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Missing {
-    /// The contender.
     pub name: String,
-    /// How they ended.
     pub outcome: Outcome,
-    /// How many cells.
     pub cells: usize,
     /// The first reason; the others differ from it in numbers.
     pub reason: String,
@@ -155,7 +146,7 @@ impl Ratios {
     /// Compares; none if the reference has no time anywhere. It is taken with its fewest threads,
     /// in the arithmetic of the one that it is compared with, or else in exact arithmetic.
     pub fn new(cells: &[&Cell], reference: &str) -> Option<Ratios> {
-        let label = |line: &Line| series::label(line, cells);
+        let label = series::labels(cells);
         let noise = Noise::new(cells);
         let groups = series::groups(cells);
         let libraries = groups.iter().flat_map(|group| {
@@ -172,7 +163,7 @@ impl Ratios {
                 let own = timed(&group, first, n, reference).filter(|_| near == Near::Fastest);
                 let own_ns = own.and_then(|own| series::time(group.at(own, n)?));
                 let (name, time_ns) = (label(own.unwrap_or(first)), own_ns.unwrap_or(time_ns));
-                let scenes = group.seeds(n);
+                let scenes = every::count(group.cells(n));
                 Some(Fastest { n, scenes, name, time_ns, near, open })
             });
             let any = group.lines.values().flat_map(BTreeMap::values).flatten().next();
@@ -229,7 +220,7 @@ fn library(
     let behind = to_first.median < 1.0 && noise.decides(&to_first, n);
     let open = libraries.iter().filter(|it| !noise.slower(ratio(it.0).as_ref(), n));
     let open = open.filter(|_| !behind).map(|it| label(it.0)).collect();
-    let (title, name, scenes) = (group.title.clone(), label(first), group.seeds(n));
+    let (title, name, scenes) = (group.title.clone(), label(first), every::count(group.cells(n)));
     Some(Library { title, n, scenes, name, ratio: to_first, cold, open })
 }
 
@@ -317,11 +308,12 @@ fn missing(cells: &[&Cell]) -> Vec<Missing> {
         kind.dedup_by(|a, b| *a == '0' && *b == '0');
         kind
     };
+    let label = series::labels(cells);
     let mut found: BTreeMap<_, Missing> = BTreeMap::new();
     for cell in cells {
         let (outcome, reason) = cell.outcome(&[Pass::Time]);
         if !outcome.is_good() {
-            let name = series::label(&Line::new(cell), cells);
+            let name = label(&Line::new(cell));
             let first = Missing { name: name.clone(), outcome, cells: 0, reason: reason.into() };
             found.entry((name, outcome.name(), kind(reason))).or_insert(first).cells += 1;
         }

@@ -13,7 +13,6 @@ use crate::stats::interval::Interval;
 pub struct SceneResults {
     /// `packed, 3D, N = 1000`.
     pub title: String,
-    /// The fastest first.
     pub results: Vec<Contender>,
 }
 
@@ -28,34 +27,28 @@ pub struct Contender {
     pub quiet: Option<f64>,
     /// Nanoseconds per particle of the first detection in a process.
     pub first: Option<f64>,
-    /// Timed blocks.
     pub blocks: usize,
     /// Its time over that of the fastest, which has 1.
     pub versus: Versus,
     /// Pairs whose distance was compared.
     pub contact_tests: Option<f64>,
-    /// Steps in linked lists.
     pub list_operations: Option<f64>,
     /// Most heap bytes at one time.
     pub peak_bytes: Option<f64>,
     /// The same by the detector's formula.
     pub formula_bytes: Option<f64>,
-    /// How it ended.
     pub outcome: Outcome,
 }
 
 /// A time beside that of the fastest contender of any setting.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Versus {
-    /// It is the fastest.
     Fastest,
-    /// The ratio of times.
     Slower(Interval),
     /// No time, or no common block.
     Unknown,
 }
 
-/// All scenes.
 pub fn scenes(cells: &[&Cell]) -> Vec<SceneResults> {
     let results = |scene: Scene<'_>| {
         let right = |cell: &&Cell| !cell.role.is_control() && time(cell).is_finite();

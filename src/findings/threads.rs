@@ -31,9 +31,7 @@ pub struct Typical {
     pub scenes: usize,
     /// Median of the speed-ups.
     pub speedup: f64,
-    /// The least of them.
     pub least: f64,
-    /// The largest of them.
     pub most: f64,
     /// Median of the fractions of the ceiling; none where no copies were timed.
     pub fraction: Option<f64>,
@@ -42,11 +40,9 @@ pub struct Typical {
 /// Speed-up, ceiling and the fraction of it, of k threads against one. All are ratios of times.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Gain {
-    /// The experiment's name.
     pub experiment: String,
     /// The scene, without its N.
     pub scene: String,
-    /// Particles.
     pub n: u64,
     /// The detector, its arithmetic, and k.
     pub line: Line,
@@ -65,15 +61,14 @@ pub struct Gain {
 impl Threads {
     /// Finds the gains; none where no detector was timed with one thread and with several.
     pub fn new(cells: &[&Cell]) -> Option<Threads> {
-        let mut gains = Vec::new();
+        let (label, mut gains) = (series::labels(cells), Vec::new());
         for group in series::groups(cells) {
             for n in group.sizes() {
                 for line in group.lines.keys().filter(|line| line.threads > 1) {
                     let alone = Line { threads: 1, ..line.clone() };
                     let both = group.at(line, n).zip(group.at(&alone, n));
                     let gain = both.and_then(|(many, one)| {
-                        let name = series::label(&alone, cells);
-                        gain(&group.title, n, line, name, one, many)
+                        gain(&group.title, n, line, label(&alone), one, many)
                     });
                     gains.extend(gain);
                 }
@@ -81,10 +76,8 @@ impl Threads {
         }
         let mut by_line: BTreeMap<&Line, Vec<&Gain>> = BTreeMap::new();
         gains.iter().for_each(|gain| by_line.entry(&gain.line).or_default().push(gain));
-        let typical = by_line
-            .into_iter()
-            .filter_map(|(line, gains)| typical(series::label(line, cells), &gains))
-            .collect();
+        let typical =
+            by_line.into_iter().filter_map(|(line, gains)| typical(label(line), &gains)).collect();
         (!gains.is_empty()).then_some(Threads { typical, gains })
     }
 }

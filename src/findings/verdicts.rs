@@ -130,7 +130,6 @@ pub struct Matrix {
 /// A case in the dimensions in which the answers are the same.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CaseLine {
-    /// The case.
     pub case: String,
     /// 2, 3, or both.
     pub dims: Vec<u32>,

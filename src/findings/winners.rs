@@ -8,10 +8,14 @@
 //! run in a rounded arithmetic would win by being wrong. Settings have tables of their own: all
 //! contenders of a scene, threads, arithmetics.
 //!
+//! Of the forms of a detector (`streamed-nbs` and `streamed-nbs:level=avx2`) the default one stands
+//! for it, unless another form is decided faster.
+//!
 //! It is decided if every other detector is slower by [`Noise::slower`]. Comparing only with the
 //! runner-up is not enough: a noisy third may be as fast. Ratios within blocks give the order, and
 //! medians over all blocks only where they have no block in common.
 
+use std::cmp::Ordering;
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::cells::series::Line;
@@ -49,7 +53,6 @@ pub struct Contest {
 /// A detector in its plainest setting.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Contender {
-    /// Detector, arithmetic and threads.
     pub line: Line,
     /// The same as it is called among the others.
     pub name: String,
@@ -57,6 +60,8 @@ pub struct Contender {
     pub per_particle: f64,
     /// Its time over that of the fastest; none of the fastest, and without a common block.
     pub ratio: Option<Interval>,
+    /// The same ratio of first detections in new processes.
+    pub cold: Option<Interval>,
     /// Is it slower than the fastest by more than the noise?
     pub slower: bool,
 }
@@ -64,13 +69,11 @@ pub struct Contender {
 /// How often each is the fastest.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tally {
-    /// All scenes.
     pub scenes: usize,
     /// Scenes in which no detector is faster than all others, or only one was timed.
     pub undecided: usize,
     /// Scenes in which no detector has a time.
     pub untimed: usize,
-    /// Most wins first.
     pub wins: Vec<Wins>,
     /// The only one that was timed, if there was one only.
     pub alone: Option<Alone>,
@@ -79,7 +82,6 @@ pub struct Tally {
 /// The only detector with a time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Alone {
-    /// Its name.
     pub name: String,
     /// The other detectors, and the outcome of each.
     pub others: BTreeMap<String, Outcome>,
@@ -88,7 +90,6 @@ pub struct Alone {
 /// The scenes in which a detector is decidedly the fastest.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Wins {
-    /// The detector.
     pub detector: String,
     /// The time of the next over its own, by scene.
     pub margins: Vec<f64>,
@@ -99,18 +100,11 @@ pub fn winners(cells: &[&Cell]) -> Winners {
     let noise = Noise::new(cells);
     let scenes = every(cells);
     let taking_part: Vec<&Cell> =
-        scenes.iter().flat_map(|scene| plainest(&able(&scene.cells), detector)).collect();
-    let name = |cell: &Cell| series::label(&Line::new(cell), &taking_part);
+        scenes.iter().flat_map(|scene| plainest(&able(&scene.cells), &noise, detector)).collect();
+    let label = series::labels(&taking_part);
+    let name = |cell: &Cell| label(&Line::new(cell));
     let contests = scenes.iter().filter_map(|scene| contest(scene, &noise, detector, name));
     Winners { scenes: scenes.len(), contests: contests.collect() }
-}
-
-/// The winner among the cells of one scene, N and seed, if it is decided.
-pub fn winner<'a>(cells: &[&'a Cell], noise: &Noise) -> Option<&'a Cell> {
-    let order = plainest(&able(cells), detector);
-    let (&first, others) = order.split_first()?;
-    let slower = |cell: &&Cell| noise.slower(cell.ratio(first).as_ref(), first.id.n);
-    (!others.is_empty() && others.iter().all(slower)).then_some(first)
 }
 
 /// Whose settings a cell is one of, where detectors are compared.
@@ -133,16 +127,28 @@ pub fn time(cell: &Cell) -> f64 {
 }
 
 /// Each contender in its plainest setting, the fastest first; `who` says whose setting a cell is.
-fn plainest<'a>(cells: &[&'a Cell], who: impl Fn(&Cell) -> String) -> Vec<&'a Cell> {
+fn plainest<'a>(cells: &[&'a Cell], noise: &Noise, who: impl Fn(&Cell) -> String) -> Vec<&'a Cell> {
     let setting = |cell: &Cell| (cell.id.threads(), cell.id.arithmetic != Arithmetic::Exact.name());
-    let mut best: BTreeMap<String, &Cell> = BTreeMap::new();
+    let mut forms: BTreeMap<String, Vec<&Cell>> = BTreeMap::new();
     for &cell in cells {
-        let known = best.entry(who(cell)).or_insert(cell);
-        if setting(cell).cmp(&setting(known)).then(time(cell).total_cmp(&time(known))).is_lt() {
-            *known = cell;
+        let known = forms.entry(who(cell)).or_default();
+        match known.first().map(|first| setting(cell).cmp(&setting(first))) {
+            Some(Ordering::Greater) => {}
+            Some(Ordering::Less) => *known = vec![cell],
+            Some(Ordering::Equal) | None => known.push(cell),
         }
     }
-    by_ratio(best.into_values().collect())
+    by_ratio(forms.into_values().filter_map(|forms| standing(forms, noise)).collect())
+}
+
+/// The form that stands for its detector: the default one, unless another is decided faster within
+/// blocks. If there is no default form (of trackers, say), the fastest.
+fn standing<'a>(forms: Vec<&'a Cell>, noise: &Noise) -> Option<&'a Cell> {
+    let default = forms.iter().copied().find(|cell| cell.id.detector_params.is_empty());
+    let ahead =
+        |cell: &&Cell| default.is_none_or(|it| noise.slower(it.ratio(cell).as_ref(), cell.id.n));
+    let ahead: Vec<&Cell> = forms.into_iter().filter(ahead).collect();
+    by_ratio(ahead).first().copied().or(default)
 }
 
 /// The fastest first, the others by their ratio to it. The fastest is the one that no other is
@@ -174,7 +180,7 @@ pub fn contest(
     who: impl Fn(&Cell) -> String,
     name: impl Fn(&Cell) -> String,
 ) -> Option<Contest> {
-    let order = plainest(&able(&scene.cells), &who);
+    let order = plainest(&able(&scene.cells), noise, &who);
     let (first, others) = order.split_first()?;
     let taking_part: BTreeSet<String> = order.iter().map(|cell| who(cell)).collect();
     let mut without: BTreeMap<String, Outcome> = BTreeMap::new();
@@ -185,15 +191,19 @@ pub fn contest(
             *known = worse(*known, outcome);
         }
     }
-    let contender = |cell: &Cell, ratio: Option<Interval>| {
+    let contender = |cell: &Cell| {
         let (line, name) = (Line::new(cell), name(cell));
+        let other = cell.id != first.id;
+        let [ratio, cold] =
+            [cell.ratio(first), cell.cold_ratio(first)].map(|it| it.filter(|_| other));
         let slower = noise.slower(ratio.as_ref(), scene.n);
-        Contender { line, name, per_particle: time(cell) / scene.n.max(1) as f64, ratio, slower }
+        let per_particle = time(cell) / scene.n.max(1) as f64;
+        Contender { line, name, per_particle, ratio, cold, slower }
     };
-    let others = others.iter().map(|cell| contender(cell, cell.ratio(first))).collect();
+    let others = others.iter().map(|cell| contender(cell)).collect();
     let (title, shown) = (scene.title.clone(), scene.shown);
     let without = without.into_iter().collect();
-    Some(Contest { title, shown, first: contender(first, None), others, without })
+    Some(Contest { title, shown, first: contender(first), others, without })
 }
 
 /// The outcome that matters more of two: a wrong answer before all others.
@@ -209,7 +219,6 @@ impl Contest {
 }
 
 impl Tally {
-    /// Counts the scenes.
     pub fn new(winners: &Winners) -> Tally {
         let contests = &winners.contests;
         let mut wins: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
@@ -264,8 +273,13 @@ mod tests {
     use crate::cells;
     use crate::cells::testing::Lab;
 
+    fn found(lab: &Lab) -> Winners {
+        let cells = cells::cells(&lab.rows());
+        winners(&cells.iter().collect::<Vec<_>>())
+    }
+
     /// Packed: nbs is 2.5 times as fast as sorting, and neither two threads nor rounded arithmetic
-    /// wins. Loose: within the noise. Alone: nobody else.
+    /// wins. Loose: within the noise. Alone: no other.
     fn lab() -> Lab {
         let mut lab = Lab::new("e", "packed");
         for (n, sorting) in [(100, 50), (1000, 2500)] {
@@ -283,11 +297,9 @@ mod tests {
 
     #[test]
     fn detectors_are_compared_in_their_plainest_setting_and_noise_decides_nothing() {
-        let cells = cells::cells(&lab().rows());
-        let all: Vec<&Cell> = cells.iter().collect();
-        let winners = winners(&all);
-        let found = &winners.contests;
-        let words: Vec<_> = found
+        let winners = found(&lab());
+        let words: Vec<_> = winners
+            .contests
             .iter()
             .map(|it| (it.title.as_str(), it.first.name.as_str(), it.others.len(), it.decided()))
             .collect();
@@ -300,7 +312,7 @@ mod tests {
                 ("packed, 2D, N = 1000", "nbs (exact)", 2, true)
             ]
         );
-        let next = &found[3].others[0];
+        let next = &winners.contests[3].others[0];
         assert_eq!(next.name, "sorting (exact)");
         assert!((next.ratio.unwrap().median - 2.5).abs() < 1e-9 && next.per_particle == 2.5);
         let tally = Tally::new(&winners);
@@ -308,24 +320,84 @@ mod tests {
         let wins: Vec<_> =
             tally.wins.iter().map(|wins| (&*wins.detector, wins.margins.len())).collect();
         assert_eq!(wins, [("nbs", 1), ("sorting", 1)]);
-        let packed: Vec<&Cell> = every(&all)[3].cells.clone();
-        let noise = |floor| Noise { floor, ..Noise::default() };
-        let winner_at =
-            |floor| winner(&packed, &noise(floor)).map(|cell| cell.id.detector.as_str());
-        assert_eq!((winner_at(1.1), winner_at(2.6)), (Some("nbs"), None));
+    }
+
+    /// Times by detector, the first of the order, the others with whether each is decidedly slower.
+    #[test]
+    fn ratios_within_blocks_give_the_order_and_decide() {
+        let noisy: Vec<u64> = (0..15).map(|k| if k % 2 == 0 { 300 } else { 90 }).collect();
+        let slow = [300; 15];
+        type Case<'a> = (&'a [(&'a str, &'a [u64])], &'a str, &'a [(&'a str, bool)]);
+        let cases: [Case; 8] = [
+            (&[("nbs", &[100; 5]), ("sorting", &[300; 5])], "nbs", &[("sorting", true)]),
+            // Few blocks, and intervals that hold 1, decide nothing.
+            (&[("nbs", &[100; 4]), ("sorting", &[300; 4])], "nbs", &[("sorting", false)]),
+            (
+                &[("nbs", &[100; 9]), ("sorting", &[90, 90, 300, 300, 300, 300, 300, 300, 300])],
+                "nbs",
+                &[("sorting", false)],
+            ),
+            // The median of sweep is the larger one; in most blocks it is the faster one.
+            (
+                &[("nbs", &[100, 100, 100, 400, 400]), ("sweep", &[110, 110, 26, 104, 104])],
+                "sweep",
+                &[("nbs", false)],
+            ),
+            // A noisy third leaves the fastest open.
+            (
+                &[("nbs", &[100; 15]), ("sorting", &[120; 15]), ("sweep", &noisy)],
+                "nbs",
+                &[("sorting", true), ("sweep", false)],
+            ),
+            // The default form stands for its detector, though another has a shorter median,
+            (
+                &[
+                    ("nbs", &[100, 100, 100, 103, 103, 103, 103]),
+                    ("nbs:levels=auto", &[101, 101, 101, 102, 102, 102, 102]),
+                    ("sorting", &slow[..7]),
+                ],
+                "nbs",
+                &[("sorting", true)],
+            ),
+            // unless that is decided faster.
+            (
+                &[("nbs", &[100; 15]), ("nbs:levels=auto", &[50; 15]), ("sorting", &slow)],
+                "nbs:levels=auto",
+                &[("sorting", true)],
+            ),
+            // Without a default form the fastest stands.
+            (
+                &[("nbs:a=1", &[100; 15]), ("nbs:a=2", &[90; 15]), ("sorting", &slow)],
+                "nbs:a=2",
+                &[("sorting", true)],
+            ),
+        ];
+        for (times, first, others) in cases {
+            let mut lab = Lab::new("e", "packed");
+            for (detector, times) in times {
+                lab.detector(detector).time(times);
+            }
+            let found = found(&lab);
+            let [contest] = &*found.contests else { panic!("{found:?}") };
+            let slower: Vec<_> = contest.others.iter().map(|it| (&*it.name, it.slower)).collect();
+            assert_eq!((&*contest.first.name, &*slower), (first, others), "{times:?}");
+            let decided = others.iter().all(|(_, slower)| *slower);
+            assert_eq!((contest.decided(), Tally::new(&found).undecided == 0), (decided, decided));
+        }
     }
 
     #[test]
-    fn the_order_is_that_of_ratios_within_blocks() {
-        // The median of sweep is the larger one; in most blocks it is the faster one.
+    fn first_detections_are_compared_with_each_other() {
         let mut lab = Lab::new("e", "packed");
-        lab.detector("nbs").time(&[100, 100, 100, 400, 400]);
-        lab.detector("sweep").time(&[110, 110, 26, 104, 104]).detector("direct").time(&[150; 5]);
-        let cells = cells::cells(&lab.rows());
-        let found = winners(&cells.iter().collect::<Vec<_>>());
-        let contest = &found.contests[0];
-        assert_eq!(contest.first.name, "sweep");
-        assert!(contest.others.iter().all(|other| other.ratio.unwrap().median > 1.0));
+        for (detector, times) in [("nbs", [100, 200]), ("library", [700, 800])] {
+            for block in 0..6 {
+                lab.detector(detector).time(&[times[0]]);
+                lab.edit(|row| (row.block, row.first_ns) = (block, Some(times[1])));
+            }
+        }
+        let next = found(&lab).contests[0].others[0].clone();
+        let medians = [next.ratio, next.cold].map(|ratio| ratio.unwrap().median.round());
+        assert_eq!(medians, [7.0, 4.0]);
     }
 
     #[test]
@@ -333,43 +405,8 @@ mod tests {
         let mut lab = Lab::new("e", "packed");
         lab.detector("nbs").time(&[100; 15]).detector("mine").time(&[50; 15]);
         lab.edit(|row| row.outcome = Outcome::Wrong);
-        let cells = cells::cells(&lab.rows());
-        let tally = Tally::new(&winners(&cells.iter().collect::<Vec<_>>()));
-        let alone = tally.alone.unwrap();
+        let alone = Tally::new(&found(&lab)).alone.unwrap();
         let others = BTreeMap::from([("mine".to_string(), Outcome::Wrong)]);
         assert_eq!((&*alone.name, alone.others), ("nbs", others));
-    }
-
-    #[test]
-    fn few_blocks_and_intervals_that_hold_1_decide_nothing() {
-        for (times, decided) in [
-            (&[300_u64; 5][..], true),
-            (&[300; 4], false),
-            (&[90, 300, 300, 300, 300, 300, 300, 300, 300], true),
-            (&[90, 90, 300, 300, 300, 300, 300, 300, 300], false),
-        ] {
-            let mut lab = Lab::new("e", "packed");
-            lab.detector("nbs").time(&vec![100; times.len()]).detector("sorting").time(times);
-            let cells = cells::cells(&lab.rows());
-            let found = winners(&cells.iter().collect::<Vec<_>>()).contests;
-            assert_eq!(found[0].decided(), decided, "{times:?}");
-        }
-    }
-
-    #[test]
-    fn a_noisy_third_leaves_the_fastest_open() {
-        let mut lab = Lab::new("e", "packed");
-        lab.detector("nbs").time(&[100; 15]).detector("sorting").time(&[120; 15]);
-        // Half the blocks below the fastest, half far above: its median is the largest.
-        let noisy: Vec<u64> = (0..15).map(|k| if k % 2 == 0 { 300 } else { 90 }).collect();
-        lab.detector("sweep").time(&noisy);
-        let cells = cells::cells(&lab.rows());
-        let all: Vec<&Cell> = cells.iter().collect();
-        let found = winners(&all);
-        let [contest] = &*found.contests else { panic!() };
-        let slower: Vec<_> = contest.others.iter().map(|it| (&*it.name, it.slower)).collect();
-        assert_eq!(slower, [("sorting", true), ("sweep", false)]);
-        assert!(!contest.decided() && winner(&all, &Noise::new(&all)).is_none());
-        assert_eq!(Tally::new(&found).undecided, 1);
     }
 }

@@ -3,89 +3,56 @@
 use std::collections::BTreeSet;
 
 use crate::cells::{Cell, FIELDS};
-use crate::present::table::{self, Column, Table};
+use crate::present::table::Table;
 use crate::record::column::{BUILDING, COLUMNS, FIRST, MEDIAN_STEP, WORST_STEP};
 use crate::stats::interval::{mad, median};
 
-/// What is said of the times.
-const TIMES: [&str; 7] = [
-    "time_ns_median",
-    "time_ns_low",
-    "time_ns_high",
-    "time_ns_min",
-    "time_ns_mad",
-    "blocks",
-    "first_ns_median",
-];
-
-/// One line per cell with all its values.
+/// One line per cell with all its values. Columns of what was not measured in any of the cells
+/// (copies, quiet times, steps, counts) are left out.
 pub fn summary(cells: &[Cell]) -> Table {
     let params: BTreeSet<String> = cells
         .iter()
         .flat_map(|cell| cell.id.names())
         .filter(|name| !FIELDS.contains(&name.as_str()))
         .collect();
-    // Only where copies were timed: other tables keep their columns.
-    let beside: &[&str] = if cells.iter().any(|cell| !cell.copies_ns.is_empty()) {
-        &["beside_ns_median"]
-    } else {
-        &[]
-    };
-    // The same where nobody looked at the state of the machine.
-    let quiet: &[&str] = if cells.iter().any(|cell| cell.quiet_time().is_some()) {
-        &["quiet_ns_median"]
-    } else {
-        &[]
-    };
-    // The same where nothing moves.
-    let of_steps = [BUILDING, MEDIAN_STEP, WORST_STEP].into_iter();
-    let of_steps: Vec<&str> = of_steps
-        .filter(|name| cells.iter().any(|cell| cell.others_ns.contains_key(name)))
-        .collect();
-    let fields: Vec<&str> = FIELDS.into_iter().chain(params.iter().map(String::as_str)).collect();
-    let numbers: Vec<&str> = COLUMNS
+    let fields = FIELDS.into_iter().chain(params.iter().map(String::as_str));
+    let copies = cells.iter().any(|cell| !cell.copies_ns.is_empty());
+    let quiet = cells.iter().any(|cell| cell.quiet_time().is_some());
+    let steps = [BUILDING, MEDIAN_STEP, WORST_STEP]
+        .into_iter()
+        .filter(|name| cells.iter().any(|cell| cell.others_ns.contains_key(name)));
+    let numbers = COLUMNS
         .iter()
         .filter(|column| column.repeats())
         .map(|column| &*column.name)
-        .filter(|name| cells.iter().any(|cell| cell.values.contains_key(name)))
-        .collect();
-    let columns =
-        fields.iter().chain(&["outcome", "reason"]).chain(&TIMES).chain(quiet).chain(beside);
-    let columns = columns.map(|name| Column::left(*name));
-    let steps = of_steps.iter().map(|name| Column::left(format!("{name}_median")));
-    let numbered = numbers.iter().map(|name| Column::left(*name));
-    let columns = columns.chain(steps).chain(numbered).collect();
-    let row = |cell: &Cell| {
-        let (outcome, reason) = cell.overall();
-        let mut row: Vec<table::Cell> = fields
-            .iter()
-            .map(|name| {
-                cell.id
-                    .axis(name)
-                    .map_or_else(table::Cell::absent, |value| value.to_string().into())
-            })
-            .collect();
-        row.extend([outcome.name(), reason].map(table::Cell::from));
-        row.extend(time(cell).map(table::Cell::from));
-        row.extend(quiet.iter().map(|_| table::Cell::from(cell.quiet_time())));
-        let copies: Vec<f64> = cell.copies_ns.values().map(|&t| t as f64).collect();
-        row.extend(beside.iter().map(|_| table::Cell::from(median(&copies))));
-        row.extend(of_steps.iter().map(|name| table::Cell::from(cell.variable(name, None))));
-        row.extend(numbers.iter().map(|name| table::Cell::from(cell.variable(name, None))));
-        row
+        .filter(|name| cells.iter().any(|cell| cell.values.contains_key(name)));
+    // Of times nothing is said unless all blocks ended well.
+    let timed = |cell: &Cell, value: fn(&[f64]) -> Option<f64>| {
+        let times: Vec<f64> = cell.times.values().map(|&time| time as f64).collect();
+        cell.time().and_then(|_| value(&times))
     };
-    Table::new("", columns).with(cells.iter().map(row))
-}
-
-/// Median, interval, minimum, deviation and number of the times, and the first detection.
-fn time(cell: &Cell) -> [Option<f64>; 7] {
-    let Some(time) = cell.time() else { return [None; 7] };
-    let all: Vec<f64> = cell.times.values().map(|&t| t as f64).collect();
-    let least = all.iter().copied().fold(f64::INFINITY, f64::min);
-    let deviation = mad(&all).unwrap_or(0.0);
-    let all = [time.median, time.low, time.high, least, deviation, time.count as f64].map(Some);
-    let [median, low, high, least, deviation, count] = all;
-    [median, low, high, least, deviation, count, cell.variable(FIRST, None)]
+    let beside =
+        |cell: &Cell| median(&cell.copies_ns.values().map(|&time| time as f64).collect::<Vec<_>>());
+    Table::of("", cells)
+        .each(fields, |table, name| {
+            table.left(name, |cell| cell.id.axis(name).map(|value| value.to_string()))
+        })
+        .left("outcome", |cell| cell.overall().0.name())
+        .left("reason", |cell| cell.overall().1)
+        .left("time_ns_median", |cell| cell.time().map(|time| time.median))
+        .left("time_ns_low", |cell| cell.time().map(|time| time.low))
+        .left("time_ns_high", |cell| cell.time().map(|time| time.high))
+        .left("time_ns_min", |cell| timed(cell, |all| all.iter().copied().reduce(f64::min)))
+        .left("time_ns_mad", |cell| timed(cell, mad))
+        .left("blocks", |cell| cell.time().map(|time| time.count as u64))
+        .left("first_ns_median", |cell| cell.variable(FIRST, None))
+        .when(quiet, |table| table.left("quiet_ns_median", Cell::quiet_time))
+        .when(copies, |table| table.left("beside_ns_median", beside))
+        .each(steps, |table, name| {
+            table.left(format!("{name}_median"), |cell| cell.variable(name, None))
+        })
+        .each(numbers, |table, name| table.left(name, |cell| cell.variable(name, None)))
+        .into()
 }
 
 #[cfg(test)]
@@ -93,6 +60,7 @@ mod tests {
     use super::*;
     use crate::cells;
     use crate::cells::testing::Lab;
+    use crate::present::table;
     use crate::record::row::{Outcome, Pass};
 
     #[test]

@@ -5,7 +5,7 @@ pub mod motion;
 use serde_json::{Value, json};
 
 use crate::number::{number, with_interval};
-use crate::present::table::{Cell, Column, Table};
+use crate::present::table::{Rows, Table};
 use crate::recommend::standing::{Race, Standing, fastest};
 use crate::recommend::verdict::{Verdict, bytes_per_particle, per_particle};
 use crate::stats::interval::{Interval, ratio};
@@ -86,32 +86,34 @@ fn ranked(race: &Race, n: usize) -> Vec<&Standing> {
     standings
 }
 
-/// The heads of what was [`measured`], of a `kind` in this unit. An interval of absolute times
+/// What was measured of each of these, of a `kind` in this unit: its name, marked if it is the
+/// choice, its time over that of the fastest, its time, and bytes. An interval of absolute times
 /// would hold in one run alone.
-fn heads(kind: &str, unit: &str) -> Vec<Column> {
-    vec![
-        Column::left(kind),
-        Column::right("time / fastest", ""),
-        Column::right(format!("{unit} in this run"), ""),
-        Column::right("bytes / particle", ""),
-    ]
-}
-
-/// Its name, marked if it is the choice; its time over that of the fastest, its time, and bytes.
-fn measured(standing: &Standing, race: &Race, verdict: Option<&Verdict>, n: usize) -> [Cell; 4] {
-    let name = &standing.who.name;
+fn measured<'a>(
+    [kind, unit]: [&str; 2],
+    race: &'a Race,
+    verdict: Option<&Verdict>,
+    n: usize,
+    wanted: impl Fn(&Standing) -> bool,
+) -> Rows<&'a Standing> {
     let base = fastest(&race.standings).map(|k| &race.standings[k]);
-    let to_fastest = match base {
-        Some(base) if base.who.name == *name => "1".into(),
-        Some(base) => ratio(&standing.times, &base.times)
-            .map_or_else(Cell::absent, |ratio| with_interval(&ratio).into()),
-        None => Cell::absent(),
+    let choice = verdict.map(|verdict| &race.standings[verdict.choice].who.name);
+    let name = |standing: &Standing| match &standing.who.name {
+        name if choice == Some(name) => format!("{name} <"),
+        name => name.clone(),
     };
-    let chosen = verdict.is_some_and(|verdict| race.standings[verdict.choice].who.name == *name);
-    let time = per_particle(standing, n);
-    let time = time.map_or_else(Cell::absent, |time| number(time.median).into());
-    let name = if chosen { format!("{name} <") } else { name.clone() };
-    [name.into(), to_fastest, time, bytes_per_particle(standing, n).into()]
+    let to_fastest = |standing: &Standing| match base {
+        Some(base) if base.who.name == standing.who.name => Some("1".into()),
+        Some(base) => ratio(&standing.times, &base.times).map(|ratio| with_interval(&ratio)),
+        None => None,
+    };
+    Table::of("", ranked(race, n).into_iter().filter(|standing| wanted(standing)))
+        .left(kind, name)
+        .right("time / fastest", to_fastest)
+        .right(format!("{unit} in this run"), |standing| {
+            per_particle(standing, n).map(|time| number(time.median))
+        })
+        .right("bytes / particle", |standing| bytes_per_particle(standing, n))
 }
 
 /// Why it has no time; none if it has one.
@@ -125,14 +127,9 @@ fn why_out(standing: &Standing) -> Option<String> {
 
 /// The detectors, fastest first; those without a time at the end.
 pub fn table(race: &Race, verdict: Option<&Verdict>, n: usize) -> Table {
-    let row = |standing: &Standing| {
-        let said = why_out(standing).unwrap_or_else(|| error(standing));
-        let measured = measured(standing, race, verdict, n);
-        measured.into_iter().chain([said.into()]).collect()
-    };
-    let mut columns = heads("detector", "ns per particle");
-    columns.push(Column::left("error"));
-    Table::new("", columns).with(ranked(race, n).into_iter().map(row))
+    measured(["detector", "ns per particle"], race, verdict, n, |_| true)
+        .left("error", |standing| why_out(standing).unwrap_or_else(|| error(standing)))
+        .into()
 }
 
 fn numbers(interval: Interval) -> Value {

@@ -1,6 +1,7 @@
 //! The report of a result folder: `report.md`, `report.html`, `summary.csv` and `figures/`, from
 //! the record alone. Report and page are written from the same findings and blocks.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
@@ -20,8 +21,8 @@ use crate::present::figure::style::Styles;
 use crate::present::page::Page;
 use crate::present::page::origin::{command, shown};
 use crate::present::sections::map::Drawn;
-use crate::present::sections::{self, Files};
-use crate::present::table::csv;
+use crate::present::sections::{self, About, DETAILS, SPEED};
+use crate::present::table::{self, csv};
 use crate::present::{csv as files, figure, page};
 use crate::record::ledger::Ledger;
 use crate::record::provenance;
@@ -69,6 +70,8 @@ pub struct Part<'a> {
     pub maps: Vec<Drawn>,
     /// All its tables.
     pub tables: Vec<Block>,
+    /// Names and tables of CSV files.
+    pub files: Vec<(&'static str, table::Table)>,
 }
 
 /// Where a record is from.
@@ -100,10 +103,9 @@ pub fn write(
     let conditions = Conditions::new(&provenance::all(folder), &ledger, rows);
     let machine = Machine::from_provenance(provenance);
     let scope = Scope::new(provenance, experiments);
-    let (mut parts, mut csv_files, mut warnings) =
-        (Vec::new(), Files::default(), warnings.to_vec());
+    let (mut parts, mut warnings) = (Vec::new(), warnings.to_vec());
     for experiment in experiments {
-        let mut part = Part::new(experiment, &cells, &scope, &mut csv_files);
+        let mut part = Part::new(experiment, &cells, &scope);
         for plan in &experiment.figures {
             match figure::draw(&figure_folder, experiment, plan, &cells, &styles, &machine) {
                 Ok(paths) if paths.is_empty() => {}
@@ -130,19 +132,14 @@ pub fn write(
         std::fs::write(path, text)
             .with_context(|| format!("cannot write the report {}", path.display()))?;
     }
-    let mut tables = vec![("summary.csv", csv(&[files::summary(cells)]))];
-    let asked: Vec<&Cell> = parts
-        .iter()
-        .filter(|part| part.matrix.is_some())
-        .flat_map(|part| part.cells.iter().copied())
-        .collect();
-    if !asked.is_empty() {
-        tables.push(("verdicts.csv", csv(&[sections::verdicts::rows(&asked)])));
+    let mut tables = BTreeMap::from([("summary.csv", vec![files::summary(cells)])]);
+    for (name, table) in parts.iter().flat_map(|part| part.files.iter().cloned()) {
+        tables.entry(name).or_default().push(table);
     }
-    tables.extend(csv_files.all());
-    for (name, text) in tables {
+    for (name, tables) in tables {
         let path = folder.join(name);
-        std::fs::write(&path, text).with_context(|| format!("cannot write {}", path.display()))?;
+        std::fs::write(&path, csv(&tables))
+            .with_context(|| format!("cannot write {}", path.display()))?;
     }
     // Failures on the page say it, too.
     let optional = culprits.absent.iter().map(sections::failures::culprit);
@@ -172,38 +169,33 @@ pub fn partial(folder: &Path, experiments: &[Experiment], rows: &[Row]) -> Vec<S
 }
 
 impl<'a> Part<'a> {
-    fn new(
-        experiment: &'a Experiment,
-        cells: &'a [Cell],
-        scope: &Scope<'_>,
-        files: &mut Files,
-    ) -> Part<'a> {
+    fn new(experiment: &'a Experiment, cells: &'a [Cell], scope: &Scope<'_>) -> Part<'a> {
         let own: Vec<&Cell> =
             cells.iter().filter(|cell| cell.id.experiment == experiment.name).collect();
         let coverage = Coverage::new(experiment, &own, scope);
         let matrix = Matrix::new(&own).filter(|_| experiment.table == Some(Table::Verdicts));
-        let maps = Drawn::all(experiment, cells);
-        files.maps.extend(maps.iter().map(|it| sections::map::rows(&it.name, &it.map)));
-        let mut tables = sections::map::section(&maps);
-        tables.extend(sections::sections(experiment, &own, files));
-        // The matrix says all that these would, of a hundred scenes.
-        if matrix.is_none() {
-            tables.extend(sections::tables(&own));
+        let (maps, winners) = (Drawn::all(experiment, cells), winners(&own));
+        let about = About { experiment, cells: &own, maps: &maps, winners: &winners };
+        let (mut tables, mut files) = (Vec::new(), Vec::new());
+        let details = if matrix.is_none() { DETAILS } else { &[] };
+        for section in SPEED.iter().chain(details).flat_map(|make| make(&about)) {
+            tables.push(Block::heading(3, section.heading));
+            tables.extend(section.blocks);
+            files.extend(section.csv);
         }
-        let winners = winners(&own);
-        let asks_fastest = experiment.asks_fastest();
-        tables.splice(0..0, sections::winners::details(&winners, asks_fastest));
+        files.extend(matrix.iter().map(|_| ("verdicts.csv", sections::verdicts::rows(&own))));
         Part {
             experiment,
             verdicts: claim::verdicts(experiment, cells, &coverage),
             coverage: coverage.summary(),
-            winners,
-            asks_fastest,
+            asks_fastest: experiment.asks_fastest(),
             headline: sections::Headline::new(experiment, &own),
             matrix,
             figures: Vec::new(),
             maps,
+            winners,
             tables,
+            files,
             cells: own,
         }
     }

@@ -8,7 +8,7 @@ use crate::detect::spec::DetectorSpec;
 use crate::moving::{Followed, Moved, Tracked};
 use crate::number::{number, percent, plural, radii};
 use crate::present::document::Block;
-use crate::present::table::{Cell, Column, Table};
+use crate::present::table::{Cell, Table};
 use crate::track::{Native, TrackerSpec};
 
 /// The middle of the times of frames and the longest, in nanoseconds per particle.
@@ -141,38 +141,21 @@ pub fn words(name: &str, of: &str, followed: &Followed) -> Vec<Block> {
 pub fn table(followed: &Followed) -> Table {
     let particles = followed.moved.particles;
     let common = common(followed).is_some();
-    let row = |it: &Tracked| {
-        let late = &it.late;
-        let cell = |is: bool, value: String| if is { Cell::from(value) } else { Cell::absent() };
-        let since = |value| cell(late.missed > 0, value);
-        let reported = |value| cell(late.latest > 0, value);
-        vec![
-            Cell::from(label(&it.spec, common)),
-            mean(it, particles).into(),
-            times(it, particles).map(|[_, worst]| worst).into(),
-            Cell::count(it.builds.built),
-            match it.reported {
-                0 => Cell::absent(),
-                reported => Cell::number(it.listed as f64 / reported as f64),
-            },
-            if it.is_wrong() { Cell::count(late.missed).wrong() } else { Cell::count(late.missed) },
-            since(late.first.map_or_else(String::new, |first| first.to_string())),
-            reported(late.latest.to_string()),
-            if late.latest > 0 { Cell::from(radii(late.deepest)) } else { Cell::absent() },
-        ]
-    };
-    let columns = vec![
-        Column::left("tracker"),
-        Column::right("ns", ""),
-        Column::right("worst", ""),
-        Column::right("built", ""),
-        Column::right("listed", ""),
-        Column::right("missed", ""),
-        Column::right("since", ""),
-        Column::right("late", ""),
-        Column::right("depth", ""),
-    ];
-    Table::new("", columns).with(followed.trackers.iter().map(row))
+    let late = |it: &Tracked| it.late.latest > 0;
+    Table::of("", &followed.trackers)
+        .left("tracker", |it| label(&it.spec, common))
+        .right("ns", |it| mean(it, particles))
+        .right("worst", |it| times(it, particles).map(|[_, worst]| worst))
+        .right("built", |it| it.builds.built)
+        .right("listed", |it| (it.reported > 0).then(|| it.listed as f64 / it.reported as f64))
+        .right("missed", |it| {
+            let missed = Cell::count(it.late.missed);
+            if it.is_wrong() { missed.wrong() } else { missed }
+        })
+        .right("since", |it| it.late.first.filter(|_| it.late.missed > 0).map(|it| it.to_string()))
+        .right("late", |it| late(it).then(|| it.late.latest.to_string()))
+        .right("depth", |it| late(it).then(|| radii(it.late.deepest)))
+        .into()
 }
 
 /// All of it for programs.

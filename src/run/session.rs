@@ -10,11 +10,11 @@ use crate::plan::{builtin, detectors};
 use crate::record::row::{Record, Row, WriteError, Writer};
 use crate::record::{copies, folder, ledger, machines, provenance, row};
 use crate::run::contender::is_build;
+use crate::run::interrupt;
 use crate::run::job::{self, Ready};
 use crate::run::origins::{Origins, fingerprint};
 use crate::run::plan::Job;
 use crate::run::stage::Progress;
-use crate::run::interrupt;
 
 /// What is to be run.
 pub struct Asked {

@@ -43,10 +43,8 @@ pub const OCTAVES: i32 = 5;
 /// if they begin no lower than here: in smaller scenes boundaries weigh more.
 pub const LEAST_TAIL: f64 = 1000.0;
 
-/// A law of growth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Model {
-    /// Proportional to N.
     Linear,
     /// Proportional to N log N.
     Linearithmic,
@@ -95,9 +93,7 @@ impl Model {
 /// The exponent b of y = c N^b.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Slope {
-    /// The exponent.
     pub exponent: f64,
-    /// Its standard error.
     pub error: f64,
     /// Lower end of the 95% interval.
     pub low: f64,
@@ -105,12 +101,10 @@ pub struct Slope {
     pub high: f64,
 }
 
-/// Which law fits.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Choice {
     /// The law, or why none is named.
     pub law: Result<Model, Doubt>,
-    /// The free exponent.
     pub slope: Option<Slope>,
     /// The models by AICc, best first.
     pub scores: Vec<(Model, f64)>,
@@ -127,22 +121,17 @@ pub enum Doubt {
     NarrowSpan(f64),
     /// The best two differ by less than [`LEAST_DELTA`].
     Tie {
-        /// The best.
         best: Model,
-        /// The next.
         second: Model,
         /// By how much its AICc is worse.
         delta: f64,
     },
     /// The exponent differs from the best model's over the same N.
     Trend {
-        /// The best.
         best: Model,
         /// Over the upper half of the N only.
         upper: bool,
-        /// The free exponent.
         found: f64,
-        /// The model's.
         expected: f64,
     },
 }
@@ -234,9 +223,7 @@ fn student(freedom: usize) -> f64 {
 pub struct Tail {
     /// The smallest and the largest N there.
     pub sizes: [f64; 2],
-    /// The exponent found.
     pub found: f64,
-    /// The law's.
     pub law: f64,
 }
 

@@ -104,7 +104,6 @@ pub fn at_least(successes: usize, trials: usize, p: f64) -> f64 {
     (1.0 - below).max(0.0)
 }
 
-/// Times by block.
 pub type Blocks = BTreeMap<Block, u64>;
 
 /// The ratio a / b of two detectors' times, block by block: the median of the ratios with its

@@ -6,7 +6,6 @@ use crate::record::row::Row;
 pub struct Builds {
     /// Of the build that this one is compared with.
     pub base: Vec<Row>,
-    /// Of this one.
     pub this: Vec<Row>,
 }
 

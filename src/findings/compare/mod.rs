@@ -3,12 +3,14 @@
 
 mod builds;
 pub mod records;
+mod summary;
 mod timing;
 mod twins;
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 pub use builds::Builds;
+pub use summary::Summary;
 use timing::timing;
 pub use timing::{Judgement, Note, PLACEMENT, Timing};
 pub use twins::{SEEN, pooled};
@@ -17,13 +19,11 @@ use crate::cells::label::place;
 use crate::cells::{AxisValue, Cell, cells, ids};
 use crate::findings::noise::{Noise, nine_in_ten};
 use crate::record::column::Column;
-use crate::record::id::{CellId, FIELDS, MACHINE};
+use crate::record::id::{CellId, FIELDS, MACHINE, Projection};
 use crate::record::machines::Machine;
 use crate::record::row::{Outcome, Pass, Row};
-use crate::stats::interval::{at_least, median};
 use contactbench_terms::arithmetic::Arithmetic;
 
-/// How times are compared.
 #[derive(Clone, Debug, Default)]
 pub struct Options {
     /// A difference within this share is none.
@@ -44,7 +44,6 @@ pub struct Options {
 /// A control: a detector whose code has not changed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Against {
-    /// Its name.
     pub detector: String,
     /// Its own times in the two records are within this factor of each other in nine of ten cells;
     /// what is within it may have changed between the runs and not in the code. None if it has no
@@ -55,9 +54,7 @@ pub struct Against {
 /// One of the two records.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
-    /// The first.
     A,
-    /// The second.
     B,
 }
 
@@ -81,9 +78,7 @@ impl Side {
 pub struct Change {
     /// `digest`, `list_push`, `peak_bytes`, `outcome (time)`, ...
     pub what: String,
-    /// In A.
     pub a: String,
-    /// In B.
     pub b: String,
 }
 
@@ -92,7 +87,6 @@ pub struct Change {
 pub struct Compared {
     /// `nbs, packed, 3D, n = 1000, ...`: all that tells it from other cells.
     pub place: String,
-    /// Which cell.
     pub id: CellId,
     /// What must be the same and is not.
     pub changes: Vec<Change>,
@@ -122,82 +116,6 @@ pub enum Lack {
     Value(&'static str, Side),
     /// Both have times, but no ratio of them.
     Blocks,
-}
-
-/// How many cells came out how.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Summary {
-    /// All of either record.
-    pub cells: usize,
-    /// Those in which something differs that must be the same.
-    pub changed: usize,
-    /// Those that cannot be compared.
-    pub absent: usize,
-    /// Those of which a part cannot be compared.
-    pub lacking: usize,
-    /// Those with times in both, by verdict.
-    pub judged: BTreeMap<Judgement, usize>,
-    /// Of equal code so many would be slower by chance, at most.
-    pub by_chance: f64,
-    /// The slowdown that would have been found: its median over the cells that can be judged, and
-    /// the largest.
-    pub least: Option<(f64, f64)>,
-    /// Cells within the band whose interval excludes 1: a difference, and a small one.
-    pub small: usize,
-    /// A twin that moved though it is equal code, and by what factor: where it did, nothing is
-    /// decided.
-    pub moved: Option<(String, f64)>,
-}
-
-impl Summary {
-    /// Counts the cells.
-    pub fn new(cells: &[Compared]) -> Summary {
-        let count = |wanted: fn(&&Compared) -> bool| cells.iter().filter(wanted).count();
-        let mut judged = BTreeMap::new();
-        for timing in cells.iter().filter_map(|cell| cell.timing.as_ref()) {
-            *judged.entry(timing.judgement).or_default() += 1;
-        }
-        let timings = cells.iter().filter_map(|cell| cell.timing.as_ref());
-        let moved = timings.clone().find_map(|timing| match &timing.note {
-            Some(Note::Twin(name, factor)) => Some((name.clone(), *factor)),
-            _ => None,
-        });
-        let timings: Vec<&Timing> = timings.filter(|timing| timing.is_decidable()).collect();
-        let least: Vec<f64> = timings.iter().map(|timing| timing.least).collect();
-        Summary {
-            cells: cells.len(),
-            changed: count(|cell| !cell.changes.is_empty()),
-            absent: count(|cell| cell.absent.is_some()),
-            lacking: count(|cell| !cell.lacks.is_empty()),
-            judged,
-            by_chance: timings.iter().map(|timing| (1.0 - timing.ratio.coverage) / 2.0).sum(),
-            least: median(&least)
-                .map(|typical| (typical, least.iter().copied().fold(1.0, f64::max))),
-            small: timings.iter().filter(|timing| timing.is_small()).count(),
-            moved,
-        }
-    }
-
-    /// Are more cells slower than chance explains? Equal code has so many in at most one of twenty
-    /// comparisons, however many cells there are.
-    pub fn is_slower(&self) -> bool {
-        use Judgement::NotJudged;
-        let slower = self.judged.get(&Judgement::Slower).copied().unwrap_or(0);
-        let cells = self.judged.iter().filter(|(verdict, _)| **verdict != NotJudged);
-        let cells: usize = cells.map(|(_, count)| count).sum();
-        slower > 0 && at_least(slower, cells, self.by_chance / cells as f64) <= 0.05
-    }
-
-    /// Whether a typical slowdown by [`SEEN`] would be found.
-    pub fn sees(&self) -> bool {
-        self.least.is_some_and(|(typical, _)| typical <= SEEN)
-    }
-
-    /// Is any time found to be within the band, slower or faster?
-    pub fn decides(&self) -> bool {
-        use Judgement::{NotJudged, Undecided};
-        self.judged.keys().any(|verdict| !matches!(verdict, NotJudged | Undecided))
-    }
 }
 
 /// A control that both records have, if there is one, and how far its own times are apart: the
@@ -230,6 +148,7 @@ struct Record {
     cells: BTreeMap<CellId, Cell>,
     /// Numbers of pairs and their fingerprints: one, unless answers differ.
     answers: BTreeMap<CellId, BTreeSet<String>>,
+    scenes: HashMap<Projection, Vec<CellId>>,
 }
 
 impl Record {
@@ -240,10 +159,13 @@ impl Record {
                 answers.entry(key).or_default().insert(format!("{contacts} pairs, {digest}"));
             }
         }
-        Record {
-            cells: cells(rows).into_iter().map(|cell| (cell.id.clone(), cell)).collect(),
-            answers,
+        let cells: BTreeMap<CellId, Cell> =
+            cells(rows).into_iter().map(|cell| (cell.id.clone(), cell)).collect();
+        let mut scenes: HashMap<Projection, Vec<CellId>> = HashMap::new();
+        for id in cells.keys() {
+            scenes.entry(id.scene_id()).or_default().push(id.clone());
         }
+        Record { cells, answers, scenes }
     }
 
     /// The detectors that have twins, with the parameters, which a twin has, too.
@@ -256,10 +178,9 @@ impl Record {
     /// The detector that a cell's times are divided by: on the same scene, in the same arithmetic
     /// if it can be, with as few threads as there are.
     fn reference(&self, id: &CellId, name: &str) -> Option<&Cell> {
-        let scene = id.scene_id();
-        let known = self.cells.values().filter(|cell| {
-            cell.id.contender() == name && cell.time().is_some() && cell.id.scene_id() == scene
-        });
+        let known = self.scenes.get(&id.scene_id()).into_iter().flatten();
+        let known = known.filter_map(|id| self.cells.get(id));
+        let known = known.filter(|cell| cell.id.contender() == name && cell.time().is_some());
         known.min_by_key(|cell| {
             (
                 cell.id.arithmetic != id.arithmetic,

@@ -11,7 +11,6 @@ use crate::stats::unpaired;
 pub enum Judgement {
     /// B takes more: the interval excludes 1, and the ratio is beyond what equal code differs by.
     Slower,
-    /// B takes less.
     Faster,
     /// Neither is shown; or there are too few blocks.
     Undecided,
@@ -24,7 +23,6 @@ pub enum Judgement {
 }
 
 impl Judgement {
-    /// The word in tables.
     pub fn name(self) -> &'static str {
         match self {
             Judgement::Slower => "slower",
@@ -41,14 +39,12 @@ impl Judgement {
 pub struct Timing {
     /// Median nanoseconds per detection in A.
     pub a_ns: f64,
-    /// The same in B.
     pub b_ns: f64,
     /// With a reference: the medians, in A and in B, of the multiples of its time in the same
     /// block. The ratio is of these.
     pub multiples: Option<[f64; 2]>,
     /// B over A; with a reference, each first divided by the reference's time in the same block.
     pub ratio: Interval,
-    /// The verdict.
     pub judgement: Judgement,
     /// Why nothing else can be said, if so.
     pub note: Option<Note>,

@@ -1,5 +1,7 @@
 //! Plans held to made-up rows.
 
+use std::path::Path;
+
 use super::*;
 use crate::cells;
 use crate::cells::testing::{self, Lab};

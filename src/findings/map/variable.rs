@@ -34,7 +34,6 @@ pub(super) struct Variable {
 }
 
 enum Values {
-    /// Of an axis.
     Known(Vec<AxisValue>),
     /// The least and the largest of each class of measured numbers.
     Measured(Vec<(f64, f64)>),
@@ -43,7 +42,6 @@ enum Values {
 /// Where a cell is along an axis.
 pub(super) enum Place {
     At(usize),
-    /// At every value.
     Everywhere,
     Nowhere,
 }

@@ -121,6 +121,11 @@ impl Block {
         Block::Heading(level, text.into())
     }
 
+    /// A table.
+    pub fn table(table: impl Into<Table>) -> Block {
+        Block::Table(table.into())
+    }
+
     /// A paragraph.
     pub fn paragraph(text: impl Into<Text>) -> Block {
         Block::Paragraph(text.into())

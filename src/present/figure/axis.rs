@@ -57,7 +57,6 @@ impl Axis {
         }
     }
 
-    /// Logarithmic?
     pub fn is_log(&self) -> bool {
         self.log
     }

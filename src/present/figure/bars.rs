@@ -5,15 +5,15 @@ use crate::cells::{Cell, select};
 use crate::experiment::{Bars, Experiment, Where};
 use crate::findings::ratios::{Entry, Ratios};
 use crate::number::{number, times, wrap};
+use crate::present::figure::About;
 use crate::present::figure::axis::Axis;
-use crate::present::figure::canvas::{Canvas, Point, Text, width};
+use crate::present::figure::canvas::{self, Canvas, MARGIN, Point, Text, width};
 use crate::present::figure::outcome::letter;
 use crate::present::figure::style::{CONTROL, Colour, FAINT, GRID, INK, Styles};
 use crate::record::row::Outcome;
 use crate::stats::interval::Interval;
 
 const WIDTH: f64 = 1400.0;
-const MARGIN: f64 = 24.0;
 const GAP: f64 = 36.0;
 /// Height of a bar with the room around it, and of what stands above and below the bars.
 const BAR: f64 = 25.0;
@@ -23,7 +23,15 @@ const SCALE: f64 = 34.0;
 const SAID: f64 = 168.0;
 const SIZE: f64 = 16.0;
 
-/// What is drawn.
+/// The figure as SVG; none if the reference has no time.
+pub fn svg(about: &About<'_>, options: &Bars) -> anyhow::Result<Option<String>> {
+    let Some(plot) = Plot::new(options, &about.figure.filter, about.cells)? else {
+        return Ok(None);
+    };
+    let sheet = Sheet::new(about.experiment, &about.figure.title, &plot, about.style)?;
+    canvas::svg(sheet.size, |canvas| sheet.draw(canvas)).map(Some)
+}
+
 pub struct Plot {
     reference: String,
     panels: Vec<Panel>,
@@ -102,9 +110,7 @@ impl Bar {
     }
 }
 
-/// A figure, laid out.
 pub struct Sheet<'a> {
-    /// Width and height.
     pub size: (u32, u32),
     title: &'a str,
     subtitle: Vec<String>,
@@ -112,7 +118,6 @@ pub struct Sheet<'a> {
     styles: &'a Styles,
     axis: Axis,
     top: f64,
-    /// Room for names.
     names: f64,
     /// Width of a panel, and how many are side by side.
     across: f64,
@@ -120,7 +125,6 @@ pub struct Sheet<'a> {
 }
 
 impl<'a> Sheet<'a> {
-    /// Measures everything.
     pub fn new(
         experiment: &Experiment,
         title: &'a str,
@@ -157,12 +161,8 @@ impl<'a> Sheet<'a> {
         })
     }
 
-    /// Draws everything.
     pub fn draw(&self, canvas: &mut Canvas) -> anyhow::Result<()> {
-        canvas.text(self.title, (MARGIN, MARGIN + 12.0), Text::new(29.0, INK).bold())?;
-        for (k, line) in self.subtitle.iter().enumerate() {
-            canvas.text(line, (MARGIN, MARGIN + 42.0 + 22.0 * k as f64), Text::new(18.0, FAINT))?;
-        }
+        canvas.heading(self.title, &self.subtitle)?;
         let mut top = self.top;
         for row in self.plot.panels.chunks(self.columns) {
             for (column, panel) in row.iter().enumerate() {

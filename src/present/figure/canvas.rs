@@ -7,7 +7,7 @@ use plotters::style::{
     Color, FontStyle, FontTransform, IntoFont, IntoTextStyle, RGBColor, ShapeStyle,
 };
 
-use crate::present::figure::style::{Colour, Marker};
+use crate::present::figure::style::{Colour, FAINT, INK, Marker};
 use crate::present::svg::font::Font;
 
 /// Plotters writes text of this height per em.
@@ -19,11 +19,8 @@ pub type Point = (f64, f64);
 /// Where text is placed, and how.
 #[derive(Clone, Copy)]
 pub struct Text {
-    /// Height of the line.
     pub size: f64,
-    /// Colour.
     pub colour: Colour,
-    /// Bold face.
     pub bold: bool,
     /// Which part of the text the point is: -1 left, 0 centre, 1 right.
     pub anchor: i8,
@@ -40,7 +37,6 @@ impl Text {
     pub fn anchor(self, anchor: i8) -> Text {
         Text { anchor, ..self }
     }
-    /// The same, bold.
     pub fn bold(self) -> Text {
         Text { bold: true, ..self }
     }
@@ -68,7 +64,19 @@ pub fn width(text: &str, size: f64, bold: bool) -> anyhow::Result<f64> {
     Ok(Font::new(size / LINE_HEIGHT, bold)?.width(text))
 }
 
+/// The margin of a sheet.
+pub const MARGIN: f64 = 24.0;
+
 impl Canvas<'_> {
+    /// The title of a sheet, and the lines below it.
+    pub fn heading(&mut self, title: &str, subtitle: &[String]) -> anyhow::Result<()> {
+        self.text(title, (MARGIN, MARGIN + 12.0), Text::new(29.0, INK).bold())?;
+        for (k, line) in subtitle.iter().enumerate() {
+            self.text(line, (MARGIN, MARGIN + 42.0 + 22.0 * k as f64), Text::new(18.0, FAINT))?;
+        }
+        Ok(())
+    }
+
     /// A line of this width; `dash` is (drawn, skipped), or none.
     pub fn line(
         &mut self,
@@ -96,17 +104,14 @@ impl Canvas<'_> {
         Ok(())
     }
 
-    /// A filled polygon.
     pub fn fill(&mut self, points: &[Point], colour: Colour) -> anyhow::Result<()> {
         self.0.fill_polygon(pixels(points), &rgb(colour)).map_err(failed)
     }
 
-    /// A filled rectangle.
     pub fn rect(&mut self, low: Point, high: Point, colour: Colour) -> anyhow::Result<()> {
         self.fill(&[low, (high.0, low.1), high, (low.0, high.1)], colour)
     }
 
-    /// A filled circle.
     pub fn disc(&mut self, at: Point, radius: f64, colour: Colour) -> anyhow::Result<()> {
         let radius = radius.round() as u32;
         self.0.draw_circle(pixel(at), radius, &rgb(colour), true).map_err(failed)

@@ -4,14 +4,15 @@
 
 use std::collections::BTreeMap;
 
+use crate::cells::select;
 use crate::experiment::MapAxes;
 use crate::findings::map::{Answer, Map, Panel, STEPS, Spot};
 use crate::number::{times, wrap};
-use crate::present::figure::canvas::{Canvas, Point, Text, width};
+use crate::present::figure::About;
+use crate::present::figure::canvas::{self, Canvas, MARGIN, Point, Text, width};
 use crate::present::figure::style::{Colour, FAINT, GRID, INK, STRIP, Styles, ink_on, lightened};
 use crate::present::sections::map::either;
 
-const MARGIN: f64 = 24.0;
 /// The widest figure, and the narrowest.
 const WIDTH: (f64, f64) = (1400.0, 760.0);
 /// A tile: its height, and how wide it is for short names and for long ones.
@@ -23,7 +24,6 @@ const GAP: f64 = 30.0;
 /// Room for the title of a panel above it, and for values and the name of the axis below.
 const HEADING: f64 = 34.0;
 const BELOW: f64 = 56.0;
-/// Between stripes.
 const STRIPE: f64 = 14.0;
 const SIZE: f64 = 15.0;
 
@@ -31,9 +31,23 @@ const SIZE: f64 = 15.0;
 /// and for less than the first.
 pub const WHITE: [f64; STEPS.len() + 1] = [0.72, 0.5, 0.25, 0.0];
 
-/// A figure, laid out.
+/// The figure as SVG; none if no cell has a time: of a shard, say.
+pub fn svg(about: &About<'_>, axes: &MapAxes) -> anyhow::Result<Option<String>> {
+    let About { figure, cells, .. } = about;
+    if select::select(cells, &figure.filter)?.iter().all(|cell| cell.time().is_none()) {
+        return Ok(None);
+    }
+    let found = Map::new(axes, &figure.filter, cells)?;
+    drawn(&figure.title, axes, &found, about.style).map(Some)
+}
+
+/// A map as SVG.
+pub fn drawn(title: &str, axes: &MapAxes, found: &Map, style: &Styles) -> anyhow::Result<String> {
+    let sheet = Sheet::new(title, axes, found, style)?;
+    canvas::svg(sheet.size, |canvas| sheet.draw(canvas))
+}
+
 pub struct Sheet<'a> {
-    /// Width and height.
     pub size: (u32, u32),
     title: Vec<String>,
     subtitle: Vec<String>,
@@ -51,7 +65,6 @@ pub struct Sheet<'a> {
 }
 
 impl<'a> Sheet<'a> {
-    /// Measures everything.
     pub fn new(
         title: &str,
         axes: &'a MapAxes,
@@ -101,7 +114,6 @@ impl<'a> Sheet<'a> {
         })
     }
 
-    /// Draws everything.
     pub fn draw(&self, canvas: &mut Canvas) -> anyhow::Result<()> {
         let mut y = MARGIN + 12.0;
         for line in &self.title {

@@ -18,10 +18,9 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 
+use crate::cells::Cell;
 use crate::cells::machine::Machine;
-use crate::cells::{Cell, select};
-use crate::experiment::{Experiment, Figure, FigureKind, MapAxes};
-use crate::findings::map::Map;
+use crate::experiment::{Experiment, Figure, FigureKind};
 
 /// Draws a figure into `folder` as NAME.svg and NAME.png and gives their paths; none if no cell has
 /// anything to show.
@@ -58,49 +57,25 @@ fn svg(
     let own: Vec<Cell> =
         cells.iter().filter(|cell| cell.id.experiment == experiment.name).cloned().collect();
     let scenes: Vec<&str> = experiment.scenes.iter().map(|scene| scene.name.as_str()).collect();
+    let about = About { experiment, figure, scenes: &scenes, cells: &own, style, machine };
     match &figure.kind {
-        FigureKind::Lines(options) => {
-            let Some(plot) = lines::Plot::new(options, &figure.filter, &scenes, &own)? else {
-                return Ok(None);
-            };
-            let title = &figure.title;
-            let sheet = lines::Sheet::new(experiment, title, options, &plot, style, machine)?;
-            canvas::svg(sheet.size, |canvas| sheet.draw(canvas)).map(Some)
-        }
-        FigureKind::Bars(options) => {
-            let Some(plot) = bars::Plot::new(options, &figure.filter, &own)? else {
-                return Ok(None);
-            };
-            let sheet = bars::Sheet::new(experiment, &figure.title, &plot, style)?;
-            canvas::svg(sheet.size, |canvas| sheet.draw(canvas)).map(Some)
-        }
-        FigureKind::SpeedError(options) => {
-            let Some(plot) = speed_error::Plot::new(options, &figure.filter, &scenes, &own)? else {
-                return Ok(None);
-            };
-            let sheet = speed_error::Sheet::new(experiment, &figure.title, options, &plot, style);
-            canvas::svg(sheet.size, |canvas| sheet.draw(canvas)).map(Some)
-        }
-        FigureKind::Map(axes) => {
-            // Of a shard, say, there may be nothing to see.
-            if select::select(&own, &figure.filter)?.iter().all(|cell| cell.time().is_none()) {
-                return Ok(None);
-            }
-            let found = Map::new(axes, &figure.filter, &own)?;
-            of_map(&figure.title, axes, &found, style).map(Some)
-        }
+        FigureKind::Lines(options) => lines::svg(&about, options),
+        FigureKind::Bars(options) => bars::svg(&about, options),
+        FigureKind::SpeedError(options) => speed_error::svg(&about, options),
+        FigureKind::Map(axes) => map::svg(&about, axes),
     }
 }
 
-/// A map as SVG.
-pub fn of_map(
-    title: &str,
-    axes: &MapAxes,
-    found: &Map,
-    style: &style::Styles,
-) -> anyhow::Result<String> {
-    let sheet = map::Sheet::new(title, axes, found, style)?;
-    canvas::svg(sheet.size, |canvas| sheet.draw(canvas))
+/// What a figure is drawn from.
+pub struct About<'a> {
+    experiment: &'a Experiment,
+    figure: &'a Figure,
+    /// The names of the experiment's scenes, in their order.
+    scenes: &'a [&'a str],
+    /// The cells of the experiment.
+    cells: &'a [Cell],
+    style: &'a style::Styles,
+    machine: &'a Machine,
 }
 
 /// `experiment-figure`, of letters that are safe in file names and links.

@@ -13,19 +13,13 @@ use std::collections::BTreeMap;
 use crate::cells::Cell;
 use crate::record::id::{OVER, split_contender};
 
-/// Red, green, blue.
 pub type Colour = (u8, u8, u8);
-/// Text and axes.
 pub const INK: Colour = (40, 40, 40);
-/// Secondary text.
 pub const FAINT: Colour = (110, 110, 110);
-/// Grid lines.
 pub const GRID: Colour = (228, 228, 228);
 /// Lines where data outgrow a cache.
 pub const CACHE: Colour = (170, 160, 200);
-/// Their names.
 pub const CACHE_NAME: Colour = (115, 100, 160);
-/// Controls.
 pub const CONTROL: Colour = (150, 150, 150);
 /// The background of the strip for cells without a value.
 pub const STRIP: Colour = (246, 246, 244);
@@ -45,30 +39,19 @@ pub fn ink_on(ground: Colour) -> Colour {
 /// The shape of a marker.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Marker {
-    /// Filled circle.
     Circle,
-    /// Filled square.
     Square,
-    /// Triangle, point up.
     Up,
-    /// Triangle, point down.
     Down,
-    /// Square on its corner.
     Diamond,
-    /// Diagonal cross.
     Cross,
-    /// Upright cross.
     Plus,
 }
 
-/// How lines are drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Style {
-    /// Line and marker.
     pub colour: Colour,
-    /// The marker.
     pub marker: Marker,
-    /// Drawn thin and dashed.
     pub control: bool,
 }
 

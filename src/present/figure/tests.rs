@@ -88,10 +88,7 @@ where = { scene = 'packed', dim = 2, detector = ['nbs', 'screening'] }
 fn drawn(rows: &[crate::record::row::Row], rest: &str) -> Vec<String> {
     let (experiment, cells) = (testing::experiment(rest), cells::cells(rows));
     let styles = style::Styles::new(cells.iter());
-    let machine = Machine {
-        caches: vec![("L2".into(), 64 << 10), ("L3".into(), 32 << 20)],
-        ..Machine::default()
-    };
+    let machine = Machine { caches: vec![("L2".into(), 64 << 10), ("L3".into(), 32 << 20)] };
     let draw = |figure| svg(&experiment, figure, &cells, &styles, &machine).unwrap().unwrap();
     experiment.figures.iter().map(draw).collect()
 }

@@ -360,8 +360,10 @@ impl Page<'_> {
     }
 
     fn outcomes(&self) -> String {
-        let found = |part: &Part| sections::failures::blocks(&failures(&part.cells));
-        match &*self.parts.iter().flat_map(found).collect::<Vec<_>>() {
+        let found = self.parts.iter().map(|part| failures(&part.cells));
+        let tables = found.filter(|found| !found.is_empty());
+        let tables = tables.map(|found| sections::failures::table(&found));
+        match &*tables.collect::<Vec<_>>() {
             [] => "<p>Every cell has a right answer.</p>".into(),
             blocks => document::html(blocks),
         }

@@ -6,25 +6,22 @@ use crate::contact::Arithmetic;
 use crate::moving::Tracked;
 use crate::number::{number, percent, plural, radii, with_interval};
 use crate::present::document::Block;
-use crate::present::recommendation::{all, heads, measured, ranked, why_out, words};
-use crate::present::table::{Cell, Column, Table};
+use crate::present::recommendation::{all, measured, ranked, why_out, words};
+use crate::present::table::Table;
 use crate::present::tracking;
 use crate::recommend::motion::{Found, POPULAR};
 use crate::recommend::standing::Standing;
 use crate::recommend::verdict::Verdict;
 use crate::stats::interval::ratio;
 
-/// What stands above.
 pub struct Head<'a> {
     /// The name of the scene or the file.
     pub name: &'a str,
-    /// How it moves.
     pub motion: &'a str,
     /// The frames are those of a file, which may be steps apart.
     pub recorded: bool,
     /// The file has further frames.
     pub more: bool,
-    /// How contacts are decided.
     pub arithmetic: Arithmetic,
     /// For detectors that can use several.
     pub threads: usize,
@@ -116,15 +113,11 @@ pub fn blocks(head: &Head<'_>, verdict: Option<&Verdict>, found: &Found) -> [Vec
 
 /// The trackers that have times, fastest first.
 fn table(verdict: Option<&Verdict>, found: &Found) -> Table {
-    let (race, n) = (&found.race, particles(found));
-    let row = |standing: &Standing| {
-        let built = standing.builds.map_or_else(Cell::absent, |it| Cell::count(it.built));
-        measured(standing, race, verdict, n).into_iter().chain([built]).collect()
-    };
-    let mut columns = heads("tracker", "ns / particle, frame");
-    columns.push(Column::right("built", ""));
-    let timed = ranked(race, n).into_iter().filter(|standing| why_out(standing).is_none());
-    Table::new("", columns).with(timed.map(row))
+    let kind = ["tracker", "ns / particle, frame"];
+    let timed = |standing: &Standing| why_out(standing).is_none();
+    measured(kind, &found.race, verdict, particles(found), timed)
+        .right("built", |standing| standing.builds.map(|builds| builds.built))
+        .into()
 }
 
 /// Those without a time: who was too slow in one paragraph, all others by their reasons.
@@ -157,30 +150,18 @@ fn share(it: &Tracked, found: &Found) -> f64 {
 
 /// One row for each popular setting.
 fn missed(found: &Found) -> Table {
-    let rows = POPULAR.iter().zip(&found.popular).map(|(popular, it)| {
-        let late = &it.late;
-        let cell = |is: bool, value: String| if is { value.into() } else { Cell::absent() };
-        let first = late.first.map_or_else(String::new, |first| first.to_string());
-        // Who has not seen all frames has not missed so few.
-        let whole = it.refused.is_none();
-        vec![
-            popular.setting.replace("rule=", "").replace(",skin=", ", ").into(),
-            popular.origin.into(),
-            cell(whole, late.missed.to_string()),
-            cell(whole, percent(share(it, found))),
-            cell(late.missed > 0, first),
-            if late.latest > 0 { Cell::from(radii(late.deepest)) } else { Cell::absent() },
-        ]
-    });
-    let columns = vec![
-        Column::left("rule, skin"),
-        Column::left("from"),
-        Column::right("missed", ""),
-        Column::right("share", ""),
-        Column::right("since", ""),
-        Column::right("depth", ""),
-    ];
-    Table::new("", columns).with(rows)
+    // A setting that has not seen all frames has not missed so few.
+    let whole = |it: &Tracked| it.refused.is_none();
+    Table::of("", POPULAR.iter().zip(&found.popular))
+        .left("rule, skin", |(it, _)| it.setting.replace("rule=", "").replace(",skin=", ", "))
+        .left("from", |(it, _)| it.origin)
+        .right("missed", |(_, it)| whole(it).then(|| it.late.missed.to_string()))
+        .right("share", |(_, it)| whole(it).then(|| percent(share(it, found))))
+        .right("since", |(_, it)| {
+            it.late.first.filter(|_| it.late.missed > 0).map(|first| first.to_string())
+        })
+        .right("depth", |(_, it)| (it.late.latest > 0).then(|| radii(it.late.deepest)))
+        .into()
 }
 
 /// All of it for programs.

@@ -130,7 +130,9 @@ fn differences(markdown: &str, html: &str, plain: &str, report: &Report) -> Vec<
         }
     }
     // Tables of winners, which other tables of six columns are not, stand on the terminal, too.
-    let winner = |it: &&Line| it.len() == 6 && (it[5] == "yes" || it[5].starts_with("undecided: "));
+    // Seven with first detections.
+    let decided = |it: &String| it == "yes" || it.starts_with("undecided: ");
+    let winner = |it: &&Line| [6, 7].contains(&it.len()) && it.last().is_some_and(decided);
     let ratio = |it: &&Line| it[4].contains(" to ") && it[2].parse::<f64>().is_ok();
     // Details have all scenes; above them are those that an answer shows.
     let (answers, answer_words) = read_markdown(markdown.split("\n## ").next().unwrap_or_default());

@@ -5,7 +5,7 @@ use crate::findings::compare::{
 };
 use crate::findings::noise::Noise;
 use crate::number::{number, percent, plural};
-use crate::present::table::{Cell, Column, Table};
+use crate::present::table::Table;
 use crate::record::hardware::size_of;
 use crate::record::machines::Machine;
 use crate::stats::interval::{COVERAGE, Interval};
@@ -163,40 +163,28 @@ pub fn times(cells: &[Compared], how: &Options, all: bool) -> Table {
     // The columns are of what the ratio is of.
     let control = how.against.as_ref().filter(|_| how.side_by_side.is_none());
     let unit = control.map_or("ns".into(), |control| format!("/ {}", control.detector));
-    let columns = vec![
-        Column::left(""),
-        Column::left("B / A"),
-        Column::right(format!("A {unit}"), ""),
-        Column::right(format!("B {unit}"), ""),
-        Column::left("cell"),
-    ];
     let shown = |ns: f64, multiple: Option<f64>| match (control, multiple) {
         (None, _) => number(ns),
         (Some(_), Some(multiple)) => format!("{multiple:.3}"),
         (Some(_), None) => format!("{} ns", number(ns)),
     };
-    let row = |(timing, place): (&Timing, &str)| {
-        // Of two builds the head of the table has spoken.
-        let place = match note(timing, how) {
-            // Of machines and twins a line of its own speaks.
-            note if note.is_empty()
-                || how.builds.is_some()
-                || matches!(timing.note, Some(Note::Machines | Note::Twin(..))) =>
-            {
-                place.to_string()
-            }
-            note => format!("{place}: {note}"),
-        };
-        let [a, b] = timing.multiples.map_or([None; 2], |both| both.map(Some));
-        vec![
-            verdict(timing).into(),
-            ratio(timing).into(),
-            shown(timing.a_ns, a).into(),
-            shown(timing.b_ns, b).into(),
-            Cell::from(place),
-        ]
+    let cell = |timing: &Timing, place: &str| match note(timing, how) {
+        // Two builds stand in the head of the table, machines and twins in a line of their own.
+        note if note.is_empty()
+            || how.builds.is_some()
+            || matches!(timing.note, Some(Note::Machines | Note::Twin(..))) =>
+        {
+            place.to_string()
+        }
+        note => format!("{place}: {note}"),
     };
-    Table::new("", columns).with(timed.into_iter().map(row))
+    Table::of("", timed)
+        .left("", |(timing, _)| verdict(timing))
+        .left("B / A", |(timing, _)| ratio(timing))
+        .right(format!("A {unit}"), |(it, _)| shown(it.a_ns, it.multiples.map(|both| both[0])))
+        .right(format!("B {unit}"), |(it, _)| shown(it.b_ns, it.multiples.map(|both| both[1])))
+        .left("cell", |(timing, place)| cell(timing, place))
+        .into()
 }
 
 /// How far a comparison sees: `by 12%`, `of 47 times`.

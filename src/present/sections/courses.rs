@@ -1,27 +1,33 @@
 //! Scenes in motion: a table of motions, one of builds, and one of what was missed.
 
+use super::{About, Section};
 use crate::findings::courses::{Course, Courses, Done};
 use crate::present::document::Block;
-use crate::present::table::{Cell, Column, Table};
+use crate::present::table::{Cell, Table};
 
-/// Below a heading of their own.
-pub fn blocks(found: &Courses) -> Vec<Block> {
-    let mut out = vec![Block::heading(3, "How the scenes move"), Block::Table(motions(found))];
-    out.push(Block::heading(3, "When lists were built"));
+/// The sections of a report, if scenes move: motions, builds, and what was missed.
+pub fn sections(about: &About<'_>) -> Vec<Section> {
+    let Some(found) = Courses::new(about.cells) else { return Vec::new() };
     let arithmetic = found.arithmetic.iter().map(|name| format!(", in {name} arithmetic"));
-    out.push(Block::paragraph(format!(
+    let asked = format!(
         "Frames in which the detector was asked, or what is mended was made anew, the first among \
          them{}.",
         arithmetic.collect::<String>()
-    )));
-    out.push(Block::Table(builds(found)));
-    out.push(Block::heading(3, "What was missed"));
+    );
+    vec![
+        Section::new("How the scenes move", vec![motions(&found)]),
+        Section::new("When lists were built", vec![Block::paragraph(asked), builds(&found)]),
+        Section::new("What was missed", misses(&found)),
+    ]
+}
+
+fn misses(found: &Courses) -> Vec<Block> {
     let missed = missed(found);
     if missed.is_empty() {
-        out.push(Block::paragraph("No tracker missed a contact, and no build was dangerous."));
-        return out;
+        let none = "No tracker missed a contact, and no build was dangerous.";
+        return vec![Block::paragraph(none)];
     }
-    out.push(Block::paragraph(
+    let how = Block::paragraph(
         "Missed: contacts of a frame that the tracker did not report in it, summed over the \
          frames. Share: missed contacts among all. Since: the first frame with a missed contact. \
          Never: contacts that were not reported later either. Late: the longest delay of the \
@@ -29,39 +35,20 @@ pub fn blocks(found: &Courses) -> Vec<Block> {
          was broken when it was first looked at, as LAMMPS counts them. Rightly: dangerous builds \
          after a missed contact. Of: all builds after a missed contact. Trackers that are not \
          listed missed nothing and had no dangerous build.",
-    ));
-    let columns = vec![
-        Column::left("scene"),
-        Column::left("tracker"),
-        Column::right("missed", ""),
-        Column::right("share", ""),
-        Column::right("since", ""),
-        Column::right("never", ""),
-        Column::right("late", "frames"),
-        Column::right("deepest", "mean radii"),
-        Column::right("dangerous", ""),
-        Column::right("rightly", ""),
-        Column::right("of", ""),
-    ];
-    let row = |(course, tracker, done): &(&Course, &String, &Done)| {
-        let count = |value: f64| Cell::count(value as u64);
-        let reported = done.latest > 0.0;
-        vec![
-            course.title.as_str().into(),
-            tracker.as_str().into(),
-            count(done.missed),
-            Cell::share(done.share),
-            done.first.map_or_else(Cell::absent, count),
-            count(done.never),
-            if reported { count(done.latest) } else { Cell::absent() },
-            if done.missed > 0.0 { Cell::number(done.deepest) } else { Cell::absent() },
-            count(done.dangerous),
-            count(done.rightly),
-            count(done.missing),
-        ]
-    };
-    out.push(Block::Table(Table::new("", columns).with(missed.iter().map(row))));
-    out
+    );
+    let table = Table::of("", missed)
+        .left("scene", |(course, ..)| &*course.title)
+        .left("tracker", |(_, tracker, _)| tracker.as_str())
+        .right("missed", |(.., done)| done.missed as u64)
+        .right("share", |(.., done)| Cell::share(done.share))
+        .right("since", |(.., done)| done.first.map(|frame| frame as u64))
+        .right("never", |(.., done)| done.never as u64)
+        .unit("late", "frames", |(.., done)| (done.latest > 0.0).then_some(done.latest as u64))
+        .unit("deepest", "mean radii", |(.., done)| (done.missed > 0.0).then_some(done.deepest))
+        .right("dangerous", |(.., done)| done.dangerous as u64)
+        .right("rightly", |(.., done)| done.rightly as u64)
+        .right("of", |(.., done)| done.missing as u64);
+    vec![how, Block::table(table)]
 }
 
 /// The rows of trackers that missed contacts, or whose builds were called dangerous: the flag is
@@ -77,40 +64,22 @@ fn missed(found: &Courses) -> Vec<(&Course, &String, &Done)> {
     all
 }
 
-fn motions(found: &Courses) -> Table {
-    let columns = vec![
-        Column::left("scene"),
-        Column::right("mean step", "diameters"),
-        Column::right("longest", "diameters"),
-        Column::right("contacts in a frame", ""),
-        Column::right("new", ""),
-        Column::right("between frames alone", ""),
-    ];
-    let row = |course: &Course| {
-        let motion = &course.motion;
-        vec![
-            course.title.as_str().into(),
-            motion.mean_way.into(),
-            motion.longest_way.into(),
-            motion.contacts.into(),
-            motion.born.into(),
-            motion.tunnelled.into(),
-        ]
-    };
-    Table::new("", columns).with(found.courses.iter().map(row))
+fn motions(found: &Courses) -> Block {
+    let table = Table::of("", &found.courses)
+        .left("scene", |course| &*course.title)
+        .unit("mean step", "diameters", |course| course.motion.mean_way)
+        .unit("longest", "diameters", |course| course.motion.longest_way)
+        .right("contacts in a frame", |course| course.motion.contacts)
+        .right("new", |course| course.motion.born)
+        .right("between frames alone", |course| course.motion.tunnelled);
+    Block::table(table)
 }
 
-fn builds(found: &Courses) -> Table {
-    let named = found.trackers.iter().map(|name| Column::right(name.as_str(), ""));
-    let columns = [Column::left("scene")].into_iter().chain(named).collect();
-    let built = |done: &Option<Done>| {
-        done.map_or_else(Cell::absent, |done| Cell::count(done.builds as u64))
-    };
-    let row = |course: &Course| {
-        let title = Cell::from(course.title.as_str());
-        [title].into_iter().chain(course.done.iter().map(built)).collect()
-    };
-    Table::new("", columns).with(found.courses.iter().map(row))
+fn builds(found: &Courses) -> Block {
+    let table = Table::of("", &found.courses).left("scene", |course| &*course.title);
+    Block::table(table.each(found.trackers.iter().enumerate(), |table, (k, name)| {
+        table.right(name, |course| course.done[k].map(|done| done.builds as u64))
+    }))
 }
 
 #[cfg(test)]
@@ -156,7 +125,8 @@ mod tests {
         }
         let cells = cells::cells(&lab.rows());
         let found = Courses::new(&cells.iter().collect::<Vec<_>>()).unwrap();
-        let text = markdown(&blocks(&found));
+        let tables = [vec![motions(&found), builds(&found)], misses(&found)].concat();
+        let text = markdown(&tables);
         for line in [
             "| packed, 2D, N = 1000 | 0 | 0 | 200 | 5 | 0 |",
             "| scene | every step | every-5, 0.1 | lammps-10-1-yes, 0.1 |",

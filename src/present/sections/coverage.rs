@@ -139,7 +139,12 @@ impl Why {
 /// `not in this record: s = 2 to 20 of 2 to 200; 4 of 9 cells (stopped)`.
 pub fn uncovered(found: &Uncovered) -> String {
     let gaps: Vec<String> = found.gaps.iter().map(gap).collect();
-    let why: Vec<&str> = found.why.keys().map(|why| why.name()).collect();
+    let names = found.unavailable.iter().cloned().collect::<Vec<_>>().join(", ");
+    let why = found.why.keys().map(|why| match why {
+        Why::Unavailable => format!("{names} could not be started"),
+        why => why.name().into(),
+    });
+    let why: Vec<String> = why.collect();
     let count = match found.cells == found.of {
         true => format!("all {}", plural(found.of, "cell")),
         false => format!("{} of {}", found.cells, plural(found.of, "cell")),

@@ -1,14 +1,17 @@
 //! Errors by cause, in a line per scene, arithmetic and group of detectors.
 
+use super::{About, Section};
 use crate::findings::errors::{ErrorLine, ErrorTable};
 use crate::number::radii;
 use crate::present::document::{Block, Text};
-use crate::present::table::{Cell, Column, Table};
+use crate::present::table::{Cell, Table};
 use crate::record::row::Outcome;
 use contactbench_terms::errors::{Causes, Errors};
 
-/// How to read the table, and the table.
-pub fn blocks(found: &ErrorTable) -> Vec<Block> {
+/// The section of a report, if answers were compared with the truth: how to read the table, and the
+/// table.
+pub fn section(about: &About<'_>) -> Option<Section> {
+    let found = ErrorTable::new(about.cells)?;
     let how = Text::from("Pairs missed / pairs added, by cause: the ")
         .emphasis("representation")
         .plain(" of the scene (its coordinates rounded, then decided exactly), the ")
@@ -23,56 +26,35 @@ pub fn blocks(found: &ErrorTable) -> Vec<Block> {
              Depths and gaps are in mean radii of the pair: a miss of 0 r is a pair that just \
              touches.",
         );
-    vec![Block::Paragraph(how), Block::Table(table(found))]
+    let blocks = vec![Block::Paragraph(how), Block::Table(table(&found))];
+    Some(Section::new("Against the exact truth", blocks))
 }
 
 fn table(found: &ErrorTable) -> Table {
-    let columns = vec![
-        Column::left("detectors"),
-        Column::left("arithmetic"),
-        Column::left("scene"),
-        Column::right("true contacts", ""),
-        Column::right("representation", ""),
-        Column::right("predicate", ""),
-        Column::right("search", ""),
-        Column::right("together", ""),
-        Column::right("error rate", ""),
-        Column::right("deepest miss", ""),
-        Column::right("widest false", ""),
-        Column::left("outcome"),
-    ];
-    Table::new("", columns).with(found.lines.iter().map(row))
-}
-
-fn row(line: &ErrorLine) -> Vec<Cell> {
-    let sum = &line.sum;
     let cause = |cause: fn(&Causes) -> &Errors| {
-        sum.causes.as_ref().map_or_else(Cell::absent, |causes| counts(cause(causes)).into())
+        move |line: &ErrorLine| line.sum.causes.as_ref().map(|causes| counts(cause(causes)))
     };
-    let depth = |there: u64, depth: f64| match there {
-        0 => Cell::absent(),
-        _ => radii(depth).into(),
+    let depth = |there: u64, depth: f64| (there > 0).then(|| radii(depth));
+    let outcome = |line: &ErrorLine| {
+        let bad = line.sum.outcomes.iter().filter(|outcome| **outcome != Outcome::Ok);
+        bad.map(|outcome| outcome.name()).collect::<Vec<_>>().join(", ")
     };
-    let outcomes: Vec<&str> = sum
-        .outcomes
-        .iter()
-        .filter(|outcome| **outcome != Outcome::Ok)
-        .map(|outcome| outcome.name())
-        .collect();
-    vec![
-        line.detectors.as_str().into(),
-        line.arithmetic.as_str().into(),
-        line.scene.as_str().into(),
-        Cell::number(sum.contacts),
-        cause(|causes| &causes.representation),
-        cause(|causes| &causes.predicate),
-        cause(|causes| &causes.search),
-        counts(&sum.errors).into(),
-        Cell::share(sum.errors.wrong() as f64 / sum.contacts.max(1.0)),
-        depth(sum.errors.missed, sum.errors.deepest_miss),
-        depth(sum.errors.spurious, sum.errors.widest_false),
-        outcomes.join(", ").into(),
-    ]
+    Table::of("", &found.lines)
+        .left("detectors", |line| &*line.detectors)
+        .left("arithmetic", |line| &*line.arithmetic)
+        .left("scene", |line| &*line.scene)
+        .right("true contacts", |line| line.sum.contacts)
+        .right("representation", cause(|causes| &causes.representation))
+        .right("predicate", cause(|causes| &causes.predicate))
+        .right("search", cause(|causes| &causes.search))
+        .right("together", |line| counts(&line.sum.errors))
+        .right("error rate", |line| {
+            Cell::share(line.sum.errors.wrong() as f64 / line.sum.contacts.max(1.0))
+        })
+        .right("deepest miss", |line| depth(line.sum.errors.missed, line.sum.errors.deepest_miss))
+        .right("widest false", |line| depth(line.sum.errors.spurious, line.sum.errors.widest_false))
+        .left("outcome", outcome)
+        .into()
 }
 
 /// `3 / 2` for three missed and two spurious, with pairs repeated or of one particle where there

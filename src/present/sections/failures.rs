@@ -1,9 +1,10 @@
 //! Cells without a right answer, in a line per contender, scene and outcome.
 
-use crate::findings::failures::{Culprit, Failure};
+use super::{About, Section};
+use crate::findings::failures::{Culprit, Failure, failures};
 use crate::number::plural;
 use crate::present::document::Block;
-use crate::present::table::{Column, Table};
+use crate::present::table::Table;
 use crate::record::row::Outcome;
 
 /// Who is wrong, in a sentence.
@@ -21,31 +22,24 @@ pub fn culprit(culprit: &Culprit) -> String {
     format!("{what}: {name}, in {cells} of its {of}, {worst}{reason}")
 }
 
-/// A table; nothing if every cell ended well.
-pub fn blocks(found: &[Failure]) -> Vec<Block> {
-    if found.is_empty() {
-        return Vec::new();
-    }
-    let columns = vec![
-        Column::left("detector"),
-        Column::left("scene"),
-        Column::right("N", ""),
-        Column::left("outcome"),
-        Column::left("reason"),
-    ];
-    let row = |failure: &Failure| {
-        let sizes: Vec<String> = failure.sizes.iter().map(u64::to_string).collect();
-        let more = match failure.more {
-            0 => String::new(),
-            more => format!(" (and {} like it)", plural(more, "reason")),
-        };
-        vec![
-            failure.name.as_str().into(),
-            failure.scene.as_str().into(),
-            sizes.join(", ").into(),
-            failure.outcome.name().into(),
-            format!("{}{more}", failure.reason).into(),
-        ]
+/// The section of a report, if some cell did not end well.
+pub fn section(about: &About<'_>) -> Option<Section> {
+    let found = failures(about.cells);
+    (!found.is_empty()).then(|| Section::new("Without a right answer", vec![table(&found)]))
+}
+
+pub fn table(found: &[Failure]) -> Block {
+    let reason = |failure: &Failure| match failure.more {
+        0 => failure.reason.clone(),
+        more => format!("{} (and {} like it)", failure.reason, plural(more, "reason")),
     };
-    vec![Block::Table(Table::new("", columns).with(found.iter().map(row)))]
+    let sizes =
+        |failure: &Failure| failure.sizes.iter().map(u64::to_string).collect::<Vec<_>>().join(", ");
+    let table = Table::of("", found)
+        .left("detector", |failure| &*failure.name)
+        .left("scene", |failure| &*failure.scene)
+        .right("N", sizes)
+        .left("outcome", |failure| failure.outcome.name())
+        .left("reason", reason);
+    Block::table(table)
 }

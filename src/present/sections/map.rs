@@ -1,24 +1,26 @@
 //! Maps in words: a table per panel, what is said of a place, and `maps.csv`.
 
+use super::{About, Section};
 use crate::experiment::{Experiment, Figure, FigureKind};
 use crate::findings::map::{Answer, Map, Panel, Spot};
+use crate::findings::winners::Contender;
 use crate::number::{number, times, with_interval};
 use crate::present::document::Block;
-use crate::present::table::{Cell, Column, Table};
+use crate::present::table::{Cell, Rows, Table};
 
 /// A table for each panel: the values across in its head, those upwards from the top down.
 pub fn blocks(map: &Map) -> Vec<Block> {
     map.panels.iter().map(|panel| Block::Table(table(map, panel))).collect()
 }
 
-/// The maps of a report, with what their tables say.
-pub fn section(maps: &[Drawn]) -> Vec<Block> {
-    let mut out = Vec::new();
-    for Drawn { title, map, .. } in maps {
-        out.extend([Block::heading(3, title.as_str()), Block::paragraph(READING)]);
-        out.extend(blocks(map));
-    }
-    out
+/// A section for each map.
+pub fn sections(about: &About<'_>) -> Vec<Section> {
+    let section = |drawn: &Drawn| {
+        let Drawn { name, title, map, .. } = drawn;
+        let blocks = [vec![Block::paragraph(READING)], blocks(map)].concat();
+        Section { heading: title.clone(), blocks, csv: Some(("maps.csv", rows(name, map))) }
+    };
+    about.maps.iter().map(section).collect()
 }
 
 /// How the tables are read.
@@ -31,11 +33,9 @@ const READING: &str = "Who is the fastest in each place, and the time of the nex
 pub struct Drawn {
     /// The name of the figure.
     pub name: String,
-    /// Its heading.
     pub title: String,
     /// What its axes are called.
     pub labels: [String; 2],
-    /// The map.
     pub map: Map,
 }
 
@@ -60,14 +60,12 @@ impl Drawn {
 
 fn table(map: &Map, panel: &Panel) -> Table {
     let [x, y] = &map.axes;
-    let across = panel.values(0);
-    let heads = across.iter().map(|&k| Column::left(format!("{} = {}", x.name, x.values[k])));
-    let columns = std::iter::once(Column::left(y.name.clone())).chain(heads).collect();
-    let row = |k: usize| {
-        let cells = across.iter().map(|&j| panel.at([j, k]).map_or_else(Cell::absent, brief));
-        std::iter::once(Cell::from(y.values[k].as_str())).chain(cells).collect()
+    let rows: Vec<usize> = panel.values(1).into_iter().rev().collect();
+    let table = Table::of(panel.title.clone(), rows).left(&*y.name, |k| &*y.values[k]);
+    let column = |table: Rows<usize>, j: usize| {
+        table.left(format!("{} = {}", x.name, x.values[j]), |k| panel.at([j, k]).map(brief))
     };
-    Table::new(panel.title.clone(), columns).with(panel.values(1).into_iter().rev().map(row))
+    table.each(panel.values(0), column).into()
 }
 
 /// `nbs 1.52`; several names where it is undecided.
@@ -116,53 +114,49 @@ pub fn sentence(map: &Map, panel: &Panel, spot: &Spot) -> String {
 
 /// `maps.csv`: a line per place.
 pub fn rows(name: &str, map: &Map) -> Table {
-    let words = |names: &[&str]| names.iter().map(|name| Column::left(*name)).collect::<Vec<_>>();
-    let mut columns = words(&["map", "experiment", "panel", "x", "x_value", "y", "y_value", "n"]);
-    columns.extend(words(&["decided", "fastest", "arithmetic", "threads", "ns_per_particle"]));
-    columns.extend(words(&["next"]));
-    columns.push(Column::ratio("ratio"));
-    columns.extend(words(&["blocks", "undecided_with", "outcome"]));
-    let mut table = Table::new("", columns);
-    for (panel, spot) in map.panels.iter().flat_map(|it| it.spots.iter().map(move |at| (it, at))) {
-        let [x, y] = &map.axes;
-        let contest = spot.contest.as_ref();
-        let first = contest.map(|contest| &contest.first);
-        let next = contest.and_then(|contest| contest.others.first());
-        let open = contest.iter().flat_map(|contest| &contest.others).filter(|it| !it.slower);
-        let open: Vec<&str> = open.map(|it| it.line.detector.as_str()).collect();
-        let decided = match spot.answer() {
-            Answer::Decided(_) => "yes".into(),
-            Answer::Undecided => "no".into(),
-            Answer::Alone => "alone".into(),
-            Answer::Nobody => Cell::absent(),
-        };
-        let text = |text: Option<&str>| text.map_or_else(Cell::absent, Cell::from);
-        let factor = spot.factor();
-        table.rows.push(vec![
-            name.into(),
-            panel.experiment.as_str().into(),
-            panel.title.as_str().into(),
-            x.name.as_str().into(),
-            x.values[spot.at[0]].as_str().into(),
-            y.name.as_str().into(),
-            y.values[spot.at[1]].as_str().into(),
-            Cell::count(spot.n),
-            decided,
-            text(first.map(|first| &*first.line.detector)),
-            text(first.map(|first| &*first.line.arithmetic)),
-            first.map_or_else(Cell::absent, |first| Cell::count(first.line.threads.into())),
-            first.map(|first| first.per_particle).into(),
-            text(next.map(|next| &*next.line.detector)),
-            factor.into(),
-            factor.map_or_else(Cell::absent, |factor| Cell::count(factor.count as u64)),
-            open.join("; ").into(),
-            match spot.answer() {
-                Answer::Nobody => spot.outcome.name().into(),
-                _ => Cell::from("ok"),
-            },
-        ]);
+    fn first(spot: &Spot) -> Option<&Contender> {
+        spot.contest.as_ref().map(|contest| &contest.first)
     }
-    table
+    fn next(spot: &Spot) -> Option<&Contender> {
+        spot.contest.as_ref()?.others.first()
+    }
+    let [x, y] = &map.axes;
+    let spots = map.panels.iter().flat_map(|it| it.spots.iter().map(move |spot| (it, spot)));
+    let decided = |spot: &Spot| match spot.answer() {
+        Answer::Decided(_) => Some("yes"),
+        Answer::Undecided => Some("no"),
+        Answer::Alone => Some("alone"),
+        Answer::Nobody => None,
+    };
+    let open = |spot: &Spot| {
+        let others = spot.contest.iter().flat_map(|contest| &contest.others);
+        let open = others.filter(|it| !it.slower).map(|it| it.line.detector.as_str());
+        open.collect::<Vec<_>>().join("; ")
+    };
+    let outcome = |spot: &Spot| match spot.answer() {
+        Answer::Nobody => spot.outcome.name(),
+        _ => "ok",
+    };
+    Table::of("", spots)
+        .left("map", |_| name)
+        .left("experiment", |(panel, _)| &*panel.experiment)
+        .left("panel", |(panel, _)| &*panel.title)
+        .left("x", |_| &*x.name)
+        .left("x_value", |(_, spot)| &*x.values[spot.at[0]])
+        .left("y", |_| &*y.name)
+        .left("y_value", |(_, spot)| &*y.values[spot.at[1]])
+        .left("n", |(_, spot)| spot.n)
+        .left("decided", |(_, spot)| decided(spot))
+        .left("fastest", |(_, spot)| first(spot).map(|first| &*first.line.detector))
+        .left("arithmetic", |(_, spot)| first(spot).map(|first| &*first.line.arithmetic))
+        .left("threads", |(_, spot)| first(spot).map(|first| u64::from(first.line.threads)))
+        .left("ns_per_particle", |(_, spot)| first(spot).map(|first| first.per_particle))
+        .left("next", |(_, spot)| next(spot).map(|next| &*next.line.detector))
+        .ratio("ratio", |(_, spot)| spot.factor())
+        .left("blocks", |(_, spot)| spot.factor().map(|factor| factor.count as u64))
+        .left("undecided_with", |(_, spot)| open(spot))
+        .left("outcome", |(_, spot)| outcome(spot))
+        .into()
 }
 
 #[cfg(test)]

@@ -1,150 +1,116 @@
-//! The sections of a report that are about speed: ratios to one detector, threads, the harness's
-//! share.
-//!
-//! Each appears where its experiment asks for it, or its rows are in the record; a report without
-//! them is as it was.
+//! The sections of a report. Each says one kind of finding in words and tables; [`SPEED`] and
+//! [`DETAILS`] are all that stand below an experiment's figures.
 
 pub mod answer;
-mod by_size;
 pub mod claims;
 pub mod compare;
 pub mod conditions;
-pub mod courses;
+mod courses;
 pub mod coverage;
-pub mod errors;
+mod errors;
 pub mod failures;
 pub mod map;
-pub mod noise;
-pub mod operations;
-pub mod overhead;
-pub mod ratios;
-pub mod scenes;
-pub mod threads;
+mod noise;
+mod operations;
+mod overhead;
+mod ratios;
+mod scenes;
+mod threads;
 pub mod verdicts;
 pub mod winners;
 
 use crate::cells::{Cell, by_machine};
 use crate::experiment::Experiment;
-use crate::findings::noise::Noise;
-use crate::findings::overhead::Overhead;
 use crate::findings::ratios::Ratios;
-use crate::findings::threads::Threads;
+use crate::findings::winners::Winners;
 use crate::present::document::{Block, Text};
-use crate::present::table::{Table, csv};
+use crate::present::table::Table;
 
-/// What the sections of all experiments leave for files.
-#[derive(Default)]
-pub struct Files {
-    ratios: Vec<Table>,
-    threads: Vec<Table>,
-    /// Of all maps.
-    pub maps: Vec<Table>,
+/// What the sections of an experiment are about.
+pub struct About<'a> {
+    pub experiment: &'a Experiment,
+    pub cells: &'a [&'a Cell],
+    pub maps: &'a [map::Drawn],
+    /// The fastest detector of each scene.
+    pub winners: &'a Winners,
 }
 
-impl Files {
-    /// Names and contents; only those that have any.
-    pub fn all(&self) -> Vec<(&'static str, String)> {
-        let files = [
-            ("ratios.csv", &self.ratios),
-            ("threads.csv", &self.threads),
-            ("maps.csv", &self.maps),
-        ];
-        let files = files.into_iter();
-        files
-            .filter(|(_, tables)| !tables.is_empty())
-            .map(|(name, tables)| (name, csv(tables)))
-            .collect()
+/// A piece of a report below a heading.
+pub struct Section {
+    pub heading: String,
+    pub blocks: Vec<Block>,
+    /// The name and the table of a CSV file; those of all experiments make one file.
+    pub csv: Option<(&'static str, Table)>,
+}
+
+/// Makes the sections of one kind; none if there is nothing to say.
+type Make = fn(&About<'_>) -> Vec<Section>;
+
+pub const SPEED: &[Make] = &[
+    |about| Vec::from_iter(winners::section(about)),
+    map::sections,
+    |about| Vec::from_iter(ratios::section(about)),
+    |about| Vec::from_iter(threads::section(about)),
+    |about| Vec::from_iter(overhead::section(about)),
+    |about| Vec::from_iter(retired(about)),
+];
+
+/// The tables of all cells. They are left out if the experiment has a table of verdicts, which says
+/// all that these would, of a hundred scenes.
+pub const DETAILS: &[Make] = &[
+    courses::sections,
+    |about| Vec::from_iter(operations::section(about)),
+    scenes::sections,
+    |about| Vec::from_iter(failures::section(about)),
+    |about| Vec::from_iter(errors::section(about)),
+    |about| Vec::from_iter(noise::section(about)),
+];
+
+impl Section {
+    /// A section without a file.
+    fn new(heading: impl Into<String>, blocks: Vec<Block>) -> Section {
+        Section { heading: heading.into(), blocks, csv: None }
     }
+
+    /// A section of what is found of each machine; none if nothing is.
+    fn by_machine(
+        heading: &str,
+        cells: &[&Cell],
+        found: impl Fn(&[&Cell]) -> Option<Vec<Block>>,
+    ) -> Option<Section> {
+        let mut blocks = Vec::new();
+        for (machine, cells) in by_machine(cells) {
+            if let Some(found) = found(&cells) {
+                blocks.extend(machine.map(|name| Block::paragraph(format!("On {name}:"))));
+                blocks.extend(found);
+            }
+        }
+        (!blocks.is_empty()).then(|| Section::new(heading, blocks))
+    }
+}
+
+/// What the file of an older experiment asks for in vain.
+fn retired(about: &About<'_>) -> Option<Section> {
+    let keys = &about.experiment.retired;
+    let words = format!(
+        "The experiment asks for {}, which an older program computed; this one does not.",
+        keys.join(", ")
+    );
+    let blocks = vec![Block::paragraph(words)];
+    (!keys.is_empty()).then(|| Section::new("No longer computed", blocks))
 }
 
 /// The sentence at the head of a report, if the experiment asks for a comparison.
 pub struct Headline {
-    /// The sentence.
     pub text: Text,
     /// Is it what the experiment asks, so that who the fastest of all is need not be said?
     pub answers: bool,
 }
 
 impl Headline {
-    /// Of these cells.
     pub fn new(experiment: &Experiment, own: &[&Cell]) -> Option<Headline> {
         let found = Ratios::new(own, experiment.ratios_to.as_deref()?)?;
         let answers = !found.libraries.is_empty();
         Some(Headline { text: ratios::headline(&found), answers })
     }
-}
-
-/// The sections of an experiment.
-pub fn sections(experiment: &Experiment, own: &[&Cell], files: &mut Files) -> Vec<Block> {
-    let mut out = Vec::new();
-    if let Some(reference) = &experiment.ratios_to {
-        out.push(Block::heading(3, format!("Who is how fast, against {reference}")));
-        match Ratios::new(own, reference) {
-            Some(found) => {
-                out.extend(ratios::blocks(&found));
-                files.ratios.push(ratios::rows(&found));
-            }
-            None => out.push(Block::paragraph("The reference has no time in this record.")),
-        }
-    }
-    if let Some(found) = Threads::new(own) {
-        out.push(Block::heading(3, "What threads gain"));
-        out.extend(threads::blocks(&found));
-        files.threads.push(threads::rows(&found));
-    }
-    let found = by_machine(own).into_iter().map(|(machine, cells)| {
-        (machine, Overhead::new(&cells).map(|found| overhead::blocks(&found)))
-    });
-    out.extend(by_machine_blocks("What the harness adds", found));
-    if !experiment.retired.is_empty() {
-        let keys = experiment.retired.join(", ");
-        out.push(Block::paragraph(format!(
-            "The experiment asks for {keys}, which an older program computed; this one does not."
-        )));
-    }
-    out
-}
-
-/// The line before what is said of one of several machines.
-pub fn of_machine(machine: &Option<String>) -> Option<Block> {
-    machine.as_ref().map(|name| Block::paragraph(format!("On {name}:")))
-}
-
-/// The tables of all cells: growth, scenes, failures, errors, noise.
-pub fn tables(own: &[&Cell]) -> Vec<Block> {
-    let moving = crate::findings::courses::Courses::new(own);
-    let mut out = moving.map_or_else(Vec::new, |found| courses::blocks(&found));
-    out.extend(operations::blocks(&crate::findings::operations::operations(own)));
-    out.extend(scenes::blocks(&crate::findings::scenes::scenes(own)));
-    let failed = failures::blocks(&crate::findings::failures::failures(own));
-    if !failed.is_empty() {
-        out.push(Block::heading(3, "Without a right answer"));
-        out.extend(failed);
-    }
-    if let Some(found) = crate::findings::errors::ErrorTable::new(own) {
-        out.push(Block::heading(3, "Against the exact truth"));
-        out.extend(errors::blocks(&found));
-    }
-    let found = by_machine(own).into_iter().map(|(machine, cells)| {
-        let blocks = noise::blocks(&Noise::new(&cells));
-        (machine, Some(blocks).filter(|blocks| !blocks.is_empty()))
-    });
-    out.extend(by_machine_blocks("Noise floor", found));
-    out
-}
-
-/// What is said of each machine, below a heading; nothing if nothing is.
-fn by_machine_blocks(
-    title: &str,
-    found: impl Iterator<Item = (Option<String>, Option<Vec<Block>>)>,
-) -> Vec<Block> {
-    let mut out = Vec::new();
-    for (machine, blocks) in found.filter_map(|(machine, blocks)| Some((machine, blocks?))) {
-        if out.is_empty() {
-            out.push(Block::heading(3, title));
-        }
-        out.extend(of_machine(&machine));
-        out.extend(blocks);
-    }
-    out
 }

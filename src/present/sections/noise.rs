@@ -1,13 +1,18 @@
 //! What two measurements of the same code differ by: a paragraph per twin, and the noise floor.
 
+use super::{About, Section};
 use crate::findings::noise::{Noise, Twin};
 use crate::number::{percent, plural, with_interval};
 use crate::present::document::Block;
 
-/// A paragraph per twin, and one about all.
-pub fn blocks(found: &Noise) -> Vec<Block> {
-    let floor = (!found.twins.is_empty()).then(|| floor(found));
-    found.twins.iter().map(sentence).chain(floor).map(Block::paragraph).collect()
+/// The section of a report, for each machine: a paragraph per twin, and one about all.
+pub fn section(about: &About<'_>) -> Option<Section> {
+    Section::by_machine("Noise floor", about.cells, |cells| {
+        let found = Noise::new(cells);
+        let twins = found.twins.iter().map(sentence);
+        let blocks = twins.chain([floor(&found)]).map(Block::paragraph).collect();
+        (!found.twins.is_empty()).then_some(blocks)
+    })
 }
 
 fn floor(found: &Noise) -> String {

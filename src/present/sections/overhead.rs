@@ -1,11 +1,18 @@
 //! What the harness adds to the times, in a sentence.
 
+use super::{About, Section};
 use crate::findings::overhead::{LEAST, Overhead};
 use crate::number::percent;
 use crate::present::document::Block;
 
-/// One sentence.
-pub fn blocks(found: &Overhead) -> Vec<Block> {
+/// The section of a report, if the control that does nothing was timed: a sentence per machine.
+pub fn section(about: &About<'_>) -> Option<Section> {
+    Section::by_machine("What the harness adds", about.cells, |cells| {
+        Overhead::new(cells).map(|found| vec![Block::paragraph(sentence(&found))])
+    })
+}
+
+fn sentence(found: &Overhead) -> String {
     let Overhead { share, n, detector, scene, clear_from } = found;
     let at = format!(
         "{} of the time of the fastest detector at N = {n} ({detector}, {scene})",
@@ -13,7 +20,7 @@ pub fn blocks(found: &Overhead) -> Vec<Block> {
     );
     let control = "the control that does nothing takes";
     let least = percent(LEAST);
-    vec![Block::paragraph(match clear_from {
+    match clear_from {
         _ if *share < LEAST => {
             format!("The harness adds less than {least} to every time: {control} at most {at}.")
         }
@@ -22,19 +29,18 @@ pub fn blocks(found: &Overhead) -> Vec<Block> {
              the control that does nothing takes."
         ),
         None => format!("The harness adds MORE than {least} at every N: {control} up to {at}."),
-    })]
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::present::document::plain;
 
     #[test]
     fn the_share_is_said_or_that_it_is_too_large() {
         let said = |share, clear_from| {
             let (detector, scene) = ("nbs".into(), "packed, 2D".into());
-            plain(&blocks(&Overhead { share, n: 10, detector, scene, clear_from }), 1000)
+            sentence(&Overhead { share, n: 10, detector, scene, clear_from })
         };
         let place = "of the time of the fastest detector at N = 10 (nbs, packed, 2D)";
         assert!(said(0.001, Some(10)).contains(&format!(

@@ -1,13 +1,15 @@
 //! Who is how fast, against one detector: a sentence, the fastest of each scene, and everybody's
 //! ratios.
 
-use super::by_size::{self, per_particle};
 use super::winners::undecided;
+use super::{About, Section};
+use crate::cells::series::{Line, LineValues};
 use crate::findings::ratios::{Entry, Fastest, Library, Missing, NEAR, Near, Ratios, SceneRatios};
 use crate::number::{number, plural, times, with_interval};
 use crate::present::document::{Block, Text};
-use crate::present::table::{Cell, Column, Table};
+use crate::present::table::{Cell, Table};
 use crate::record::row::Outcome;
+use crate::stats::interval::Interval;
 
 /// The answer in a sentence: how far the fastest library is behind; without libraries, where the
 /// reference is near the fastest.
@@ -86,26 +88,35 @@ fn near_fastest(found: &Ratios) -> Text {
     Text::new().strong(claim).plain(rest + ".")
 }
 
-/// The section of a report.
-pub fn blocks(found: &Ratios) -> Vec<Block> {
+/// The section of a report, if the experiment asks for it.
+pub fn section(about: &About<'_>) -> Option<Section> {
+    let reference = about.experiment.ratios_to.as_deref()?;
+    let found = Ratios::new(about.cells, reference);
+    let none = || vec![Block::paragraph("The reference has no time in this record.")];
+    Some(Section {
+        heading: format!("Who is how fast, against {reference}"),
+        blocks: found.as_ref().map_or_else(none, blocks),
+        csv: found.map(|found| ("ratios.csv", rows(&found))),
+    })
+}
+
+fn blocks(found: &Ratios) -> Vec<Block> {
     let how = Text::from(
         "Times as multiples of that of the reference (with one thread, in the same arithmetic if \
          it has one, else exact): median of the ratios within a block, and its interval. Below 1 \
          is faster than the reference. ",
     );
-    let libraries = Block::Table(libraries(&found.libraries, &found.reference));
-    let libraries = (!found.libraries.is_empty()).then_some(libraries);
     let how = how
         .emphasis("wrong (0.45)")
         .plain(
             " is a wrong answer, whose time means nothing; other words say why there is no time. \
              All ratios are in ",
         )
-        .link("ratios.csv", "ratios.csv")
+        .code("ratios.csv")
         .plain(".");
     let mut out = vec![Block::Paragraph(headline(found))];
-    out.extend(libraries);
     if !found.libraries.is_empty() {
+        out.push(Block::Table(libraries(&found.libraries, &found.reference)));
         out.push(Block::paragraph(
             "Times are of warm detections: ours reuse their buffers, and most libraries ask for \
              new memory at each call. Both cold: the ratio of first detections in a new process.",
@@ -114,7 +125,15 @@ pub fn blocks(found: &Ratios) -> Vec<Block> {
     }
     out.extend([Block::Table(fastest(found)), Block::Paragraph(how)]);
     let scenes = found.scenes.iter().filter(|scene| !scene.entries.lines.is_empty());
-    out.extend(scenes.map(|scene| Block::Table(by_size::table(&scene.entries, Vec::new(), cell))));
+    out.extend(scenes.map(|scene| {
+        let entries = &scene.entries;
+        let table =
+            Table::of(entries.title.clone(), &entries.lines).left("detector", |it| &*it.name);
+        Block::table(table.each(entries.sizes.iter().enumerate(), |table, (k, &n)| {
+            let shown = |it: &LineValues<Entry>| it.values[k].as_ref().map(|entry| cell(n, entry));
+            table.right(format!("N = {n}"), shown)
+        }))
+    }));
     if !found.missing.is_empty() {
         let line = |Missing { name, outcome, cells, reason }: &Missing| {
             let cells = plural(*cells, "cell");
@@ -127,47 +146,32 @@ pub fn blocks(found: &Ratios) -> Vec<Block> {
 }
 
 fn libraries(found: &[Library], reference: &str) -> Table {
-    let columns = vec![
-        Column::left("scene"),
-        Column::right("N", ""),
-        Column::left("fastest library"),
-        Column::right(format!("its time / {reference}"), ""),
-        Column::right("both cold", ""),
-        Column::left("decided"),
-    ];
-    let row = |it: &Library| {
-        vec![
-            it.title.as_str().into(),
-            Cell::count(it.n),
-            it.name.as_str().into(),
-            Cell::ratio(&it.ratio),
-            it.cold.into(),
-            if it.decided() { "yes".into() } else { undecided(&it.open) },
-        ]
-    };
-    Table::new("", columns).with(found.iter().map(row))
+    let decided = |it: &Library| if it.decided() { "yes".into() } else { undecided(&it.open) };
+    Table::of("", found)
+        .left("scene", |it| &*it.title)
+        .right("N", |it| it.n)
+        .left("fastest library", |it| &*it.name)
+        .right(format!("its time / {reference}"), |it| it.ratio)
+        .right("both cold", |it| it.cold)
+        .left("decided", decided)
+        .into()
 }
 
 fn fastest(found: &Ratios) -> Table {
-    let columns = vec![
-        Column::left("scene"),
-        Column::right("N", ""),
-        Column::left("fastest"),
-        Column::right("ns / N", ""),
-        Column::right(format!("{} / fastest", found.reference), ""),
-        Column::left(format!("within {NEAR}?")),
-    ];
-    let row = |(scene, fastest): (&SceneRatios, &Fastest)| {
-        vec![
-            scene.entries.title.as_str().into(),
-            Cell::count(fastest.n),
-            fastest.name.as_str().into(),
-            Cell::number(per_particle(fastest.time_ns, fastest.n)),
-            fastest.near.ratio().into(),
-            verdict(fastest),
-        ]
-    };
-    Table::new("", columns).with(found.fastest().map(row))
+    let all: Vec<_> = found.fastest().collect();
+    Table::of("", all)
+        .left("scene", |(scene, _)| &*scene.entries.title)
+        .right("N", |(_, fastest)| fastest.n)
+        .left("fastest", |(_, fastest)| &*fastest.name)
+        .right("ns / N", |(_, fastest)| per_particle(fastest.time_ns, fastest.n))
+        .right(format!("{} / fastest", found.reference), |(_, fastest)| fastest.near.ratio())
+        .left(format!("within {NEAR}?"), |(_, fastest)| verdict(fastest))
+        .into()
+}
+
+/// What a time comes to per particle.
+fn per_particle(value: f64, n: u64) -> f64 {
+    value / n.max(1) as f64
 }
 
 fn verdict(fastest: &Fastest) -> Cell {
@@ -194,55 +198,49 @@ fn cell(n: u64, entry: &Entry) -> Cell {
     }
 }
 
+/// A line of `ratios.csv`.
+#[derive(Clone, Copy)]
+struct Row<'a> {
+    experiment: &'a str,
+    scene: &'a str,
+    n: u64,
+    line: &'a Line,
+    entry: &'a Entry,
+}
+
 /// `ratios.csv`: a line per contender, scene and N.
-pub fn rows(found: &Ratios) -> Table {
-    let columns = [
-        "experiment",
-        "scene",
-        "n",
-        "detector",
-        "arithmetic",
-        "threads",
-        "outcome",
-        "time_ns_median",
-        "ratio",
-        "low",
-        "high",
-        "blocks",
-        "reference",
-        "reference_arithmetic",
-        "reason",
-    ];
-    let mut table = Table::new("", columns.map(Column::left).into());
+fn rows(found: &Ratios) -> Table {
+    let mut all = Vec::new();
     for SceneRatios { experiment, entries, .. } in &found.scenes {
         let mut lines: Vec<_> = entries.lines.iter().collect();
         lines.sort_by(|a, b| a.line.cmp(&b.line));
-        for (line, (n, entry)) in lines.into_iter().flat_map(|contender| {
-            let values = entries.sizes.iter().zip(&contender.values);
-            values.filter_map(|(n, value)| Some((&contender.line, (*n, value.as_ref()?))))
-        }) {
-            let good = entry.control && entry.outcome.is_good();
-            let ratio = |end: fn(&crate::stats::interval::Interval) -> f64| {
-                Cell::from(entry.ratio.as_ref().map(end))
-            };
-            table.rows.push(vec![
-                experiment.as_str().into(),
-                entries.title.as_str().into(),
-                Cell::count(n),
-                line.detector.as_str().into(),
-                line.arithmetic.as_str().into(),
-                Cell::count(line.threads.into()),
-                if good { "control".into() } else { entry.outcome.name().into() },
-                entry.time_ns.into(),
-                ratio(|ratio| ratio.median),
-                ratio(|ratio| ratio.low),
-                ratio(|ratio| ratio.high),
-                entry.ratio.map_or_else(Cell::absent, |ratio| Cell::count(ratio.count as u64)),
-                found.reference.as_str().into(),
-                entry.base.as_deref().map_or_else(Cell::absent, Cell::from),
-                entry.reason.as_str().into(),
-            ]);
+        for LineValues { line, values, .. } in lines {
+            for (&n, entry) in entries.sizes.iter().zip(values) {
+                let scene = entries.title.as_str();
+                all.extend(entry.iter().map(|entry| Row { experiment, scene, n, line, entry }));
+            }
         }
     }
-    table
+    let outcome = |it: Row<'_>| match it.entry.control && it.entry.outcome.is_good() {
+        true => "control",
+        false => it.entry.outcome.name(),
+    };
+    let ratio = |part: fn(&Interval) -> f64| move |it: Row<'_>| it.entry.ratio.as_ref().map(part);
+    Table::of("", all)
+        .left("experiment", |it| it.experiment)
+        .left("scene", |it| it.scene)
+        .left("n", |it| it.n)
+        .left("detector", |it| &*it.line.detector)
+        .left("arithmetic", |it| &*it.line.arithmetic)
+        .left("threads", |it| u64::from(it.line.threads))
+        .left("outcome", outcome)
+        .left("time_ns_median", |it| it.entry.time_ns)
+        .left("ratio", ratio(|it| it.median))
+        .left("low", ratio(|it| it.low))
+        .left("high", ratio(|it| it.high))
+        .left("blocks", |it| it.entry.ratio.map(|ratio| ratio.count as u64))
+        .left("reference", |_| &*found.reference)
+        .left("reference_arithmetic", |it| it.entry.base.as_deref())
+        .left("reason", |it| &*it.entry.reason)
+        .into()
 }

@@ -1,55 +1,42 @@
 //! All contenders of each scene, in a table each.
 
-use crate::findings::scenes::{Contender, SceneResults, Versus};
+use super::{About, Section};
+use crate::findings::scenes::{Contender, SceneResults, Versus, scenes};
 use crate::present::document::Block;
-use crate::present::table::{Cell, Column, Table};
+use crate::present::table::{Cell, Table};
 use crate::record::row::Outcome;
 
-/// A heading and a table per scene.
-pub fn blocks(found: &[SceneResults]) -> Vec<Block> {
-    let section = |scene: &SceneResults| {
-        [Block::heading(3, scene.title.as_str()), Block::Table(table(scene))]
-    };
-    found.iter().flat_map(section).collect()
+/// A section for each scene.
+pub fn sections(about: &About<'_>) -> Vec<Section> {
+    let section = |scene: SceneResults| Section::new(&scene.title, vec![table(&scene)]);
+    scenes(about.cells).into_iter().map(section).collect()
 }
 
-fn table(scene: &SceneResults) -> Table {
-    // Only where somebody looked.
+fn table(scene: &SceneResults) -> Block {
+    // Only where the state of the machine was watched.
     let quiet = scene.results.iter().any(|found| found.quiet.is_some());
-    let mut columns = vec![Column::left("detector"), Column::right("time / N", "ns")];
-    columns.extend(quiet.then(|| Column::right("quiet / N", "ns")));
-    columns.extend([
-        Column::right("first call / N", "ns"),
-        Column::right("blocks", ""),
-        Column::right("time / fastest", ""),
-        Column::right("contact tests / N", ""),
-        Column::right("list operations / N", ""),
-        Column::right("peak memory / N", "bytes"),
-        Column::right("by formula / N", "bytes"),
-        Column::left("outcome"),
-    ]);
-    let row = |found: &Contender| {
+    let time = |found: &Contender| {
         let time = Cell::from(found.time);
-        let wrong = found.outcome == Outcome::Wrong && found.time.is_some();
-        let mut row = vec![found.name.as_str().into(), if wrong { time.wrong() } else { time }];
-        row.extend(quiet.then(|| Cell::from(found.quiet)));
-        row.extend([
-            found.first.into(),
-            Cell::count(found.blocks as u64),
-            match &found.versus {
-                Versus::Fastest => Cell::count(1),
-                Versus::Slower(ratio) => Cell::ratio(ratio),
-                Versus::Unknown => Cell::absent(),
-            },
-            found.contact_tests.into(),
-            found.list_operations.into(),
-            found.peak_bytes.into(),
-            found.formula_bytes.into(),
-            found.outcome.name().into(),
-        ]);
-        row
+        if found.outcome == Outcome::Wrong && found.time.is_some() { time.wrong() } else { time }
     };
-    Table::new("", columns).with(scene.results.iter().map(row))
+    let versus = |found: &Contender| match found.versus {
+        Versus::Fastest => Cell::count(1),
+        Versus::Slower(ratio) => ratio.into(),
+        Versus::Unknown => Cell::absent(),
+    };
+    let table = Table::of("", &scene.results)
+        .left("detector", |found| &*found.name)
+        .unit("time / N", "ns", time)
+        .when(quiet, |table| table.unit("quiet / N", "ns", |found| found.quiet))
+        .unit("first call / N", "ns", |found| found.first)
+        .right("blocks", |found| found.blocks as u64)
+        .right("time / fastest", versus)
+        .right("contact tests / N", |found| found.contact_tests)
+        .right("list operations / N", |found| found.list_operations)
+        .unit("peak memory / N", "bytes", |found| found.peak_bytes)
+        .unit("by formula / N", "bytes", |found| found.formula_bytes)
+        .left("outcome", |found| found.outcome.name());
+    Block::table(table)
 }
 
 #[cfg(test)]
@@ -78,8 +65,9 @@ mod tests {
         let all: Vec<&Cell> = cells.iter().collect();
         let found = scenes(&all);
         assert_eq!(found.len(), 2);
-        let text = markdown(&super::blocks(&found[1..]));
-        assert!(text.starts_with("### packed, 2D, N = 1000\n\n| detector | time / N (ns) |"));
+        assert_eq!(found[1].title, "packed, 2D, N = 1000");
+        let text = markdown(&[super::table(&found[1])]);
+        assert!(text.starts_with("| detector | time / N (ns) |"), "{text}");
         for line in [
             "| nbs | 1 | – | 15 | 1 | 6 | 2 | 20 | 21 | ok |",
             "| sorting | 2.500 | – | 15 | 2.50 (2.50 to 2.50) | – | – | – | – | ok |",
@@ -88,7 +76,7 @@ mod tests {
         ] {
             assert!(text.contains(line), "{line} is not in {text}");
         }
-        let text = markdown(&failed::blocks(&failures(&all)));
+        let text = markdown(&[failed::table(&failures(&all))]);
         assert!(
             text.contains("| direct | packed 2D | 1000 | timeout | 30 s, the limit |"),
             "{text}"
@@ -101,7 +89,7 @@ mod tests {
         lab.time(&[100, 180, 190, 110, 200]).pulses(&[1000, 1600, 1700, 1010, 1300]);
         lab.detector("sorting").time(&[300; 5]).pulses(&[2000; 5]);
         let cells = cells::cells(&lab.rows());
-        let text = markdown(&super::blocks(&scenes(&cells.iter().collect::<Vec<_>>())));
+        let text = markdown(&[super::table(&scenes(&cells.iter().collect::<Vec<_>>())[0])]);
         assert!(text.contains("| detector | time / N (ns) | quiet / N (ns) | first"), "{text}");
         assert!(text.contains("| nbs | 1.800 | 1.050 | – |"), "{text}");
         assert!(text.contains("| sorting | 3 | – | – |"), "{text}");

@@ -1,13 +1,23 @@
 //! What threads gain: a sentence per detector, and a line per scene and N.
 
+use super::{About, Section};
 use crate::findings::threads::{Gain, Threads, Typical};
 use crate::number::{percent, plural};
 use crate::present::document::{Block, Text};
-use crate::present::table::{Cell, Column, Table};
+use crate::present::table::{Cell, Table};
 use crate::stats::interval::Interval;
 
-/// The section of a report.
-pub fn blocks(found: &Threads) -> Vec<Block> {
+/// The section of a report, if detectors were timed with one thread and with several.
+pub fn section(about: &About<'_>) -> Option<Section> {
+    let found = Threads::new(about.cells)?;
+    Some(Section {
+        heading: "What threads gain".into(),
+        blocks: blocks(&found),
+        csv: Some(("threads.csv", rows(&found))),
+    })
+}
+
+fn blocks(found: &Threads) -> Vec<Block> {
     let how = Text::from(
         "Speed-up: the time with one thread over that with several. Ceiling: the throughput of as \
          many copies with one thread each, at work at the same time, over that of one alone. \
@@ -15,7 +25,7 @@ pub fn blocks(found: &Threads) -> Vec<Block> {
          that of the copies; over 100% is possible, since copies share no cache lines and threads \
          do. All are paired within blocks; the numbers are in ",
     );
-    let how = how.link("threads.csv", "threads.csv").plain(".");
+    let how = how.code("threads.csv").plain(".");
     let sentences = found.typical.iter().map(|typical| Block::Paragraph(sentence(typical)));
     let table = Block::Table(table(found));
     sentences.chain([Block::Paragraph(how), table]).collect()
@@ -33,58 +43,40 @@ fn sentence(typical: &Typical) -> Text {
 }
 
 fn table(found: &Threads) -> Table {
-    let columns = vec![
-        Column::left("scene"),
-        Column::right("N", ""),
-        Column::left("detector"),
-        Column::right("threads", ""),
-        Column::right("speed-up", ""),
-        Column::right("ceiling", ""),
-        Column::right("fraction of the ceiling", ""),
-    ];
-    let row = |gain: &Gain| {
-        vec![
-            gain.scene.as_str().into(),
-            Cell::count(gain.n),
-            gain.name.as_str().into(),
-            Cell::count(gain.line.threads.into()),
-            Cell::ratio(&gain.speedup),
-            match (&gain.ceiling, &gain.failure) {
-                (None, Some((outcome, _))) => outcome.name().into(),
-                (ceiling, _) => (*ceiling).into(),
-            },
-            gain.fraction.map_or_else(Cell::absent, |fraction| percents(&fraction)),
-        ]
+    let ceiling = |gain: &Gain| match (gain.ceiling, &gain.failure) {
+        (None, Some((outcome, _))) => outcome.name().into(),
+        (ceiling, _) => Cell::from(ceiling),
     };
-    Table::new("", columns).with(found.gains.iter().map(row))
+    Table::of("", &found.gains)
+        .left("scene", |gain| &*gain.scene)
+        .right("N", |gain| gain.n)
+        .left("detector", |gain| &*gain.name)
+        .right("threads", |gain| u64::from(gain.line.threads))
+        .right("speed-up", |gain| gain.speedup)
+        .right("ceiling", ceiling)
+        .right("fraction of the ceiling", |gain| gain.fraction.as_ref().map(percents))
+        .into()
 }
 
 /// `93% (91% to 96%)`.
-pub(super) fn percents(fraction: &Interval) -> Cell {
+fn percents(fraction: &Interval) -> Cell {
     let [median, low, high] = [fraction.median, fraction.low, fraction.high].map(percent);
     format!("{median} ({low} to {high})").into()
 }
 
 /// `threads.csv`: a line per detector, number of threads, scene and N.
-pub fn rows(found: &Threads) -> Table {
-    let left = ["experiment", "scene", "n", "detector", "arithmetic", "threads"].map(Column::left);
-    let ratios = ["speedup", "ceiling", "fraction"].map(Column::ratio);
-    let right = ["blocks", "reason"].map(Column::left);
-    let columns = left.into_iter().chain(ratios).chain(right).collect();
-    let row = |gain: &Gain| {
-        vec![
-            gain.experiment.as_str().into(),
-            gain.scene.as_str().into(),
-            Cell::count(gain.n),
-            gain.line.detector.as_str().into(),
-            gain.line.arithmetic.as_str().into(),
-            Cell::count(gain.line.threads.into()),
-            Cell::ratio(&gain.speedup),
-            gain.ceiling.into(),
-            gain.fraction.into(),
-            Cell::count(gain.speedup.count as u64),
-            gain.failure.as_ref().map_or("", |(_, reason)| reason).into(),
-        ]
-    };
-    Table::new("", columns).with(found.gains.iter().map(row))
+fn rows(found: &Threads) -> Table {
+    Table::of("", &found.gains)
+        .left("experiment", |gain| &*gain.experiment)
+        .left("scene", |gain| &*gain.scene)
+        .left("n", |gain| gain.n)
+        .left("detector", |gain| &*gain.line.detector)
+        .left("arithmetic", |gain| &*gain.line.arithmetic)
+        .left("threads", |gain| u64::from(gain.line.threads))
+        .ratio("speedup", |gain| gain.speedup)
+        .ratio("ceiling", |gain| gain.ceiling)
+        .ratio("fraction", |gain| gain.fraction)
+        .left("blocks", |gain| gain.speedup.count as u64)
+        .left("reason", |gain| gain.failure.as_ref().map_or("", |(_, reason)| reason))
+        .into()
 }

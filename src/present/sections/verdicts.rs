@@ -1,12 +1,10 @@
 //! Who is right, case by case.
 
-use std::collections::BTreeMap;
-
 use crate::cells::{Cell as Measured, label};
-use crate::findings::verdicts::{Answer, Matrix, case, judged};
+use crate::findings::verdicts::{Answer, CaseLine, Matrix, case, judged};
 use crate::number::plural;
 use crate::present::document::{Block, Text};
-use crate::present::table::{Cell, Column, Table};
+use crate::present::table::{Cell, Table};
 use crate::record::column;
 
 /// For a report: how to read the tables, and the tables.
@@ -26,7 +24,7 @@ pub fn blocks(found: &Matrix) -> Vec<Block> {
         " (not the answer of the detector's own arithmetic). Detectors that are not named are \
          right. Every answer is in ",
     )
-    .link("verdicts.csv", "verdicts.csv")
+    .code("verdicts.csv")
     .plain(".");
     let mut out = vec![Block::Paragraph(how), Block::Table(totals(found))];
     if !found.lines.is_empty() {
@@ -36,7 +34,6 @@ pub fn blocks(found: &Matrix) -> Vec<Block> {
     out
 }
 
-/// For a terminal.
 pub fn terminal(found: &Matrix) -> Vec<Block> {
     let legend = "-: pairs missed, +: pairs added; in brackets: the reason below, one example of \
                   its kind";
@@ -50,25 +47,18 @@ pub fn terminal(found: &Matrix) -> Vec<Block> {
 }
 
 fn totals(found: &Matrix) -> Table {
-    let columns = found.arithmetics.iter().map(|name| Column::right(name.as_str(), ""));
-    let row = |(word, counts): &(&str, Vec<u64>)| {
-        std::iter::once(Cell::from(*word)).chain(counts.iter().map(|n| Cell::count(*n))).collect()
-    };
-    let columns = std::iter::once(Column::left("answers")).chain(columns).collect();
-    Table::new("", columns).with(found.totals.iter().map(row))
+    let table = Table::of("", &found.totals).left("answers", |(word, _)| *word);
+    let arithmetics = found.arithmetics.iter().enumerate();
+    table.each(arithmetics, |table, (k, name)| table.right(name, |(_, counts)| counts[k])).into()
 }
 
 fn lines(found: &Matrix) -> Table {
-    let columns = ["case", "dim"].into_iter().chain(found.arithmetics.iter().map(String::as_str));
-    let table = Table::new("", columns.map(Column::left).collect());
-    table.with(found.lines.iter().map(|line| {
-        let answers = line.answers.iter().map(|answer| match answer {
-            Some(lines) => Cell::lines(lines.clone()),
-            None => Cell::absent(),
-        });
-        let head = [Cell::from(line.case.as_str()), line.shown_dims(" ").into()];
-        head.into_iter().chain(answers).collect()
-    }))
+    let table = Table::of("", &found.lines)
+        .left("case", |line| &*line.case)
+        .left("dim", |line| line.shown_dims(" "));
+    let answer = |line: &CaseLine, k: usize| line.answers[k].clone().map(Cell::lines);
+    let arithmetics = found.arithmetics.iter().enumerate();
+    table.each(arithmetics, |table, (k, name)| table.left(name, |line| answer(line, k))).into()
 }
 
 /// Cases that everybody gets right, and reasons.
@@ -86,47 +76,26 @@ fn rest(found: &Matrix) -> Vec<Block> {
     out
 }
 
-/// `verdicts.csv`: every answer.
+/// `verdicts.csv`: every answer of an experiment.
 pub fn rows(cells: &[&Measured]) -> Table {
-    let (cells, names) =
-        (judged(cells), column::errors().map(|error| &*error.name).collect::<Vec<_>>());
-    let mut swept: BTreeMap<&str, Vec<&Measured>> = BTreeMap::new();
-    for &cell in &cells {
-        swept.entry(&cell.id.experiment).or_default().push(cell);
-    }
-    let swept: BTreeMap<&str, Vec<String>> =
-        swept.into_iter().map(|(experiment, cells)| (experiment, label::swept(&cells))).collect();
-    let words = [
-        "experiment",
-        "case",
-        "dim",
-        "n",
-        "seed",
-        "detector",
-        "arithmetic",
-        "answer",
-        "outcome",
-        "reason",
-    ];
-    let numbers: Vec<&str> = ["contacts", "true_contacts"].into_iter().chain(names).collect();
-    let columns = words.iter().chain(&numbers).map(|name| Column::left(*name)).collect();
-    let row = |cell: &&Measured| {
-        let (key, (outcome, reason)) = (&cell.id, cell.overall());
-        let mut row: Vec<Cell> = vec![
-            key.experiment.as_str().into(),
-            case(key, &swept[&*key.experiment]).0.into(),
-            Cell::count(key.dim.into()),
-            Cell::count(key.n),
-            Cell::count(key.seed),
-        ];
-        row.extend(
-            [&*key.detector, &*key.arithmetic, Answer::new(cell).word(), outcome.name(), reason]
-                .map(Cell::from),
-        );
-        row.extend(numbers.iter().map(|name| Cell::from(cell.variable(name, None))));
-        row
-    };
-    Table::new("", columns).with(cells.iter().map(row))
+    let cells = judged(cells);
+    let swept = label::swept(&cells);
+    let errors = column::errors().map(|error| &*error.name);
+    Table::of("", cells)
+        .left("experiment", |cell| &*cell.id.experiment)
+        .left("case", |cell| case(&cell.id, &swept).0)
+        .left("dim", |cell| u64::from(cell.id.dim))
+        .left("n", |cell| cell.id.n)
+        .left("seed", |cell| cell.id.seed)
+        .left("detector", |cell| &*cell.id.detector)
+        .left("arithmetic", |cell| &*cell.id.arithmetic)
+        .left("answer", |cell| Answer::new(cell).word())
+        .left("outcome", |cell| cell.overall().0.name())
+        .left("reason", |cell| cell.overall().1)
+        .each(["contacts", "true_contacts"].into_iter().chain(errors), |table, name| {
+            table.left(name, |cell| cell.variable(name, None))
+        })
+        .into()
 }
 
 #[cfg(test)]

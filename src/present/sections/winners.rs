@@ -1,9 +1,10 @@
 //! The fastest detector of each scene: a sentence, and a line per scene.
 
-use crate::findings::winners::{Alone, Contest, Tally, Winners};
+use super::{About, Section};
+use crate::findings::winners::{Alone, Contender, Contest, Tally, Winners};
 use crate::number::plural;
 use crate::present::document::{Block, Text};
-use crate::present::table::{Cell, Column, Table};
+use crate::present::table::{Cell, Table};
 use crate::record::row::Outcome;
 
 /// The heading of the table with every scene.
@@ -17,16 +18,16 @@ pub fn blocks(winners: &Winners) -> Vec<Block> {
     sentence.into_iter().chain(left_out(winners)).chain(table).collect()
 }
 
-/// The table of all scenes with its heading, for the details: if the answer leaves some out, or
-/// does not show the table at all.
-pub fn details(winners: &Winners, asked: bool) -> Vec<Block> {
+/// The section with the table of all scenes, if the answer leaves some out, or does not show the
+/// table at all.
+pub fn section(about: &About<'_>) -> Option<Section> {
+    let (winners, asked) = (about.winners, about.experiment.asks_fastest());
     let all: Vec<&Contest> = winners.contests.iter().collect();
     if !compared(winners) || asked && shown(winners).len() == all.len() {
-        return Vec::new();
+        return None;
     }
     let sentence = (!asked).then(|| Block::Paragraph(sentence(winners)));
-    let heading = Block::heading(3, ALL);
-    [heading].into_iter().chain(sentence).chain([Block::Table(table(&all))]).collect()
+    Some(Section::new(ALL, sentence.into_iter().chain([Block::Table(table(&all))]).collect()))
 }
 
 /// Was any detector compared with another?
@@ -166,29 +167,23 @@ pub fn brief(winners: &Winners) -> Text {
     }
 }
 
-/// A line per scene.
 pub fn table(contests: &[&Contest]) -> Table {
-    let columns = vec![
-        Column::left("scene"),
-        Column::left("fastest"),
-        Column::right("time / N", "ns"),
-        Column::left("next"),
-        Column::right("next / fastest", ""),
-        Column::left("decided"),
-    ];
-    let row = |contest: &&Contest| {
-        let next = contest.others.first();
-        let first = Cell::from(contest.first.name.as_str());
-        vec![
-            contest.title.as_str().into(),
-            if contest.decided() { first.strong() } else { first },
-            Cell::number(contest.first.per_particle),
-            next.map_or("alone".into(), |next| next.name.as_str().into()),
-            next.and_then(|next| next.ratio).into(),
-            decided(contest),
-        ]
-    };
-    Table::new("", columns).with(contests.iter().map(row))
+    fn next(contest: &Contest) -> Option<&Contender> {
+        contest.others.first()
+    }
+    let cold = contests.iter().any(|it| next(it).is_some_and(|next| next.cold.is_some()));
+    Table::of("", contests)
+        .left("scene", |it| &*it.title)
+        .left("fastest", |it| {
+            let first = Cell::from(&*it.first.name);
+            if it.decided() { first.strong() } else { first }
+        })
+        .unit("time / N", "ns", |it| it.first.per_particle)
+        .left("next", |it| next(it).map_or("alone", |next| &*next.name))
+        .right("next / fastest", |it| next(it).and_then(|next| next.ratio))
+        .when(cold, |table| table.right("both cold", |it| next(it).and_then(|next| next.cold)))
+        .left("decided", |it| decided(it))
+        .into()
 }
 
 /// `yes`, or the detectors that may be as fast.
@@ -213,7 +208,7 @@ pub fn undecided<'a>(open: impl IntoIterator<Item = &'a String>) -> Cell {
 mod tests {
     use super::*;
     use crate::cells;
-    use crate::cells::testing::Lab;
+    use crate::cells::testing::{self, Lab};
     use crate::findings::winners::winners;
     use crate::present::document::markdown;
 
@@ -271,7 +266,10 @@ mod tests {
         assert!(text.contains("in **35 of 35 scenes**"), "{text}");
         assert!(text.contains("2 of 35 scenes are shown"), "{text}");
         assert_eq!(text.matches("| packed").count(), 2);
-        assert_eq!(markdown(&details(&found, true)).matches("| packed").count(), 35);
+        let experiment = &testing::experiment("");
+        let about = About { experiment, cells: &[], maps: &[], winners: &found };
+        let details = section(&about).unwrap();
+        assert_eq!(markdown(&details.blocks).matches("| packed").count(), 35);
     }
 
     #[test]

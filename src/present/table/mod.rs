@@ -16,13 +16,11 @@ use crate::stats::interval::Interval;
 pub struct Table {
     /// Stands above it; may be empty.
     pub title: String,
-    /// From left to right.
     pub columns: Vec<Column>,
     /// From top to bottom; each has as many cells as there are columns.
     pub rows: Vec<Vec<Cell>>,
 }
 
-/// What a column holds.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Column {
     /// Its head; in a CSV file its name.
@@ -38,27 +36,22 @@ pub struct Column {
 /// The side on which cells of a column line up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Align {
-    /// Words.
     Left,
-    /// Numbers.
     Right,
 }
 
 /// One value of a table.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cell {
-    /// What it holds.
     pub value: Value,
     /// Printed bold, where there is such a thing.
     pub strong: bool,
 }
 
-/// What a cell holds.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Value {
     /// Nothing was measured: a dash; an empty field of a CSV file.
     Absent,
-    /// Words.
     Text(String),
     /// A whole number, always in full.
     Count(u64),
@@ -74,8 +67,77 @@ pub enum Value {
     Lines(Vec<String>),
 }
 
+/// A table that is being made column by column: each head comes with the function that makes the
+/// cells below it, so that the two cannot get out of step.
+pub struct Rows<R> {
+    rows: Vec<R>,
+    table: Table,
+}
+
+impl<R: Copy> Rows<R> {
+    pub fn column<C: Into<Cell>>(mut self, column: Column, cell: impl Fn(R) -> C) -> Rows<R> {
+        self.table.columns.push(column);
+        for (&row, cells) in self.rows.iter().zip(&mut self.table.rows) {
+            cells.push(cell(row).into());
+        }
+        self
+    }
+
+    /// Adds a column of words.
+    pub fn left<C: Into<Cell>>(self, name: impl Into<String>, cell: impl Fn(R) -> C) -> Rows<R> {
+        self.column(Column::left(name), cell)
+    }
+
+    /// Adds a column of numbers without a unit.
+    pub fn right<C: Into<Cell>>(self, name: impl Into<String>, cell: impl Fn(R) -> C) -> Rows<R> {
+        self.column(Column::right(name, ""), cell)
+    }
+
+    /// Adds a column of numbers with their unit.
+    pub fn unit<C: Into<Cell>>(
+        self,
+        name: impl Into<String>,
+        unit: &'static str,
+        cell: impl Fn(R) -> C,
+    ) -> Rows<R> {
+        self.column(Column::right(name, unit), cell)
+    }
+
+    /// Adds a column of ratios, three columns in a CSV file.
+    pub fn ratio<C: Into<Cell>>(self, name: &str, cell: impl Fn(R) -> C) -> Rows<R> {
+        self.column(Column::ratio(name), cell)
+    }
+
+    /// Adds these columns on this condition.
+    pub fn when(self, wanted: bool, columns: impl FnOnce(Rows<R>) -> Rows<R>) -> Rows<R> {
+        if wanted { columns(self) } else { self }
+    }
+
+    /// Adds a column for each of these.
+    pub fn each<T>(
+        self,
+        all: impl IntoIterator<Item = T>,
+        column: impl Fn(Rows<R>, T) -> Rows<R>,
+    ) -> Rows<R> {
+        all.into_iter().fold(self, column)
+    }
+}
+
+impl<R> From<Rows<R>> for Table {
+    fn from(rows: Rows<R>) -> Table {
+        rows.table
+    }
+}
+
 impl Table {
-    /// A table without rows.
+    /// Begins a table with a row for each of these.
+    pub fn of<R>(title: impl Into<String>, rows: impl IntoIterator<Item = R>) -> Rows<R> {
+        let rows: Vec<R> = rows.into_iter().collect();
+        let cells = rows.iter().map(|_| Vec::new());
+        let table = Table::new(title, Vec::new()).with(cells);
+        Rows { rows, table }
+    }
+
     pub fn new(title: impl Into<String>, columns: Vec<Column>) -> Table {
         Table { title: title.into(), columns, rows: Vec::new() }
     }
@@ -88,7 +150,6 @@ impl Table {
 }
 
 impl Column {
-    /// A column of words.
     pub fn left(name: impl Into<String>) -> Column {
         Column { name: name.into(), unit: "", align: Align::Left, interval: false }
     }
@@ -113,12 +174,10 @@ impl Column {
 }
 
 impl Cell {
-    /// A whole number.
     pub fn count(value: u64) -> Cell {
         Value::Count(value).into()
     }
 
-    /// A number.
     pub fn number(value: f64) -> Cell {
         Value::Number(value).into()
     }
@@ -133,12 +192,10 @@ impl Cell {
         Value::Ratio(*value).into()
     }
 
-    /// Nothing.
     pub fn absent() -> Cell {
         Value::Absent.into()
     }
 
-    /// Several texts.
     pub fn lines(lines: Vec<String>) -> Cell {
         Value::Lines(lines).into()
     }
@@ -148,7 +205,6 @@ impl Cell {
         Cell { value: Value::Wrong(Box::new(self.value)), strong: self.strong }
     }
 
-    /// The same in bold.
     pub fn strong(self) -> Cell {
         Cell { strong: true, ..self }
     }
@@ -172,17 +228,28 @@ impl From<String> for Cell {
     }
 }
 
-/// The number if there is one.
-impl From<Option<f64>> for Cell {
-    fn from(value: Option<f64>) -> Cell {
-        value.map_or_else(Cell::absent, Cell::number)
+impl From<u64> for Cell {
+    fn from(value: u64) -> Cell {
+        Cell::count(value)
     }
 }
 
-/// The ratio if there is one.
-impl From<Option<Interval>> for Cell {
-    fn from(value: Option<Interval>) -> Cell {
-        value.as_ref().map_or_else(Cell::absent, Cell::ratio)
+impl From<f64> for Cell {
+    fn from(value: f64) -> Cell {
+        Cell::number(value)
+    }
+}
+
+impl From<Interval> for Cell {
+    fn from(value: Interval) -> Cell {
+        Cell::ratio(&value)
+    }
+}
+
+/// The value if there is one.
+impl<T: Into<Cell>> From<Option<T>> for Cell {
+    fn from(value: Option<T>) -> Cell {
+        value.map_or_else(Cell::absent, T::into)
     }
 }
 

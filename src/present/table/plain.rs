@@ -1,7 +1,6 @@
 use super::{Align, Table};
 use crate::number::wrap;
 
-/// Blanks between two columns.
 const GAP: usize = 2;
 /// Columns of words give way down to this width before numbers do.
 const NARROW: usize = 12;

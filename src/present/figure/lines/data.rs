@@ -18,7 +18,6 @@ use crate::stats::interval::median;
 pub struct Datum {
     /// Place on the x axis.
     pub x: f64,
-    /// Value.
     pub y: f64,
     /// Lower end of the bar.
     pub low: f64,
@@ -31,7 +30,6 @@ pub struct Datum {
 pub struct CurveKey {
     /// The place in the legend.
     pub rank: usize,
-    /// The detector.
     pub detector: String,
     /// Arithmetic, where there are several, and threads, where they are not one.
     pub variant: String,
@@ -42,27 +40,22 @@ pub struct CurveKey {
 /// A line: its points, and the x of cells without a value.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Curve {
-    /// By x.
     pub points: Vec<Datum>,
-    /// Cells without a value.
     pub marks: Vec<(f64, Outcome)>,
 }
 
-/// One panel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Panel {
     /// The column's heading: scene and parameters.
     pub scene: String,
     /// 2 or 3.
     pub dim: u32,
-    /// The lines.
     pub lines: BTreeMap<CurveKey, Curve>,
 }
 
 /// All panels of a figure.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plot {
-    /// By dimension, then scene.
     pub panels: Vec<Panel>,
     /// True if points have bars for seeds, false for blocks.
     pub over_seeds: bool,
@@ -183,7 +176,6 @@ impl Plot {
         Ok((!panels.is_empty()).then_some(Plot { panels, over_seeds }))
     }
 
-    /// All points.
     pub fn points(&self) -> impl Iterator<Item = &Datum> {
         self.panels.iter().flat_map(|panel| panel.lines.values()).flat_map(|line| &line.points)
     }

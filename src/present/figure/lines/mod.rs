@@ -1,8 +1,20 @@
-//! Figures of lines: a value against N or another parameter, a panel per scene and dimension.
+//! Figures of lines, a panel per scene and dimension.
 
 pub mod data;
 mod panel;
 mod sheet;
 
 pub use data::Plot;
-pub use sheet::Sheet;
+use sheet::Sheet;
+
+use crate::experiment::Lines;
+use crate::present::figure::{About, canvas};
+
+/// The figure as SVG; none if there is nothing to show.
+pub fn svg(about: &About<'_>, options: &Lines) -> anyhow::Result<Option<String>> {
+    let About { experiment, figure, style, machine, .. } = about;
+    let plot = Plot::new(options, &figure.filter, about.scenes, about.cells)?;
+    let Some(plot) = plot else { return Ok(None) };
+    let sheet = Sheet::new(experiment, &figure.title, options, &plot, style, machine)?;
+    canvas::svg(sheet.size, |canvas| sheet.draw(canvas)).map(Some)
+}

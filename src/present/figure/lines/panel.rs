@@ -11,18 +11,14 @@ use crate::stats::growth::Model;
 /// Height of one detector's row in the strip of marks.
 pub const ROW: f64 = 17.0;
 
-/// What all panels share.
 pub struct Shared {
-    /// The x axis.
     pub x: Axis,
-    /// The y axis.
     pub y: Axis,
     /// Height of the strip at the top; 0 if no panel has marks.
     pub strip: f64,
     /// Height of the band at the bottom for zeros, which a logarithmic axis cannot show; 0 if there
     /// are none.
     pub zero: f64,
-    /// Draw reference slopes.
     pub slopes: bool,
     /// y is per particle: the slopes, too.
     pub per_particle: bool,
@@ -32,13 +28,9 @@ pub struct Shared {
 
 /// Where a panel is drawn.
 pub struct Area {
-    /// Upper left corner.
     pub low: Point,
-    /// Lower right corner.
     pub high: Point,
-    /// Label the y axis.
     pub y_labels: bool,
-    /// Label the x axis.
     pub x_labels: bool,
 }
 
@@ -60,7 +52,6 @@ pub fn outgrown(bytes: u64, dim: u32) -> f64 {
 }
 
 impl Area {
-    /// Draws the panel.
     pub fn draw(
         &self,
         canvas: &mut Canvas,

@@ -6,21 +6,18 @@ use crate::cells::machine::Machine;
 use crate::experiment::{Experiment, Lines};
 use crate::number::wrap;
 use crate::present::figure::axis::Axis;
-use crate::present::figure::canvas::{Canvas, Text, width};
+use crate::present::figure::canvas::{Canvas, MARGIN, Text, width};
 use crate::present::figure::lines::data::{CurveKey, Plot};
 use crate::present::figure::lines::panel::{self, Area, ROW, Shared, dash_of};
 use crate::present::figure::outcome::{badge, letter};
 use crate::present::figure::style::{CACHE, CACHE_NAME, FAINT, INK, Styles};
 
 const WIDTH: f64 = 1400.0;
-const MARGIN: f64 = 24.0;
 const LEFT: f64 = 92.0;
 const GAP: f64 = 16.0;
 const HEADING: f64 = 24.0;
 
-/// A figure, laid out.
 pub struct Sheet<'a> {
-    /// Width and height.
     pub size: (u32, u32),
     title: &'a str,
     options: &'a Lines,
@@ -51,7 +48,6 @@ fn namer(plot: &Plot) -> impl Fn(&CurveKey) -> String {
 }
 
 impl<'a> Sheet<'a> {
-    /// Measures everything.
     pub fn new(
         experiment: &Experiment,
         title: &'a str,
@@ -82,8 +78,12 @@ impl<'a> Sheet<'a> {
         // the names of the slopes stand between the panels, where no line can cross them
         let gap = if slopes { 58.0 } else { GAP };
         let legend = names + 70.0 + gap - GAP;
-        let subtitle = wrap(&experiment.question, 150);
-        let top = MARGIN + 34.0 + 22.0 * subtitle.len().min(3) as f64 + 12.0;
+        let mut subtitle = wrap(&experiment.question, 150);
+        if subtitle.len() > 3 {
+            subtitle.truncate(3);
+            subtitle[2] += " …";
+        }
+        let top = MARGIN + 34.0 + 22.0 * subtitle.len() as f64 + 12.0;
         let across =
             (WIDTH - 2.0 * MARGIN - LEFT - legend - gap * (columns as f64 - 1.0)) / columns as f64;
         let strip = plot
@@ -130,17 +130,8 @@ impl<'a> Sheet<'a> {
         })
     }
 
-    /// Draws everything.
     pub fn draw(&self, canvas: &mut Canvas) -> anyhow::Result<()> {
-        canvas.text(self.title, (MARGIN, MARGIN + 12.0), Text::new(29.0, INK).bold())?;
-        for (k, line) in self.subtitle.iter().take(3).enumerate() {
-            let more = if k == 2 && self.subtitle.len() > 3 { " …" } else { "" };
-            canvas.text(
-                &format!("{line}{more}"),
-                (MARGIN, MARGIN + 42.0 + 22.0 * k as f64),
-                Text::new(18.0, FAINT),
-            )?;
-        }
+        canvas.heading(self.title, &self.subtitle)?;
         for (k, panel) in self.plot.panels.iter().enumerate() {
             let (row, column) = (k / self.columns, k % self.columns);
             let left = MARGIN + LEFT + column as f64 * (self.panel.0 + self.gap);

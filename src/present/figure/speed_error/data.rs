@@ -14,7 +14,6 @@ use contactbench_terms::arithmetic::Arithmetic;
 /// A detector in an arithmetic.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mark {
-    /// The detector.
     pub detector: String,
     /// Index into [`Plot::arithmetics`].
     pub arithmetic: usize,
@@ -32,18 +31,14 @@ pub struct Mark {
     pub front: bool,
 }
 
-/// One panel.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Panel {
     /// The value of the parameter that makes the columns.
     pub title: String,
-    /// By time.
     pub marks: Vec<Mark>,
-    /// Detectors without a mark.
     pub missing: Vec<(String, Outcome)>,
 }
 
-/// Panels side by side.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Row {
     /// Scene, dimension and the other parameters.
@@ -55,7 +50,6 @@ pub struct Row {
 /// All panels of a figure.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plot {
-    /// From top to bottom.
     pub rows: Vec<Row>,
     /// Those of the chosen cells, from the least to the most accurate.
     pub arithmetics: Vec<String>,
@@ -145,7 +139,6 @@ impl Plot {
         Ok(some.then_some(Plot { rows, arithmetics, detectors }))
     }
 
-    /// All marks.
     pub fn marks(&self) -> impl Iterator<Item = &Mark> {
         self.rows.iter().flat_map(|row| &row.panels).flat_map(|panel| &panel.marks)
     }

@@ -15,7 +15,6 @@ pub const SCALE: f64 = 132.0;
 const ROOM: f64 = 7.0;
 /// Height of one arithmetic's line in the field of zeros.
 pub const LANE: f64 = 13.0;
-/// The field of zeros.
 pub const ZERO: Colour = (229, 242, 232);
 const FRAME: Colour = (170, 170, 170);
 const STAIRS: Colour = (105, 105, 105);
@@ -68,7 +67,6 @@ pub fn shape(
 
 /// A panel of the sheet: where it begins.
 pub struct SmallPanel<'a> {
-    /// What all panels share.
     pub sheet: &'a Sheet<'a>,
     /// The left end of the time axis.
     pub left: f64,
@@ -111,7 +109,6 @@ impl SmallPanel<'_> {
         Some((self.x(mark.time)?, self.y(mark)?))
     }
 
-    /// Grid, ticks and outlines.
     pub fn grid(&self, canvas: &mut Canvas, y_labels: bool, x_labels: bool) -> anyhow::Result<()> {
         let (sheet, right, field) = (self.sheet, self.right(), self.field());
         let labels = Text::new(16.0, INK);

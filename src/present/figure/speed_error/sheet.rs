@@ -9,7 +9,7 @@ use crate::cells::label;
 use crate::experiment::{Against, Experiment, SpeedError};
 use crate::number::wrap;
 use crate::present::figure::axis::Axis;
-use crate::present::figure::canvas::{Canvas, Text};
+use crate::present::figure::canvas::{Canvas, MARGIN, Text};
 use crate::present::figure::outcome::{badge, letter};
 use crate::present::figure::speed_error::data::Plot;
 use crate::present::figure::speed_error::panel::{
@@ -18,7 +18,6 @@ use crate::present::figure::speed_error::panel::{
 use crate::present::figure::style::{FAINT, INK, Styles};
 
 const WIDTH: f64 = 1400.0;
-const MARGIN: f64 = 24.0;
 const LEFT: f64 = 104.0;
 const GAP: f64 = 14.0;
 /// Height of the headings of a row: its own, and those of its panels.
@@ -27,9 +26,7 @@ const HEADING: f64 = 58.0;
 const NAMES: f64 = 66.0;
 const LEGEND: f64 = 206.0;
 
-/// A figure, laid out.
 pub struct Sheet<'a> {
-    /// Width and height.
     pub size: (u32, u32),
     title: &'a str,
     against: Against,
@@ -46,7 +43,6 @@ pub struct Sheet<'a> {
 }
 
 impl<'a> Sheet<'a> {
-    /// Measures everything.
     pub fn new(
         experiment: &Experiment,
         title: &'a str,
@@ -102,12 +98,8 @@ impl<'a> Sheet<'a> {
         }
     }
 
-    /// Draws everything.
     pub fn draw(&self, canvas: &mut Canvas) -> anyhow::Result<()> {
-        canvas.text(self.title, (MARGIN, MARGIN + 12.0), Text::new(29.0, INK).bold())?;
-        for (k, line) in self.subtitle.iter().enumerate() {
-            canvas.text(line, (MARGIN, MARGIN + 42.0 + 22.0 * k as f64), Text::new(18.0, FAINT))?;
-        }
+        canvas.heading(self.title, &self.subtitle)?;
         let height = HEADING + SCALE + BREAK + self.zero;
         for (k, row) in self.plot.rows.iter().enumerate() {
             let top = self.top + height * k as f64;

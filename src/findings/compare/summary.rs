@@ -1,0 +1,80 @@
+//! The result of a comparison in numbers.
+
+use std::collections::BTreeMap;
+
+use super::{Compared, Judgement, Note, SEEN, Timing};
+use crate::stats::interval::{at_least, median};
+
+/// How many cells came out how.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Summary {
+    pub cells: usize,
+    /// Those in which something differs that must be the same.
+    pub changed: usize,
+    /// Those that cannot be compared.
+    pub absent: usize,
+    /// Those of which a part cannot be compared.
+    pub lacking: usize,
+    /// Those with times in both, by verdict.
+    pub judged: BTreeMap<Judgement, usize>,
+    /// Of equal code so many would be slower by chance, at most.
+    pub by_chance: f64,
+    /// The slowdown that would have been found: its median over the cells that can be judged, and
+    /// the largest.
+    pub least: Option<(f64, f64)>,
+    /// Cells within the band whose interval excludes 1: a difference, and a small one.
+    pub small: usize,
+    /// A twin that moved though it is equal code, and by what factor: where it did, nothing is
+    /// decided.
+    pub moved: Option<(String, f64)>,
+}
+
+impl Summary {
+    pub fn new(cells: &[Compared]) -> Summary {
+        let count = |wanted: fn(&&Compared) -> bool| cells.iter().filter(wanted).count();
+        let mut judged = BTreeMap::new();
+        for timing in cells.iter().filter_map(|cell| cell.timing.as_ref()) {
+            *judged.entry(timing.judgement).or_default() += 1;
+        }
+        let timings = cells.iter().filter_map(|cell| cell.timing.as_ref());
+        let moved = timings.clone().find_map(|timing| match &timing.note {
+            Some(Note::Twin(name, factor)) => Some((name.clone(), *factor)),
+            _ => None,
+        });
+        let timings: Vec<&Timing> = timings.filter(|timing| timing.is_decidable()).collect();
+        let least: Vec<f64> = timings.iter().map(|timing| timing.least).collect();
+        Summary {
+            cells: cells.len(),
+            changed: count(|cell| !cell.changes.is_empty()),
+            absent: count(|cell| cell.absent.is_some()),
+            lacking: count(|cell| !cell.lacks.is_empty()),
+            judged,
+            by_chance: timings.iter().map(|timing| (1.0 - timing.ratio.coverage) / 2.0).sum(),
+            least: median(&least)
+                .map(|typical| (typical, least.iter().copied().fold(1.0, f64::max))),
+            small: timings.iter().filter(|timing| timing.is_small()).count(),
+            moved,
+        }
+    }
+
+    /// Are more cells slower than chance explains? Equal code has so many in at most one of twenty
+    /// comparisons, however many cells there are.
+    pub fn is_slower(&self) -> bool {
+        use Judgement::NotJudged;
+        let slower = self.judged.get(&Judgement::Slower).copied().unwrap_or(0);
+        let cells = self.judged.iter().filter(|(verdict, _)| **verdict != NotJudged);
+        let cells: usize = cells.map(|(_, count)| count).sum();
+        slower > 0 && at_least(slower, cells, self.by_chance / cells as f64) <= 0.05
+    }
+
+    /// Whether a typical slowdown by [`SEEN`] would be found.
+    pub fn sees(&self) -> bool {
+        self.least.is_some_and(|(typical, _)| typical <= SEEN)
+    }
+
+    /// Is any time found to be within the band, slower or faster?
+    pub fn decides(&self) -> bool {
+        use Judgement::{NotJudged, Undecided};
+        self.judged.keys().any(|verdict| !matches!(verdict, NotJudged | Undecided))
+    }
+}
