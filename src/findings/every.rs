@@ -168,6 +168,7 @@ mod tests {
         }
         let cells = cells::cells(&lab.rows());
         let scenes = every(&cells.iter().collect::<Vec<_>>());
+        assert_eq!(count(&cells), scenes.len());
         let titles = scenes.iter().filter(|scene| scene.shown).map(|scene| scene.title.clone());
         (scenes.len(), titles.collect())
     }

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use crate::cells::{self, Cell};
 use crate::findings::coverage::{Coverage, Scope, Why};
+use crate::findings::every;
 use crate::plan::parse;
 use crate::record::role::Role;
 
@@ -264,6 +265,9 @@ fn the_committed_records_are_whole() {
             let installed = summary.missing.keys().all(|why| *why == Why::Unavailable);
             let budget = summary.short.keys().all(|why| *why == Why::Budget);
             assert!(installed && budget, "{}: {summary:?}", folder.display());
+            // Plans and answers count the same scenes.
+            let scenes = every::count(own.iter().copied());
+            assert_eq!(summary.scenes[1], scenes, "{}: {}", folder.display(), experiment.name);
             seen += 1;
         }
     }

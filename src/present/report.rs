@@ -155,19 +155,6 @@ pub fn write(
     })
 }
 
-/// What is to be said of plans that are not whole: a sentence for each.
-pub fn partial(folder: &Path, experiments: &[Experiment], rows: &[Row]) -> Vec<String> {
-    let (cells, provenance) = (cells(rows), provenance::of_folder(folder));
-    let scope = Scope::new(provenance.as_ref(), experiments);
-    let summary = |experiment: &Experiment| {
-        let of = |cell: &&Cell| cell.id.experiment == experiment.name;
-        let own: Vec<&Cell> = cells.iter().filter(of).collect();
-        Coverage::new(experiment, &own, &scope).summary()
-    };
-    let found = experiments.iter().map(summary);
-    found.filter_map(|found| sections::coverage::partial(&found)).collect()
-}
-
 impl<'a> Part<'a> {
     fn new(experiment: &'a Experiment, cells: &'a [Cell], scope: &Scope<'_>) -> Part<'a> {
         let own: Vec<&Cell> =

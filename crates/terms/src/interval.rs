@@ -27,12 +27,6 @@ impl Interval {
         Interval { median: by * median, low: by * low, high: by * high, ..self }
     }
 
-    /// The interval of `value` over this value: its ends change places.
-    pub fn under(self, value: f64) -> Interval {
-        let Interval { median, low, high, .. } = self;
-        Interval { median: value / median, low: value / high, high: value / low, ..self }
-    }
-
     /// The interval of exp(x), for an interval of x.
     pub fn exp(self) -> Interval {
         Interval { median: self.median.exp(), low: self.low.exp(), high: self.high.exp(), ..self }

@@ -101,80 +101,72 @@ fn a_control_with_parameters_is_found() {
     assert_eq!(control(&a, &b, Some("streamed-nbs")).unwrap().drift, None);
 }
 
+/// Rows of this build, its twin and the base, which take turns, in nanoseconds by block.
+fn turns(experiment: &str, twin: u64, base: u64, block: impl Fn(u64, u64) -> u64) -> Vec<Row> {
+    let mut lab = Lab::new(experiment, "packed");
+    for (name, unit) in [("nbs", 1000), ("nbs-twin", twin), ("nbs@base", base)] {
+        lab.detector(name).time(&(1..=15).map(|k| block(unit, k)).collect::<Vec<_>>());
+    }
+    let mut rows = lab.rows();
+    for row in rows.iter_mut().filter(|row| row.id.detector == "nbs@base") {
+        row.role = crate::record::role::Role::Base("nbs".into());
+    }
+    rows
+}
+
+/// The cells of such rows, this build beside the base.
+fn side_by_side(rows: &[Row]) -> Vec<Timing> {
+    let Builds { base, this } = Builds::new(rows).unwrap();
+    let how = Options { side_by_side: Some(floors(&cells(rows))), ..options() };
+    compare(&base, &this, &how).into_iter().map(|cell| cell.timing.unwrap()).collect()
+}
+
 #[test]
 fn builds_side_by_side_are_paired_by_round() {
     use Judgement::{Slower, Undecided, WithinBand};
     // The machine changes its speed by a factor of 16 over the rounds of every block.
     let judged = |base: u64, twin: u64| {
-        let mut lab = Lab::new("e", "packed");
-        for (name, unit) in [("nbs", 1000), ("nbs-twin", twin), ("nbs@base", base)] {
-            lab.detector(name).time(&(1..=15).map(|block| unit * block).collect::<Vec<_>>());
-        }
-        let mut rows = lab.rows();
+        let mut rows = turns("e", twin, base, |unit, block| unit * block);
         for row in &mut rows {
-            if row.id.detector == "nbs@base" {
-                row.role = crate::record::role::Role::Base("nbs".into());
-            }
             row.rounds_ns = [1, 4, 16].map(|speed| row.time_ns.unwrap() * speed).into();
         }
-        let Builds { base, this } = Builds::new(&rows).unwrap();
-        let how = Options { side_by_side: Some(floors(&cells(&rows))), ..options() };
-        let found = compare(&base, &this, &how);
-        let [cell] = &*found else { panic!("{found:?}") };
-        cell.timing.clone().unwrap()
+        side_by_side(&rows).remove(0)
     };
-    let tenth = judged(900, 1010);
-    assert_eq!(tenth.judgement, Slower, "{tenth:?}");
-    assert!((tenth.ratio.median - 1000.0 / 900.0).abs() < 1e-9, "{tenth:?}");
+    for (base, twin, judgement, small) in [
+        (900, 1010, Slower, false),
+        (940, 1010, Undecided, false),
+        // A difference that is shown and does not count.
+        (980, 1010, WithinBand, true),
+        (995, 1010, WithinBand, true),
+        (1000, 1010, WithinBand, false),
+        // Equal code differs by more.
+        (900, 1200, Undecided, false),
+    ] {
+        let found = judged(base, twin);
+        assert_eq!((found.judgement, found.is_small()), (judgement, small), "{base} {found:?}");
+        assert!((found.ratio.median - 1000.0 / base as f64).abs() < 1e-9, "{found:?}");
+    }
     // Where the linker puts the code is worth more than the twin shows.
-    assert!((tenth.least - PLACEMENT).abs() < 1e-9, "{tenth:?}");
-    assert_eq!(judged(940, 1010).judgement, Undecided);
-    // A difference that is shown and does not count.
-    let small = judged(980, 1010);
-    assert!(small.judgement == WithinBand && small.is_small(), "{small:?}");
-    assert!(!judged(1000, 1010).is_small());
-    assert_eq!(judged(995, 1010).judgement, WithinBand);
-    // A slowdown that shows for sure is as wide as the interval, not as half of it.
-    let how = Options { side_by_side: Some(floors(&cells(&lab(1, 1).rows()))), ..options() };
-    let wide = |unit: u64| {
-        let mut lab = Lab::new("e", "packed");
-        lab.time(&(0..15).map(|k| unit * (93 + k)).collect::<Vec<_>>());
-        lab.rows()
-    };
-    let b: Vec<Row> = wide(10)
-        .into_iter()
-        .map(|mut row| {
-            row.time_ns = Some(1000);
-            row
-        })
-        .collect();
-    let cells = compare(&wide(10), &b, &how);
-    let timing = cells[0].timing.as_ref().unwrap();
-    let luck = 100.0 / 96.0;
-    assert!((timing.least - luck * PLACEMENT).abs() < 1e-9, "{timing:?}");
-    assert_eq!(judged(900, 1200).judgement, Undecided, "equal code differs by more");
+    assert!((judged(900, 1010).least - PLACEMENT).abs() < 1e-9);
     assert!(Builds::new(&lab(1, 1).rows()).is_none());
+}
+
+/// A slowdown that shows for sure is as wide as the interval, not as half of it.
+#[test]
+fn what_would_show_is_as_wide_as_the_interval() {
+    let (mut a, mut b) = (Lab::new("e", "packed"), Lab::new("e", "packed"));
+    a.time(&(0..15).map(|k| 10 * (93 + k)).collect::<Vec<_>>());
+    b.time(&[1000; 15]);
+    let how = Options { side_by_side: Some(floors(&cells(&lab(1, 1).rows()))), ..options() };
+    let timing = compare(&a.rows(), &b.rows(), &how).remove(0).timing.unwrap();
+    assert!((timing.least - 100.0 / 96.0 * PLACEMENT).abs() < 1e-9, "{timing:?}");
 }
 
 #[test]
 fn a_noisy_experiment_does_not_blur_another() {
-    let mut rows = Vec::new();
-    for (experiment, twin) in [("calm", 1010), ("noisy", 1500)] {
-        let mut lab = Lab::new(experiment, "packed");
-        for (name, unit) in [("nbs", 1000), ("nbs-twin", twin), ("nbs@base", 900)] {
-            lab.detector(name).time(&[unit; 15]);
-        }
-        rows.extend(lab.rows());
-    }
-    for row in &mut rows {
-        if row.id.detector == "nbs@base" {
-            row.role = crate::record::role::Role::Base("nbs".into());
-        }
-    }
-    let Builds { base, this } = Builds::new(&rows).unwrap();
-    let how = Options { side_by_side: Some(floors(&cells(&rows))), ..options() };
-    let found = compare(&base, &this, &how);
-    let judged: Vec<_> = found.iter().map(|it| it.timing.as_ref().unwrap().judgement).collect();
+    let of = |experiment, twin| turns(experiment, twin, 900, |unit, _| unit);
+    let rows = [of("calm", 1010), of("noisy", 1500)].concat();
+    let judged: Vec<_> = side_by_side(&rows).iter().map(|it| it.judgement).collect();
     assert_eq!(judged, [Judgement::Slower, Judgement::Undecided]);
 }
 

@@ -1,7 +1,5 @@
 //! Plans held to made-up rows.
 
-use std::path::Path;
-
 use super::*;
 use crate::cells;
 use crate::cells::testing::{self, Lab};
@@ -168,6 +166,8 @@ fn what_ended_badly_is_there_and_what_could_not_start_is_not() {
     assert_eq!(held.statuses(), [Status::Holds, Status::NotCovered]);
     assert_eq!(held.summary.scenes, [9, 9]);
     assert!(held.words().contains("missing: 1 cell (unavailable)"), "{}", held.words());
+    let words = evidence(&held.verdicts[1].evidence);
+    assert!(words.contains("1 of 18 cells (sorting could not be started)"), "{words}");
 }
 
 /// The missing feature is the cause, not the quick run.

@@ -57,10 +57,6 @@ impl Axis {
         }
     }
 
-    pub fn is_log(&self) -> bool {
-        self.log
-    }
-
     /// Ticks for an axis of this length where labels need `room` each.
     pub fn ticks(&self, length: f64, room: f64) -> Vec<Tick> {
         let most = (length / room.max(1.0)).floor().max(2.0);
