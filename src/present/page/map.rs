@@ -122,16 +122,20 @@ mod tests {
         let labels = ["N".to_string(), "<fraction>".to_string()];
         let drawn = Drawn { name: "m".into(), title: "A & B".into(), labels, map };
         let html = section(&[&drawn], &Styles::default());
+        let colours = Styles::default().of_map(&drawn.map.contenders);
+        let [nbs, sorting] = [colours[0], colours[1]].map(hex);
         for part in [
-            "<figcaption>A &amp; B</figcaption>",
-            "&lt;fraction&gt;</th><th scope=\"row\">0.6</th>",
-            "style=\"--deep:32%;--light:#d55e00;--dark:#d55e00\" tabindex=\"0\" \
-             data-row=\"packed, 2D, n = 100, fraction = 0.1: the fastest is nbs",
-            "<td class=\"open\" style=\"--deep:0%;--light:#d55e00;--dark:#d55e00;--light2:#009e73",
-            "<span><b>nbs</b> or <b>sorting</b><small>1.01</small></span>",
-            ">timeout</td>",
+            "<figcaption>A &amp; B</figcaption>".to_string(),
+            "&lt;fraction&gt;</th><th scope=\"row\">0.6</th>".into(),
+            format!("style=\"--deep:32%;--light:{nbs};--dark:"),
+            "tabindex=\"0\" data-row=\"packed, 2D, n = 100, fraction = 0.1: the fastest is nbs"
+                .into(),
+            format!("<td class=\"open\" style=\"--deep:0%;--light:{nbs};--dark:"),
+            format!(";--light2:{sorting}"),
+            "<span><b>nbs</b> or <b>sorting</b><small>1.01</small></span>".into(),
+            ">timeout</td>".into(),
         ] {
-            assert!(html.contains(part), "{part} is not in {html}");
+            assert!(html.contains(&part), "{part} is not in {html}");
         }
         assert_eq!(html.matches("data-row=").count(), 4);
         let table = html.split_once("<figure").unwrap().1.split_once("</figure>").unwrap().0;
