@@ -6,7 +6,7 @@ use nalgebra::Point;
 use crate::io::lines::short;
 use crate::io::particles::{Column, Particles, loaded, unused_sizes};
 use crate::io::room::{room, room_for};
-use crate::io::scalars::{Kind, Size, Target};
+use crate::io::scalars::{Ids, Kind, Size, Target};
 use crate::io::{About, Chosen, Notice, Options, RadiusSource};
 use crate::number::plural;
 
@@ -90,6 +90,7 @@ pub(crate) struct Arrays {
     /// Cells of one point, in the order of the points.
     vertices: u64,
     ghosts: u64,
+    ids: Vec<Ids>,
     /// Sizes that are not used, since the radius is given.
     unused: Vec<Notice>,
 }
@@ -119,6 +120,9 @@ impl Arrays {
             return Ok(Target::Ghosts(0));
         }
         let column = Chosen::meaning(options.columns, label);
+        if of == Of::Points && options.ids && components == 1 && Ids::is_named(label, column) {
+            return Ok(Target::Ids(Ids::new(label, column)));
+        }
         let is_size = matches!(column, Column::Radius | Column::Diameter);
         let sure = options.columns.is_some_and(|chosen| chosen.sizes());
         if components != 1 {
@@ -176,6 +180,7 @@ impl Arrays {
             }
             Target::Types(cells) => self.cells.add(cells),
             Target::Ghosts(ghosts) => self.ghosts += ghosts,
+            Target::Ids(ids) => self.ids.push(ids),
             Target::Nothing => {}
         }
         Ok(())
@@ -200,6 +205,12 @@ impl Arrays {
                 all.extend(more);
             }
             (all, more) => *all = all.take().or(more),
+        }
+        for more in piece.ids {
+            match self.ids.iter_mut().find(|ids| ids.label == more.label) {
+                Some(ids) => ids.append(more)?,
+                None => self.ids.push(more),
+            }
         }
         for size in piece.sizes {
             let same =
@@ -241,7 +252,8 @@ impl Arrays {
                  r=NAME or d=NAME"
             );
             let sizes = self.sizes.iter().map(|size| &size.label);
-            let names: Vec<&String> = sizes.chain(&self.others).collect();
+            let ids = self.ids.iter().map(|ids| &ids.label);
+            let names: Vec<&String> = sizes.chain(ids).chain(&self.others).collect();
             chosen.among(&names, name)?;
         }
         let mut notices = std::mem::take(&mut self.unused);
@@ -252,6 +264,7 @@ impl Arrays {
         let size = one_of(self.sizes, name, &mut notices)?;
         let (radius, radii) = size.map_or((RadiusSource::Missing, None), Size::radii);
         let mut particles = Particles::from_columns(points, radii, name)?;
+        particles.ids = Ids::of(self.ids, particles.len());
         particles.notices = notices;
         particles.unused = self.others;
         Ok(loaded(format, particles, radius))

@@ -152,6 +152,11 @@ impl Chosen {
         matches!(self.frame, Framing::By(_))
     }
 
+    /// True if no column splits the rows into frames.
+    pub(crate) fn in_one_frame(&self) -> bool {
+        self.frame == Framing::None
+    }
+
     /// The places of the columns, if the coordinates are chosen, and all columns by number.
     pub(crate) fn numbers(&self) -> Option<Vec<usize>> {
         let place = |which: Which| match which {
@@ -266,72 +271,5 @@ impl Which {
             ),
             _ => bail!("{place}: {key}={name}: several columns have that name; give a number"),
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use crate::io::{self, Options};
-
-    fn read(text: &str, ending: &str, columns: &str) -> Result<String, String> {
-        let options = Options { columns: Some(columns.parse()?), ids: true, ..Options::NONE };
-        io::load_from(text.as_bytes(), "f", ending, options)
-            .map(|(particles, _)| {
-                let radii = particles.radii.as_ref().map(|radii| radii[0]);
-                format!("{:?} {radii:?} {:?}", particles.centre(0), particles.ids())
-            })
-            .map_err(|error| format!("{error:#}"))
-    }
-
-    #[test]
-    fn columns_are_chosen_by_name_and_by_number_in_every_text() {
-        let ball = "[1.0, 2.0, 3.0] Some(4.0) Some([7])".to_string();
-        let csv = "7,1,2,3,4,0\n";
-        let numbered = "x=2,y=3,z=4,r=5,id=1";
-        assert_eq!(read(csv, "csv", numbered), Ok(ball.clone()));
-        let named = format!("n;px;py;pz;size;x\n{}", csv.replace(',', ";"));
-        assert_eq!(read(&named, "csv", "x=px,y=py,z=pz,r=size,id=n"), Ok(ball.clone()));
-        assert_eq!(read(&named, "csv", numbered), Ok(ball.clone()));
-        let blanks = format!("# n px py pz size x\n{}", csv.replace(',', " "));
-        assert_eq!(read(&blanks, "csv", "x=px,y=py,z=pz,r=size,id=n"), Ok(ball.clone()));
-        let dump = format!(
-            "ITEM: NUMBER OF ATOMS\n1\nITEM: ATOMS n px py pz size x\n{}",
-            csv.replace(',', " ")
-        );
-        assert_eq!(read(&dump, "dump", "x=px,y=py,z=pz,r=size,id=n"), Ok(ball.clone()));
-        assert_eq!(read(&dump, "dump", numbered), Ok(ball.clone()));
-        let xyz = format!("1\n\n{}", csv.replace(',', " "));
-        assert_eq!(read(&xyz, "xyz", numbered), Ok(ball.clone()));
-        let data = format!("c\n\n1 atoms\n\nAtoms # of mine\n\n{}", csv.replace(',', " "));
-        assert_eq!(read(&data, "lmp", numbered), Ok(ball.clone()));
-        let mercury = "1 0 0 0 0 9 9 9\n1 2 3 0 0 0 8 0 0 0 0 0 0 0\n";
-        assert_eq!(
-            read(mercury, "data", "x=1,y=2,z=3,d=7"),
-            Ok("[1.0, 2.0, 3.0] Some(4.0) None".into())
-        );
-    }
-
-    #[test]
-    fn what_cannot_be_chosen_is_refused() {
-        let csv = "a,b,c\n1,2,3\n";
-        for (columns, words) in [
-            ("x=1", "x and y are needed"),
-            ("z=1,r=2", "x and y are needed"),
-            ("r=1,d=2", "r and d are both sizes"),
-            ("frame=1,frame=none", "frame is given twice"),
-            ("x y", "'x y' is not of the form x=3; write what each column holds, as in x=3,y=4"),
-            ("x=1,y=2,w=3", "'w' is not one of x, y, z, r, d, id, frame"),
-            ("x=0,y=2", "x=0: columns are counted from 1"),
-            ("x=,y=2", "x=: no column is named"),
-            ("x=1,y=2,x=3", "x is given twice"),
-            ("x=1,y=4", "f:1: y=4: there is no such column; there are 3: a b c"),
-            ("x=a,y=A", "f:1: y=A: there is no such column"),
-            ("x=1,y=a", "f:1: y=a: that column is taken for something else already"),
-        ] {
-            let error = read(csv, "csv", columns).unwrap_err();
-            assert!(error.contains(words), "{columns}: {error}");
-        }
-        let error = read("\u{93}NUMPY", "csv", "x=1,y=2").unwrap_err();
-        assert!(!error.is_empty());
     }
 }

@@ -280,7 +280,11 @@ impl Columns {
                 "{}: {count} columns where {wanted} are expected{}{}",
                 place(),
                 between(),
-                if count == 2 * wanted { DECIMAL_COMMAS } else { "" }
+                match () {
+                    () if count == 2 * wanted => DECIMAL_COMMAS,
+                    () if count == wanted + 1 && particles.is_empty() => ROW_NAMES,
+                    () => "",
+                }
             );
             if let Some((k, why)) = bad {
                 let cell = all.clone().nth(k).unwrap_or_default();
@@ -302,6 +306,10 @@ impl Columns {
 
 /// What to do about 1,5 for 1.5.
 pub(crate) const DECIMAL_COMMAS: &str = "; if the commas are decimal commas, write points";
+
+/// What to do about the names of rows, above which R writes nothing.
+const ROW_NAMES: &str = "; if the first column has the names of rows and no header, as R's \
+                         write.table writes it, give row.names = FALSE there, or col.names = NA";
 
 fn not_a_number(cell: &[u8]) -> &'static str {
     if is_decimal_comma(cell) {

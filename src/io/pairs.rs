@@ -7,23 +7,24 @@
 
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, ensure};
 
 use crate::io::Frame;
 use crate::io::formats::gzip::{self, Unpacking};
 use crate::io::formats::{npy, unread};
-use crate::io::frames::{Choice, Once, Reader, chosen};
-use crate::io::lines::{Lines, Source, words};
+use crate::io::frames::{Choice, Once, Reader, Step, chosen};
+use crate::io::lines::{Lines, Source};
 use crate::io::room::room;
+use crate::io::{Notice, series};
 
 mod archive;
 mod array;
 mod columns;
 mod csv;
 mod dump;
-mod fstat;
+pub(super) mod fstat;
 mod list;
 pub use columns::Other;
 pub use list::{List, columns_of};
@@ -88,8 +89,37 @@ pub fn lists<T>(
     body: impl FnOnce(Lists<'_>) -> anyhow::Result<T>,
 ) -> anyhow::Result<T> {
     let name = path.display().to_string();
+    if let Some((files, notice)) = series::matching(path)? {
+        let reader = Box::new(Files { files, notice, columns, next: 0 });
+        let choice = Choice::new(frame, false);
+        return body(Lists { reader, choice, name: &name, ended: false });
+    }
     let file = File::open(path).with_context(|| format!("cannot read {name}"))?;
     lists_from(BufReader::with_capacity(1 << 17, file), &name, columns, frame, body)
+}
+
+/// The lists of several files, one a frame.
+struct Files<'a> {
+    files: Vec<PathBuf>,
+    notice: Option<Notice>,
+    columns: &'a [&'a str],
+    next: usize,
+}
+
+impl Reader<List> for Files<'_> {
+    fn next(&mut self, choice: &mut Choice) -> anyhow::Result<Option<List>> {
+        // Files before the one that is wanted are not opened.
+        self.next = self.next.max(choice.first_of(self.files.len()));
+        let Some(file) = self.files.get(self.next) else { return Ok(None) };
+        let frame = self.next as u64;
+        self.next += 1;
+        if choice.begin_at(frame, || file.display().to_string())? == Step::Stop {
+            return Ok(None);
+        }
+        let mut list = read(file, self.columns, Frame::Only)?;
+        list.notices.extend(self.notice.take());
+        Ok(Some(List { frame: Some(frame), sparse: false, ..list }))
+    }
 }
 
 /// As [`lists`], from a stream.
@@ -149,14 +179,7 @@ fn open<'a>(
     if head.starts_with(b"ITEM:") {
         return Ok(Box::new(dump::Dump::new(lines, columns)));
     }
-    // MercuryDPM writes three lines that begin with #, then lines of 14 numbers.
-    let mut data = head
-        .split(|&b| b == b'\n')
-        .map(<[u8]>::trim_ascii)
-        .filter(|line| !line.is_empty() && !line.starts_with(b"#"));
-    if head.starts_with(b"#") && data.next().is_some_and(|line| words(line).count() >= 13)
-        || name.ends_with(".fstat")
-    {
+    if fstat::tells(head, false) || name.ends_with(".fstat") {
         return Ok(Box::new(fstat::Fstat::new(lines)));
     }
     Ok(Box::new(csv::Csv::new(lines, columns)))

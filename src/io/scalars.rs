@@ -7,7 +7,7 @@ use nalgebra::Point;
 use crate::io::arrays::Cells;
 use crate::io::lines::{Source, short};
 use crate::io::particles::Column;
-use crate::io::room::room;
+use crate::io::room::{room, room_for};
 
 /// A type of number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -90,6 +90,7 @@ pub(crate) enum Target {
     Types(Cells),
     /// How many points are copies of points elsewhere.
     Ghosts(u64),
+    Ids(Ids),
     /// Numbers that are not used.
     Nothing,
 }
@@ -101,6 +102,59 @@ pub(crate) struct Size {
     pub label: String,
     /// It has a number for each cell, and not for each point.
     pub of_cells: bool,
+}
+
+/// An array of ids of particles.
+#[derive(Clone)]
+pub(crate) struct Ids {
+    pub label: String,
+    /// None if some number is not whole, or too large for f64 to hold it.
+    values: Option<Vec<i64>>,
+    /// The name is that of a column of ids, or was chosen.
+    sure: bool,
+}
+
+impl Ids {
+    /// What VTK, ParaView and Exodus call ids, and people with NumPy, in lower case.
+    const NAMES: [&str; 6] =
+        ["ids", "globalid", "globalids", "globalpointids", "globalnodeid", "globalnodeids"];
+
+    pub fn is_named(label: &str, column: Column) -> bool {
+        column == Column::Id || Ids::NAMES.contains(&&*label.to_ascii_lowercase())
+    }
+
+    pub fn new(label: &str, column: Column) -> Ids {
+        Ids { label: label.into(), values: Some(Vec::new()), sure: column == Column::Id }
+    }
+
+    pub fn push(&mut self, value: f64) -> anyhow::Result<()> {
+        let is_whole = value.fract() == 0.0 && value.abs() < 9e15;
+        self.values = self.values.take().filter(|_| is_whole);
+        if let Some(values) = &mut self.values {
+            room(values)?;
+            values.push(value as i64);
+        }
+        Ok(())
+    }
+
+    /// Adds those of a further piece.
+    pub fn append(&mut self, more: Ids) -> anyhow::Result<()> {
+        self.values = match (self.values.take(), more.values) {
+            (Some(mut all), Some(more)) => {
+                room_for(&mut all, more.len())?;
+                all.extend(more);
+                Some(all)
+            }
+            _ => None,
+        };
+        Ok(())
+    }
+
+    /// The ids of `n` particles: of several arrays those in `id`.
+    pub fn of(mut all: Vec<Ids>, n: usize) -> Option<Vec<i64>> {
+        all.sort_by_key(|ids| !ids.sure);
+        all.into_iter().filter_map(|ids| ids.values).find(|values| values.len() == n)
+    }
 }
 
 /// The points of cells. Only whether cell k is point k alone matters.
@@ -159,6 +213,7 @@ impl Target {
             }
             Target::Types(cells) => cells.push(value),
             Target::Ghosts(ghosts) => *ghosts += u64::from(value != 0.0),
+            Target::Ids(ids) => ids.push(value)?,
             Target::Nothing => {}
         }
         Ok(())

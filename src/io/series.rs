@@ -52,19 +52,26 @@ pub(crate) fn of(path: &Path, options: Options) -> anyhow::Result<Option<Series>
         ensure!(!members.is_empty(), "{name} lists no files; write it again");
         return Ok(Some(series(members, framed, None)));
     }
+    let Some((files, notice)) = matching(path)? else { return Ok(None) };
+    Ok(Some(series(members(files), true, notice)))
+}
+
+/// The files that match a pattern, one a frame, and what is to be said of several; none where
+/// `path` is no pattern.
+pub(super) fn matching(path: &Path) -> anyhow::Result<Option<(Vec<PathBuf>, Option<Notice>)>> {
     let Some(files) = pattern(path) else { return Ok(None) };
-    let [first, .., last] = &files[..] else {
-        ensure!(!files.is_empty(), "no file matches the pattern {name}");
-        return Ok(Some(series(members(files), true, None)));
+    ensure!(!files.is_empty(), "no file matches the pattern {}", path.display());
+    let name = |path: &PathBuf| short(&path.file_name().unwrap_or_default().to_string_lossy());
+    let notice = match &files[..] {
+        [first, .., last] => Some(Notice::Assumed(format!(
+            "{} files are taken as frames, in the order of the numbers in their names: {} to {}",
+            files.len(),
+            name(first),
+            name(last)
+        ))),
+        _ => None,
     };
-    let last_name = |path: &PathBuf| short(&path.file_name().unwrap_or_default().to_string_lossy());
-    let notice = Notice::Assumed(format!(
-        "{} files are taken as frames, in the order of the numbers in their names: {} to {}",
-        files.len(),
-        last_name(first),
-        last_name(last)
-    ));
-    Ok(Some(series(members(files), true, Some(notice))))
+    Ok(Some((files, notice)))
 }
 
 fn members(files: Vec<PathBuf>) -> Vec<Member> {

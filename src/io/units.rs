@@ -62,7 +62,10 @@ pub(crate) fn suffixed(name: &str) -> Option<(&str, &str)> {
 
 /// A decimal number times a power of ten, as text: so it is rounded once, when it is read.
 pub(crate) fn shifted(cell: &[u8], power: i32) -> Cow<'_, [u8]> {
-    let at = cell.iter().position(|byte| matches!(byte, b'e' | b'E')).unwrap_or(cell.len());
+    let at = cell
+        .iter()
+        .position(|byte| matches!(byte, b'e' | b'E' | b'd' | b'D'))
+        .unwrap_or(cell.len());
     let (digits, exponent) = cell.split_at(at);
     let written = match exponent {
         [] => Some(0),
@@ -91,6 +94,8 @@ mod tests {
             ("-4.35E2", 3, Some(-435e3)),
             ("4.35e+2", -9, Some(4.35e-7)),
             ("1.", 3, Some(1e3)),
+            ("1D-3", -3, Some(1e-6)),
+            ("2.5d+02", 3, Some(2.5e5)),
             ("inf", 3, Some(f64::INFINITY)),
             ("1e", 3, None),
             ("x", 3, None),

@@ -21,12 +21,12 @@ mod header;
 mod split;
 
 use anyhow::{anyhow, ensure};
-pub(crate) use split::splits;
+pub(crate) use split::{maybe_frames, names_a_frame};
 
 use crate::io::counted::Counted;
 use crate::io::formats::csv::header::Table;
 use crate::io::frames::{Choice, Reader, Step};
-use crate::io::lines::{Lines, Separator, Source, is_comment, uncommented};
+use crate::io::lines::{Lines, Separator, Source, is_comment, number, uncommented};
 use crate::io::particles::{Columns, Particles, loaded};
 use crate::io::{About, Notice, Options, RadiusSource};
 
@@ -59,7 +59,8 @@ impl Reader<(Particles, About)> for Csv<'_> {
             let mut columns = table.columns.clone();
             let mut kept = columns.particles(&table.place, *options)?;
             let is_kept = step == Step::Keep;
-            let read = table.rows(lines, &columns, Some(&mut kept).filter(|_| is_kept));
+            let in_one = options.columns.is_some_and(|chosen| chosen.in_one_frame());
+            let read = table.rows(lines, &columns, Some(&mut kept).filter(|_| is_kept), in_one);
             // An error in a last line that is being written says nothing against the order.
             choice.through &= read.is_ok() || lines.ended();
             read?;
@@ -82,11 +83,17 @@ impl Table {
         lines: &mut Lines<'_>,
         columns: &Columns,
         mut kept: Option<&mut Particles>,
+        in_one: bool,
     ) -> anyhow::Result<()> {
         let mut first = true;
         while self.is_row {
             let line = lines.line();
-            if !line.is_empty() && !is_comment(line) {
+            if line.is_empty() || is_comment(line) && !self.is_row_left_out(line) {
+                self.blocks.end(lines);
+            } else if !is_comment(line) {
+                if self.split.is_none() && !in_one {
+                    self.blocks.row()?;
+                }
                 if let Some(split) = &mut self.split {
                     let mut cells = self.separator.cells(line);
                     let lacks = |wanted: usize| cells.clone().count() < wanted;
@@ -116,6 +123,13 @@ impl Table {
         Ok(())
     }
 
+    /// Whether a comment is a row that was left out.
+    fn is_row_left_out(&self, line: &[u8]) -> bool {
+        let line = line.strip_prefix(b"#").unwrap_or(line).trim_ascii();
+        let numbers = || self.separator.cells(line);
+        numbers().count() == self.columns.names.len() && numbers().all(|it| number(it).is_some())
+    }
+
     fn frame(
         &self,
         particles: Particles,
@@ -143,6 +157,7 @@ impl Table {
             (about.step, about.time) = (split.step(), split.time());
             notices.extend(split.notices(index));
         }
+        notices.extend(self.blocks.notice());
         about.declared = self.declared.clone();
         about.bounds = self.bounds.clone();
         particles.notices.extend(notices);

@@ -171,6 +171,12 @@ impl Atoms {
         place: &str,
         options: Options,
     ) -> anyhow::Result<Atoms> {
+        ensure!(
+            !names.trim().is_empty(),
+            "{place}: the line names no columns, as old versions of LAMMPS wrote it; put their \
+             names behind it, as in 'ITEM: ATOMS id type xs ys zs' (scaled by the box) or 'ITEM: \
+             ATOMS id type x y z'"
+        );
         let mut columns = Columns::named(names.split_whitespace()).chosen(place, options)?;
         let has = |name: &str| columns.names.iter().any(|other| other == name);
         let mut notices = Vec::new();

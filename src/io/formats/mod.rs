@@ -16,10 +16,11 @@ pub(crate) mod xml;
 mod xyz;
 
 use anyhow::{bail, ensure};
+pub(crate) use csv::names_a_frame;
 
 use crate::io::frames::{Once, Reader};
-use crate::io::lines::short;
 use crate::io::lines::{Source, number, words};
+use crate::io::pairs::fstat;
 use crate::io::{About, Notice, Options, Particles};
 
 /// A format of particle files.
@@ -220,6 +221,11 @@ fn told(head: &[u8], name: &str, ending: &str, options: Options) -> anyhow::Resu
         return Ok(entry(format));
     }
     unread::refuse(head, name, None)?;
+    ensure!(
+        ending != "fstat" && !fstat::tells(head, true),
+        "{name} is a contact list of MercuryDPM (fstat); give it to verify --pairs, and the .data \
+         file beside it for the particles"
+    );
     let ended = FORMATS.iter().find(|entry| entry.endings.contains(&ending));
     // A name that says csv or xyz is believed: what tells data files could stand in columns, too.
     let believed = ended.filter(|entry| matches!(entry.format, Format::Csv | Format::Xyz));
@@ -255,24 +261,10 @@ fn names() -> String {
     names.map(|value| value.get_name().to_string()).collect::<Vec<_>>().join(", ")
 }
 
-/// The doubt about a name that may split the particles into frames, and does not: in text, one that
-/// is no known name of a frame; in arrays, any. Dumps and the like have frames of their own.
+/// The doubt about a name that may split the particles into frames, and does not. Dumps and the
+/// like have frames of their own.
 pub(crate) fn maybe_frames(format: &str, unused: &[String]) -> Option<Notice> {
-    const WORDS: [&str; 6] = ["frame", "time", "step", "slice", "cycle", "snapshot"];
-    let text = format == "CSV" || format == "YADE text";
+    let table = format == "CSV" || format == "YADE text";
     let arrays = ["NumPy", "PLY"].iter().any(|name| format.starts_with(name));
-    let like = |name: &&String| {
-        let plain = name.to_lowercase();
-        WORDS.iter().any(|word| plain.contains(word)) && !(text && csv::splits(name))
-    };
-    let name = unused.iter().filter(|_| text || arrays).find(like)?;
-    let remedy = match text {
-        true => format!("--columns frame={} splits the rows", short(name)),
-        false => "save one array of shape (frames, N, 3), or a table with that column".into(),
-    };
-    Some(Notice::Assumed(format!(
-        "'{}' is not used, and all particles are taken as of one time; if it tells times apart, \
-         {remedy}",
-        short(name)
-    )))
+    (table || arrays).then(|| csv::maybe_frames(unused, table)).flatten()
 }

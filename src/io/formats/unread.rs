@@ -122,6 +122,26 @@ pub(crate) static UNREAD: &[Unread] = &[
         way: ASE,
     },
     Unread { name: "a GROMACS file (gro)", tells: gro, way: ASE },
+    Unread {
+        name: "a topology of GROMACS (itp, top)",
+        tells: itp,
+        way: "it has no coordinates; convert the .gro file beside it to extended XYZ with ASE",
+    },
+    Unread {
+        name: "a restart file of MercuryDPM",
+        tells: |b| b.starts_with(b"restart_version"),
+        way: "give the .data file beside it, which has the same particles",
+    },
+    Unread {
+        name: "a table of TrackMate with four header rows",
+        tells: |b| {
+            let mut heads = lines(b);
+            let first = heads.next().is_some_and(|line| has(line, b"POSITION_X"));
+            first && heads.next().is_some_and(|line| has(line, b"Spot ID"))
+        },
+        way: "leave out the three rows behind the first (sed 2,4d FILE), and give --columns \
+              id=ID,x=POSITION_X,y=POSITION_Y,z=POSITION_Z,r=RADIUS",
+    },
     Unread { name: "a VASP file (POSCAR)", tells: poscar, way: ASE },
     Unread {
         name: "an AtomEye file (cfg)",
@@ -245,6 +265,17 @@ fn gro(head: &[u8]) -> bool {
         && name.iter().any(u8::is_ascii_alphabetic)
         && words(numbers).count() == 3
         && words(numbers).all(|word| word.contains(&b'.') && number(word).is_some())
+}
+
+/// A section in brackets, behind comments.
+fn itp(head: &[u8]) -> bool {
+    let first = lines(head).find(|line| !matches!(line, [] | [b';' | b'#', ..]));
+    let name = |line: &[u8]| line.strip_prefix(b"[")?.strip_suffix(b"]").map(<[u8]>::to_vec);
+    let is_word = |name: Vec<u8>| {
+        let name = name.trim_ascii();
+        !name.is_empty() && name.iter().all(|b| b.is_ascii_alphabetic() || *b == b'_')
+    };
+    first.and_then(name).is_some_and(is_word)
 }
 
 /// A title, a scale, three vectors, names, counts, and how the coordinates are meant.

@@ -116,7 +116,13 @@ impl Vtk<'_> {
     /// The numbers that points or cells have.
     fn attributes(&mut self, first: &str, rest: &[&str]) -> anyhow::Result<()> {
         match (first, rest) {
-            ("GLOBAL_IDS" | "PEDIGREE_IDS", [name, kind]) => self.skip(kind, 1, name)?,
+            ("GLOBAL_IDS", [name, kind]) => {
+                let kind = self.kind(kind)?;
+                let target = self.arrays.target(self.of, "GlobalIds", kind, 1, self.options)?;
+                let ids = self.array(target, kind, self.tuples, name)?;
+                self.arrays.keep(ids, self.lines.source.name)?;
+            }
+            ("PEDIGREE_IDS", [name, kind]) => self.skip(kind, 1, name)?,
             ("SCALARS", [name, kind, rest @ ..]) => self.scalars(name, kind, rest.first())?,
             ("VECTORS" | "NORMALS", [name, kind, ..]) => self.skip(kind, 3, name)?,
             ("TENSORS", [name, kind, ..]) => self.skip(kind, 9, name)?,

@@ -30,6 +30,8 @@ struct File<'a> {
     cells: u64,
     /// The element around the arrays that follow.
     within: String,
+    /// The name of the array of ids, where that element says it.
+    ids: Option<String>,
     /// Arrays whose numbers stand behind all tags, by their offsets, with the numbers of their
     /// pieces.
     appended: Vec<(u64, usize, Array)>,
@@ -46,6 +48,7 @@ pub(crate) fn read(source: Source<'_>, options: Options) -> anyhow::Result<(Part
         points: 0,
         cells: 0,
         within: String::new(),
+        ids: None,
         appended: Vec::new(),
     };
     file.kind()?;
@@ -69,6 +72,7 @@ pub(crate) fn read(source: Source<'_>, options: Options) -> anyhow::Result<(Part
                 closing,
             ) => {
                 file.within = if closing || tag.empty { String::new() } else { tag.name.clone() };
+                file.ids = tag.get("GlobalIds").map(str::to_string);
             }
             _ => {}
         }
@@ -154,6 +158,8 @@ impl File<'_> {
                 (Target::points(), Some(self.points))
             }
             "PointData" => {
+                let is_id = self.ids.as_deref() == Some(label);
+                let label = if is_id { "GlobalIds" } else { label };
                 let target = piece.target(Of::Points, label, kind, components, options)?;
                 (target, Some(self.points))
             }

@@ -7,8 +7,9 @@ use anyhow::{Context, ensure};
 use super::ascends;
 use super::columns::Columns;
 use super::list::List;
+use crate::io::formats::names_a_frame;
 use crate::io::frames::{Choice, Reader, Step};
-use crate::io::lines::{Lines, Separator, number, short, shown, whole};
+use crate::io::lines::{Lines, Separator, number, short, shown, whole, words};
 use crate::io::notice::Notice;
 
 pub(super) struct Csv<'a> {
@@ -98,10 +99,14 @@ impl<'a> Csv<'a> {
             }
             let comment = uncommented(line).is_empty();
             let line = if comment { line[1..].trim_ascii() } else { line };
-            // A name may hold a % of its own, as in 'overlap %'.
+            // A name may hold a sign of its own, as in 'overlap %' and 'Pair #,i,j'.
             let end = line.windows(2).position(|two| two == b" #").unwrap_or(line.len());
-            let line = &line[..end];
-            let separator = Separator::guess(uncommented(line));
+            let bare = uncommented(&line[..end]);
+            let in_name = words(bare).count() < 2
+                && Separator::guess(bare) == Separator::Blanks
+                && Separator::guess(line) != Separator::Blanks;
+            let line = if in_name { line } else { &line[..end] };
+            let separator = Separator::guess(if in_name { line } else { bare });
             let cells: Vec<&[u8]> = separator.cells(line).collect();
             let names: Vec<String> =
                 cells.iter().map(|cell| String::from_utf8_lossy(cell).into_owned()).collect();
@@ -166,7 +171,7 @@ impl Reader<List> for Csv<'_> {
             let mut list = List { format: "CSV", sparse, ..List::default() };
             list.notices = std::mem::take(notices);
             let mut columns = layout.columns.clone();
-            let (mut step, mut empty) = (Step::Keep, true);
+            let (mut step, mut empty, mut divided) = (Step::Keep, true, None);
             loop {
                 if !std::mem::take(ahead) && !lines.advance()? {
                     *ended = true;
@@ -174,7 +179,14 @@ impl Reader<List> for Csv<'_> {
                 }
                 let line = uncommented(lines.line());
                 if line.is_empty() {
+                    let comment = lines.text();
+                    if layout.label.is_none() && !empty && names_a_frame(&comment) {
+                        divided = divided.or(Some(comment));
+                    }
                     continue;
+                }
+                if let Some(comment) = divided.take() {
+                    list.divided(&comment);
                 }
                 let cells: Vec<&[u8]> = layout.separator.cells(line).collect();
                 if let Some(label) = layout.label {

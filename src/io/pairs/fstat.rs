@@ -6,10 +6,24 @@ use anyhow::{Context, ensure};
 use super::list::List;
 use super::push;
 use crate::io::frames::{Choice, Reader, Step};
-use crate::io::lines::{Lines, shown, whole, words};
+use crate::io::lines::{Lines, number, shown, whole, words};
 use crate::sink::splitmix64;
 
 const FORMAT: &str = "MercuryDPM fstat";
+
+/// Whether these are three lines that begin with `#`, and then lines of 14 numbers; where it is
+/// less sure that the file is a list, the `#` must have numbers behind them.
+pub(in crate::io) fn tells(head: &[u8], strictly: bool) -> bool {
+    let lines = || head.split(|&b| b == b'\n').map(<[u8]>::trim_ascii);
+    let mut data = lines().filter(|line| !line.is_empty() && !line.starts_with(b"#"));
+    let row = data.next().unwrap_or_default();
+    let numbers = |line: &[u8]| words(line).all(|word| number(word).is_some());
+    let begun = lines().take(3).all(|line| line.strip_prefix(b"#").is_some_and(numbers));
+    head.starts_with(b"#")
+        && words(row).count() >= 13
+        && (!strictly
+            || begun && numbers(row) && words(row).skip(1).take(2).all(|it| whole(it).is_some()))
+}
 
 pub(super) struct Fstat<'a> {
     lines: Lines<'a>,

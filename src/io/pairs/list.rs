@@ -3,6 +3,7 @@
 use anyhow::ensure;
 
 use super::Other;
+use crate::io::lines::short;
 use crate::io::notice::Notice;
 
 /// A contact list as it was read.
@@ -69,6 +70,18 @@ impl List {
             );
         }
         Ok(())
+    }
+
+    /// Adds the doubt about a comment among the pairs that names a frame, once.
+    pub(super) fn divided(&mut self, comment: &str) {
+        let words = format!(
+            "the comment '{}' among the pairs may begin another frame, and all pairs are taken as \
+             one list; write the frame as a column",
+            short(comment)
+        );
+        if self.notices.is_empty() {
+            self.notices.push(Notice::Assumed(words));
+        }
     }
 
     /// The list as one of a scene without a box: columns that may be images are something else.

@@ -2,7 +2,7 @@
 
 use anyhow::{Context, bail, ensure};
 
-use super::split::{self, Split};
+use super::split::{self, Blocks, Split};
 use crate::io::chosen::Chosen;
 use crate::io::lines::{Lines, Separator, is_comment, number, short, step_of, uncommented, words};
 use crate::io::particles::{Columns, DECIMAL_COMMAS, is_decimal_comma};
@@ -22,6 +22,7 @@ pub(super) struct Table {
     pub is_row: bool,
     pub format: &'static str,
     pub split: Option<Split>,
+    pub blocks: Blocks,
     pub declared: Option<Declared>,
     pub bounds: Option<Vec<[f64; 2]>>,
     pub notices: Vec<Notice>,
@@ -84,6 +85,7 @@ pub(super) fn read(lines: &mut Lines<'_>, options: Options) -> anyhow::Result<Ta
         is_row,
         format,
         split,
+        blocks: Blocks::default(),
         declared,
         bounds,
         notices,
@@ -196,11 +198,19 @@ fn named_by(
         separator == Separator::Blanks || !words(line).all(is_decimal_comma),
         "{place}: the numbers have decimal commas, which are not read: write points"
     );
+    let header = named(whole);
     let text = lines.line();
+    let of_text = match separator {
+        Separator::One(_) => separator,
+        Separator::Blanks => Separator::guess(text),
+    };
     let cut = text.get(whole.len()..).unwrap_or_default();
     // A name such as Spot # stands between separators, a comment behind them all.
-    let is_name = matches!(separator, Separator::One(c) if cut.contains(&c));
-    let header = named(if is_name { text } else { whole });
+    let in_cut = matches!(of_text, Separator::One(c) if cut.contains(&c));
+    let sound = |header: Columns| header.chosen("", options).is_ok_and(|it| it.has_places());
+    if in_cut && (of_text == separator || !sound(header.clone())) {
+        return Ok((named(text).chosen(&place, options)?, of_text, trailing, false, true));
+    }
     ensure!(
         header.has_places() || separator.cells(line).filter(|cell| is_number(cell)).count() < 2,
         "{place}: the first line holds numbers, and no names of columns; put a header line such as \

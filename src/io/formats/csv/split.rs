@@ -8,25 +8,35 @@ use std::cmp::Ordering;
 
 use anyhow::{bail, ensure};
 
-use crate::io::lines::{number, short, shown, step_of};
+use crate::io::lines::{Lines, number, short, shown, step_of};
 use crate::io::particles::{Column, Columns};
 use crate::io::units;
 use crate::io::{Notice, Options};
 
-const FRAMES: [&str; 9] = [
-    "frame",
-    "frames",
-    "frameno",
-    "framenumber",
-    "frameid",
-    "frameindex",
-    "iframe",
-    "snapshot",
-    "snap",
+/// Names of the columns that split a table, in lower case and without signs.
+const NAMES: [(Kind, &[&str]); 3] = [
+    (
+        Kind::Frame,
+        &[
+            "frame",
+            "frames",
+            "frameno",
+            "framenumber",
+            "frameid",
+            "frameindex",
+            "iframe",
+            "snapshot",
+            "snap",
+        ],
+    ),
+    (
+        Kind::Step,
+        &["timestep", "step", "steps", "stepno", "timestepindex", "iteration", "iter", "tstep"],
+    ),
+    (Kind::Time, &["time", "t", "times"]),
 ];
-const STEPS: [&str; 8] =
-    ["timestep", "step", "steps", "stepno", "timestepindex", "iteration", "iter", "tstep"];
-const TIMES: [&str; 3] = ["time", "t", "times"];
+/// Parts of other names that may split the particles into frames.
+const LIKE: [&str; 6] = ["frame", "time", "step", "slice", "cycle", "snapshot"];
 /// Header names that are read as ids if there is no column id.
 const IDS: [&str; 6] = ["particle", "particleid", "pid", "trackid", "atomid", "bodyid"];
 
@@ -45,19 +55,85 @@ fn plain(name: &str) -> String {
 }
 
 fn kind(name: &str) -> Option<Kind> {
-    let (name, is) = (plain(name), |names: &[&str], name: &str| names.contains(&name));
-    if is(&FRAMES, &name) {
-        Some(Kind::Frame)
-    } else if is(&STEPS, &name) {
-        Some(Kind::Step)
-    } else {
-        is(&TIMES, &name).then_some(Kind::Time)
-    }
+    let name = plain(name);
+    NAMES.iter().find(|(_, names)| names.contains(&&*name)).map(|(kind, _)| *kind)
 }
 
-/// Whether a column of this name splits a table into frames.
-pub(crate) fn splits(name: &str) -> bool {
-    kind(name).is_some()
+/// The doubt about a name that may split the particles into frames, and does not: in a `table` one
+/// that is no known name of a frame, in arrays any.
+pub(crate) fn maybe_frames(unused: &[String], table: bool) -> Option<Notice> {
+    let like = |name: &&String| {
+        let lower = name.to_lowercase();
+        LIKE.iter().any(|part| lower.contains(part)) && !(table && kind(name).is_some())
+    };
+    let name = short(unused.iter().find(like)?);
+    let remedy = match table {
+        true => format!("--columns frame={name} splits the rows"),
+        false => "save one array of shape (frames, N, 3), or a table with that column".into(),
+    };
+    Some(Notice::Assumed(format!(
+        "'{name}' is not used, and all particles are taken as of one time; if it tells times \
+         apart, {remedy}"
+    )))
+}
+
+/// Whether a comment names a frame, a step or a time, and has a number, as in `t = 0.5`.
+pub(crate) fn names_a_frame(comment: &str) -> bool {
+    let is_between = |c: char| !c.is_ascii_alphanumeric() && !"._+-".contains(c);
+    let parts = || comment.split(is_between).filter(|part| !part.is_empty());
+    parts().any(|part| kind(part).is_some())
+        && parts().any(|part| number(part.as_bytes()).is_some())
+}
+
+/// Blank lines and comments among the rows of a table that no column splits: they may begin frames.
+#[derive(Default)]
+pub(super) struct Blocks {
+    rows: u64,
+    /// Blocks of rows behind the first.
+    more: u64,
+    /// A blank line or a comment stands behind the last row.
+    ended: bool,
+    /// The comment there that names a frame, and its place.
+    named: Option<(String, String)>,
+}
+
+impl Blocks {
+    /// A blank line, or a comment that is no row.
+    pub fn end(&mut self, lines: &Lines<'_>) {
+        self.ended = self.rows > 0;
+        let comment = lines.text();
+        if self.ended && names_a_frame(&comment) {
+            self.named = Some((comment, lines.place()));
+        }
+    }
+
+    /// The next row.
+    ///
+    /// # Errors
+    /// A comment before it names a frame.
+    pub fn row(&mut self) -> anyhow::Result<()> {
+        if let Some((comment, place)) = &self.named {
+            bail!(
+                "{place}: the comment '{}' among the rows may begin another frame; write the \
+                 frame as a column, or say --columns frame=none if all rows are of one time",
+                short(comment)
+            );
+        }
+        self.more += u64::from(std::mem::take(&mut self.ended));
+        self.rows += 1;
+        Ok(())
+    }
+
+    /// The doubt about blocks of several rows.
+    pub fn notice(&self) -> Option<Notice> {
+        (self.more > 0 && self.rows > self.more + 1).then(|| {
+            Notice::Assumed(format!(
+                "blank lines or comments divide the rows into {} blocks, and all are taken as of \
+                 one time; if each block is a frame, write the frame as a column",
+                self.more + 1
+            ))
+        })
+    }
 }
 
 /// The first column of a kind that is not used for something else.

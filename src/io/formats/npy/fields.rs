@@ -63,7 +63,7 @@ fn quoted(text: &str) -> Option<(&str, &str)> {
 
 /// How a field of that type is read, if it is a number, and its bytes.
 fn width(kind: &str) -> Option<(Option<(Kind, bool)>, usize)> {
-    let number = super::kind_of(kind);
+    let number = super::header::kind_of(kind);
     if let Some((kind, _)) = number {
         return Some((number, kind.width()));
     }

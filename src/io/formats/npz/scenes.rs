@@ -10,7 +10,7 @@ use crate::io::frames::{Choice, Reader, Step};
 use crate::io::lines::{Source, short};
 use crate::io::particles::{Column, Particles, loaded, unused_sizes};
 use crate::io::room::{room, room_for};
-use crate::io::scalars::{Kind, Size};
+use crate::io::scalars::{Ids, Kind, Size};
 use crate::io::{About, Chosen, Notice, Options, RadiusSource};
 
 pub(crate) fn frames<'a>(
@@ -45,6 +45,7 @@ struct Scenes {
     frames: Option<Points>,
     sizes: Vec<(Size, Vec<u64>)>,
     around: Cell,
+    ids: Vec<Ids>,
     /// Names of all arrays, and of those that are not used.
     names: Vec<String>,
     others: Vec<String>,
@@ -113,6 +114,11 @@ impl Scenes {
             _ if !header.fields.is_empty() => {
                 let read = npy::records(source, &header, options)?;
                 return self.whole(read, label, source.name);
+            }
+            (&[_], _) if options.ids && Ids::is_named(label, column) => {
+                let mut ids = Ids::new(label, column);
+                header.values(source, header.count(), |_, value| ids.push(value))?;
+                self.ids.push(ids);
             }
             (_, Column::Radius | Column::Diameter) if is_size(&header, label, options) => {
                 ensure!(
@@ -274,6 +280,7 @@ impl Scenes {
         options: Options,
     ) -> anyhow::Result<(Particles, About)> {
         let n = particles.len();
+        particles.ids = particles.ids.or_else(|| Ids::of(self.ids.clone(), n));
         particles.notices.extend(self.unused.iter().cloned());
         let mut sizes = Vec::new();
         for (size, shape) in &self.sizes {

@@ -78,6 +78,20 @@ fn texts() -> Vec<(&'static str, &'static str)> {
              HW2    2   0.975   0.500   0.500\n   1.00000   1.00000   1.00000\n",
         ),
         (
+            "a topology of GROMACS (itp, top)",
+            "; made by hand\n#include \"a.itp\"\n\n[ moleculetype ]\n; name nrexcl\nSOL 2\n",
+        ),
+        (
+            "a restart file of MercuryDPM",
+            "restart_version 1.0 name Drum\ndataFile name Drum.data fileType ONE_FILE\n",
+        ),
+        (
+            "a table of TrackMate with four header rows",
+            "LABEL,ID,TRACK_ID,QUALITY,POSITION_X,POSITION_Y,FRAME,RADIUS\nLabel,Spot ID,Track \
+             ID,Quality,X,Y,Frame,Radius\nLabel,Spot ID,Track ID,Quality,X,Y,Frame,R\n,,,(quality),\
+             (micron),(micron),,(micron)\nID0,0,0,5.5,1,2,0,2.5\n",
+        ),
+        (
             "a VASP file (POSCAR)",
             "Si2\n1.0\n10.0 0.0 0.0\n0.0 10.0 0.0\n0.0 0.0 10.0\nSi\n2\nDirect\n0.025 0.5 0.5\n\
              0.975 0.5 0.5\n",
