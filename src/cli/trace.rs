@@ -11,7 +11,7 @@ use crate::views::trace::{Algorithm, example, page, still, trace as run};
 
 /// Options of `trace`.
 #[derive(clap::Args)]
-#[command(mut_arg("edges", |arg| arg.hide(true)), mut_arg("periodic", |arg| arg.hide(true)))]
+#[command(mut_arg("box", |arg| arg.hide(true)), mut_arg("periodic", |arg| arg.hide(true)))]
 pub struct Trace {
     /// The detector
     #[arg(value_enum)]

@@ -33,6 +33,7 @@ mod frames;
 mod given;
 mod lines;
 mod notice;
+mod options;
 pub mod pairs;
 mod particles;
 mod room;
@@ -58,72 +59,13 @@ pub use lines::LONGEST_LINE;
 use lines::Source;
 pub(crate) use lines::short;
 pub use notice::{Notice, Place};
+pub use options::{FileOption, OPTIONS, Options};
 pub use particles::Particles;
 pub(crate) use room::room;
 pub use series::exists;
 pub use without::{Groups, Without};
 
 use crate::scene::AnyScene;
-
-/// What the file does not say.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Options {
-    /// The radius of all particles; the sizes in the file are then not used.
-    pub radius: Option<f64>,
-    /// 2 or 3, where the file leaves it open; none lets the file decide.
-    pub dim: Option<u32>,
-    /// Which frame, of a file that has several.
-    pub frame: Frame,
-    /// The format; none lets the file decide.
-    pub format: Option<Format>,
-    /// Keep the file's own numbers of the particles.
-    pub ids: bool,
-    /// Read on to the end of the file, to count its frames.
-    pub survey: bool,
-    /// Which columns or arrays hold what; none lets their names decide.
-    pub columns: Option<Chosen>,
-    /// The box, where it is not the file's.
-    pub boundaries: Boundaries,
-    /// Contacts that are left out.
-    pub without: Option<Without>,
-    /// Only part k of so many, from 0, where a format can leave out the others:
-    /// [`Particles::first`].
-    pub part: Option<[u64; 2]>,
-}
-
-impl Options {
-    /// The file says everything.
-    pub const NONE: Options = Options {
-        radius: None,
-        dim: None,
-        frame: Frame::Only,
-        format: None,
-        ids: false,
-        survey: false,
-        columns: None,
-        boundaries: Boundaries::AS_DECLARED,
-        without: None,
-        part: None,
-    };
-
-    /// Refuses what no file can be read with.
-    fn check(&self) -> anyhow::Result<()> {
-        if let Some(radius) = self.radius {
-            ensure!(
-                radius.is_finite() && radius >= 0.0,
-                "the radius given is {radius}; it must be finite and not negative"
-            );
-        }
-        if let Some(dim) = self.dim {
-            ensure!(dim == 2 || dim == 3, "the dimension given is {dim}; it must be 2 or 3");
-        }
-        ensure!(
-            self.radius.is_none() || !self.columns.is_some_and(|chosen| chosen.sizes()),
-            "the radius is given, and a column of sizes is chosen, too; leave one out"
-        );
-        self.boundaries.check()
-    }
-}
 
 /// Where radii come from.
 #[derive(Clone, Debug, Default, PartialEq)]

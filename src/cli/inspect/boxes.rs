@@ -24,8 +24,8 @@ pub(super) fn report(particles: &Particles, about: &About, input: &Input, lines:
     let Some(lattice) = particles.lattice() else {
         let declared = about.declared.as_ref();
         let why = match declared.map(|declared| declared.periodic) {
-            _ if input.open => "open (--open)",
-            _ if input.periodic.is_some() => "open (--periodic none)",
+            _ if input.boundaries.open => "open (--open)",
+            _ if input.boundaries.periodic.is_some() => "open (--periodic none)",
             Some(Some(_)) => "open, as the file says",
             Some(None) if declared.is_some_and(|declared| declared.vectors.is_some()) => {
                 "taken as open: the file does not say whether its box repeats"
@@ -39,7 +39,7 @@ pub(super) fn report(particles: &Particles, about: &About, input: &Input, lines:
     let dim = particles.dim();
     let axes = lattice.periodic();
     let said = about.declared.as_ref().is_some_and(|declared| declared.periodic.is_some());
-    let source = match input.periodic {
+    let source = match input.boundaries.periodic {
         Some(_) => " (--periodic)",
         None if said => ", as the file says",
         None => " (--box)",
@@ -61,7 +61,7 @@ pub(super) fn report(particles: &Particles, about: &About, input: &Input, lines:
         format!(
             "vectors {}{}, lengths {}, {shape}; corner {}",
             rows(&vectors),
-            if input.edges.is_some() { " (--box)" } else { "" },
+            if input.boundaries.edges.is_some() { " (--box)" } else { "" },
             list(&lengths),
             list(origin)
         ),

@@ -3,68 +3,91 @@
 use std::path::Path;
 
 use anyhow::{bail, ensure};
+use clap::builder::EnumValueParser;
+use clap::error::ErrorKind;
+use clap::parser::ValueSource;
+use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
 
 use crate::cli::shared::scene::WithIds;
-use crate::cli::shared::values;
 use crate::contact::Arithmetic;
 use crate::io;
-use crate::io::boxes::{Axes, Edges};
-use crate::io::{Boundaries, Chosen, Format, Frame, Notice, Place, RadiusSource};
+use crate::io::{Boundaries, FileOption, Format, Frame, Notice, Place, RadiusSource};
 use crate::nearest::{hint, nearest};
 use crate::scene::doubts::{Touching, doubts};
 use crate::scene::origin::Origin;
 use crate::scene::spec::{GENERATORS, Spec};
 use crate::scene::{AnyScene, Given};
 
-/// What a file does not say.
-#[derive(clap::Args, Clone, Copy, Debug, Default, PartialEq)]
+/// What a file does not say: the options of [`io::OPTIONS`].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Input {
-    /// The radius of all particles, for files without radii
-    #[arg(long, allow_negative_numbers = true)]
+    /// The radius of all particles.
     pub radius: Option<f64>,
-    /// 2 or 3, where the file leaves it open (an npy array of three columns, or z = 0)
-    #[arg(long, value_parser = values::whole::<u32>)]
-    pub dim: Option<u32>,
-    /// Which frame of a file that has several: a number from 0, or last; some verbs take all
-    /// (default: last)
-    #[arg(long)]
+    /// The frame; none if no frame was chosen.
     pub frame: Option<Frame>,
-    /// Which column holds what, by number from 1 or by name: x=3,y=4,z=5,r=6 (keys: x, y, z, r, d
-    /// for a diameter, id; frame, or frame=none, for tables)
-    #[arg(long, value_name = "KEY=COLUMN,...")]
-    pub columns: Option<Chosen>,
-    /// The file's format (default: told by its content, then by its ending)
-    #[arg(long, value_enum, hide_possible_values = true)]
-    pub format: Option<Format>,
-    /// The box, in the place of the file's: LX,LY[,LZ], with the tilt of LAMMPS
-    /// LX,LY,LZ,XY,XZ,YZ, or its vectors one after the other (four numbers, or nine)
-    #[arg(long = "box", value_name = "NUMBERS", allow_hyphen_values = true)]
-    pub edges: Option<Edges>,
-    /// The axes along which the box repeats, whatever the file says: x, xy, xyz and so on, or none
-    #[arg(long, value_name = "AXES")]
-    pub periodic: Option<Axes>,
-    /// Boundaries are open, whatever the file says: contacts across its box are left out
-    #[arg(long)]
-    pub open: bool,
+    /// The box.
+    pub boundaries: Boundaries,
+    options: io::Options,
 }
 
 /// The options of [`Input`], for messages.
 pub const OPTIONS: &str =
     "--radius, --dim, --frame, --columns, --format, --box, --periodic and --open";
 
-impl Input {
-    /// The same for the readers.
-    pub fn options(&self) -> io::Options {
-        let frame = self.frame.unwrap_or(Frame::Last);
-        io::Options {
-            radius: self.radius,
-            dim: self.dim,
-            frame,
-            format: self.format,
-            columns: self.columns,
-            boundaries: Boundaries { edges: self.edges, periodic: self.periodic, open: self.open },
-            ..io::Options::NONE
+fn argument(option: &'static FileOption) -> Arg {
+    let FileOption { name, value, meaning, .. } = *option;
+    let arg = Arg::new(name).long(name).help(meaning);
+    if value.is_empty() {
+        return arg.action(ArgAction::SetTrue);
+    }
+    let arg = arg.value_name(value).action(ArgAction::Set);
+    match name {
+        // Completions offer its values.
+        "format" => arg.value_parser(EnumValueParser::<Format>::new()).hide_possible_values(true),
+        _ => arg
+            .allow_negative_numbers(true)
+            .allow_hyphen_values(name == "box")
+            .value_parser(|text: &str| option.check(text)),
+    }
+}
+
+impl Args for Input {
+    fn augment_args(command: Command) -> Command {
+        command.args(io::OPTIONS.iter().map(argument))
+    }
+
+    fn augment_args_for_update(command: Command) -> Command {
+        Input::augment_args(command)
+    }
+}
+
+impl FromArgMatches for Input {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<Input, clap::Error> {
+        let mut input = Input::default();
+        for option in &io::OPTIONS {
+            let name = option.name;
+            let mut given = matches.get_raw(name).into_iter().flatten();
+            let text = given.next().map(|text| text.to_string_lossy().into_owned());
+            let is_said = matches.value_source(name) == Some(ValueSource::CommandLine);
+            let Some(text) = text.filter(|_| is_said) else { continue };
+            let set = option.set(&mut input.options, &text);
+            set.map_err(|why| clap::Error::raw(ErrorKind::ValueValidation, why))?;
+            input.frame = (name == "frame").then_some(input.options.frame).or(input.frame);
         }
+        (input.radius, input.boundaries) = (input.options.radius, input.options.boundaries);
+        Ok(input)
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
+        *self = Input::from_arg_matches(matches)?;
+        Ok(())
+    }
+}
+
+impl Input {
+    /// The same for the readers: without a choice the last frame.
+    pub fn options(&self) -> io::Options {
+        io::Options { frame: self.frame.unwrap_or(Frame::Last), ..self.options }
     }
 
     /// Was anything said?

@@ -109,7 +109,7 @@ impl<'a> Verified<'a> {
                 (scene, None, found)
             }
         };
-        let boxed = about.bounds.is_some() && options.input.edges.is_none();
+        let boxed = about.bounds.is_some() && options.input.boundaries.edges.is_none();
         let flags = about.declared.and_then(|declared| declared.periodic);
         let repeats = flags.is_some_and(|flags| flags.contains(&true));
         let naming = naming.meaning();
@@ -133,8 +133,8 @@ fn open(
     let images = list.images.as_deref().unwrap_or_default();
     if let Some(k) = images.iter().position(|image| *image != [0; 3]) {
         let remedy = match vectors {
-            _ if options.input.open => "leave out --open",
-            Some(_) if options.input.periodic.is_some() => "leave out --periodic none",
+            _ if options.input.boundaries.open => "leave out --open",
+            Some(_) if options.input.boundaries.periodic.is_some() => "leave out --periodic none",
             Some(_) => "give --periodic with the axes along which the box repeats",
             None => "give --box LX,LY,LZ, and --periodic where it is open along some axis",
         };

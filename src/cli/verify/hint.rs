@@ -72,14 +72,14 @@ impl Verified<'_> {
         let input = &self.options.input;
         // What nobody need say is what the file says.
         let instead = match reading.periodic.is_some() || reading.declared.is_some() {
-            true if input.open => ": leave out --open",
-            true if input.periodic.is_some() => ": leave out --periodic none",
+            true if input.boundaries.open => ": leave out --open",
+            true if input.boundaries.periodic.is_some() => ": leave out --periodic none",
             _ => "",
         };
         let flag = |name: &str| flags.iter().any(|flag| flag.starts_with(name));
-        let there = input.periodic.is_some() && flag("--periodic")
-            || input.edges.is_some() && (flag("--box") || flag("--open"))
-            || input.periodic.is_some() && flag("--open");
+        let there = input.boundaries.periodic.is_some() && flag("--periodic")
+            || input.boundaries.edges.is_some() && (flag("--box") || flag("--open"))
+            || input.boundaries.periodic.is_some() && flag("--open");
         let flags = flags.join(" ");
         let add = match (flags.is_empty(), instead.is_empty()) {
             (true, _) => String::new(),

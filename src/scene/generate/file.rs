@@ -13,6 +13,7 @@
 use std::path::Path;
 
 use anyhow::ensure;
+use serde_json::Value;
 
 use crate::io;
 use crate::scene::generate::table::{Generator, Kind, Parameter, Preset, no_history, optional};
@@ -20,59 +21,46 @@ use crate::scene::generate::table::{Generator, Kind, Parameter, Preset, no_histo
 /// The name under which the program knows files.
 pub const NAME: &str = "file";
 
+/// The option at this place of [`io::OPTIONS`].
+const fn option(place: usize, name: &'static str, kind: Kind) -> Parameter {
+    optional(name, kind, io::OPTIONS[place].meaning)
+}
+
+const PARAMS: [Parameter; 9] = [
+    Parameter {
+        name: "path",
+        kind: Kind::Text,
+        default: [Preset::Required; 2],
+        meaning: "the file's name",
+    },
+    option(0, "radius", Kind::NotNegative),
+    option(1, "file-dim", Kind::Dim),
+    option(2, "frame", Kind::Text),
+    option(3, "columns", Kind::Text),
+    option(4, "format", Kind::Text),
+    option(5, "box", Kind::Text),
+    option(6, "periodic", Kind::Axes),
+    option(7, "open", Kind::Yes),
+];
+
 pub const GENERATOR: Generator = Generator {
     name: NAME,
     dims: &[2, 3],
     summary: "a particle file: CSV, XYZ, LAMMPS, MercuryDPM, YADE, NumPy, VTK or PLY",
     own_n: true,
-    params: &[&[
-        Parameter {
-            name: "path",
-            kind: Kind::Text,
-            default: [Preset::Required; 2],
-            meaning: "the file's name",
-        },
-        optional("radius", Kind::NotNegative, "radius of all particles, for files that hold none"),
-        optional(
-            "file-dim",
-            Kind::Dim,
-            "2 or 3, where the file leaves it open: three columns without names, or z = 0",
-        ),
-        optional(
-            "frame",
-            Kind::Text,
-            "which frame, of a file that has several: a number from 0, or last",
-        ),
-        optional("format", Kind::Text, "the format, where content and ending do not tell"),
-        optional("columns", Kind::Text, "which column of a text holds what, as in x=3,y=4,z=5,r=6"),
-        optional(
-            "box",
-            Kind::Text,
-            "the box, in the place of the file's: LX,LY,LZ, with a tilt LX,LY,LZ,XY,XZ,YZ",
-        ),
-        optional(
-            "periodic",
-            Kind::Axes,
-            "the box repeats along these axes, whatever the file says: true, x, xy and so \
-                      on, none",
-        ),
-        optional("open", Kind::Yes, "true: boundaries are open, also where the file's box repeats"),
-    ]],
+    params: &[&PARAMS],
     make: |inputs| {
         let path = Path::new(inputs.text("path")?);
-        let options = io::Options {
-            radius: inputs.number("radius").ok(),
-            dim: inputs.whole("file-dim").ok().map(|dim| dim as u32),
-            frame: inputs.parsed("frame")?.unwrap_or_default(),
-            format: inputs.parsed("format")?,
-            columns: inputs.parsed("columns")?,
-            boundaries: io::Boundaries {
-                edges: inputs.parsed("box")?,
-                periodic: inputs.parsed("periodic")?,
-                open: inputs.text("open").is_ok_and(|text| text == "true"),
-            },
-            ..io::Options::NONE
-        };
+        let mut options = io::Options::NONE;
+        for (option, Parameter { name, .. }) in io::OPTIONS.iter().zip(&PARAMS[1..]) {
+            let text = match inputs.params.get(*name) {
+                None => continue,
+                Some(Value::String(text)) => text.clone(),
+                Some(value) => value.to_string(),
+            };
+            let set = option.set(&mut options, &text);
+            set.map_err(|must| anyhow::anyhow!("file: {name} is '{text}'; {must}"))?;
+        }
         let given = io::given(path, options)?;
         let (n, found) = (inputs.n, given.scene.len());
         ensure!(

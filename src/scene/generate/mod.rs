@@ -22,8 +22,6 @@ pub mod sizes;
 pub mod table;
 
 use std::collections::BTreeMap;
-use std::fmt::Display;
-use std::str::FromStr;
 
 use anyhow::Context;
 use nalgebra::Point;
@@ -57,13 +55,6 @@ impl Inputs<'_> {
     fn text(&self, name: &str) -> anyhow::Result<&str> {
         let value = self.params.get(name).and_then(|value| value.as_str());
         value.with_context(|| format!("the text '{name}' is missing"))
-    }
-
-    /// A text in its own type; none if it is not given.
-    fn parsed<T: FromStr<Err: Display>>(&self, name: &str) -> anyhow::Result<Option<T>> {
-        let Ok(text) = self.text(name) else { return Ok(None) };
-        let parsed = text.parse().map(Some);
-        parsed.map_err(|must| anyhow::anyhow!("file: {name} is '{text}'; {must}"))
     }
 }
 
