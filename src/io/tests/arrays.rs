@@ -1,4 +1,4 @@
-//! Files of named arrays: NumPy archives and records, VTK, PLY; their sizes, boxes and cells.
+//! NumPy archives and records: their sizes, boxes, ids and frames.
 
 use super::*;
 
@@ -187,191 +187,18 @@ fn arrays_with_fields_are_read_by_name() {
     }
 }
 
-/// A file of one piece: what stands in the piece, and its other attributes.
-fn vtk_xml(kind: &str, attributes: &str, pieces: &[(&str, &str)]) -> String {
-    let piece = |(more, inner): &(&str, &str)| format!("<Piece {more}>{inner}</Piece>");
-    let pieces: String = pieces.iter().map(piece).collect();
-    format!("<VTKFile type=\"{kind}\" {attributes}><{kind}>{pieces}</{kind}></VTKFile>")
-}
-
-fn ascii(name: &str, numbers: &str) -> String {
-    format!("<DataArray type=\"Float64\" Name=\"{name}\" format=\"ascii\">{numbers}</DataArray>")
-}
-
-fn points(numbers: &str) -> String {
-    format!(
-        "<Points><DataArray type=\"Float64\" NumberOfComponents=\"3\" \
-         format=\"ascii\">{numbers}</DataArray></Points>"
-    )
-}
-
+/// As tables and dumps have them; those of VTK are in `cases/vtk.txt`.
 #[test]
-fn pieces_follow_each_other_and_text_is_never_compressed() {
-    let of = |radii: &str| format!("<PointData>{}</PointData>", ascii("radius", radii));
-    let (two, one) = (points("1 2 3 4 5 6") + &of("0.5 0.25"), of("2") + &points("7 8 9"));
-    let none = "<Points></Points>".to_string();
-    let file = vtk_xml(
-        "UnstructuredGrid",
-        "compressor=\"vtkLZ4DataCompressor\"",
-        &[
-            ("NumberOfPoints=\"0\"", &none),
-            ("NumberOfPoints=\"2\"", &two),
-            ("NumberOfPoints=\"1\"", &one),
-        ],
-    );
-    let scene = read(file.as_bytes(), "vtu", NONE).unwrap();
-    let expected = [[1.0, 2.0, 3.0, 0.5], [4.0, 5.0, 6.0, 0.25], [7.0, 8.0, 9.0, 2.0]];
-    assert_eq!(rows(&scene), expected);
-    let unsized_piece = file.replace(&of("2"), "");
-    assert!(refused(unsized_piece.as_bytes(), "vtu", NONE).contains("holds 3 points but 2 radii"));
-    let packed = file.replace("format=\"ascii\">2<", "format=\"binary\">AAAA<");
-    assert!(refused(packed.as_bytes(), "vtu", NONE).contains("vtkLZ4DataCompressor"));
-    let list = vtk_xml("Collection", "", &[]);
-    assert!(refused(list.as_bytes(), "pvd", NONE).contains("names others beside it"));
-    let ghosts = file.replace("Name=\"radius\"", "Name=\"vtkGhostType\"");
-    assert!(refused(ghosts.as_bytes(), "vtu", HALF).contains("3 of the points are ghosts"));
-}
-
-#[test]
-fn sizes_of_vtk_have_any_name_and_place() {
-    let piece = |data: &str| {
-        let inner = points("1 2 3 4 5 6") + data;
-        vtk_xml("PolyData", "", &[("NumberOfPoints=\"2\" NumberOfVerts=\"2\"", &inner)])
+fn ids_stand_in_arrays_of_many_names() {
+    let ids = |shape, numbers: &[f64], label, options: Options| {
+        let file = npz(&[("x", "<f8", "(2, 3)", &TWO), (label, ">i4", shape, numbers)]);
+        loaded(&file, "npz", Options { ids: true, ..options }).unwrap().0.ids.unwrap_or_default()
     };
-    let of = |place: &str, arrays: &[(&str, &str)]| {
-        let arrays: String = arrays.iter().map(|(name, all)| ascii(name, all)).collect();
-        piece(&format!(
-            "<{place}>{arrays}</{place}><Verts>{}{}</Verts>",
-            ascii("connectivity", "0 1"),
-            ascii("offsets", "1 2")
-        ))
-    };
-    let named = of("PointData", &[("particle_radius", "1 2"), ("type", "0 0")]);
-    let (particles, _) = loaded(named.as_bytes(), "vtp", NONE).unwrap();
-    assert_eq!(
-        (particles.has_radii(), &*particles.unused),
-        (false, &["particle_radius", "type"].map(String::from)[..])
-    );
-    assert_eq!(radii(named.as_bytes(), "vtp", columns("r=particle_radius")), [1.0, 2.0]);
-    assert!(refused(named.as_bytes(), "vtp", columns("x=a,y=b")).contains("its own points"));
-    let both = of("PointData", &[("diameter", "2 4"), ("radius", "1 2")]);
-    assert_eq!(radii(both.as_bytes(), "vtp", NONE), [1.0, 2.0]);
-    let (particles, about) = loaded(both.as_bytes(), "vtp", NONE).unwrap();
-    assert_eq!(about.radius, RadiusSource::Column("radius".into()));
-    assert_eq!(particles.notices().len(), 1, "{:?}", particles.notices());
-    let differ = of("PointData", &[("diameter", "2 4"), ("radius", "1 3")]);
-    let error = refused(differ.as_bytes(), "vtp", NONE);
-    assert!(error.contains("differ at point 1") && error.contains("--columns r=radius"), "{error}");
-    assert_eq!(radii(differ.as_bytes(), "vtp", columns("d=diameter")), [1.0, 2.0]);
-    // Sizes of cells count where cell k is point k.
-    let cells = of("CellData", &[("radius", "1 2")]);
-    assert_eq!(radii(cells.as_bytes(), "vtp", NONE), [1.0, 2.0]);
-    let turned = cells.replace(">0 1<", ">1 0<");
-    let (particles, _) = loaded(turned.as_bytes(), "vtp", NONE).unwrap();
-    assert_eq!((particles.has_radii(), &*particles.unused[0]), (false, "radius (of cells)"));
-    let red = of("PointData", &[("r", "1 2"), ("g", "1 2"), ("b", "1 2")]);
-    assert_eq!(radii(red.as_bytes(), "vtp", NONE), [0.0; 0]);
-    for (head, cells) in [
-        ("5.1", "VERTICES 3 2\nOFFSETS vtktypeint64\n0 1 2\nCONNECTIVITY vtktypeint64\n0 1\n"),
-        ("3.0", "VERTICES 2 4\n1 0 1 1\n"),
-    ] {
-        let text = format!(
-            "# vtk DataFile Version {head}\nt\nASCII\nDATASET POLYDATA\nPOINTS 2 double\n1 2 3 4 5 \
-             6\n{cells}CELL_DATA 2\nSCALARS radius double\nLOOKUP_TABLE default\n1 2\n"
-        );
-        assert_eq!(radii(text.as_bytes(), "vtk", NONE), [1.0, 2.0], "{head}");
-        // VECTORS of cells have a number of cells, and stand before the data of points.
-        let text = text.replace(
-            "CELL_DATA 2\n",
-            "VERTICES 0 0\nPOINT_DATA 2\nSCALARS size float\nLOOKUP_TABLE d\n7 7\nCELL_DATA 2\n\
-             VECTORS v double\n1 1 1 1 1 1\n",
-        );
-        assert_eq!(radii(text.as_bytes(), "vtk", NONE), [1.0, 2.0], "{head}");
-        assert_eq!(radii(text.as_bytes(), "vtk", columns("r=size")), [7.0, 7.0], "{head}");
+    for name in ["id", "ids", "GlobalIds"] {
+        assert_eq!(ids("(2,)", &[7.0, 5.0], name, HALF), [7, 5], "{name}");
     }
-}
-
-#[test]
-fn corners_of_meshes_are_no_particles() {
-    let inner = points("0 0 0 1 0 0 0 1 0")
-        + &format!("<PointData>{}</PointData>", ascii("radius", "0.5 0.5 0.5"));
-    let piece = |more: &str, cells: &str| {
-        let (kind, inner) = match cells {
-            "" => ("PolyData", inner.clone()),
-            _ => ("UnstructuredGrid", format!("{inner}<Cells>{}</Cells>", ascii("types", cells))),
-        };
-        vtk_xml(kind, "", &[(&format!("NumberOfPoints=\"3\" {more}"), &inner)])
-    };
-    let legacy = |kind: &str, cells: &str| {
-        format!(
-            "# vtk DataFile Version 3.0\nt\nASCII\nDATASET {kind}\nPOINTS 3 double\n0 0 0 1 0 0 \
-             0 1 0\n{cells}\nPOINT_DATA 3\nSCALARS radius double\nLOOKUP_TABLE default\n1 1 1\n"
-        )
-    };
-    let ply = |element: &str, list: &str| {
-        format!(
-            "ply\nformat ascii 1.0\nelement vertex 3\nproperty double x\nproperty double \
-             y\nproperty double z\nproperty float radius\n{element}\nproperty \
-             {list}\nend_header\n0 0 0 1\n1 0 0 1\n0 1 0 1\n3 0 1 2\n"
-        )
-    };
-    let faces = [
-        (piece("NumberOfPolys=\"1\"", ""), "vtp"),
-        (piece("NumberOfStrips=\"1\"", ""), "vtp"),
-        (piece("NumberOfCells=\"1\"", "5"), "vtu"),
-        (piece("NumberOfCells=\"2\"", "1 10"), "vtu"),
-        (legacy("POLYDATA", "POLYGONS 1 4\n3 0 1 2"), "vtk"),
-        (legacy("POLYDATA", "TRIANGLE_STRIPS 1 4\n3 0 1 2"), "vtk"),
-        (legacy("UNSTRUCTURED_GRID", "CELLS 1 4\n3 0 1 2\nCELL_TYPES 1\n5"), "vtk"),
-        (ply("element face 1", "list uchar int vertex_indices"), "ply"),
-    ];
-    for (text, ending) in &faces {
-        let error = refused(text.as_bytes(), ending, NONE);
-        assert!(error.contains("the points are the corners of 1"), "{text}: {error}");
-        assert!(error.contains("Glyph") && error.contains("--radius R"), "{error}");
-        // A size that is given says that they are particles.
-        for options in [HALF, columns("r=radius")] {
-            let (particles, _) = loaded(text.as_bytes(), ending, options).unwrap();
-            assert_eq!(particles.len(), 3);
-            let said = format!("{:?}", particles.notices());
-            assert!(said.contains("the corners of 1"), "{said}");
-        }
-    }
-    for (text, ending) in [
-        (piece("NumberOfLines=\"2\"", ""), "vtp"),
-        (piece("NumberOfCells=\"2\"", "3 4"), "vtu"),
-        (legacy("POLYDATA", "LINES 2 6\n2 0 1 2 1 2"), "vtk"),
-    ] {
-        let (particles, _) = loaded(text.as_bytes(), ending, NONE).unwrap();
-        let said = format!("{:?}", particles.notices());
-        assert!(particles.has_radii() && said.contains("2 lines between the points"), "{said}");
-    }
-    for (text, ending) in [
-        (piece("NumberOfVerts=\"3\"", ""), "vtp"),
-        (piece("NumberOfCells=\"3\"", "1 1 1"), "vtu"),
-        (piece("NumberOfCells=\"1\"", "2"), "vtu"),
-        (legacy("UNSTRUCTURED_GRID", "CELLS 1 4\n3 0 1 2\nCELL_TYPES 1\n2"), "vtk"),
-        (legacy("STRUCTURED_GRID", "DIMENSIONS 3 1 1"), "vtk"),
-        (ply("element face 0", "list uchar int vertex_indices"), "ply"),
-    ] {
-        let (particles, _) = loaded(text.as_bytes(), ending, NONE).unwrap();
-        // All z are 0, which is another matter.
-        assert_eq!(particles.notices(), [Notice::Flat], "{text}");
-    }
-    let grid = legacy("STRUCTURED_GRID", "DIMENSIONS 3 2 1");
-    assert!(refused(grid.as_bytes(), "vtk", NONE).contains("the corners of 1 polygon,"));
-}
-
-#[test]
-fn bytes_named_r_are_red_in_ply() {
-    let ply = |kind: &str| {
-        format!(
-            "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty \
-             float z\nproperty {kind} r\nproperty float scalar_size\nend_header\n1 2 3 255 4\n"
-        )
-    };
-    assert_eq!(radii(ply("float").as_bytes(), "ply", NONE), [255.0]);
-    assert_eq!(radii(ply("uchar").as_bytes(), "ply", NONE), [0.0; 0]);
-    assert_eq!(radii(ply("uchar").as_bytes(), "ply", columns("r=r")), [255.0]);
-    assert_eq!(radii(ply("uchar").as_bytes(), "ply", columns("d=scalar_size")), [2.0]);
+    let chosen = Options { radius: Some(0.5), ..columns("id=n") };
+    assert_eq!(ids("(2,)", &[7.0, 5.0], "n", chosen), [7, 5]);
+    assert_eq!(ids("(2,)", &[7.0, 5.0], "n", HALF), [0; 0]);
+    assert_eq!(ids("(1,)", &[7.0], "id", HALF), [0; 0], "one for two");
 }

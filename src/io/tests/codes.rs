@@ -1,61 +1,6 @@
-//! Files of LAMMPS and HOOMD, and files whose last frame is being written.
+//! Files of HOOMD, and files whose last frame is being written.
 
 use super::*;
-
-const BOX: &str = "1 atom types\n0 10 xlo xhi\n0 10 ylo yhi\n0 10 zlo zhi\n";
-
-fn data(atoms: &str) -> Vec<u8> {
-    format!("title\n\n2 atoms\n{BOX}\n{atoms}").into_bytes()
-}
-
-#[test]
-fn atoms_without_a_style_are_read_with_the_option_that_the_message_names() {
-    let text = data("Atoms\n\n1 1 1.0 2500 1 1 1\n2 1 1.0 2500 2 1 1\n");
-    let error = read(&text, "", NONE).unwrap_err();
-    let option = "--columns x=5,y=6,z=7,d=3,id=1 (style sphere, granular)";
-    assert!(error.contains("7 columns") && error.contains(option), "{error}");
-    let columns = Some("x=5,y=6,z=7,d=3,id=1".parse().unwrap());
-    let scene = read(&text, "", Options { columns, ..NONE }).unwrap();
-    assert_eq!(rows(&scene), [[1.0, 1.0, 1.0, 0.5], [2.0, 1.0, 1.0, 0.5]]);
-    // What the number of columns says is said.
-    let text = data("Atoms\n\n1 1 1 1 1\n2 1 2 1 1\n");
-    let (particles, _) = load_from(&text[..], "p", "", HALF).unwrap();
-    let words = particles.notices()[0].words(Place::Argument);
-    assert!(words.contains("taken as id type x y z"), "{words}");
-    let unknown = data("Atoms # wavy\n\n1 1 1 1 1\n");
-    let error = read(&unknown, "", HALF).unwrap_err();
-    assert!(error.contains("'wavy' is not read") && error.contains("--columns"), "{error}");
-}
-
-#[test]
-fn hybrid_styles_have_their_places_behind_the_type() {
-    let text = data("Atoms # hybrid sphere bond\n\n1 1 1 1 1 1.0 2500 1\n2 1 2 1 1 1.0 2500 1\n");
-    let expected = [[1.0, 1.0, 1.0, 0.5], [2.0, 1.0, 1.0, 0.5]];
-    assert_eq!(rows(&read(&text, "", HALF).unwrap()), expected);
-    assert_eq!(rows(&read(&text, "", NONE).unwrap()), expected, "with its own diameters");
-    let bond = data("Atoms # hybrid bond wavy sphere\n\n1 1 1 1 1 4 9 9\n2 1 2 1 1 4 9 9\n");
-    assert_eq!(rows(&read(&bond, "", HALF).unwrap()), expected);
-    assert!(read(&bond, "", NONE).unwrap_err().contains("holds no radii"));
-}
-
-#[test]
-fn a_count_in_the_title_is_explained() {
-    let text = format!("2 atoms\n{BOX}\nAtoms # atomic\n\n1 1 0 0 0\n2 1 1 0 0\n");
-    let error = read(text.as_bytes(), "", HALF).unwrap_err();
-    assert!(error.starts_with("p:1: the first line of a LAMMPS data file is a title"), "{error}");
-}
-
-#[test]
-fn dumps_of_other_things_are_named() {
-    let begin = "ITEM: UNITS\nlj\nITEM: TIME\n0.5\nITEM: TIMESTEP\n0\n";
-    for (rest, words) in [
-        ("ITEM: NUMBER OF ENTRIES\n1\nITEM: ENTRIES c_1\n1\n", "a dump of pairs or bonds"),
-        ("ITEM: DIMENSION\n3\nITEM: GRID SIZE nx ny nz\n1 1 1\n", "a dump of grid cells"),
-    ] {
-        let error = read(format!("{begin}{rest}").as_bytes(), "", HALF).unwrap_err();
-        assert!(error.contains(words), "{error}");
-    }
-}
 
 /// Two whole frames of each format, and one that is being written.
 fn growing() -> [(&'static str, String, usize); 4] {

@@ -1,4 +1,4 @@
-//! Contact lists as NumPy, MATLAB and others write them.
+//! Contact lists in arrays; those of text are in `cases/lists.txt`.
 
 use super::*;
 use crate::io::pairs::{self, List};
@@ -106,50 +106,4 @@ fn archives_hold_i_and_j_or_one_array_of_pairs() {
     refused(&[("left", row(&[0])), ("right", row(&[1]))], "there are: left right");
     refused(&[("i", row(&[0])), ("j", row(&[1])), ("frame", row(&[0]))], "several frames");
     refused(&[("pairs", npy_file("<i8", "False", "(1, 7)", &whole(&[0; 7])))], "(2, pairs)");
-}
-
-#[test]
-fn texts_with_comments_and_exponents_are_read() {
-    let pairs = [[0, 1], [1, 2]];
-    let exact = |x: u8| format!("{x}.000000000000000000e+00");
-    let savetxt = format!("{} {}\n{} {}\n", exact(0), exact(1), exact(1), exact(2));
-    for text in [
-        &*savetxt,
-        "% i j\n0 1\n1 2\n",
-        "% contacts of frame 5\n0 1\n1 2\n",
-        "0 1 % the first, alone\n% another\n1 2 # and the last\n",
-        "i,j # names\n0,1\n1,2\n",
-        "0,1\n1,2\n",
-        "name;i;j\nx;0;1\ny;1;2\n",
-    ] {
-        let found = list(text.as_bytes()).unwrap();
-        assert_eq!((&found.pairs[..], found.notices.len()), (&pairs[..], 0), "{text}");
-    }
-    // %g keeps six digits, and these may be of a number with more.
-    for text in ["1e+06 2\n", "0 1.23457e+06\n"] {
-        let error = list(text.as_bytes()).unwrap_err().to_string();
-        assert!(error.starts_with("p:1: column"), "{text}: {error}");
-    }
-    assert_eq!(list(b"0 1.234567e+06\n").unwrap().pairs, [[0, 1_234_567]]);
-}
-
-/// A first line is a pair unless it is clear that it is a header.
-#[test]
-fn no_first_pair_is_taken_for_a_header() {
-    for (text, words) in [
-        ("(0, 1)\n", "p:1: column 1: '(0' is not the number of a particle; name the columns"),
-        ("0, 1]\n[1, 2]\n", "p:1: column 2: '1]'"),
-        ("0 a\n1 2\n", "p:1: column 2: 'a'"),
-        ("a 0\n1 2\n", "p:1: column 1: 'a'"),
-        ("0.5 1\n", "p:1: column 1: '0.5'"),
-        ("-nan 1\n", "p:1: column 1"),
-    ] {
-        let error = list(text.as_bytes()).unwrap_err().to_string();
-        assert!(error.starts_with(words), "{text}: {error}");
-    }
-    let named = list(b"left right\n0 1\n").unwrap();
-    assert_eq!((named.pairs, named.notices.len()), (vec![[0, 1]], 1));
-    assert_eq!(list(b"i j\n0 1\n").unwrap().notices, []);
-    let chosen = |text: &str| pairs::from(text.as_bytes(), "p", &["3", "4"], Frame::Only);
-    assert_eq!(chosen("ball ball 0 1\nball ball 1 2\n").unwrap().pairs, [[0, 1], [1, 2]]);
 }

@@ -73,6 +73,23 @@ fn files_of_a_pattern_are_frames_in_the_order_of_their_numbers() {
 }
 
 #[test]
+fn lists_of_a_pattern_are_those_of_frames() {
+    let folder = folder(&[("l_9.csv", "i,j\n0,1\n"), ("l_10.csv", "i,j\n"), ("m_1.csv", "0 1\n")]);
+    let pattern = folder.path().join("l_*.csv");
+    let lists = |frame| -> anyhow::Result<Vec<(Option<u64>, usize, usize)>> {
+        pairs::lists(&pattern, &[], frame, |lists| {
+            lists.map(|list| list.map(|it| (it.frame, it.pairs.len(), it.notices.len()))).collect()
+        })
+    };
+    assert_eq!(lists(Frame::All).unwrap(), [(Some(0), 1, 1), (Some(1), 0, 0)]);
+    assert_eq!(pairs::read(&pattern, &[], Frame::Last).unwrap().frame, Some(1));
+    assert_eq!(pairs::read(&pattern, &[], Frame::Number(0)).unwrap().pairs, [[0, 1]]);
+    assert!(pairs::read(&pattern, &[], Frame::Only).is_err());
+    let none = pairs::read(&folder.path().join("n_*.csv"), &[], Frame::Last).unwrap_err();
+    assert!(none.to_string().contains("no file matches the pattern"), "{none}");
+}
+
+#[test]
 fn lists_of_files_are_frames_with_times() {
     let one = vtp("PolyData", &[1.0]);
     let two = vtp("UnstructuredGrid", &[2.0, 3.0]);
