@@ -309,7 +309,8 @@ mod tests {
                 Scene::new(centres, Radii::Each(vec![1.0, small].into())).unwrap().into();
             judges(&scene)[0]
         };
-        assert_eq!([1.0, 0.5, 0.499, 0.0].map(with), ["nbs", "nbs", "kd-tree", "kd-tree"]);
+        let first = [1.0, 0.5, 0.499, 0.0].map(|part| with(part).name);
+        assert_eq!(first, ["nbs", "nbs", "kd-tree", "kd-tree"]);
     }
 
     #[test]
