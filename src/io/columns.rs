@@ -4,7 +4,7 @@ mod doubts;
 
 use anyhow::{Context, bail, ensure};
 
-use crate::io::lines::{number, short, shown, whole};
+use crate::io::lines::{Lines, Separator, listed, number, short, shown, whole};
 use crate::io::particles::{Particles, digits, unused_sizes};
 use crate::io::units::{self, shifted};
 use crate::io::{Notice, Options, RadiusSource};
@@ -301,6 +301,53 @@ impl Columns {
             groups.push(all.clone().nth(groups.column).unwrap_or_default())?;
         }
         particles.push(point, radius, id).with_context(place)
+    }
+}
+
+impl Columns {
+    /// Adds the particle of a line whose cells are between blanks.
+    pub fn push_words(
+        &self,
+        particles: &mut Particles,
+        line: &[u8],
+        lines: &Lines<'_>,
+    ) -> anyhow::Result<()> {
+        let between = || format!(" ({})", listed(&self.names));
+        self.push(particles, Separator::Blanks.cells(line), || lines.place(), between)
+    }
+
+    /// Adds the particle of record `k` of a binary file, such as "vertex"; `value` gives the number
+    /// of a column, if it is one.
+    pub fn push_values(
+        &self,
+        particles: &mut Particles,
+        (file, record, k): (&str, &str, u64),
+        value: impl Fn(usize) -> Option<f64>,
+    ) -> anyhow::Result<()> {
+        let (mut point, mut radius, mut id) = ([0.0; 3], 0.0, k as i64);
+        for (place, (column, label)) in self.meaning.iter().zip(&self.names).enumerate() {
+            if *column == Column::Other || *column == Column::Id && particles.ids.is_none() {
+                continue;
+            }
+            let what = || format!("{file}: {record} {k} (from 0): '{}'", short(label));
+            let value = value(place).with_context(|| format!("{} is no number", what()))?;
+            match column {
+                Column::Axis(axis) => {
+                    ensure!(value.is_finite(), "{} is {value}; it must be finite", what());
+                    point[*axis] = value;
+                }
+                Column::Id => {
+                    let is_whole = value.fract() == 0.0 && value.abs() < 9e15;
+                    ensure!(is_whole, "{}: {value} is not a whole number", what());
+                    id = value as i64;
+                }
+                _ => {
+                    let size = column.size(value);
+                    radius = size.map_err(|why| anyhow::anyhow!("{}: {value} {why}", what()))?;
+                }
+            }
+        }
+        particles.push(point, radius, id)
     }
 }
 

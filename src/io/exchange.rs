@@ -67,28 +67,34 @@ pub fn read_scene(
 /// Reads pairs as a runner writes them: npy, `<u4`, shape (pairs, 2), C order. In a box of `dim`
 /// dimensions: `<i4`, shape (pairs, 2 + dim), the image of the second in the columns that follow.
 pub fn read_contacts(path: &Path, box_dim: Option<usize>) -> anyhow::Result<Contacts> {
-    let Some(dim) = box_dim else {
-        let plain = read_pairs(path)?;
-        return Ok(Contacts { plain, shifted: Vec::new() });
-    };
     let name = path.display().to_string();
-    let columns = 2 + dim;
-    let mut contacts = Contacts::default();
-    let mut row = [0i32; 5];
-    let form = format!("contacts in a box are '<i4' of the shape (pairs, {columns}), in C order");
-    read(path, &name, Kind::I32, columns, &form, |k, value| {
+    let (kind, descr) = if box_dim.is_some() { (Kind::I32, "<i4") } else { (Kind::U32, "<u4") };
+    let columns = 2 + box_dim.unwrap_or(0);
+    let file = File::open(path).with_context(|| format!("cannot read the pairs {name}"))?;
+    let (input, unpacking) = (&mut BufReader::new(file), &Unpacking::default());
+    let mut source = Source { input, name: &name, unpacking };
+    let header = npy::header(&mut source)?;
+    let fits = header.kind == kind && !header.big && !header.fortran;
+    ensure!(
+        fits && header.columns == Some(columns),
+        "{name} holds {} of the shape ({}){}; pairs are '{descr}' of the shape (pairs, {columns}), \
+         in C order",
+        header.descr,
+        header.shape,
+        if header.fortran { " in Fortran order" } else { "" }
+    );
+    let (mut contacts, mut row) = (Contacts::default(), [0i64; 5]);
+    header.values(&mut source, header.rows.saturating_mul(columns as u64), |k, value| {
         let at = (k % columns as u64) as usize;
-        // Every i32 is a double.
-        row[at] = value as i32;
+        // Every i32 and u32 is a double.
+        row[at] = value as i64;
         if at + 1 < columns {
             return Ok(());
         }
-        let [i, j] = [row[0], row[1]].map(u32::try_from);
-        let (Ok(i), Ok(j)) = (i, j) else {
+        let [Ok(i), Ok(j)] = [row[0], row[1]].map(u32::try_from) else {
             bail!("{name} has the pair {},{}; particles are numbered from 0", row[0], row[1]);
         };
-        let mut image = [0; 3];
-        image[..dim].copy_from_slice(&row[2..columns]);
+        let image = [row[2], row[3], row[4]].map(|s| s as i32);
         if image == [0; 3] {
             room(&mut contacts.plain)?;
             contacts.plain.push([i, j]);
@@ -98,51 +104,8 @@ pub fn read_contacts(path: &Path, box_dim: Option<usize>) -> anyhow::Result<Cont
         }
         Ok(())
     })?;
+    source.end(&header)?;
     Ok(contacts)
-}
-
-/// Reads pairs as a runner writes them: npy, `<u4`, shape (pairs, 2), C order.
-pub fn read_pairs(path: &Path) -> anyhow::Result<Vec<[u32; 2]>> {
-    let name = path.display().to_string();
-    let (mut pairs, mut first) = (Vec::new(), 0);
-    let form = "pairs are '<u4' of the shape (pairs, 2), in C order";
-    read(path, &name, Kind::U32, 2, form, |k, value| {
-        // Every u32 is a double.
-        if k % 2 == 0 {
-            first = value as u32;
-        } else {
-            room(&mut pairs)?;
-            pairs.push([first, value as u32]);
-        }
-        Ok(())
-    })?;
-    Ok(pairs)
-}
-
-/// Hands over the numbers of an array of this kind and number of columns, row by row.
-fn read(
-    path: &Path,
-    name: &str,
-    kind: Kind,
-    columns: usize,
-    form: &str,
-    number: impl FnMut(u64, f64) -> anyhow::Result<()>,
-) -> anyhow::Result<()> {
-    let file = File::open(path).with_context(|| format!("cannot read the pairs {name}"))?;
-    let unpacking = Unpacking::default();
-    let input = &mut BufReader::new(file);
-    let mut source = Source { input, name, unpacking: &unpacking };
-    let header = npy::header(&mut source)?;
-    let kind = header.kind == kind && !header.big && !header.fortran;
-    ensure!(
-        kind && header.columns == Some(columns),
-        "{name} holds {} of the shape ({}){}; {form}",
-        header.descr,
-        header.shape,
-        if header.fortran { " in Fortran order" } else { "" }
-    );
-    header.values(&mut source, header.rows.saturating_mul(columns as u64), number)?;
-    source.end(&header)
 }
 
 #[cfg(test)]
@@ -155,11 +118,11 @@ mod tests {
         let path = folder.path().join("pairs.npy");
         let pairs = [[0, 1], [u32::MAX, 7]];
         io::write::pairs(&path, &pairs).unwrap();
-        assert_eq!(read_pairs(&path).unwrap(), pairs);
+        assert_eq!(read_contacts(&path, None).unwrap().plain, pairs);
         let whole = std::fs::read(&path).unwrap();
         let refused = |bytes: &[u8], words: &str| {
             std::fs::write(&path, bytes).unwrap();
-            let error = format!("{:#}", read_pairs(&path).unwrap_err());
+            let error = format!("{:#}", read_contacts(&path, None).map(drop).unwrap_err());
             assert!(error.contains(words), "{error}");
         };
         refused(&whole[..whole.len() - 1], "ends before the 2 x 2 numbers");

@@ -73,12 +73,12 @@ impl Choice {
         Choice { frame, survey, seen, sparse, by_step, through, whole, line, torn, gzip }
     }
 
-    /// A frame was read, or passed over, to its end.
-    pub fn done(&mut self, lines: Option<&Lines<'_>>, particles: Option<&mut Particles>) {
+    /// A frame was read, or passed over, to its end: that of [`Lines::end`] if it has lines.
+    pub fn done(&mut self, end: Option<(u64, bool)>, particles: Option<&mut Particles>) {
         self.whole = self.seen;
-        self.line = lines.map_or(0, Lines::at);
+        self.line = end.map_or(0, |(line, _)| line);
         // A program that writes frames ends each with a line feed: its last number may be cut.
-        if self.seen > 1 && lines.is_some_and(|lines| !lines.ended()) {
+        if self.seen > 1 && end.is_some_and(|(_, has_feed)| !has_feed) {
             let why = format!(
                 "the last line of frame {} has no line feed: if the file is being written, its \
                  last number may be cut off",
@@ -170,6 +170,37 @@ impl Choice {
 pub(crate) trait Reader<T> {
     /// The next frame that is kept; none when the file has ended, or no more is wanted.
     fn next(&mut self, choice: &mut Choice) -> anyhow::Result<Option<T>>;
+}
+
+/// A file whose frames follow each other, each behind a beginning of its own.
+pub(crate) trait Framed {
+    /// Goes to the next frame, and gives its place for messages; none at the end.
+    fn begin(&mut self) -> anyhow::Result<Option<String>>;
+
+    /// Reads the frame that has begun; or passes over it, and gives none.
+    fn frame(&mut self, keep: bool) -> anyhow::Result<Option<(Particles, About)>>;
+
+    /// [`Lines::end`], if the file is made of lines.
+    fn end(&self) -> Option<(u64, bool)> {
+        None
+    }
+}
+
+impl<F: Framed> Reader<(Particles, About)> for F {
+    fn next(&mut self, choice: &mut Choice) -> anyhow::Result<Option<(Particles, About)>> {
+        while let Some(place) = self.begin()? {
+            let step = choice.begin(|| place.clone())?;
+            if step == Step::Stop {
+                return Ok(None);
+            }
+            let mut read = self.frame(step == Step::Keep)?;
+            choice.done(self.end(), read.as_mut().map(|(particles, _)| particles));
+            if read.is_some() {
+                return Ok(read);
+            }
+        }
+        Ok(None)
+    }
 }
 
 /// A reader of a file that holds one frame.

@@ -111,6 +111,11 @@ impl<'a> Lines<'a> {
         self.number
     }
 
+    /// The number of the line, and whether it ends in a line feed.
+    pub fn end(&self) -> (u64, bool) {
+        (self.number, self.ended)
+    }
+
     /// Whether the last line that was there ends in a line feed.
     pub fn ended(&self) -> bool {
         self.ended

@@ -66,7 +66,7 @@ impl Reader<(Particles, About)> for Csv<'_> {
             read?;
             match table.is_row {
                 true => choice.done_before(lines),
-                false => choice.done(Some(lines), Some(&mut kept).filter(|_| is_kept)),
+                false => choice.done(Some(lines.end()), Some(&mut kept).filter(|_| is_kept)),
             }
             if is_kept {
                 return table.frame(kept, columns.radius(), index, lines.source.name).map(Some);

@@ -15,7 +15,7 @@
 use anyhow::{Context, bail, ensure};
 
 use crate::io::boxes::{in_order, letters};
-use crate::io::frames::{Choice, Reader, Step};
+use crate::io::frames::{Framed, Reader};
 use crate::io::lines::{Lines, Separator, Source, number, short, shown, step_of};
 use crate::io::particles::{Centres, Column, Columns, Particles, loaded};
 use crate::io::{About, Declared, Notice, Options};
@@ -24,21 +24,34 @@ pub(crate) fn frames<'a>(
     source: Source<'a>,
     options: Options,
 ) -> Box<dyn Reader<(Particles, About)> + 'a> {
-    Box::new(Dump { lines: Lines::new(source), options })
+    Box::new(Dump { lines: Lines::new(source), options, header: Header::default(), any: false })
 }
 
 struct Dump<'a> {
     lines: Lines<'a>,
     options: Options,
+    header: Header,
+    /// Some frame has begun.
+    any: bool,
 }
 
-impl Reader<(Particles, About)> for Dump<'_> {
-    fn next(&mut self, choice: &mut Choice) -> anyhow::Result<Option<(Particles, About)>> {
-        let Dump { lines, options } = self;
-        let (mut n, mut bounds, mut at) = (None, None, (None, None));
-        // The header of a frame has begun, and its atoms have not come.
+/// What stands before the atoms of a frame, and is for that frame only.
+#[derive(Default)]
+struct Header {
+    n: Option<u64>,
+    names: String,
+    bounds: Option<Bounds>,
+    step: Option<i64>,
+    time: Option<f64>,
+}
+
+impl Framed for Dump<'_> {
+    fn begin(&mut self) -> anyhow::Result<Option<String>> {
+        let lines = &mut self.lines;
+        self.header = Header::default();
         let mut open = false;
         while lines.advance_over_blanks()? {
+            open = true;
             let text = lines.text();
             let Some(item) = text.strip_prefix("ITEM:").map(str::trim) else {
                 bail!(
@@ -47,61 +60,66 @@ impl Reader<(Particles, About)> for Dump<'_> {
                     short(&text)
                 );
             };
-            open = !item.starts_with("ATOMS");
-            if item == "NUMBER OF ATOMS" {
-                next(lines)?;
-                n = Some(lines.count(lines.line(), "the number of atoms")?);
-            } else if let Some(kind) = item.strip_prefix("BOX BOUNDS") {
-                bounds = Some(Bounds::read(lines, kind, *options)?);
-            } else if let Some(names) = item.strip_prefix("ATOMS") {
+            if let Some(names) = item.strip_prefix("ATOMS") {
                 let place = lines.place();
-                let n = n.take().with_context(|| {
-                    format!("{place}: no 'ITEM: NUMBER OF ATOMS' stands before the atoms")
-                })?;
-                // The box of a frame is for that frame only, and so is its time.
-                let (bounds, (step, time)) = (bounds.take(), std::mem::take(&mut at));
-                match choice.begin(|| lines.place())? {
-                    Step::Stop => return Ok(None),
-                    Step::Skip => {
-                        section(lines, n, None)?;
-                        choice.done(Some(lines), None);
-                    }
-                    Step::Keep => {
-                        let atoms = Atoms::new(names, bounds, &place, *options)?;
-                        let Some((mut particles, about)) = section(lines, n, Some(atoms))? else {
-                            return Ok(None);
-                        };
-                        choice.done(Some(lines), Some(&mut particles));
-                        return Ok(Some((particles, About { step, time, ..about })));
-                    }
-                }
-            } else if item.starts_with("ENTRIES") || item.starts_with("NUMBER OF ENTRIES") {
-                bail!(
-                    "{}: this is a dump of pairs or bonds, not of atoms; give it to verify --pairs",
-                    lines.place()
+                ensure!(
+                    self.header.n.is_some(),
+                    "{place}: no 'ITEM: NUMBER OF ATOMS' stands before the atoms"
                 );
-            } else if item.starts_with("GRID ") || item == "DIMENSION" {
-                bail!(
-                    "{}: this is a dump of grid cells, not of atoms; write one of style custom",
-                    lines.place()
-                );
-            } else {
-                // A time step, a time, units: one line each.
-                next(lines)?;
-                match item {
-                    "TIMESTEP" => at.0 = step_of(lines.line()),
-                    "TIME" => at.1 = number(lines.line()),
-                    _ => {}
-                }
+                self.header.names = names.into();
+                self.any = true;
+                return Ok(Some(place));
             }
+            self.header.take(item, lines, self.options)?;
         }
         let name = lines.source.name;
-        ensure!(choice.seen > 0, "{name} ends before a section 'ITEM: ATOMS'; write it again");
+        ensure!(self.any, "{name} ends before a section 'ITEM: ATOMS'; write it again");
         ensure!(
             !open,
             "{name} ends in the header of a frame: it is cut off, or still being written"
         );
         Ok(None)
+    }
+
+    fn frame(&mut self, keep: bool) -> anyhow::Result<Option<(Particles, About)>> {
+        let (place, lines) = (self.lines.place(), &mut self.lines);
+        let Header { n, names, bounds, step, time } = std::mem::take(&mut self.header);
+        let atoms = keep.then(|| Atoms::new(&names, bounds, &place, self.options)).transpose()?;
+        let read = section(lines, n.unwrap_or_default(), atoms)?;
+        Ok(read.map(|(particles, about)| (particles, About { step, time, ..about })))
+    }
+
+    fn end(&self) -> Option<(u64, bool)> {
+        Some(self.lines.end())
+    }
+}
+
+impl Header {
+    /// Takes an item that is not the atoms, with its lines.
+    fn take(&mut self, item: &str, lines: &mut Lines<'_>, options: Options) -> anyhow::Result<()> {
+        if let Some(kind) = item.strip_prefix("BOX BOUNDS") {
+            self.bounds = Some(Bounds::read(lines, kind, options)?);
+            return Ok(());
+        }
+        ensure!(
+            !item.starts_with("ENTRIES") && !item.starts_with("NUMBER OF ENTRIES"),
+            "{}: this is a dump of pairs or bonds, not of atoms; give it to verify --pairs",
+            lines.place()
+        );
+        ensure!(
+            !item.starts_with("GRID ") && item != "DIMENSION",
+            "{}: this is a dump of grid cells, not of atoms; write one of style custom",
+            lines.place()
+        );
+        // A time step, a time, units: one line each.
+        next(lines)?;
+        match item {
+            "NUMBER OF ATOMS" => self.n = Some(lines.count(lines.line(), "the number of atoms")?),
+            "TIMESTEP" => self.step = step_of(lines.line()),
+            "TIME" => self.time = number(lines.line()),
+            _ => {}
+        }
+        Ok(())
     }
 }
 
@@ -135,12 +153,7 @@ fn section(
                 "{}: a new section begins after {k} of the {n} atoms announced; mend the number",
                 lines.place()
             );
-            atoms.columns.push(
-                &mut atoms.particles,
-                Separator::Blanks.cells(line),
-                || lines.place(),
-                || " by ITEM: ATOMS".into(),
-            )?;
+            atoms.columns.push_words(&mut atoms.particles, line, lines)?;
             if let (true, Some(bounds)) = (atoms.scaled, &atoms.bounds) {
                 bounds.scale_last(&mut atoms.particles);
             }

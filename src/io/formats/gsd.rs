@@ -11,7 +11,7 @@
 
 use anyhow::{Context, bail, ensure};
 
-use crate::io::frames::{Choice, Reader, Step};
+use crate::io::frames::{Framed, Reader};
 use crate::io::lines::Source;
 use crate::io::particles::{Column, Particles, loaded};
 use crate::io::room::room_for;
@@ -34,30 +34,23 @@ struct Gsd<'a> {
     next: u64,
 }
 
-impl Reader<(Particles, About)> for Gsd<'_> {
-    fn next(&mut self, choice: &mut Choice) -> anyhow::Result<Option<(Particles, About)>> {
-        let Gsd { source, options, file, next } = self;
-        let file = match file {
+impl Framed for Gsd<'_> {
+    fn begin(&mut self) -> anyhow::Result<Option<String>> {
+        let file = match &mut self.file {
             Some(file) => file,
-            None => file.insert(File::read(source)?),
+            None => self.file.insert(File::read(&mut self.source)?),
         };
-        while *next < file.frames {
-            let k = *next;
-            match choice.begin(|| format!("{}: frame {k}", source.name))? {
-                Step::Stop => return Ok(None),
-                Step::Skip => {}
-                Step::Keep => {
-                    let frame = file.frame(k, source.name, *options);
-                    let frame = frame.with_context(|| format!("{}: frame {k}", source.name))?;
-                    *next += 1;
-                    choice.done(None, None);
-                    return Ok(Some(frame));
-                }
-            }
-            *next += 1;
-            choice.done(None, None);
-        }
-        Ok(None)
+        let k = self.next;
+        self.next += 1;
+        Ok((k < file.frames).then(|| format!("{}: frame {k}", self.source.name)))
+    }
+
+    fn frame(&mut self, keep: bool) -> anyhow::Result<Option<(Particles, About)>> {
+        let (Some(file), name, k) = (&self.file, self.source.name, self.next - 1) else {
+            return Ok(None);
+        };
+        let read = keep.then(|| file.frame(k, name, self.options)).transpose();
+        read.with_context(|| format!("{name}: frame {k}"))
     }
 }
 

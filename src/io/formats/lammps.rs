@@ -14,7 +14,7 @@
 
 use anyhow::{Context, bail, ensure};
 
-use crate::io::lines::{Lines, Separator, Source, number, short, shown, words};
+use crate::io::lines::{Lines, Source, number, short, shown, words};
 use crate::io::particles::{Column, Columns, Particles, loaded};
 use crate::io::{About, Declared, Notice, Options};
 
@@ -208,12 +208,7 @@ fn atoms(
             columns = Some(unstyled);
         }
         let Some(columns) = &columns else { continue };
-        columns.push(
-            &mut particles,
-            Separator::Blanks.cells(line),
-            || lines.place(),
-            || format!(" ({})", crate::io::lines::listed(&columns.names)),
-        )?;
+        columns.push_words(&mut particles, line, lines)?;
     }
     Ok((particles, columns.unwrap_or_else(|| Columns::named(["x", "y", "z"]))))
 }

@@ -8,8 +8,8 @@
 use anyhow::{Context, bail, ensure};
 
 use crate::io::boxes::in_order;
-use crate::io::frames::{Choice, Reader, Step};
-use crate::io::lines::{Lines, Separator, Source, number, words};
+use crate::io::frames::{Framed, Reader};
+use crate::io::lines::{Lines, Source, number, words};
 use crate::io::particles::{Columns, Particles, loaded};
 use crate::io::{About, Declared, Options};
 
@@ -33,47 +33,58 @@ pub(crate) fn frames<'a>(
     source: Source<'a>,
     options: Options,
 ) -> Box<dyn Reader<(Particles, About)> + 'a> {
-    Box::new(Data { lines: Lines::new(source), options })
+    Box::new(Data { lines: Lines::new(source), options, header: Header::default() })
 }
 
 struct Data<'a> {
     lines: Lines<'a>,
     options: Options,
+    header: Header,
 }
 
-impl Reader<(Particles, About)> for Data<'_> {
-    fn next(&mut self, choice: &mut Choice) -> anyhow::Result<Option<(Particles, About)>> {
-        let Data { lines, options } = self;
-        while lines.advance_over_blanks()? {
-            ensure!(
-                header(lines.line()),
-                "{}: a line 'N time xmin ymin zmin xmax ymax zmax' is expected; is the number of \
-                 particles before it right?",
-                lines.place()
-            );
-            let mut numbers = words(lines.line());
-            let n = lines.count(numbers.next().unwrap_or_default(), "the number of particles")?;
-            let time = numbers.next().and_then(number);
-            let bounds: Vec<f64> = numbers.filter_map(number).collect();
-            let step = choice.begin(|| lines.place())?;
-            if step == Step::Stop {
-                return Ok(None);
-            }
-            let rows = rows(lines, n, step == Step::Keep, *options)?;
-            if step == Step::Skip {
-                choice.done(Some(lines), None);
-            } else {
-                let (columns, particles) = rows
-                    .unwrap_or_else(|| (Columns::named(SPACE.split(' ')), Particles::new(3, true)));
-                let about = About { time, ..in_bounds(lines, &bounds, &particles, *options)? };
-                let (mut particles, loaded) =
-                    loaded("MercuryDPM data", particles, columns.radius());
-                let About { format, radius, .. } = loaded;
-                choice.done(Some(lines), Some(&mut particles));
-                return Ok(Some((particles, About { format, radius, ..about })));
-            }
+/// What stands before the rows of a frame.
+#[derive(Default)]
+struct Header {
+    n: u64,
+    time: Option<f64>,
+    bounds: Vec<f64>,
+}
+
+impl Framed for Data<'_> {
+    fn begin(&mut self) -> anyhow::Result<Option<String>> {
+        let lines = &mut self.lines;
+        if !lines.advance_over_blanks()? {
+            return Ok(None);
         }
-        Ok(None)
+        ensure!(
+            header(lines.line()),
+            "{}: a line 'N time xmin ymin zmin xmax ymax zmax' is expected; is the number of \
+             particles before it right?",
+            lines.place()
+        );
+        let mut numbers = words(lines.line());
+        let n = lines.count(numbers.next().unwrap_or_default(), "the number of particles")?;
+        let time = numbers.next().and_then(number);
+        self.header = Header { n, time, bounds: numbers.filter_map(number).collect() };
+        Ok(Some(lines.place()))
+    }
+
+    fn frame(&mut self, keep: bool) -> anyhow::Result<Option<(Particles, About)>> {
+        let Data { lines, options, header: Header { n, time, bounds } } = self;
+        let rows = rows(lines, *n, keep, *options)?;
+        if !keep {
+            return Ok(None);
+        }
+        let none = || (Columns::named(SPACE.split(' ')), Particles::new(3, true));
+        let (columns, particles) = rows.unwrap_or_else(none);
+        let about = in_bounds(lines, bounds, &particles, *options)?;
+        let (particles, read) = loaded("MercuryDPM data", particles, columns.radius());
+        let About { format, radius, .. } = read;
+        Ok(Some((particles, About { format, radius, time: *time, ..about })))
+    }
+
+    fn end(&self) -> Option<(u64, bool)> {
+        Some(self.lines.end())
     }
 }
 
@@ -109,12 +120,7 @@ fn rows(
             rows = Some((columns, particles));
         }
         let Some((columns, particles)) = &mut rows else { continue };
-        columns.push(
-            particles,
-            Separator::Blanks.cells(lines.line()),
-            || lines.place(),
-            || format!(" ({})", crate::io::lines::listed(&columns.names)),
-        )?;
+        columns.push_words(particles, lines.line(), lines)?;
     }
     Ok(rows)
 }

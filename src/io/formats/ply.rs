@@ -8,7 +8,7 @@
 use anyhow::{Context, bail, ensure};
 
 use crate::io::arrays::Cells;
-use crate::io::lines::{Lines, Separator, Source, short, texts};
+use crate::io::lines::{Lines, Source, short, texts};
 use crate::io::particles::{Column, Columns, Particles, loaded};
 use crate::io::scalars::Kind;
 use crate::io::{About, Options};
@@ -59,13 +59,7 @@ pub(crate) fn read(source: Source<'_>, options: Options) -> anyhow::Result<(Part
                 return Err(torn(k.saturating_sub(skipped)));
             }
             if k >= skipped {
-                let between = || format!(" ({})", crate::io::lines::listed(&columns.names));
-                columns.push(
-                    &mut particles,
-                    Separator::Blanks.cells(lines.line()),
-                    || lines.place(),
-                    between,
-                )?;
+                columns.push_words(&mut particles, lines.line(), &lines)?;
             }
         }
         return Ok(loaded("PLY, text", particles, columns.radius()));
@@ -76,42 +70,18 @@ pub(crate) fn read(source: Source<'_>, options: Options) -> anyhow::Result<(Part
             return Err(torn(0));
         }
     }
-    let mut row = vec![0; vertex.kinds.iter().map(|kind| kind.width()).sum()];
+    let mut ends = vec![0];
+    ends.extend(vertex.kinds.iter().scan(0, |end, kind| {
+        *end += kind.width();
+        Some(*end)
+    }));
+    let mut row = vec![0; ends[vertex.kinds.len()]];
     for k in 0..vertex.count {
         if !lines.source.fill(&mut row)? {
             return Err(torn(k));
         }
-        let (mut point, mut radius, mut id, mut at) = ([0.0; 3], 0.0, k as i64, 0);
-        for ((kind, column), label) in vertex.kinds.iter().zip(&columns.meaning).zip(&columns.names)
-        {
-            let value = kind.get(&row[at..], big);
-            at += kind.width();
-            match column {
-                Column::Axis(axis) => {
-                    ensure!(
-                        value.is_finite(),
-                        "{name}: vertex {k} (from 0): {label} is {value}; it must be finite"
-                    );
-                    point[*axis] = value;
-                }
-                Column::Radius | Column::Diameter => {
-                    let size = column.size(value).map_err(|why| {
-                        anyhow::anyhow!("{name}: vertex {k} (from 0): '{label}': {value} {why}")
-                    })?;
-                    radius = size;
-                }
-                Column::Id if particles.ids().is_some() => {
-                    let whole = value.fract() == 0.0 && value.abs() < 9e15;
-                    ensure!(
-                        whole,
-                        "{name}: vertex {k} (from 0): '{label}': {value} is not a whole number"
-                    );
-                    id = value as i64;
-                }
-                Column::Id | Column::Other => {}
-            }
-        }
-        particles.push(point, radius, id)?;
+        let value = |place: usize| Some(vertex.kinds[place].get(&row[ends[place]..], big));
+        columns.push_values(&mut particles, (name, "vertex", k), value)?;
     }
     Ok(loaded("PLY, binary", particles, columns.radius()))
 }

@@ -17,7 +17,7 @@ mod comment;
 use anyhow::{Context, bail, ensure};
 use comment::Comment;
 
-use crate::io::frames::{Choice, Reader, Step};
+use crate::io::frames::{Framed, Reader};
 use crate::io::lines::{Lines, Source, number, short, shown, step_of, words};
 use crate::io::particles::{Column, Columns, Particles};
 use crate::io::{About, Boundaries, Declared, Notice, Options};
@@ -28,48 +28,42 @@ pub(crate) fn frames<'a>(
     source: Source<'a>,
     options: Options,
 ) -> Box<dyn Reader<(Particles, About)> + 'a> {
-    Box::new(Xyz { lines: Lines::new(source), options })
+    Box::new(Xyz { lines: Lines::new(source), options, count: None })
 }
 
 struct Xyz<'a> {
     lines: Lines<'a>,
     options: Options,
+    /// Particles of the frame that has begun; none before the first.
+    count: Option<u64>,
 }
 
-impl Reader<(Particles, About)> for Xyz<'_> {
-    fn next(&mut self, choice: &mut Choice) -> anyhow::Result<Option<(Particles, About)>> {
-        let Xyz { lines, options } = self;
-        loop {
-            // The first line counts the particles, blank or not.
-            let more = if choice.seen == 0 {
-                lines.advance()?;
-                true
-            } else {
-                lines.advance_over_blanks()?
-            };
-            if !more {
-                return Ok(None);
-            }
-            let n = lines.count(
-                lines.line(),
-                "the number of particles, which is the first line of an XYZ file",
-            )?;
-            match choice.begin(|| lines.place())? {
-                Step::Stop => return Ok(None),
-                Step::Keep => {
-                    let mut read = frame(lines, n, *options)?;
-                    choice.done(Some(lines), Some(&mut read.0));
-                    return Ok(Some(read));
-                }
-                Step::Skip => {
-                    lines.advance()?;
-                    for k in 0..n {
-                        row(lines, k, n)?;
-                    }
-                    choice.done(Some(lines), None);
-                }
-            }
+impl Framed for Xyz<'_> {
+    fn begin(&mut self) -> anyhow::Result<Option<String>> {
+        // The first line counts the particles, blank or not.
+        let more = match self.count {
+            None => self.lines.advance().map(|_| true),
+            Some(_) => self.lines.advance_over_blanks(),
+        };
+        if !more? {
+            return Ok(None);
         }
+        let what = "the number of particles, which is the first line of an XYZ file";
+        self.count = Some(self.lines.count(self.lines.line(), what)?);
+        Ok(Some(self.lines.place()))
+    }
+
+    fn frame(&mut self, keep: bool) -> anyhow::Result<Option<(Particles, About)>> {
+        let n = self.count.unwrap_or_default();
+        if keep {
+            return frame(&mut self.lines, n, self.options).map(Some);
+        }
+        self.lines.advance()?;
+        (0..n).try_for_each(|k| row(&mut self.lines, k, n)).map(|()| None)
+    }
+
+    fn end(&self) -> Option<(u64, bool)> {
+        Some(self.lines.end())
     }
 }
 
@@ -113,7 +107,6 @@ fn frame(lines: &mut Lines<'_>, n: u64, options: Options) -> anyhow::Result<(Par
     };
     let mut columns = columns.chosen(&lines.place(), options)?;
     let mut particles = columns.particles(&lines.place(), options)?;
-    let between = || format!(" ({})", crate::io::lines::listed(&columns.names));
     for k in 0..n {
         row(lines, k, n)?;
         let line = lines.line();
@@ -137,12 +130,7 @@ fn frame(lines: &mut Lines<'_>, n: u64, options: Options) -> anyhow::Result<(Par
                 lines.place()
             );
         }
-        columns.push(
-            &mut particles,
-            crate::io::lines::Separator::Blanks.cells(line),
-            || lines.place(),
-            between,
-        )?;
+        columns.push_words(&mut particles, line, lines)?;
     }
     let format = if columns.or_more { "XYZ" } else { "extended XYZ" };
     let (mut particles, about) = crate::io::particles::loaded(format, particles, columns.radius());

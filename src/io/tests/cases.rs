@@ -173,17 +173,15 @@ fn outcome(bytes: &[u8], ending: &str, text: &str) -> String {
 
 /// Whether a line is what is expected: of notices and refusals in these words, which `…` parts.
 fn says(line: &str, expected: &str) -> bool {
-    if !expected.starts_with(['~', '!']) {
-        return line == expected;
+    let mut rest = line.split_at(1).1;
+    match expected.split_at(1) {
+        (sign @ ("~" | "!"), words) if line.starts_with(sign) => words.split('…').all(|words| {
+            let at = rest.find(words.trim());
+            rest = &rest[at.unwrap_or_default()..];
+            at.is_some()
+        }),
+        _ => line == expected,
     }
-    let mut rest = line;
-    expected.split(" … ").all(|words| match rest.find(words.trim_end_matches(" …")) {
-        Some(at) => {
-            rest = &rest[at + words.trim_end_matches(" …").len()..];
-            true
-        }
-        None => false,
-    })
 }
 
 #[test]

@@ -105,34 +105,20 @@ pub(crate) fn records(
     }
     let mut columns = columns.chosen(name, options)?;
     let mut particles = columns.particles(name, options).with_context(remedy)?;
-    let row: usize = fields.iter().map(|field| field.width).sum();
-    let mut record = vec![0; row];
+    let mut ends = vec![0];
+    ends.extend(fields.iter().scan(0, |end, field| {
+        *end += field.width;
+        Some(*end)
+    }));
+    let mut record = vec![0; ends[fields.len()]];
     for k in 0..rows {
         let whole = source.fill(&mut record)?;
         ensure!(whole, "{name} ends before the {rows} records that its header announces");
-        let (mut point, mut radius, mut id, mut at) = ([0.0; 3], 0.0, 0, 0);
-        for (field, column) in fields.iter().zip(&columns.meaning) {
-            let bytes = &record[at..at + field.width];
-            at += field.width;
-            if *column == Column::Other {
-                continue;
-            }
-            let what = || format!("{name}: record {k} (from 0): '{}'", short(&field.name));
-            let (kind, big) = field.number.with_context(|| format!("{} is no number", what()))?;
-            let value = kind.get(bytes, big);
-            match column {
-                Column::Axis(axis) => {
-                    ensure!(value.is_finite(), "{} is {value}; it must be finite", what());
-                    point[*axis] = value;
-                }
-                Column::Id => id = value as i64,
-                _ => {
-                    let size = column.size(value);
-                    radius = size.map_err(|why| anyhow::anyhow!("{}: {value} {why}", what()))?;
-                }
-            }
-        }
-        particles.push(point, radius, id)?;
+        let value = |place: usize| {
+            let (kind, big) = fields[place].number?;
+            Some(kind.get(&record[ends[place]..], big))
+        };
+        columns.push_values(&mut particles, (name, "record", k), value)?;
     }
     Ok((particles, columns.radius()))
 }
