@@ -106,9 +106,6 @@ pub enum Refusal {
          may not take more than {room} bytes; take a smaller skin, or raise the memory limit"
     )]
     Listed { found: u64, particles: u64, room: u64, skin: f64 },
-    /// A tracker that keeps nothing in boxes.
-    #[error("{tracker} is for open space; in a periodic box take every-step, or verlet")]
-    Boxed { tracker: &'static str },
     /// A list that is kept in a box decides exactly.
     #[error(
         "in a periodic box a kept list decides in exact arithmetic, not in {arithmetic}, which \

@@ -76,7 +76,7 @@ fn read(folder: &Path) -> anyhow::Result<(Record, Vec<Experiment>)> {
         let path = folder.join(folder::EXPERIMENTS).join(format!("{name}.toml"));
         // Files are named as in the experiment, which is no longer beside them.
         let experiment =
-            plan::parse(text, Path::new("")).with_context(|| format!("in {}", path.display()))?;
+            plan::parse_copy(text).with_context(|| format!("in {}", path.display()))?;
         let what = format!("it is of the experiment {}", experiment.name);
         let fault = Fault { place: path.display().to_string(), what };
         faults::sound(Vec::from_iter((experiment.name != *name).then_some(fault)))?;

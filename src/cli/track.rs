@@ -30,8 +30,7 @@ pub struct Track {
     #[arg(long, value_parser = values::whole::<u64>)]
     frames: Option<u64>,
     /// Who finds the contacts: every-step(DETECTOR), verlet(DETECTOR,rule=RULE,skin=S), the skin in
-    /// diameters, or incremental(DETECTOR); may be said several times (default: the rules there
-    /// are, over streamed-nbs)
+    /// diameters; may be said several times (default: the rules there are, over streamed-nbs)
     #[arg(long = "tracker", value_name = "TRACKER")]
     trackers: Vec<String>,
     /// How contacts are decided

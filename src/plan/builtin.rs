@@ -29,7 +29,6 @@ pub const FILES: &[(&str, &str)] = &[
     ("motion-million", include_str!("../../experiments/motion-million.toml")),
     ("rebuilds", include_str!("../../experiments/rebuilds.toml")),
     ("buffers", include_str!("../../experiments/buffers.toml")),
-    ("mended", include_str!("../../experiments/mended.toml")),
     ("maps", include_str!("../../experiments/maps.toml")),
     ("maps-motion", include_str!("../../experiments/maps-motion.toml")),
     ("scale", include_str!("../../experiments/scale.toml")),

@@ -22,6 +22,16 @@ pub fn groups() -> impl Iterator<Item = &'static str> {
 /// The detectors that these names and groups stand for, in order. Who is named by a group, too, is
 /// there once; who is named twice by name is refused.
 pub fn expand(names: &[String]) -> Result<Vec<String>, String> {
+    expanded(names, false)
+}
+
+/// As [`expand`], for the copy of an experiment in a record, which may name detectors and trackers
+/// of other versions of this program.
+pub fn expand_copy(names: &[String]) -> Result<Vec<String>, String> {
+    expanded(names, true)
+}
+
+fn expanded(names: &[String], is_copy: bool) -> Result<Vec<String>, String> {
     let (mut all, mut named) = (Vec::new(), Vec::new());
     for name in names {
         if name.starts_with('@') {
@@ -32,6 +42,7 @@ pub fn expand(names: &[String]) -> Result<Vec<String>, String> {
             Ok(name) => name,
             // Its rows say how to get it.
             Err(TrackerError::Detector(SpecError::NotBuilt { .. })) => name.clone(),
+            Err(_) if is_copy => name.clone(),
             Err(error) => return Err(error.to_string()),
         };
         if named.contains(&name) {

@@ -56,7 +56,7 @@ pub fn read(path: &Path) -> anyhow::Result<Experiment> {
 pub fn read_to_run(path: &Path) -> anyhow::Result<Experiment> {
     let text = text_of(path)?;
     let named = || {
-        let (experiment, document) = checked(&text, folder_of(path))?;
+        let (experiment, document) = checked(&text, folder_of(path), false)?;
         experiment.check_names(&document)?;
         anyhow::Ok(experiment)
     };
@@ -69,13 +69,24 @@ fn folder_of(path: &Path) -> &Path {
 
 /// Parses and checks; relative file names of scenes are taken from `folder`.
 pub fn parse(text: &str, folder: &Path) -> anyhow::Result<Experiment> {
-    checked(text, folder).map(|read| read.0)
+    checked(text, folder, false).map(|read| read.0)
 }
 
-fn checked<'a>(text: &'a str, folder: &Path) -> anyhow::Result<(Experiment, Document<'a>)> {
+/// Parses and checks the copy of an experiment in a record. It may name detectors, trackers and
+/// motions that this program does not have: rows of them are reported, and cannot be made.
+pub fn parse_copy(text: &str) -> anyhow::Result<Experiment> {
+    checked(text, Path::new(""), true).map(|read| read.0)
+}
+
+fn checked<'a>(
+    text: &'a str,
+    folder: &Path,
+    is_copy: bool,
+) -> anyhow::Result<(Experiment, Document<'a>)> {
     short_enough(text)?;
     let (mut experiment, document) = Document::read(text)?;
-    experiment.detectors = detectors::expand(&experiment.detectors)
+    let expand = if is_copy { detectors::expand_copy } else { detectors::expand };
+    experiment.detectors = expand(&experiment.detectors)
         .map_err(|words| document.key("detectors", words))?;
     experiment.ratios_to = experiment.ratios_to.as_deref().map(detectors::normal);
     resolve_names(&mut experiment, &document)?;

@@ -9,7 +9,7 @@ use crate::moving::{Followed, Moved, Tracked};
 use crate::number::{number, percent, plural, radii};
 use crate::present::document::Block;
 use crate::present::table::{Cell, Table};
-use crate::track::{Native, TrackerSpec};
+use crate::track::TrackerSpec;
 
 /// The middle of the times of frames and the longest, in nanoseconds per particle.
 fn times(tracked: &Tracked, particles: u64) -> Option<[f64; 2]> {
@@ -72,10 +72,6 @@ fn label(spec: &TrackerSpec, common: bool) -> String {
         _ if !common => spec.to_string(),
         TrackerSpec::EveryStep(_) => "every step".into(),
         TrackerSpec::Verlet { skin, rule, .. } => format!("{rule}, {skin}"),
-        TrackerSpec::Incremental { native: Native::Bvh { margin }, .. } => {
-            format!("margin {margin}")
-        }
-        TrackerSpec::Incremental { .. } => "incremental".into(),
     }
 }
 
@@ -98,8 +94,7 @@ pub fn words(name: &str, of: &str, followed: &Followed) -> Vec<Block> {
         Block::Table(table(followed)),
         Block::paragraph(
             "ns: per particle and frame, all frames together; worst: of the slowest frame. built: \
-             frames in which the detector was asked, or what is mended was made anew. listed: \
-             pairs looked at for each contact. missed: contacts that were not reported, summed \
+             frames in which the detector was asked. listed: pairs looked at for each contact. missed: contacts that were not reported, summed \
              over the frames, and since which frame; late: the most frames until one was, and how \
              deep it then was, in mean radii (r). All trackers ran beside each other, once: \
              times are a first look, not a measurement.",

@@ -14,7 +14,7 @@ use crate::run::judge::Judge;
 use crate::run::trajectory::Trajectory;
 use crate::run::{contender, disk};
 use crate::scene::Given;
-use crate::track::{self, Native, TrackerSpec};
+use crate::track::{self, TrackerSpec};
 
 /// A setting that people use, in diameters of the largest body.
 pub struct Popular {
@@ -122,7 +122,7 @@ pub fn run(frames: Frames<'_>, note: &mut dyn FnMut(&str)) -> anyhow::Result<Fou
     };
     let dim = first.scene.dim();
     let race = race::run(&at_rest, note)?;
-    let trackers = trackers(&best(&race.standings), threads, first.lattice.is_some())?;
+    let trackers = trackers(&best(&race.standings), threads)?;
     let (moved, popular) = (followed.moved, followed.trackers);
     let Some(plain) = trackers.first().map(|plain| plain.name.clone()) else {
         return Ok(Found { moved, dim, popular, race, plain: None });
@@ -185,7 +185,7 @@ fn best(standings: &[Standing]) -> Vec<&Standing> {
 }
 
 /// Trackers that miss nothing, the first of them the plain one.
-fn trackers(best: &[&Standing], threads: usize, in_box: bool) -> anyhow::Result<Vec<Contender>> {
+fn trackers(best: &[&Standing], threads: usize) -> anyhow::Result<Vec<Contender>> {
     let mut names = Vec::new();
     for (k, standing) in best.iter().enumerate() {
         let over = &standing.who.name;
@@ -193,13 +193,8 @@ fn trackers(best: &[&Standing], threads: usize, in_box: bool) -> anyhow::Result<
         let skins = if k == 0 { &SKINS[..] } else { &SKINS[..1] };
         names.extend(skins.iter().map(|skin| format!("verlet({over},skin={skin})")));
     }
-    // Those are for open space.
-    if !names.is_empty() && !in_box {
-        names.extend(Native::ALL.map(|native| format!("incremental({})", native.name())));
-    }
     let contender = |(k, name): (usize, String)| {
         let spec = track::parse(&name)?;
-        let threads = if matches!(spec, TrackerSpec::Incremental { .. }) { 1 } else { threads };
         Ok(Contender { name, stays: k == 0, ..Contender::of(spec.detector().entry, threads) })
     };
     names.into_iter().enumerate().map(contender).collect()

@@ -10,7 +10,6 @@ use contactbench::run::alloc::{Usage, measure};
 use contactbench::scene::spec::Spec;
 use contactbench::scene::{AnyScene, Lattice, Real};
 use contactbench::sink::Count;
-use contactbench::track::{self, Native, Tracker};
 use contactbench::with_scene;
 
 fn scene(text: &str) -> AnyScene<'static> {
@@ -59,11 +58,6 @@ fn formulas_hold_and_warm_calls_allocate_nothing() {
                     in_a_box(entry, text, arithmetic, outside);
                 }
             }
-        }
-    }
-    for native in Native::ALL {
-        for text in SCENES {
-            carried(native, text);
         }
     }
     book_formulas();
@@ -128,25 +122,6 @@ fn one_thread(spec: &DetectorSpec, text: &str, arithmetic: Arithmetic) {
     } else {
         assert_eq!((cold.peak_bytes, cold.live_bytes), (formula, formula), "{what}");
     }
-    assert_eq!(warm.allocations, 0, "{what}: warm");
-}
-
-/// A detector that is carried to the next frame has taken what its formula says, and takes no more.
-fn carried(native: Native, text: &str) {
-    let (scene, what) = (scene(text), format!("incremental({}) on {text}", native.name()));
-    let spec = track::parse(&format!("incremental({})", native.name())).unwrap();
-    let mut pairs = Vec::new();
-    let mut measured = |tracker: &mut dyn Tracker| {
-        pairs.clear();
-        let step = || tracker.step(&scene, Test::Exact, None, &mut pairs).unwrap();
-        measure(step).1.expect("the counting allocator is installed")
-    };
-    // A list that has room.
-    measured(&mut *spec.make(Options::default()));
-    let mut tracker = spec.make(Options::default());
-    let (cold, warm) = (measured(&mut *tracker), measured(&mut *tracker));
-    let formula = tracker.formula_bytes();
-    assert_eq!((cold.peak_bytes, cold.live_bytes), (formula, formula), "{what}");
     assert_eq!(warm.allocations, 0, "{what}: warm");
 }
 

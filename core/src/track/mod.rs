@@ -6,9 +6,6 @@
 //! a [`Rule`]; what is safe to leave out is proved on the page of filters ([`crate::filter`], 7,
 //! and in periodic boxes 8).
 //!
-//! Some detectors can themselves be carried from frame to frame: what they made for one is mended
-//! for the next ([`Native`]).
-//!
 //! A tracker stands above any detector of the table. It gives, for each frame, what the detector
 //! would give: the pairs that the contact test accepts in that frame, complete if its rule is safe,
 //! so that answers can be held to the truth frame by frame.
@@ -41,7 +38,6 @@ mod around;
 #[cfg(test)]
 mod box_tests;
 mod cells;
-mod incremental;
 mod kept;
 mod pass;
 mod places;
@@ -55,9 +51,8 @@ mod verlet;
 
 use std::time::{Duration, Instant};
 
-pub use incremental::Native;
 pub use rule::Rule;
-pub use spec::{FORMS, PARAMETERS, Skin, TrackerError, TrackerSpec, parse};
+pub use spec::{FORMS, Skin, TrackerError, TrackerSpec, parse};
 pub use travel::way;
 
 use crate::contact::{Arithmetic, Test};
@@ -92,8 +87,7 @@ pub trait Tracker: Send {
     ///
     /// # Errors
     /// As [`Tracker::step`]; what [`Finder::list`] refuses; [`Refusal::Rounded`] from trackers that
-    /// keep lists, which decide in exact arithmetic, and [`Refusal::Boxed`] from those that keep
-    /// none in boxes.
+    /// keep lists, which decide in exact arithmetic.
     fn step_in_box(
         &mut self,
         frame: &Periodic<'_>,
@@ -113,7 +107,7 @@ pub trait Tracker: Send {
 /// What a tracker did for a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Step {
-    /// It asked its detector, or made everything anew.
+    /// Whether the tracker called its detector.
     pub built: bool,
     /// Pairs that it looked at, in touch or not.
     pub listed: u64,

@@ -1,9 +1,8 @@
 //! Which tracker, over which detector: written `every-step(nbs)` or
-//! `verlet(streamed-nbs,rule=half-skin,skin=0.2)` or `incremental(sweep)`.
+//! `verlet(streamed-nbs,rule=half-skin,skin=0.2)`.
 
 use std::fmt;
 
-use super::incremental::Native;
 use super::rule::Rule;
 use super::tuner::Costs;
 use super::verlet::Verlet;
@@ -26,13 +25,6 @@ pub enum TrackerSpec {
         skin: Skin,
         /// When it is built again.
         rule: Rule,
-    },
-    /// What a detector made for the frame before is mended.
-    Incremental {
-        /// The detector, in its plain form.
-        detector: DetectorSpec,
-        /// How it is carried on.
-        native: Native,
     },
 }
 
@@ -69,7 +61,6 @@ impl TrackerSpec {
                 let costs = Costs::of(detector.entry.speed);
                 Box::new(Verlet::new(detector.make(options), costs, *skin, *rule, limit))
             }
-            TrackerSpec::Incremental { native, .. } => native.make(options),
         }
     }
 
@@ -81,19 +72,13 @@ impl TrackerSpec {
             TrackerSpec::Verlet { skin, rule, .. } => {
                 ("verlet", vec![over, ("rule", rule.to_string()), ("skin", skin.to_string())])
             }
-            TrackerSpec::Incremental { native: Native::Bvh { margin }, .. } => {
-                ("incremental", vec![over, ("margin", margin.to_string())])
-            }
-            TrackerSpec::Incremental { .. } => ("incremental", vec![over]),
         }
     }
 
     /// Who is asked.
     pub fn detector(&self) -> &DetectorSpec {
         match self {
-            TrackerSpec::EveryStep(detector)
-            | TrackerSpec::Verlet { detector, .. }
-            | TrackerSpec::Incremental { detector, .. } => detector,
+            TrackerSpec::EveryStep(detector) | TrackerSpec::Verlet { detector, .. } => detector,
         }
     }
 
@@ -107,7 +92,7 @@ impl TrackerSpec {
     pub fn is_safe(&self, test: Test) -> bool {
         let safe = match self {
             TrackerSpec::EveryStep(_) => test.margin() != Some(Margin::Textbook),
-            TrackerSpec::Verlet { .. } | TrackerSpec::Incremental { .. } => !self.may_miss(),
+            TrackerSpec::Verlet { .. } => !self.may_miss(),
         };
         safe && self.detector().entry.must_be_right()
     }
@@ -124,11 +109,8 @@ impl fmt::Display for TrackerSpec {
     }
 }
 
-/// The parameters of a tracker itself; what else stands in its text is its detector's.
-pub const PARAMETERS: [&str; 3] = ["margin", "rule", "skin"];
-
 /// How trackers are written, and what each does.
-pub const FORMS: [(&str, &str); 10] = [
+pub const FORMS: [(&str, &str); 8] = [
     ("every-step(DETECTOR)", "asks the detector in every frame; DETECTOR alone is the same"),
     (
         "verlet(DETECTOR,rule=RULE,skin=S)",
@@ -149,15 +131,6 @@ pub const FORMS: [(&str, &str); 10] = [
         "as LAMMPS's neigh_modify delay every check (yes or no); its default is lammps-0-1-yes: \
          not safe where frames are not looked at",
     ),
-    (
-        "incremental(DETECTOR)",
-        "mends what the detector made for the frame before: sweep (its order), nbs and screening \
-         (their lists), bvh (its boxes); all safe",
-    ),
-    (
-        "incremental(bvh,margin=M)",
-        "with boxes that reach M of a body's diameters beyond it; 0.125 where none is given",
-    ),
 ];
 
 /// What is wrong with the text of a [`TrackerSpec`].
@@ -165,8 +138,7 @@ pub const FORMS: [(&str, &str); 10] = [
 pub enum TrackerError {
     /// Another form.
     #[error(
-        "'{0}' is no tracker; write every-step(DETECTOR), verlet(DETECTOR,rule=RULE,skin=S) or \
-         incremental(DETECTOR)"
+        "'{0}' is no tracker; write every-step(DETECTOR) or verlet(DETECTOR,rule=RULE,skin=S)"
     )]
     Form(String),
     /// Not a length.
@@ -198,26 +170,6 @@ pub enum TrackerError {
         /// The whole text.
         text: String,
     },
-    /// A detector that makes everything anew for each frame.
-    #[error("'{text}': there is no incremental {detector}; there is incremental({natives})",
-        natives = Native::ALL.map(Native::name).join("), incremental("))]
-    Native {
-        /// The whole text.
-        text: String,
-        /// Which was asked for.
-        detector: String,
-    },
-    /// Not a length, or not of boxes.
-    #[error(
-        "'{text}': margin cannot be '{value}'; of bvh it is a number of at least 0, in \
-        diameters, and others have none"
-    )]
-    Margin {
-        /// The whole text.
-        text: String,
-        /// As given.
-        value: String,
-    },
     /// One parameter, two values.
     #[error("'{text}': {name} is given twice; leave out one of the two")]
     Twice {
@@ -242,7 +194,7 @@ const SKIN: Skin = Skin::Diameters(0.1);
 pub fn parse(text: &str) -> Result<TrackerSpec, TrackerError> {
     let whole = || text.to_string();
     let Some((name, rest)) = text.trim().split_once('(') else {
-        if matches!(text.trim(), "every-step" | "verlet" | "incremental") {
+        if matches!(text.trim(), "every-step" | "verlet") {
             return Err(TrackerError::Form(whole()));
         }
         return Ok(TrackerSpec::EveryStep(spec::parse(text)?));
@@ -251,7 +203,6 @@ pub fn parse(text: &str) -> Result<TrackerSpec, TrackerError> {
     match name.trim() {
         "every-step" => Ok(TrackerSpec::EveryStep(spec::parse(inner)?)),
         "verlet" => verlet(text, inner),
-        "incremental" => incremental(text, inner),
         _ => Err(TrackerError::Form(whole())),
     }
 }
@@ -290,31 +241,6 @@ fn verlet(text: &str, inner: &str) -> Result<TrackerSpec, TrackerError> {
     Ok(TrackerSpec::Verlet { detector: spec::parse(&detector.join(","))?, skin, rule })
 }
 
-fn incremental(text: &str, inner: &str) -> Result<TrackerSpec, TrackerError> {
-    let whole = || text.to_string();
-    let (mut margin, mut detector) = (None, Vec::new());
-    for piece in inner.split(',') {
-        match piece.split_once('=').map(|(key, value)| (key.trim(), value.trim())) {
-            Some(("margin", value)) if margin.replace(value).is_some() => {
-                return Err(TrackerError::Twice { text: whole(), name: "margin" });
-            }
-            Some(("margin", _)) => {}
-            _ => detector.push(piece),
-        }
-    }
-    let detector = spec::parse(&detector.join(","))?;
-    let name = detector.to_string();
-    let Some(mut native) = Native::ALL.into_iter().find(|native| native.name() == name) else {
-        return Err(TrackerError::Native { text: whole(), detector: name });
-    };
-    if let Some(value) = margin {
-        let wrong = || TrackerError::Margin { text: whole(), value: value.into() };
-        let Native::Bvh { margin } = &mut native else { return Err(wrong()) };
-        *margin = length(value).ok_or_else(wrong)?;
-    }
-    Ok(TrackerSpec::Incremental { detector, native })
-}
-
 /// A number of at least 0; -0 becomes 0.
 fn length(text: &str) -> Option<f64> {
     let length: f64 = text.parse().ok()?;
@@ -333,10 +259,7 @@ mod tests {
             ("verlet(nbs)", "verlet(nbs,rule=top-two,skin=0.1)"),
             ("verlet(nbs,skin=auto)", "verlet(nbs,rule=top-two,skin=auto)"),
             ("verlet(nbs,skin=-0)", "verlet(nbs,rule=top-two,skin=0)"),
-            ("incremental(sweep)", "incremental(sweep)"),
-            ("incremental( nbs:levels=none )", "incremental(nbs)"),
-            ("incremental(bvh)", "incremental(bvh,margin=0.125)"),
-            (" incremental(margin= 1e-1, bvh)", "incremental(bvh,margin=0.1)"),
+            ("every-step( nbs:levels=none )", "every-step(nbs)"),
             (
                 " verlet( rule = every-5 , streamed-nbs:form=dense, level=portable,skin =1e-3)",
                 "verlet(streamed-nbs:form=dense,level=portable,rule=every-5,skin=0.001)",
@@ -363,18 +286,7 @@ mod tests {
             ("verlet(nbs,skin=auto,rule=every-5)", "skin=auto goes with half-skin"),
             ("verlet(nbs,skin=auto,rule=lammps-0-1-yes)", "skin=auto goes with half-skin"),
             ("verlet(nbs,skin=1,skin=2)", "skin is given twice"),
-            (
-                "incremental(kd-tree)",
-                "no incremental kd-tree; there is incremental(sweep), incremental(nbs), \
-                 incremental(screening), incremental(bvh)",
-            ),
-            ("incremental(nbs:levels=auto)", "no incremental nbs:levels=auto"),
-            ("incremental(nbx)", "there is no detector 'nbx'"),
-            ("incremental(bvh,margin=-1)", "margin cannot be '-1'"),
-            ("incremental(bvh,margin=nan)", "margin cannot be 'nan'"),
-            ("incremental(sweep,margin=1)", "margin cannot be '1'"),
-            ("incremental(bvh,margin=1,margin=1)", "margin is given twice"),
-            ("incremental(bvh,skin=1)", "bvh,skin=1"),
+            ("incremental(nbs)", "is no tracker"),
             ("verlet(nbs,rule=summed,rule=top-two)", "rule is given twice"),
         ] {
             let error = parse(text).unwrap_err().to_string();

@@ -31,7 +31,7 @@ const SKINS: [Skin; 7] = [
 
 /// Course number `index`: kinds of motion, dimensions and arithmetics take turns, all else is
 /// drawn.
-pub fn run(index: u64, seed: u64, detectors: &[DetectorSpec], mended: &[TrackerSpec]) -> Table {
+pub fn run(index: u64, seed: u64, detectors: &[DetectorSpec]) -> Table {
     let mut draw = Draw::new(seed, index);
     let mut turns = index as usize;
     let mut turn = |n: usize| {
@@ -48,7 +48,7 @@ pub fn run(index: u64, seed: u64, detectors: &[DetectorSpec], mended: &[TrackerS
         skin,
         rule,
     };
-    let mut trackers = mended.to_vec();
+    let mut trackers = Vec::new();
     for detector in detectors {
         trackers.push(TrackerSpec::EveryStep(detector.clone()));
         for rule in RULES {

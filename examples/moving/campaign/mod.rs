@@ -17,7 +17,7 @@ use contactbench::oracle;
 use contactbench::scene::motion::Kind;
 use contactbench::scene::{AnyScene, Scene};
 use contactbench::sink::normalise;
-use contactbench::track::{Native, Rule, Skin, TrackerSpec};
+use contactbench::track::{Rule, Skin, TrackerSpec};
 use couples::Couple;
 use draw::{Draw, Sphere};
 use rayon::prelude::*;
@@ -126,7 +126,6 @@ fn kind(spec: &TrackerSpec) -> String {
         TrackerSpec::Verlet { skin: Skin::Auto, .. } => "skin=auto".to_owned(),
         TrackerSpec::Verlet { rule, .. } => rule.to_string(),
         TrackerSpec::EveryStep(_) => "every-step".to_owned(),
-        TrackerSpec::Incremental { detector, .. } => format!("incremental({detector})"),
     }
 }
 
@@ -177,33 +176,21 @@ fn detectors() -> Vec<DetectorSpec> {
     right.map(|entry| table::parse(entry.name).expect("names of the table are read")).collect()
 }
 
-/// What is mended from frame to frame.
-fn mended() -> Vec<TrackerSpec> {
-    let of = |text: &str| contactbench::track::parse(text).expect("written as the list has it");
-    let mut all: Vec<_> =
-        ["sweep", "nbs", "screening", "bvh"].map(|name| of(&format!("incremental({name})"))).into();
-    if let Some(TrackerSpec::Incremental { detector, .. }) = all.last().cloned() {
-        all.push(TrackerSpec::Incremental { detector, native: Native::Bvh { margin: 0.0 } });
-    }
-    all
-}
-
 /// Scenes in motion, all trackers in every frame.
 pub fn courses(plan: Plan) -> Table {
-    let (detectors, mended) = (detectors(), mended());
-    in_batches(plan, |index| courses::run(index, plan.seed, &detectors, &mended))
+    let detectors = detectors();
+    in_batches(plan, |index| courses::run(index, plan.seed, &detectors))
 }
 
 /// Couples at the limit of the skin.
 pub fn couples(plan: Plan) -> Table {
     let (plane, space) = (Sphere::<2>::new(), Sphere::<3>::new());
-    let (detectors, mended) = (detectors(), mended());
+    let detectors = detectors();
     in_batches(plan, |index| {
         let mut draw = Draw::new(plan.seed, 1 << 62 | index);
         let mut table = Table::default();
         for turn in 0..COUPLES {
-            let by = [detectors.len(), mended.len()].map(|n| (COUPLES * index + turn) as usize % n);
-            let by = (&detectors[by[0]], &mended[by[1]]);
+            let by = &detectors[(COUPLES * index + turn) as usize % detectors.len()];
             match draw.once_in(2) {
                 true => couple(&Couple::new(&plane, &mut draw), by, &mut draw, &mut table),
                 false => couple(&Couple::new(&space, &mut draw), by, &mut draw, &mut table),
@@ -218,7 +205,7 @@ const COUPLES: u64 = 200;
 
 fn couple<const D: usize>(
     couple: &Couple<D>,
-    (detector, mended): (&DetectorSpec, &TrackerSpec),
+    detector: &DetectorSpec,
     draw: &mut Draw,
     table: &mut Table,
 ) where
@@ -237,7 +224,6 @@ fn couple<const D: usize>(
             let spec = TrackerSpec::Verlet { detector: detector.clone(), skin, rule };
             table.add(&spec, arithmetic, follow(&spec, frames, arithmetic));
         }
-        table.add(mended, arithmetic, follow(mended, frames, arithmetic));
     };
     give(&exact, Arithmetic::Exact);
     if let Some(frames) = rounded_frames {

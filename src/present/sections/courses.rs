@@ -10,8 +10,7 @@ pub fn sections(about: &About<'_>) -> Vec<Section> {
     let Some(found) = Courses::new(about.cells) else { return Vec::new() };
     let arithmetic = found.arithmetic.iter().map(|name| format!(", in {name} arithmetic"));
     let asked = format!(
-        "Frames in which the detector was asked, or what is mended was made anew, the first among \
-         them{}.",
+        "Frames in which the detector was asked, the first among them{}.",
         arithmetic.collect::<String>()
     );
     vec![

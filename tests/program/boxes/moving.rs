@@ -103,12 +103,10 @@ fn what_does_not_go_in_boxes_is_said() {
     refused(folder, &["track", "a.xyz"], &[words, "(--periodic)", "--open"]);
     assert!(good(folder, &["inspect", "a.xyz", "--frame", "all"]).stdout.contains(words));
     good(folder, &["track", "a.xyz", "--periodic", "xz", "--tracker", "every-step(nbs)"]);
-    let said = ["--tracker", "incremental(nbs)", "--tracker", "verlet(nbs)"];
+    let said = ["--tracker", "verlet(nbs)"];
     let in_f32 = ["track", SHEARED, "--frames", "2", "--arithmetic", "f32"];
     let said = good(folder, &[&in_f32[..], &said].concat()).stdout;
-    for words in ["incremental is for open space", "decides in exact arithmetic, not in f32"] {
-        assert!(said.contains(words), "{said}");
-    }
+    assert!(said.contains("decides in exact arithmetic, not in f32"), "{said}");
 }
 
 /// Frames, boxes and answers go from process to process, and each frame is judged.
@@ -130,7 +128,7 @@ fn trackers_in_boxes_are_judged_frame_by_frame() {
         "a.toml",
         format!(
             "name = \"a\"\ntitle = \"a\"\nquestion = \"a\"\nreading = \"a\"\nblocks = 1\n\
-             detectors = [\"every-step(nbs)\", \"{rule}\", \"incremental(nbs)\", \"nbs\"]\n\
+             detectors = [\"every-step(nbs)\", \"{rule}\", \"nbs\"]\n\
              [[scene]]\nname = \"loose\"\ndim = [2, 3]\nn = 50\nfraction = 0.5\nperiodic = true\n\
              order = \"generated\"\nmotion = [\"drift\", \"shear\"]\nspeed = 0.15\nframes = 15\n\n{}{}",
             runner("old", "sh", &old),
@@ -188,9 +186,6 @@ fn trackers_in_boxes_are_judged_frame_by_frame() {
                 let row = of(name, None);
                 format!("{}: {}", row["outcome"].as_str().unwrap(), row["reason"].as_str().unwrap())
             };
-            assert!(
-                said("incremental").contains("refused: frame 0: incremental is for open space")
-            );
             let old = said("old");
             let words = match motion {
                 "drift" => "refused: one box for all",

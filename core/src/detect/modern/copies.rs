@@ -317,14 +317,6 @@ impl<const D: usize> Bounds<D> {
         }
     }
 
-    /// Does all of another lie in the box?
-    #[inline(always)]
-    pub fn holds(&self, other: &Bounds<D>) -> bool {
-        (0..D).fold(true, |holds, k| {
-            holds & (self.low[k] <= other.low[k]) & (other.high[k] <= self.high[k])
-        })
-    }
-
     /// Do two boxes overlap, or touch?
     #[inline(always)]
     pub fn meets(&self, other: &Bounds<D>) -> bool {

@@ -114,56 +114,6 @@ impl<const D: usize> Tree<D> {
         bounds
     }
 
-    /// Makes again, around bodies of the halves `roomy`, the boxes of leaves that bodies of the
-    /// halves `halves` have left, and those above them.
-    pub(crate) fn refit(
-        &mut self,
-        halves: impl Nearness,
-        roomy: impl Nearness,
-        probe: &mut impl Probe,
-    ) {
-        self.refit_below(1, Leaves::new(self.records.len()), halves, roomy, probe);
-    }
-
-    /// Was the box of this node made again?
-    fn refit_below(
-        &mut self,
-        node: usize,
-        leaves: Leaves,
-        halves: impl Nearness,
-        roomy: impl Nearness,
-        probe: &mut impl Probe,
-    ) -> bool {
-        let bounds = match node.checked_sub(leaves.count()) {
-            Some(leaf) => {
-                probe.count(Op::BoundTest);
-                if self.boxes[node].holds(&self.around_leaf(leaves, leaf, halves)) {
-                    return false;
-                }
-                self.around_leaf(leaves, leaf, roomy)
-            }
-            None => {
-                let left = self.refit_below(2 * node, leaves, halves, roomy, probe);
-                let right = self.refit_below(2 * node + 1, leaves, halves, roomy, probe);
-                if !(left || right) {
-                    return false;
-                }
-                self.around_halves(node)
-            }
-        };
-        probe.count(Op::Refit);
-        self.boxes[node] = bounds;
-        true
-    }
-
-    /// The edges of the boxes of all leaves, added up.
-    pub(crate) fn edges(&self) -> f64 {
-        let leaves = &self.boxes[Leaves::new(self.records.len()).count()..];
-        let edges =
-            |bounds: &Bounds<D>| -> f64 { (0..D).map(|k| bounds.high[k] - bounds.low[k]).sum() };
-        leaves.iter().map(edges).sum()
-    }
-
     /// Finds the contacts, with the boxes as they are.
     pub(crate) fn walk<P: Probe, S: Sink>(
         &self,
