@@ -116,7 +116,7 @@ pub enum Verb {
     #[command(after_help = "Example: contactbench draw packing.csv\nExample: contactbench draw \
                             packed:dim=3,n=2000 --slice z=4 -o slice.png\nExample: contactbench \
                             draw packing.csv --pairs theirs.csv\nExample: contactbench draw \
-                            packed:n=200 --motion collapse -o play.html")]
+                            packed:n=200 --motion vortex -o play.html")]
     Draw(draw::Draw),
     /// Shows a detector of the book step by step: one HTML page that steps with the arrow keys, and
     /// an SVG of each step

@@ -96,6 +96,10 @@ fn checked<'a>(
     }
     let whole = specs(&experiment, false)?;
     let quick = specs(&experiment, true)?;
+    if !is_copy {
+        let mut courses = whole.iter().filter_map(|spec| spec.course);
+        courses.try_for_each(|course| course.motion.kind.made())?;
+    }
     let ids = |specs: &[_]| specs.iter().map(|spec| id(&experiment, spec)).collect();
     experiment.planned = Planned {
         scenes: ids(&whole),

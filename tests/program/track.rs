@@ -281,6 +281,7 @@ fn courses_that_make_no_sense_are_refused() {
             "name = \"packed\"\nn = 9\nmotion = \"vortex\"\nperiodic = true",
             "vortex needs open boundaries, and the scene repeats",
         ),
+        ("nbs", "name = \"packed\"\nn = 9\nmotion = \"drum\"", "make the motion 'drum'"),
         ("nbs", "name = \"hard\"\nmotion = \"drift\"", "hard cases stay where they are"),
         ("verlet(nbs,skin=x)", "name = \"packed\"\nn = 9", "skin cannot be 'x'"),
         ("verlet(nsb)", "name = \"packed\"\nn = 9", "; did you mean nbs?; docs/EXPERIMENTS.md"),
@@ -296,8 +297,8 @@ fn courses_that_make_no_sense_are_refused() {
 #[test]
 fn frames_of_a_motion_are_written_one_or_all() {
     let folder = tempfile::tempdir().unwrap();
-    let drum = ["scene", "packed:n=60", "--motion", "drum:speed=0.05"];
-    let write = |more: &[&str]| good(folder.path(), &[&drum[..], more].concat());
+    let motion = ["scene", "packed:n=60", "--motion", "brownian:speed=0.05"];
+    let write = |more: &[&str]| good(folder.path(), &[&motion[..], more].concat());
     write(&["--frames", "3", "-o", "all.xyz"]);
     write(&["--at", "2", "-o", "two.csv"]);
     write(&["--at", "0", "-o", "first.csv"]);
@@ -315,8 +316,8 @@ fn frames_of_a_motion_are_written_one_or_all() {
         (&["--frames", "2", "-o", "all.csv"], &["one .xyz file", "--at K"]),
         (&["--frames", "0"], &["at least one"]),
     ] {
-        refused(folder.path(), &[&drum[..], more].concat(), words);
+        refused(folder.path(), &[&motion[..], more].concat(), words);
     }
-    let fast = ["scene", "packed:n=9", "--motion", "collapse:speed=1e5", "--at", "1"];
-    refused(folder.path(), &fast, &["steps of time", "take a smaller speed"]);
+    let gone = ["scene", "packed:n=9", "--motion", "collapse", "--at", "1"];
+    refused(folder.path(), &gone, &["does not make the motion 'collapse'", "take one of rest"]);
 }

@@ -2,13 +2,12 @@
 //!
 //! Frame 0 is the scene. Frame k is a function of the scene, the motion and k alone, with the same
 //! bits on every machine: a frame may be asked for by itself and again. Speeds are in diameters of
-//! the largest body per frame. In most motions bodies fly through each other, so that a motion
-//! stays what its name says for as long as it lasts; in those of [`Play`] they push each other. In
-//! a box that repeats some of them go on through its faces, and a shear is one of the box.
+//! the largest body per frame. Particles fly through each other, so that a motion stays what its
+//! name says for as long as it lasts. In a periodic box some motions go on through its faces, and a
+//! shear is one of the box.
 
 mod boxed;
 mod paths;
-mod soft;
 
 use std::fmt;
 use std::str::FromStr;
@@ -16,7 +15,6 @@ use std::str::FromStr;
 use anyhow::{Context, bail, ensure};
 
 use self::paths::Paths;
-pub use self::soft::Play;
 use crate::grammar::Spec;
 use crate::nearest::hint;
 use crate::scene::{AnyScene, Given, Scene, Storage, Stored};
@@ -40,13 +38,16 @@ pub enum Kind {
     Brownian,
     /// One flies, the others rest.
     Bullet,
-    /// Soft spheres.
-    Soft(Play),
+    /// A motion of an earlier version, one of [`GONE`]: records have it, and it cannot be made.
+    Gone(&'static str),
 }
 
+/// Motions that records until 26 November 2026 have, and this program does not make.
+const GONE: [&str; 3] = ["collapse", "drum", "penetration"];
+
 impl Kind {
-    /// All of them.
-    pub const ALL: [Kind; 11] = [
+    /// All that can be made.
+    pub const ALL: [Kind; 8] = [
         Kind::Rest,
         Kind::Drift,
         Kind::Shear,
@@ -55,9 +56,6 @@ impl Kind {
         Kind::Jitter,
         Kind::Brownian,
         Kind::Bullet,
-        Kind::Soft(Play::Collapse),
-        Kind::Soft(Play::Drum),
-        Kind::Soft(Play::Penetration),
     ];
 
     /// The name on the command line.
@@ -71,8 +69,17 @@ impl Kind {
             Kind::Jitter => "jitter",
             Kind::Brownian => "brownian",
             Kind::Bullet => "bullet",
-            Kind::Soft(play) => play.name(),
+            Kind::Gone(name) => name,
         }
+    }
+
+    /// Fails for motions of earlier versions.
+    pub fn made(self) -> anyhow::Result<()> {
+        let Kind::Gone(name) = self else { return Ok(()) };
+        bail!(
+            "this program does not make the motion '{name}' of earlier versions; take one of {}",
+            Kind::ALL.map(Kind::name).join(", ")
+        )
     }
 
     /// What it does, and which speed is meant.
@@ -110,7 +117,7 @@ impl Kind {
                 "the first particle flies straight through the box of drift, whose walls reflect \
                  it, and all others rest; speed is its own"
             }
-            Kind::Soft(play) => play.summary(),
+            Kind::Gone(_) => "soft spheres, which this program does not make",
         }
     }
 }
@@ -137,7 +144,8 @@ impl FromStr for Motion {
     fn from_str(text: &str) -> anyhow::Result<Motion> {
         let given = Spec::parse(text);
         let name = given.name;
-        let Some(kind) = Kind::ALL.into_iter().find(|kind| kind.name() == name) else {
+        let mut all = Kind::ALL.into_iter().chain(GONE.map(Kind::Gone));
+        let Some(kind) = all.find(|kind| kind.name() == name) else {
             bail!(
                 "there is no motion '{name}'{}; the motions are: {}",
                 hint(name, Kind::ALL.map(Kind::name)),
@@ -180,9 +188,9 @@ impl Frames {
     ///
     /// # Errors
     /// The scene cannot be stored in f64, or has no diameter for speeds to be measured in; the
-    /// motion is none for its box; soft spheres are too far apart, or too fast for their steps of
-    /// time.
+    /// motion is none for its box, or is [`Kind::Gone`].
     pub fn new(given: &Given, motion: Motion) -> anyhow::Result<Frames> {
+        motion.kind.made()?;
         let (scene, lattice) = (&given.scene, given.lattice.as_ref());
         let moves = motion.kind != Kind::Rest && motion.speed > 0.0 && !scene.is_empty();
         ensure!(
@@ -203,13 +211,11 @@ impl Frames {
         }))
     }
 
-    /// Frame k, with the box in which it repeats. Those of [`Kind::Brownian`] and [`Kind::Soft`]
-    /// cost as many frames as lie between it and the one asked for before, or the first; all others
-    /// cost one.
+    /// Frame k, with its periodic box. Frames of [`Kind::Brownian`] cost as many frames as lie
+    /// between this one and the one asked for before, or the first; all others cost one.
     ///
     /// # Errors
-    /// A particle has flown beyond the numbers of f64; more soft spheres crowd than a list of pairs
-    /// may hold.
+    /// A particle has flown beyond the numbers of f64.
     pub fn at(&mut self, k: u64) -> anyhow::Result<Given> {
         match &mut self.0 {
             Of::Plane(scene, paths) => moved(scene, paths, k),

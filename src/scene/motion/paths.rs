@@ -3,10 +3,9 @@
 use nalgebra::Point;
 
 use super::boxed::{Boxed, brought};
-use super::soft::Soft;
 use super::{Kind, Motion, diameter};
 use crate::scene::generate::draw::Draw;
-use crate::scene::{AnyScene, Lattice, Scene};
+use crate::scene::{Lattice, Scene};
 
 /// Frames between two new velocities of a particle ([`Kind::Brownian`]).
 const PERIOD: u64 = 100;
@@ -26,8 +25,6 @@ pub(super) struct Paths<const D: usize> {
     /// along y nothing moves.
     slope: f64,
     still: f64,
-    /// Of [`Kind::Soft`], if they move.
-    soft: Option<Soft<D>>,
     /// None in open space.
     boxed: Option<Boxed<D>>,
 }
@@ -39,10 +36,7 @@ struct Walk<const D: usize> {
     velocities: Vec<[f64; D]>,
 }
 
-impl<const D: usize> Paths<D>
-where
-    for<'a> AnyScene<'a>: From<Scene<'a, f64, D>>,
-{
+impl<const D: usize> Paths<D> {
     pub fn new(
         scene: &Scene<'_, f64, D>,
         lattice: Option<&Lattice>,
@@ -60,12 +54,6 @@ where
             (low, high) = ([0.0; D], [0.0; D]);
         }
         let extent = std::array::from_fn(|k| high[k] - low[k]);
-        let soft = match kind {
-            Kind::Soft(play) if speed > 0.0 && !scene.is_empty() => {
-                Some(Soft::new(scene, play, speed)?)
-            }
-            _ => None,
-        };
         let speed = speed * diameter(scene);
         let velocities = match kind {
             Kind::Drift | Kind::Brownian => {
@@ -91,7 +79,7 @@ where
             |(height, corner)| (0.5 * height, corner),
         );
         let slope = if kind == Kind::Shear && most > 0.0 { speed / most } else { 0.0 };
-        Ok(Paths { kind, seed, speed, low, extent, velocities, walk, slope, still, soft, boxed })
+        Ok(Paths { kind, seed, speed, low, extent, velocities, walk, slope, still, boxed })
     }
 
     /// The box in which frame `k` repeats.
@@ -110,11 +98,7 @@ where
             |far: &dyn Fn(&Point<f64, D>) -> f64| first.iter().map(far).fold(0.0, f64::max);
         Ok(match self.kind {
             _ if k == 0 => first.to_vec(),
-            Kind::Soft(_) => match &mut self.soft {
-                Some(soft) => soft.at(k)?,
-                None => first.to_vec(),
-            },
-            Kind::Rest => first.to_vec(),
+            Kind::Rest | Kind::Gone(_) => first.to_vec(),
             Kind::Drift | Kind::Bullet => first
                 .iter()
                 .zip(&self.velocities)

@@ -87,7 +87,7 @@ fn the_box_is_named_for_files_without_one() {
 fn what_does_not_go_in_boxes_is_said() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
-    for motion in ["rotation", "vortex", "collapse", "drum", "penetration"] {
+    for motion in ["rotation", "vortex", "bullet"] {
         let words = &[&*format!("{motion} needs open boundaries"), "drift, shear, jitter"];
         refused(folder, &["track", SHEARED, "--motion", motion], words);
         refused(folder, &["scene", SHEARED, "--motion", motion, "--at", "1"], words);
