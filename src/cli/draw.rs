@@ -153,7 +153,7 @@ fn page(options: &Draw) -> anyhow::Result<ExitCode> {
     let wanted =
         Wanted { motion, otherwise: None, frames, of_file: FRAMES, arithmetic: Arithmetic::Exact };
     let done = sequence(&options.source, &wanted, play)?;
-    done.moving().context(
+    done.context(
         "a page plays frames, and there is one; add --motion drift, or take a file of several \
          without --frame",
     )

@@ -105,8 +105,7 @@ pub enum Verb {
     Scene(scene::Scene),
     /// Says which detector to use for a scene, or which tracker for frames: measures them there
     #[command(after_help = "Example: contactbench recommend packing.csv\nExample: contactbench \
-                            recommend clustered:dim=3,n=100000 --threads 2\nExample: contactbench \
-                            recommend packed:n=2000 --motion drift:speed=0.01")]
+                            recommend clustered:dim=3,n=100000 --threads 2")]
     Recommend(recommend::Recommend),
     /// Writes a new detector that works, as a file to be changed, and its line in the table: in a
     /// checkout

@@ -9,24 +9,21 @@ use anyhow::{Context, bail, ensure};
 use serde_json::json;
 
 use crate::cli::shared::arithmetic::arithmetic;
+use crate::cli::shared::input::doubt_given;
 use crate::cli::shared::limit::Limit;
 use crate::cli::shared::scene::Source;
-use crate::cli::shared::sequence::{FRAMES, Seen, Sequence, Wanted, sequence};
 use crate::cli::shared::{terminal, values};
 use crate::contact::Arithmetic;
 use crate::io::boxes::along;
 use crate::number::plural;
-use crate::present::document::{indented, plain};
+use crate::present::document::indented;
 use crate::present::recommendation;
-use crate::present::recommendation::motion::{self as of_motion, Head};
-use crate::recommend::motion;
 use crate::recommend::race::{self, Question};
 use crate::recommend::standing::{Race, Standing};
 use crate::recommend::verdict::Verdict;
 use crate::record::row::Outcome;
 use crate::run::interrupt;
 use crate::scene::Given;
-use crate::scene::motion::Motion;
 use crate::scene::spec::Spec;
 
 /// Options of `recommend`.
@@ -34,13 +31,6 @@ use crate::scene::spec::Spec;
 pub struct Recommend {
     #[command(flatten)]
     source: Source,
-    /// Moves the scene, and names a tracker, with speed in diameters per frame (see: contactbench
-    /// list motions); a file of several frames moves by itself
-    #[arg(long)]
-    motion: Option<Motion>,
-    /// Frames at most, the scene itself among them (default: 100)
-    #[arg(long, value_parser = values::whole::<u64>)]
-    frames: Option<u64>,
     /// The measurements take about so long, besides reading and finding the truth
     #[arg(long, default_value_t = 10.0, allow_negative_numbers = true)]
     seconds: f64,
@@ -62,17 +52,10 @@ pub fn recommend(options: &Recommend) -> anyhow::Result<ExitCode> {
     let (seconds, threads) = (options.seconds, options.threads);
     ensure!((0.1..1e6).contains(&seconds), "--seconds {seconds}: give a number from 0.1 to 10^6");
     ensure!((1..=1024).contains(&threads), "--threads {threads}: give a number from 1 to 1024");
-    let of_frames = |sequence: Sequence<'_>| moving(options, sequence);
-    let Recommend { motion, frames, .. } = *options;
-    let wanted =
-        Wanted { motion, otherwise: None, frames, of_file: FRAMES, arithmetic: options.arithmetic };
-    let (name, given) = match sequence(&options.source, &wanted, of_frames)? {
-        Seen::Moving(code) => return Ok(code),
-        Seen::Still(still) => *still,
-        Seen::Nothing => bail!(
-            "name a particle file, or a scene such as packed:n=20000 (contactbench list scenes)"
-        ),
+    let Some((name, given)) = options.source.given()? else {
+        bail!("name a particle file, or a scene such as packed:n=20000 (contactbench list scenes)")
     };
+    doubt_given(&name, &given, options.arithmetic);
     let none = given.scene.is_empty();
     ensure!(!none, "{name}: the scene has no particles; there is nothing to recommend");
     let history = history(&name)?;
@@ -180,49 +163,6 @@ fn note() -> impl FnMut(&str) {
             eprint!("\r\x1b[K{text}");
         }
     }
-}
-
-/// Names a tracker for frames.
-fn moving(options: &Recommend, sequence: Sequence<'_>) -> anyhow::Result<ExitCode> {
-    let Sequence { name, motion, recorded, particles, count, next } = sequence;
-    let frames = motion::Frames {
-        next: &mut *next,
-        count,
-        recorded,
-        arithmetic: options.arithmetic,
-        threads: options.threads,
-        memory_limit: options.limit.bytes(particles),
-        time: Duration::from_secs_f64(options.seconds),
-        program: program()?,
-    };
-    let mut note = note();
-    let found = motion::run(frames, &mut note)?;
-    note("");
-    // Nobody asked for the next: whatever is wrong with it, the file has more.
-    let more = recorded && found.moved.frames == count && !matches!(next(count), Ok(None));
-    let (arithmetic, threads) = (options.arithmetic, options.threads);
-    let head = Head { name, motion, recorded, more, arithmetic, threads };
-    let verdict = Verdict::new(&found.race);
-    let mut out = terminal::out();
-    if options.json {
-        let mut value = of_motion::as_json(&head, verdict.as_ref(), &found);
-        value["seconds"] = json!(options.seconds);
-        value["memory_limit"] = json!(options.limit.bytes(particles));
-        terminal::json(&value)?;
-    } else {
-        let width = terminal::width();
-        let [before, after] = of_motion::blocks(&head, verdict.as_ref(), &found);
-        writeln!(out, "{}", plain(&before, width))?;
-        match &verdict {
-            Some(verdict) => tell(&mut out, &of_motion::sentence(verdict, &found))?,
-            None => writeln!(
-                out,
-                "use none: no tracker has given right answers in time; the reasons stand above"
-            )?,
-        }
-        write!(out, "\n{}", plain(&after, width))?;
-    }
-    Ok(code(&found.race, verdict.as_ref()))
 }
 
 /// Scenes that come before, where a hard case has some: a file has none.

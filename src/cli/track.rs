@@ -76,7 +76,7 @@ pub fn track(options: &Track) -> anyhow::Result<ExitCode> {
     };
     let done =
         sequence(&options.source, &wanted, |sequence| followed(options, &trackers, sequence))?;
-    done.moving().context(
+    done.context(
         "name a particle file, or a scene such as packed:n=1000 (contactbench list scenes)",
     )
 }

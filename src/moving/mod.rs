@@ -18,7 +18,7 @@ use crate::detect::Refusal;
 use crate::oracle;
 use crate::periodic::{self, Contacts, ImagePair, Periodic};
 use crate::scene::{AnyScene, Given};
-use crate::sink::{Digest, normalise};
+use crate::sink::normalise;
 use crate::track::{Step, Tracker, TrackerSpec};
 
 pub use between::{Moved, Way};
@@ -47,8 +47,6 @@ pub struct Followed {
     pub moved: Moved,
     /// In the order of the question.
     pub trackers: Vec<Tracked>,
-    /// The fingerprints of the right answers, in the arithmetic.
-    pub truths: Vec<Digest>,
 }
 
 /// What one of them did.
@@ -129,22 +127,18 @@ pub fn follow(
             contacts: Contacts::default(),
         })
         .collect();
-    let (mut course, mut truths) = (Course::default(), Vec::new());
+    let mut course = Course::default();
     for k in 0..question.frames {
         let Some(given) = frame(k)? else { break };
         let going = followers.iter_mut().filter(|follower| follower.tracked.refused.is_none());
         if let Some(periodic) = given.periodic()? {
-            let truth = periodic::truth(&periodic, arithmetic, memory_limit)?;
-            truths.push(truth.digest);
-            let truth = truth.pairs;
+            let truth = periodic::truth(&periodic, arithmetic, memory_limit)?.pairs;
             course.in_box(&periodic, &truth, memory_limit);
             let frame = (&periodic, &course.names);
             going.for_each(|follower| follower.step_in_box(k, frame, question, &truth));
         } else {
             let frame = given.scene.as_stored(arithmetic)?;
-            let truth = oracle::truth_as_stored(&frame, arithmetic.test(), memory_limit)?;
-            truths.push(truth.digest);
-            let truth = truth.pairs;
+            let truth = oracle::truth_as_stored(&frame, arithmetic.test(), memory_limit)?.pairs;
             going.for_each(|follower| follower.step(k, &frame, arithmetic, &truth));
             course.open(given.scene, &truth, memory_limit);
         }
@@ -153,7 +147,7 @@ pub fn follow(
         follower.tracked.late.end();
         follower.tracked
     });
-    Ok(Followed { moved: course.moved, trackers: trackers.collect(), truths })
+    Ok(Followed { moved: course.moved, trackers: trackers.collect() })
 }
 
 impl Follower {

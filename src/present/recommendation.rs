@@ -1,6 +1,4 @@
-//! What `recommend` says: a sentence, a table, and all of it for programs. [`motion`]: of frames.
-
-pub mod motion;
+//! What `recommend` prints: a sentence, a table, and all of it for programs.
 
 use serde_json::{Value, json};
 
@@ -21,13 +19,8 @@ fn error(standing: &Standing) -> String {
 
 /// The recommendation in a sentence.
 pub fn sentence(verdict: &Verdict, race: &Race, n: usize) -> String {
-    words(verdict, race, n, "per particle", vec![error(&race.standings[verdict.choice])])
-}
-
-/// The same with what else is to be said of the choice, and what its time is `per`.
-fn words(verdict: &Verdict, race: &Race, n: usize, per: &str, own: Vec<String>) -> String {
     let standings = &race.standings;
-    let name = |k: usize| &*standings[k].who.name;
+    let name = |k: usize| standings[k].who.name;
     let choice = &standings[verdict.choice];
     let mut parts = Vec::new();
     // Ratios first: they are the same from run to run, and times are not.
@@ -38,12 +31,12 @@ fn words(verdict: &Verdict, race: &Race, n: usize, per: &str, own: Vec<String>) 
         parts.push(format!("{next} takes {takes} times as long"));
     }
     if let Some(time) = per_particle(choice, n) {
-        parts.push(format!("{} ns {per} in this run", number(time.median)));
+        parts.push(format!("{} ns per particle in this run", number(time.median)));
     }
     if let Some(bytes) = bytes_per_particle(choice, n) {
         parts.push(format!("{} bytes per particle", number(bytes)));
     }
-    parts.extend(own);
+    parts.push(error(choice));
     let mut text = format!("{}: {}", name(verdict.choice), parts.join("; "));
     for (k, ratio) in &verdict.tied {
         let takes = ratio.map_or(String::new(), |ratio| {
@@ -86,36 +79,6 @@ fn ranked(race: &Race, n: usize) -> Vec<&Standing> {
     standings
 }
 
-/// What was measured of each of these, of a `kind` in this unit: its name, marked if it is the
-/// choice, its time over that of the fastest, its time, and bytes. An interval of absolute times
-/// would hold in one run alone.
-fn measured<'a>(
-    [kind, unit]: [&str; 2],
-    race: &'a Race,
-    verdict: Option<&Verdict>,
-    n: usize,
-    wanted: impl Fn(&Standing) -> bool,
-) -> Rows<&'a Standing> {
-    let base = fastest(&race.standings).map(|k| &race.standings[k]);
-    let choice = verdict.map(|verdict| &race.standings[verdict.choice].who.name);
-    let name = |standing: &Standing| match &standing.who.name {
-        name if choice == Some(name) => format!("{name} <"),
-        name => name.clone(),
-    };
-    let to_fastest = |standing: &Standing| match base {
-        Some(base) if base.who.name == standing.who.name => Some("1".into()),
-        Some(base) => ratio(&standing.times, &base.times).map(|ratio| with_interval(&ratio)),
-        None => None,
-    };
-    Table::of("", ranked(race, n).into_iter().filter(|standing| wanted(standing)))
-        .left(kind, name)
-        .right("time / fastest", to_fastest)
-        .right(format!("{unit} in this run"), |standing| {
-            per_particle(standing, n).map(|time| number(time.median))
-        })
-        .right("bytes / particle", |standing| bytes_per_particle(standing, n))
-}
-
 /// Why it has no time; none if it has one.
 fn why_out(standing: &Standing) -> Option<String> {
     match standing.outcome {
@@ -125,9 +88,27 @@ fn why_out(standing: &Standing) -> Option<String> {
     }
 }
 
-/// The detectors, fastest first; those without a time at the end.
+/// The detectors, fastest first; those without a time at the end. An interval of absolute times
+/// would hold in one run alone.
 pub fn table(race: &Race, verdict: Option<&Verdict>, n: usize) -> Table {
-    measured(["detector", "ns per particle"], race, verdict, n, |_| true)
+    let base = fastest(&race.standings).map(|k| &race.standings[k]);
+    let choice = verdict.map(|verdict| race.standings[verdict.choice].who.name);
+    let name = |standing: &Standing| match standing.who.name {
+        name if choice == Some(name) => format!("{name} <"),
+        name => name.into(),
+    };
+    let to_fastest = |standing: &Standing| match base {
+        Some(base) if base.who.name == standing.who.name => Some("1".into()),
+        Some(base) => ratio(&standing.times, &base.times).map(|ratio| with_interval(&ratio)),
+        None => None,
+    };
+    Table::of("", ranked(race, n).into_iter())
+        .left("detector", name)
+        .right("time / fastest", to_fastest)
+        .right("ns per particle in this run", |standing| {
+            per_particle(standing, n).map(|time| number(time.median))
+        })
+        .right("bytes / particle", |standing| bytes_per_particle(standing, n))
         .left("error", |standing| why_out(standing).unwrap_or_else(|| error(standing)))
         .into()
 }
@@ -139,23 +120,12 @@ fn numbers(interval: Interval) -> Value {
 
 /// All of it for programs.
 pub fn as_json(verdict: Option<&Verdict>, race: &Race, n: usize) -> Value {
-    all(verdict, race, n, ["detector", "detectors"], |verdict| sentence(verdict, race, n))
-}
-
-/// The same of whom one of `kind` is called, and several, with the sentence.
-fn all(
-    verdict: Option<&Verdict>,
-    race: &Race,
-    n: usize,
-    [kind, kinds]: [&str; 2],
-    sentence: impl FnOnce(&Verdict) -> String,
-) -> Value {
     let standings = &race.standings;
-    let name = |k: usize| &*standings[k].who.name;
+    let name = |k: usize| standings[k].who.name;
     let base = fastest(standings).map(|k| standings[k].times.clone()).unwrap_or_default();
     let detectors = standings.iter().map(|standing| {
         json!({
-            (kind): &*standing.who.name,
+            "detector": standing.who.name,
             "threads": standing.who.threads,
             "outcome": standing.outcome.name(),
             "reason": standing.reason,
@@ -165,20 +135,19 @@ fn all(
             "peak_bytes": standing.peak_bytes,
             "bytes_per_particle": bytes_per_particle(standing, n),
             "formula_bytes": standing.formula_bytes,
-            "built": standing.builds.map(|builds| builds.built),
             "errors": standing.errors,
         })
     });
     let next =
-        |(k, ratio): &(usize, Interval)| json!({ (kind): name(*k), "ratio": numbers(*ratio) });
+        |(k, ratio): &(usize, Interval)| json!({ "detector": name(*k), "ratio": numbers(*ratio) });
     let tied = |verdict: &Verdict| verdict.tied.iter().map(|(k, _)| name(*k)).collect::<Vec<_>>();
     json!({
         "use": verdict.map(|verdict| name(verdict.choice)),
-        "because": verdict.map(sentence),
+        "because": verdict.map(|verdict| sentence(verdict, race, n)),
         "next": verdict.and_then(|verdict| verdict.next.as_ref()).map(next),
         "cannot_tell_apart": verdict.map(tied),
         "blocks": race.blocks,
         "twin_ratio": race.twin.map(numbers),
-        (kinds): detectors.collect::<Vec<_>>(),
+        "detectors": detectors.collect::<Vec<_>>(),
     })
 }

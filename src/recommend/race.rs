@@ -26,13 +26,12 @@ use crate::recommend::standing::{
 use crate::record::row::Outcome;
 use crate::run::client::{Client, Failure, Start};
 use crate::run::contender;
-use crate::run::judge::{Judge, Judged, Said};
-use crate::run::passes::{self, SHORTEST_SAMPLE_NS, Sample, load_all};
+use crate::run::judge::Judge;
+use crate::run::passes::{self, SHORTEST_SAMPLE_NS, load_all};
 use crate::run::processors;
-use crate::run::protocol::{self, Reply, Request};
+use crate::run::protocol::{Reply, Request};
 use crate::run::trajectory::Trajectory;
 use crate::scene::Given;
-use crate::sink::Digest;
 use crate::stats::interval::{Interval, ratio};
 
 /// A probe may take so many times as long as the fastest one.
@@ -94,57 +93,38 @@ pub fn run(question: &Question<'_>, note: &mut dyn FnMut(&str)) -> anyhow::Resul
     // The others need not be waited for.
     entries.sort_by_key(|entry| entry.speed);
     let contenders = entries.into_iter().map(|entry| Contender::of(entry, question.threads));
-    let limit = question.memory_limit;
-    let ground = Ground {
+    let mut ground = Ground {
+        question,
         judge,
         loads,
         folder: folder.path(),
-        arithmetic,
-        memory_limit: limit,
         room: contender::room(question.given.scene.len() as u64, contacts),
-        time: question.time,
-        program: &question.program,
         started: Instant::now(),
     };
-    let mut race = ground.race(contenders.collect(), contacts, note)?;
+    let mut standings = ground.probe_all(contenders.collect(), note)?;
+    let (blocks, twin) = ground.blocks(&mut standings, note)?;
     let place = |name: &str| TABLE.iter().position(|entry| entry.name == name);
-    race.standings.sort_by_key(|standing| place(&standing.who.name));
-    Ok(race)
+    standings.sort_by_key(|standing| place(standing.who.name));
+    Ok(Race { standings, contacts, blocks, twin })
 }
 
 /// What the race is run on.
-pub(super) struct Ground<'a> {
-    pub judge: Judge<'a>,
+struct Ground<'a> {
+    question: &'a Question<'a>,
+    judge: Judge<'a>,
     /// What is loaded, one after the other.
-    pub loads: Vec<Trajectory>,
+    loads: Vec<Trajectory>,
     /// For pairs.
-    pub folder: &'a Path,
-    pub arithmetic: Arithmetic,
-    /// For arrays, in bytes.
-    pub memory_limit: u64,
+    folder: &'a Path,
     /// Bytes for the scene and its pairs.
-    pub room: u64,
-    pub time: Duration,
-    pub program: &'a [String],
-    pub started: Instant,
+    room: u64,
+    started: Instant,
 }
 
 impl Ground<'_> {
-    /// Runs the race. Who is mostly fast stands first; `contacts` is the number of true pairs.
-    pub fn race(
-        mut self,
-        contenders: Vec<Contender>,
-        contacts: u64,
-        note: &mut dyn FnMut(&str),
-    ) -> anyhow::Result<Race> {
-        let mut standings = self.probe_all(contenders, note)?;
-        let (blocks, twin) = self.blocks(&mut standings, note)?;
-        Ok(Race { standings, contacts, blocks, twin })
-    }
-
     /// What is left of this share of the time.
     fn left(&self, share: f64) -> Duration {
-        self.time.mul_f64(share).saturating_sub(self.started.elapsed())
+        self.question.time.mul_f64(share).saturating_sub(self.started.elapsed())
     }
 
     fn probe_all(
@@ -178,16 +158,12 @@ impl Ground<'_> {
     }
 
     fn entered(&self, who: Contender) -> Standing {
-        let (limit, threads) = (self.memory_limit, who.threads);
-        // A tracker may take the limit for its lists beside its detector's arrays.
-        let lists = if self.judge.is_moving() { limit } else { 0 };
+        let Question { ref program, arithmetic, memory_limit: limit, time, .. } = *self.question;
         let start = Start {
-            command: contender::own(self.program, &who.name, self.arithmetic, threads, limit),
+            command: contender::own(program, who.name, arithmetic, who.threads, limit),
             install: String::new(),
-            time_limit: self.time.max(SHORTEST_PROBE),
-            memory_limit: contender::address_space(limit, threads)
-                .saturating_add(lists)
-                .saturating_add(self.room),
+            time_limit: time.max(SHORTEST_PROBE),
+            memory_limit: contender::address_space(limit, who.threads).saturating_add(self.room),
             processor: None,
         };
         Standing::new(who, start)
@@ -223,7 +199,7 @@ impl Ground<'_> {
         client.allow(standing.start.time_limit);
         standing.probe_ns = Some(time);
         let hopeless = best.is_some_and(|best| time as f64 > HOPELESS * best as f64);
-        if !hopeless || standing.who.stays {
+        if !hopeless {
             match client.ask(&Request::Memory) {
                 Ok(Reply::Memory { peak_bytes, formula_bytes, .. }) => {
                     (standing.peak_bytes, standing.formula_bytes) =
@@ -257,7 +233,12 @@ impl Ground<'_> {
                 return Ok(None);
             }
         };
-        let judged = self.judge(standing, &sample, &mut client)?;
+        let path = self.folder.join("pairs.npy");
+        let box_dim = self.loads.last().and_then(Trajectory::box_dim);
+        let fetch = || client.pairs(&path, box_dim, None);
+        let answer = (sample.contacts, &*sample.digest);
+        let judged =
+            self.judge.judge(standing.who.name, self.question.arithmetic, answer, fetch)?;
         standing.errors = judged.errors;
         if judged.outcome.is_good() {
             standing.outcome = judged.outcome;
@@ -265,30 +246,6 @@ impl Ground<'_> {
         }
         standing.fail(Failure { outcome: judged.outcome, reason: judged.reason });
         Ok(None)
-    }
-
-    /// Holds the answer to the truth, of several frames all of them.
-    fn judge(
-        &mut self,
-        standing: &mut Standing,
-        sample: &Sample,
-        client: &mut Client,
-    ) -> anyhow::Result<Judged> {
-        let path = self.folder.join("pairs.npy");
-        let (name, arithmetic) = (&standing.who.name, self.arithmetic);
-        let Sample { contacts, ref digest, ref steps, .. } = *sample;
-        if !self.judge.is_moving() {
-            let box_dim = self.loads.last().and_then(Trajectory::box_dim);
-            let fetch = || client.pairs(&path, box_dim, None);
-            return self.judge.judge(name, arithmetic, (contacts, digest), fetch);
-        }
-        let sum = protocol::digest(contacts, digest).map_or(0, |digest| digest.sum);
-        let said = Said { arithmetic, may_miss: false, steps };
-        let fetch = |frame: u64| client.pairs(&path, None, Some(frame));
-        let (judged, course) =
-            self.judge.judge_course(name, said, Digest { contacts, sum }, fetch)?;
-        standing.builds = Some(course.builds);
-        Ok(judged)
     }
 
     /// Samples of all that are left and of a twin, until the time is over; the number of blocks,
@@ -303,7 +260,7 @@ impl Ground<'_> {
         // With the limits that its original has since the probe.
         let mut twin = original.map(|original| Standing {
             start: original.start.clone(),
-            ..self.entered(original.who.clone())
+            ..self.entered(original.who)
         });
         let mut done = 0;
         for block in 1..=MOST {

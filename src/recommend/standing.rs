@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 
 use crate::detect::table::Entry;
-use crate::moving::Builds;
 use crate::oracle::Errors;
 use crate::record::row::Outcome;
 use crate::run::client::{Failure, Start};
@@ -17,24 +16,22 @@ pub const FAR: f64 = 3.0;
 /// Who is so many times slower after some blocks, with the whole interval, is out.
 pub const BEHIND: f64 = 1.5;
 
-/// A detector, or a tracker.
-#[derive(Clone, Debug)]
+/// A detector.
+#[derive(Clone, Copy, Debug)]
 pub struct Contender {
-    /// Its text on the command line.
-    pub name: String,
+    /// Its name in the table.
+    pub name: &'static str,
     /// Of this crate: a wrong answer is a defect.
     pub is_ours: bool,
     /// Threads given to it.
     pub threads: usize,
-    /// It is measured to the end however slow it is: others are compared with it.
-    pub stays: bool,
 }
 
 impl Contender {
     /// A detector of the table, with these threads if it can use several.
-    pub fn of(entry: &Entry, threads: usize) -> Contender {
+    pub fn of(entry: &'static Entry, threads: usize) -> Contender {
         let threads = if entry.threads { threads } else { 1 };
-        Contender { name: entry.name.into(), is_ours: entry.is_ours(), threads, stays: false }
+        Contender { name: entry.name, is_ours: entry.is_ours(), threads }
     }
 }
 
@@ -51,7 +48,7 @@ pub struct Standing {
     pub probe_ns: Option<u64>,
     /// How many times slower than the fastest it was when it was left behind early.
     pub behind: Option<f64>,
-    /// Nanoseconds by block; of several frames those of one, in the mean.
+    /// Nanoseconds by block.
     pub times: Blocks,
     /// Most bytes held at one time, without scene and pairs.
     pub peak_bytes: Option<u64>,
@@ -59,8 +56,6 @@ pub struct Standing {
     pub formula_bytes: Option<u64>,
     /// Against exact decisions on the scene as given.
     pub errors: Option<Errors>,
-    /// Of several frames: when it built its list.
-    pub builds: Option<Builds>,
     /// Is it in the race?
     pub(super) racing: bool,
     /// How its processes are started.
@@ -80,7 +75,6 @@ impl Standing {
             peak_bytes: None,
             formula_bytes: None,
             errors: None,
-            builds: None,
             racing: true,
             start,
         }
@@ -105,7 +99,7 @@ impl Standing {
 pub struct Race {
     /// All who were asked.
     pub standings: Vec<Standing>,
-    /// True pairs in the arithmetic, of all frames.
+    /// True pairs in the arithmetic.
     pub contacts: u64,
     /// Blocks run.
     pub blocks: u32,
@@ -171,8 +165,7 @@ fn drop_over(
     let mut racing: Vec<usize> = (0..standings.len()).filter(|&k| standings[k].racing).collect();
     racing.sort_by(|&a, &b| standings[a].typical().total_cmp(&standings[b].typical()));
     let Some(&best) = racing.first() else { return Vec::new() };
-    let may_go = racing.into_iter().skip(2).filter(|&k| !standings[k].who.stays);
-    let behind = may_go.filter_map(|k| Some((k, over(&standings[k], &standings[best])?)));
+    let behind = racing.into_iter().skip(2).filter_map(|k| Some((k, over(&standings[k], &standings[best])?)));
     let out: Vec<(usize, f64)> = behind.filter(|(_, times)| *times > limit).collect();
     out.iter().for_each(|&(k, _)| standings[k].racing = false);
     out
@@ -184,7 +177,7 @@ mod tests {
 
     fn race(times: &[(u64, &[u64])]) -> Vec<Standing> {
         let standing = |(k, (probe, blocks)): (usize, &(u64, &[u64]))| {
-            let who = Contender { name: k.to_string(), is_ours: true, threads: 1, stays: false };
+            let who = Contender { name: ["a", "b", "c", "d"][k], is_ours: true, threads: 1 };
             let start = Start {
                 command: Vec::new(),
                 install: String::new(),

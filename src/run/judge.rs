@@ -128,18 +128,6 @@ impl<'a> Judge<'a> {
         Ok((Judge { of: Of::Moving(moving), seen: HashMap::new() }, moved))
     }
 
-    /// A judge of all frames of a trajectory, whose right answers in one arithmetic are known by
-    /// their fingerprints. Errors are against those.
-    pub fn knowing(
-        trajectory: Trajectory,
-        memory_limit: u64,
-        arithmetic: Arithmetic,
-        truths: Vec<Digest>,
-    ) -> Judge<'static> {
-        let moving = Moving::knowing(trajectory, memory_limit, arithmetic, truths);
-        Judge { of: Of::Moving(moving), seen: HashMap::new() }
-    }
-
     /// Judges the answer of a contender in its arithmetic: the number and the digest of its pairs.
     /// `fetch` asks for the pairs; it is not called for an answer that is right or was judged
     /// before.

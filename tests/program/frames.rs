@@ -134,7 +134,6 @@ fn what_is_no_motion_is_refused_with_its_frame() {
     let words = ["t: one frame is wanted here; give --frame a number from 0, or last"];
     let words = words.map(|text| text.replacen('t', "other.dump", 1));
     refused(folder, &["scene", "other.dump", "--frame", "all"], &[&words[0]]);
-    refused(folder, &["recommend", "box.dump"], &["the box repeats along x and y, and along x in"]);
     refused(folder, &["detect", "packed:n=9", "--frame", "all"], &["belong to files"]);
 }
 

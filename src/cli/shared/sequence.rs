@@ -46,32 +46,13 @@ pub struct Wanted {
     pub arithmetic: Arithmetic,
 }
 
-/// What became of them.
-pub enum Seen<T> {
-    /// What was made of the frames.
-    Moving(T),
-    /// There is one frame and no motion: its name, and the scene.
-    Still(Box<(String, Given)>),
-    /// Nothing was named.
-    Nothing,
-}
-
-impl<T> Seen<T> {
-    /// What was made of the frames, if there were several.
-    pub fn moving(self) -> Option<T> {
-        match self {
-            Seen::Moving(made) => Some(made),
-            Seen::Still(_) | Seen::Nothing => None,
-        }
-    }
-}
-
-/// Hands the frames to `body`, if there are several. A file is read once.
+/// Hands the frames to `body`; none if nothing was named, or there is one frame and no motion. A
+/// file is read once.
 pub fn sequence<T>(
     source: &Source,
     wanted: &Wanted,
     body: impl FnOnce(Sequence<'_>) -> anyhow::Result<T>,
-) -> anyhow::Result<Seen<T>> {
+) -> anyhow::Result<Option<T>> {
     let Wanted { motion, otherwise, frames, .. } = *wanted;
     ensure!(frames != Some(0), "--frames 0: at least one is needed");
     let Source { scene, input } = source;
@@ -81,7 +62,7 @@ pub fn sequence<T>(
         let options = io::Options { ids: true, ..input.options() };
         let several = |frames: io::Frames<'_>| of_file(source, path, wanted, frames, body);
         let seen = input::frames(path, options, several)?;
-        let moves = !matches!(seen, Seen::Still(_)) || frames.is_none();
+        let moves = seen.is_some() || frames.is_none();
         ensure!(moves, "--frames says how many, and the file has one frame; add --motion drift");
         return Ok(seen);
     }
@@ -91,11 +72,8 @@ pub fn sequence<T>(
     let given = source.given()?;
     given.iter().for_each(|(name, given)| input::doubt_given(name, given, wanted.arithmetic));
     Ok(match (given, motion) {
-        (None, _) => Seen::Nothing,
-        (Some((name, given)), None) => Seen::Still(Box::new((name, given))),
-        (Some((name, given)), Some(motion)) => {
-            Seen::Moving(moved(&name, &given, motion, frames, body)?)
-        }
+        (Some((name, given)), Some(motion)) => Some(moved(&name, &given, motion, frames, body)?),
+        _ => None,
     })
 }
 
@@ -123,7 +101,7 @@ fn of_file<T>(
     wanted: &Wanted,
     mut frames: io::Frames<'_>,
     body: impl FnOnce(Sequence<'_>) -> anyhow::Result<T>,
-) -> anyhow::Result<Seen<T>> {
+) -> anyhow::Result<Option<T>> {
     let (text, radius) = (path.display().to_string(), source.input.radius);
     let name = path.file_name().map_or(text.clone(), |name| name.to_string_lossy().into_owned());
     let none = || format!("{text} holds no frame of particles; is it of another format?");
@@ -134,8 +112,8 @@ fn of_file<T>(
         let given = first.0.given(&text, radius)?;
         input::doubt_given(&text, &given, wanted.arithmetic);
         return Ok(match wanted.otherwise {
-            Some(motion) => Seen::Moving(moved(&name, &given, motion, wanted.frames, body)?),
-            None => Seen::Still(Box::new((name, given))),
+            Some(motion) => Some(moved(&name, &given, motion, wanted.frames, body)?),
+            None => None,
         });
     };
     input::tell(&text, first.0.notices(), Place::Argument);
@@ -158,5 +136,5 @@ fn of_file<T>(
         },
     })?;
     told.end(&text);
-    Ok(Seen::Moving(made))
+    Ok(Some(made))
 }

@@ -67,18 +67,6 @@ impl Moving {
         Ok((judge, moved))
     }
 
-    /// Knows already what is true in one arithmetic. Errors are against that.
-    pub fn knowing(
-        trajectory: Trajectory,
-        memory_limit: u64,
-        arithmetic: Arithmetic,
-        truths: Vec<Digest>,
-    ) -> Moving {
-        let right = |digest| Right { digest, ..Right::default() };
-        let known = Ok(truths.into_iter().map(right).collect());
-        Moving { trajectory, memory_limit, known: HashMap::from([(arithmetic, known)]) }
-    }
-
     /// The fingerprint of the right answer of frame 0.
     pub fn truth(&mut self, arithmetic: Arithmetic) -> anyhow::Result<Result<Digest, Nothing>> {
         let known = self.known(arithmetic)?;

@@ -3,7 +3,6 @@
 
 mod examples;
 mod recommend;
-mod recommend_motion;
 mod wrong;
 
 use std::path::{Path, PathBuf};
