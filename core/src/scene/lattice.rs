@@ -54,6 +54,13 @@ pub enum LatticeError {
 const FLATTEST: f64 = 1.0 / (1u64 << 30) as f64;
 
 impl Lattice {
+    /// Open space: a box that repeats along none of its vectors.
+    pub const OPEN: Lattice = Lattice {
+        vectors: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+        periodic: [false; 3],
+        origin: [0.0; 3],
+    };
+
     /// A box of these vectors, periodic along those that are marked, with its corner at `origin`.
     /// Vectors along which it is open are looked at by no contact test.
     ///
