@@ -9,10 +9,10 @@ use super::pass::{Each, Pass, Reach, Same};
 use super::places::Unit;
 use super::rule::{Looks, Rule, Ways};
 use super::travel::{TopTwo, at_most};
+use super::{Frame, Search};
 use crate::contact::{Arithmetic, Bodies, Corners, Slack, Test};
-use crate::detect::any::AnyDetector;
 use crate::pair_list::{PAIR_BYTES, PairList};
-use crate::periodic::{Contacts, Finder, List, Periodic};
+use crate::periodic::{Contacts, List, Periodic};
 use crate::probe::{Op, Probe, Tally};
 use crate::refusal::{Refusal, reserve};
 use crate::scene::{AnyScene, Lattice, Radii, Real, Scene, array};
@@ -110,24 +110,21 @@ impl<const D: usize> Kept<D> {
     }
 
     /// Lists all pairs whose bodies are at most twice `half` apart in this frame, and further by
-    /// what the contact test may round, for a rule. The arrays may take `limit` bytes. The centres
-    /// are within `corners`.
+    /// what the contact test may round, for a rule. The centres are within `corners`.
     pub fn build<T: Real>(
         &mut self,
         scene: &Scene<'_, T, D>,
         corners: Corners<D>,
-        list: &Wanted,
-        mut around: Option<(&Lattice, &mut Finder)>,
-        detector: &mut dyn AnyDetector,
+        list: &Wanted<'_>,
+        search: &mut Search,
         mut tally: Option<&mut Tally>,
     ) -> Result<(), Refusal>
     where
         for<'a> AnyScene<'a>: From<Scene<'a, f64, D>>,
     {
         self.age = None;
-        let Wanted { half, rounding, rule, limit } = *list;
-        let (n, skin) = (scene.len(), 2.0 * half);
-        let lattice = around.as_ref().map(|(lattice, _)| *lattice);
+        let Wanted { half, rounding, rule, lattice } = *list;
+        let (n, skin, limit) = (scene.len(), 2.0 * half, search.limit);
         let rounding = rounding + self.around.begin(lattice, n, corners)?;
         let largest = scene.largest_radius().wide();
         let margin = if rounding == 0.0 { half } else { (half + 0.5 * rounding).next_up() };
@@ -184,27 +181,22 @@ impl<const D: usize> Kept<D> {
         let wider = Scene::new(&self.then[..], wider)
             .map_err(|_| Refusal::Skin { skin, diameter: 2.0 * largest })?;
         self.listed.clear();
-        let wider = wider.into();
-        let listed = match &mut around {
-            None => super::list(detector, &wider, Test::Exact, limit, tally, &mut self.listed),
-            Some((lattice, finder)) => {
-                let mut contacts = Contacts {
-                    plain: std::mem::take(&mut self.listed),
-                    shifted: std::mem::take(&mut self.around.through),
-                };
-                let wider = Periodic::new(wider, **lattice).map_err(|_| Refusal::Range)?;
-                let found = super::list_in_box(
-                    finder,
-                    detector,
-                    &wider,
-                    Arithmetic::Exact,
-                    tally,
-                    &mut contacts,
-                );
-                (self.listed, self.around.through) = (contacts.plain, contacts.shifted);
-                found
-            }
+        let wider: AnyScene<'_> = wider.into();
+        let mut contacts = Contacts {
+            plain: std::mem::take(&mut self.listed),
+            shifted: std::mem::take(&mut self.around.through),
         };
+        let listed = match lattice {
+            None => search.list(Frame::Open(&wider, Test::Exact), tally, &mut contacts),
+            Some(lattice) => match Periodic::new(wider, *lattice) {
+                Ok(wider) => {
+                    let frame = Frame::Boxed(&wider, Arithmetic::Exact);
+                    search.list(frame, tally, &mut contacts)
+                }
+                Err(_) => Err(Refusal::Range),
+            },
+        };
+        (self.listed, self.around.through) = (contacts.plain, contacts.shifted);
         listed.map_err(|refusal| match refusal {
             Refusal::Pairs { found, particles, room } if skin > 0.0 => {
                 Refusal::Listed { found, particles, room, skin }
@@ -316,15 +308,15 @@ const POINT: u64 = size_of::<f64>() as u64;
 const SPOT: u64 = size_of::<Spot>() as u64;
 
 /// A list that is to be built.
-pub(super) struct Wanted {
+pub(super) struct Wanted<'a> {
     /// Half of its skin.
     pub half: f64,
     /// What the contact test may round beyond the sum of two radii.
     pub rounding: f64,
     /// How long it serves.
     pub rule: Rule,
-    /// Bytes that arrays may take.
-    pub limit: u64,
+    /// The box, if there is one.
+    pub lattice: Option<&'a Lattice>,
 }
 
 impl KeptRadii {

@@ -63,38 +63,74 @@ use crate::probe::Tally;
 use crate::refusal::Refusal;
 use crate::scene::AnyScene;
 
+/// A frame whose contacts are wanted.
+#[derive(Clone, Copy)]
+pub enum Frame<'a> {
+    /// In open space.
+    Open(&'a AnyScene<'a>, Test),
+    /// In a periodic box.
+    Boxed(&'a Periodic<'a>, Arithmetic),
+}
+
+impl<'a> Frame<'a> {
+    fn scene(&self) -> &'a AnyScene<'a> {
+        match self {
+            Frame::Open(scene, _) => scene,
+            Frame::Boxed(periodic, _) => periodic.scene(),
+        }
+    }
+}
+
 /// Finds the contacts of frames: scenes of the same particles, one after the other.
 pub trait Tracker: Send {
-    /// The pairs of this frame, each once, appended to `pairs` in any order.
+    /// Appends the contacts of this frame, each once, in any order.
     ///
     /// Frames may be of any scene: where the number of particles or a radius is another than
-    /// before, a list is built anew. With a `tally` every operation is counted, which takes time.
+    /// before, a list is built again. The box may be another in each frame, and particles may be
+    /// named by any of their images; frames in boxes and in open space may follow each other. With
+    /// a `tally` every operation is counted, which takes time.
     ///
     /// # Errors
-    /// What the detector refuses, and [`Refusal::Pairs`]; `pairs` is then as it was, and the next
-    /// frame is taken as the first.
+    /// What the detector and [`Finder::list`] refuse, and [`Refusal::Pairs`];
+    /// [`Refusal::Rounded`] from trackers that keep lists, which decide in exact arithmetic in a
+    /// box. `contacts` is then as it was, and the next frame is taken as the first.
+    fn find(
+        &mut self,
+        frame: Frame<'_>,
+        tally: Option<&mut Tally>,
+        contacts: &mut Contacts,
+    ) -> Result<Step, Refusal>;
+
+    /// As [`Tracker::find`], of a frame in open space.
+    ///
+    /// # Errors
+    /// As [`Tracker::find`].
     fn step(
         &mut self,
         frame: &AnyScene<'_>,
         test: Test,
         tally: Option<&mut Tally>,
         pairs: &mut Vec<[u32; 2]>,
-    ) -> Result<Step, Refusal>;
+    ) -> Result<Step, Refusal> {
+        let mut contacts = Contacts { plain: std::mem::take(pairs), shifted: Vec::new() };
+        let step = self.find(Frame::Open(frame, test), tally, &mut contacts);
+        *pairs = contacts.plain;
+        step
+    }
 
-    /// As [`Tracker::step`], of a frame in a periodic box. The box may be another in each frame,
-    /// and particles may be named by any of their images; frames in boxes and in open space may
-    /// follow each other.
+    /// As [`Tracker::find`], of a frame in a periodic box.
     ///
     /// # Errors
-    /// As [`Tracker::step`]; what [`Finder::list`] refuses; [`Refusal::Rounded`] from trackers that
-    /// keep lists, which decide in exact arithmetic.
+    /// As [`Tracker::find`].
     fn step_in_box(
         &mut self,
         frame: &Periodic<'_>,
         arithmetic: Arithmetic,
         tally: Option<&mut Tally>,
         contacts: &mut Contacts,
-    ) -> Result<Step, Refusal>;
+    ) -> Result<Step, Refusal> {
+        self.find(Frame::Boxed(frame, arithmetic), tally, contacts)
+    }
 
     /// The next frame is taken as the first; buffers stay.
     fn forget(&mut self);
@@ -118,102 +154,88 @@ pub struct Step {
     pub building: Duration,
 }
 
-/// Asks its detector in every frame.
-struct EveryStep {
-    detector: Box<dyn AnyDetector>,
-    /// For the list of contacts, in bytes.
-    limit: u64,
-    /// Of images, once a frame is in a box.
-    finder: Option<Finder>,
-}
+/// Calls its detector in every frame.
+struct EveryStep(Search);
 
 impl Tracker for EveryStep {
-    fn step(
+    fn find(
         &mut self,
-        frame: &AnyScene<'_>,
-        test: Test,
-        tally: Option<&mut Tally>,
-        pairs: &mut Vec<[u32; 2]>,
-    ) -> Result<Step, Refusal> {
-        self.finder = None;
-        ask(&mut *self.detector, frame, test, self.limit, tally, pairs)
-    }
-
-    fn step_in_box(
-        &mut self,
-        frame: &Periodic<'_>,
-        arithmetic: Arithmetic,
+        frame: Frame<'_>,
         tally: Option<&mut Tally>,
         contacts: &mut Contacts,
     ) -> Result<Step, Refusal> {
-        let finder = self.finder.get_or_insert_with(|| Finder::new(self.limit));
-        ask_in_box(finder, &mut *self.detector, frame, arithmetic, tally, contacts)
+        self.0.begin(frame);
+        self.0.step(frame, tally, contacts)
     }
 
     fn forget(&mut self) {}
 
     fn formula_bytes(&self) -> u64 {
-        self.detector.formula_bytes() + self.finder.as_ref().map_or(0, Finder::formula_bytes)
+        self.0.formula_bytes()
     }
 }
 
-/// A step in which the detector is asked.
-fn ask(
-    detector: &mut dyn AnyDetector,
-    frame: &AnyScene<'_>,
-    test: Test,
+/// A detector, and what it needs in boxes.
+struct Search {
+    detector: Box<dyn AnyDetector>,
+    /// Of a list of contacts, in bytes.
     limit: u64,
-    tally: Option<&mut Tally>,
-    pairs: &mut Vec<[u32; 2]>,
-) -> Result<Step, Refusal> {
-    let (started, before) = (Instant::now(), pairs.len());
-    list(detector, frame, test, limit, tally, pairs)?;
-    let listed = (pairs.len() - before) as u64;
-    Ok(Step { built: true, listed, dangerous: false, building: started.elapsed() })
+    /// Of images, where the last frame was in a box.
+    finder: Option<Finder>,
 }
 
-/// A step in a box in which the detector is asked.
-fn ask_in_box(
-    finder: &mut Finder,
-    detector: &mut dyn AnyDetector,
-    frame: &Periodic<'_>,
-    arithmetic: Arithmetic,
-    tally: Option<&mut Tally>,
-    contacts: &mut Contacts,
-) -> Result<Step, Refusal> {
-    let (started, before) = (Instant::now(), contacts.len());
-    list_in_box(finder, detector, frame, arithmetic, tally, contacts)?;
-    let listed = contacts.len() - before;
-    Ok(Step { built: true, listed, dangerous: false, building: started.elapsed() })
-}
+impl Search {
+    fn new(detector: Box<dyn AnyDetector>, limit: u64) -> Search {
+        Search { detector, limit, finder: None }
+    }
 
-/// Asks a detector for a list of at most so many bytes; counts if there is a tally.
-fn list(
-    detector: &mut dyn AnyDetector,
-    scene: &AnyScene<'_>,
-    test: Test,
-    limit: u64,
-    tally: Option<&mut Tally>,
-    pairs: &mut Vec<[u32; 2]>,
-) -> Result<(), Refusal> {
-    let Some(tally) = tally else { return detector.list(scene, test, pairs) };
-    let allowance = Allowance::new(limit);
-    let mut list = PairList::behind(std::mem::take(pairs), &allowance);
-    let counted = detector.count(scene, test, tally, &mut list);
-    list.end(scene.len(), pairs).and(counted)
-}
+    /// Begins a frame: images are kept for frames in boxes alone.
+    fn begin(&mut self, frame: Frame<'_>) {
+        if let Frame::Open(..) = frame {
+            self.finder = None;
+        }
+    }
 
-/// Asks a detector for the contacts in a box; counts if there is a tally.
-fn list_in_box(
-    finder: &mut Finder,
-    detector: &mut dyn AnyDetector,
-    frame: &Periodic<'_>,
-    arithmetic: Arithmetic,
-    tally: Option<&mut Tally>,
-    contacts: &mut Contacts,
-) -> Result<(), Refusal> {
-    match tally {
-        Some(tally) => finder.count(frame, detector, arithmetic, tally, contacts),
-        None => finder.list(frame, detector, arithmetic, contacts),
+    /// A step without a kept list.
+    fn step(
+        &mut self,
+        frame: Frame<'_>,
+        tally: Option<&mut Tally>,
+        contacts: &mut Contacts,
+    ) -> Result<Step, Refusal> {
+        let (started, before) = (Instant::now(), contacts.len());
+        self.list(frame, tally, contacts)?;
+        let listed = contacts.len() - before;
+        Ok(Step { built: true, listed, dangerous: false, building: started.elapsed() })
+    }
+
+    /// Lists the contacts of a frame; counts operations if there is a tally.
+    fn list(
+        &mut self,
+        frame: Frame<'_>,
+        tally: Option<&mut Tally>,
+        contacts: &mut Contacts,
+    ) -> Result<(), Refusal> {
+        let (limit, detector) = (self.limit, &mut *self.detector);
+        match (frame, tally) {
+            (Frame::Open(scene, test), None) => detector.list(scene, test, &mut contacts.plain),
+            (Frame::Open(scene, test), Some(tally)) => {
+                let allowance = Allowance::new(limit);
+                let mut list = PairList::behind(std::mem::take(&mut contacts.plain), &allowance);
+                let counted = detector.count(scene, test, tally, &mut list);
+                list.end(scene.len(), &mut contacts.plain).and(counted)
+            }
+            (Frame::Boxed(frame, arithmetic), tally) => {
+                let finder = self.finder.get_or_insert_with(|| Finder::new(limit));
+                match tally {
+                    Some(tally) => finder.count(frame, detector, arithmetic, tally, contacts),
+                    None => finder.list(frame, detector, arithmetic, contacts),
+                }
+            }
+        }
+    }
+
+    fn formula_bytes(&self) -> u64 {
+        self.detector.formula_bytes() + self.finder.as_ref().map_or(0, Finder::formula_bytes)
     }
 }

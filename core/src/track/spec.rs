@@ -6,7 +6,7 @@ use std::fmt;
 use super::rule::Rule;
 use super::tuner::Costs;
 use super::verlet::Verlet;
-use super::{EveryStep, Tracker};
+use super::{EveryStep, Search, Tracker};
 use crate::contact::{Margin, Test};
 use crate::detect::Options;
 use crate::detect::spec::{self, DetectorSpec, SpecError};
@@ -50,16 +50,11 @@ impl TrackerSpec {
     /// A tracker that has seen no frame. Its lists may take the memory limit of `options`, and its
     /// detector as much.
     pub fn make(&self, options: Options) -> Box<dyn Tracker> {
+        let search = Search::new(self.detector().make(options), options.memory_limit);
         match self {
-            TrackerSpec::EveryStep(detector) => Box::new(EveryStep {
-                detector: detector.make(options),
-                limit: options.memory_limit,
-                finder: None,
-            }),
+            TrackerSpec::EveryStep(_) => Box::new(EveryStep(search)),
             TrackerSpec::Verlet { detector, skin, rule } => {
-                let limit = options.memory_limit;
-                let costs = Costs::of(detector.entry.speed);
-                Box::new(Verlet::new(detector.make(options), costs, *skin, *rule, limit))
+                Box::new(Verlet::new(search, Costs::of(detector.entry.speed), *skin, *rule))
             }
         }
     }
@@ -137,9 +132,7 @@ pub const FORMS: [(&str, &str); 8] = [
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum TrackerError {
     /// Another form.
-    #[error(
-        "'{0}' is no tracker; write every-step(DETECTOR) or verlet(DETECTOR,rule=RULE,skin=S)"
-    )]
+    #[error("'{0}' is no tracker; write every-step(DETECTOR) or verlet(DETECTOR,rule=RULE,skin=S)")]
     Form(String),
     /// Not a length.
     #[error(

@@ -6,12 +6,11 @@ use super::kept::{Kept, Wanted};
 use super::rule::Rule;
 use super::spec::Skin;
 use super::tuner::{Costs, LEAST, Served, Tuner};
-use super::{Step, Tracker};
+use super::{Frame, Search, Step, Tracker};
 use crate::contact::{Arithmetic, Bodies, Test, any_bodies};
-use crate::detect::any::AnyDetector;
 use crate::filter::bounds;
 use crate::pair_list::{Allowance, PairList};
-use crate::periodic::{Contacts, Finder, List, Periodic};
+use crate::periodic::{Contacts, List};
 use crate::probe::{Op, Probe, Tally};
 use crate::refusal::Refusal;
 use crate::scene::{AnyScene, Lattice, Real, Scene};
@@ -26,151 +25,105 @@ use crate::with_stored;
 /// more, 20 for each listed pair through a face, 16 for each particle that has another name than
 /// when the list was built, and images while it is built.
 pub(super) struct Verlet {
-    detector: Box<dyn AnyDetector>,
+    search: Search,
     skin: Skin,
     rule: Rule,
-    /// For the list of contacts, in bytes.
-    limit: u64,
     tuner: Tuner,
     /// Contacts of the last frame.
     touching: u64,
     plane: Kept<2>,
     space: Kept<3>,
-    /// Of images, once a frame is in a box.
-    finder: Option<Finder>,
 }
 
 impl Verlet {
-    pub fn new(
-        detector: Box<dyn AnyDetector>,
-        costs: Costs,
-        skin: Skin,
-        rule: Rule,
-        limit: u64,
-    ) -> Verlet {
+    pub fn new(search: Search, costs: Costs, skin: Skin, rule: Rule) -> Verlet {
         Verlet {
-            detector,
+            search,
             skin,
             rule,
-            limit,
             tuner: Tuner::new(costs),
             touching: 0,
             plane: Kept::default(),
             space: Kept::default(),
-            finder: None,
         }
     }
 
-    /// What a step with a list takes.
-    fn at_work<'a>(
-        &'a mut self,
-        test: Test,
-        lattice: Option<&'a Lattice>,
-        tally: Option<&'a mut Tally>,
-    ) -> (Settings, Work<'a>, &'a mut Kept<2>, &'a mut Kept<3>) {
-        let settings =
-            Settings { rule: self.rule, limit: self.limit, touching: self.touching, test };
+    /// A step with a list; none if the detector is to be called without one.
+    fn with_list(
+        &mut self,
+        frame: Frame<'_>,
+        tally: Option<&mut Tally>,
+        contacts: &mut Contacts,
+    ) -> Result<Option<Step>, Refusal> {
         let skin = match self.skin {
             Skin::Diameters(skin) => Thick::Given(skin),
             Skin::Auto => Thick::By(&mut self.tuner),
         };
-        let detector = &mut *self.detector;
-        let work = Work { skin, detector, around: lattice.zip(self.finder.as_mut()), tally };
-        (settings, work, &mut self.plane, &mut self.space)
-    }
-
-    /// The detector is asked in this frame, and nothing is kept.
-    fn without_list(&mut self) {
-        self.plane.forget();
-        self.space.forget();
-        self.tuner.direct = self.tuner.direct.saturating_sub(1);
-    }
-
-    /// After a frame with so many contacts.
-    fn done(&mut self, step: Result<Step, Refusal>, touching: u64) -> Result<Step, Refusal> {
-        match &step {
-            Ok(_) => self.touching = touching,
-            Err(_) => self.forget(),
+        let (lattice, test) = match frame {
+            Frame::Open(_, test) => (None, test),
+            Frame::Boxed(periodic, _) => (Some(periodic.lattice()), Test::Exact),
+        };
+        let settings = Settings { rule: self.rule, touching: self.touching, test };
+        let work = Work { skin, search: &mut self.search, lattice, tally };
+        let (plane, space) = (&mut self.plane, &mut self.space);
+        match (frame, frame.scene()) {
+            (Frame::Open(..), AnyScene::Plane(scene)) => {
+                space.forget();
+                with_stored!(scene, scene => settings.open(plane, scene, work, contacts))
+            }
+            (Frame::Open(..), AnyScene::Space(scene)) => {
+                plane.forget();
+                with_stored!(scene, scene => settings.open(space, scene, work, contacts))
+            }
+            (Frame::Boxed(..), AnyScene::Plane(scene)) => {
+                space.forget();
+                settings.boxed(plane, &scene.widened(), work, contacts)
+            }
+            (Frame::Boxed(..), AnyScene::Space(scene)) => {
+                plane.forget();
+                settings.boxed(space, &scene.widened(), work, contacts)
+            }
         }
-        step
     }
 }
 
 impl Tracker for Verlet {
-    fn step(
+    fn find(
         &mut self,
-        frame: &AnyScene<'_>,
-        test: Test,
-        mut tally: Option<&mut Tally>,
-        pairs: &mut Vec<[u32; 2]>,
-    ) -> Result<Step, Refusal> {
-        let before = pairs.len();
-        self.finder = None;
-        let mut step = Ok(None);
-        if self.tuner.direct == 0 {
-            let (settings, work, plane, space) = self.at_work(test, None, tally.as_deref_mut());
-            step = match frame {
-                AnyScene::Plane(frame) => {
-                    space.forget();
-                    with_stored!(frame, scene => settings.step(plane, scene, work, pairs))
-                }
-                AnyScene::Space(frame) => {
-                    plane.forget();
-                    with_stored!(frame, scene => settings.step(space, scene, work, pairs))
-                }
-            };
-        }
-        let step = match step {
-            Ok(Some(step)) => Ok(step),
-            Ok(None) => {
-                self.without_list();
-                // As safe as lists are, whatever filters are asked for.
-                super::ask(&mut *self.detector, frame, test.safe(), self.limit, tally, pairs)
-            }
-            Err(refusal) => Err(refusal),
-        };
-        self.done(step, (pairs.len() - before) as u64)
-    }
-
-    fn step_in_box(
-        &mut self,
-        frame: &Periodic<'_>,
-        arithmetic: Arithmetic,
+        frame: Frame<'_>,
         mut tally: Option<&mut Tally>,
         contacts: &mut Contacts,
     ) -> Result<Step, Refusal> {
-        if arithmetic != Arithmetic::Exact {
+        if let Frame::Boxed(_, arithmetic) = frame
+            && arithmetic != Arithmetic::Exact
+        {
             return Err(Refusal::Rounded { arithmetic: arithmetic.name() });
         }
         let before = contacts.len();
-        let limit = self.limit;
-        self.finder.get_or_insert_with(|| Finder::new(limit));
+        self.search.begin(frame);
         let mut step = Ok(None);
         if self.tuner.direct == 0 {
-            let (settings, work, plane, space) =
-                self.at_work(Test::Exact, Some(frame.lattice()), tally.as_deref_mut());
-            step = match frame.scene() {
-                AnyScene::Plane(scene) => {
-                    space.forget();
-                    settings.step_in_box(plane, &scene.widened(), work, contacts)
-                }
-                AnyScene::Space(scene) => {
-                    plane.forget();
-                    settings.step_in_box(space, &scene.widened(), work, contacts)
-                }
-            };
+            step = self.with_list(frame, tally.as_deref_mut(), contacts);
         }
-        let step = match step {
-            Ok(Some(step)) => Ok(step),
-            Ok(None) => {
-                self.without_list();
-                let finder = self.finder.get_or_insert_with(|| Finder::new(limit));
-                let detector = &mut *self.detector;
-                super::ask_in_box(finder, detector, frame, arithmetic, tally, contacts)
+        let step = step.and_then(|step| {
+            if let Some(step) = step {
+                return Ok(step);
             }
-            Err(refusal) => Err(refusal),
-        };
-        self.done(step, contacts.len() - before)
+            self.plane.forget();
+            self.space.forget();
+            self.tuner.direct = self.tuner.direct.saturating_sub(1);
+            let frame = match frame {
+                // As safe as lists are, whatever filters are asked for.
+                Frame::Open(scene, test) => Frame::Open(scene, test.safe()),
+                boxed @ Frame::Boxed(..) => boxed,
+            };
+            self.search.step(frame, tally, contacts)
+        });
+        match &step {
+            Ok(_) => self.touching = contacts.len() - before,
+            Err(_) => self.forget(),
+        }
+        step
     }
 
     fn forget(&mut self) {
@@ -180,8 +133,7 @@ impl Tracker for Verlet {
     }
 
     fn formula_bytes(&self) -> u64 {
-        let images = self.finder.as_ref().map_or(0, Finder::formula_bytes);
-        self.plane.bytes() + self.space.bytes() + images + self.detector.formula_bytes()
+        self.plane.bytes() + self.space.bytes() + self.search.formula_bytes()
     }
 }
 
@@ -194,9 +146,9 @@ enum Thick<'a> {
 /// Who builds a list.
 struct Work<'a> {
     skin: Thick<'a>,
-    detector: &'a mut dyn AnyDetector,
+    search: &'a mut Search,
     /// The box, if there is one.
-    around: Option<(&'a Lattice, &'a mut Finder)>,
+    lattice: Option<&'a Lattice>,
     tally: Option<&'a mut Tally>,
 }
 
@@ -212,36 +164,35 @@ impl Work<'_> {
 
 struct Settings {
     rule: Rule,
-    limit: u64,
     /// Contacts of the frame before.
     touching: u64,
     test: Test,
 }
 
 impl Settings {
-    /// None if the detector is to be asked without a list.
-    fn step<T: Real, const D: usize>(
+    /// None if the detector is to be called without a list.
+    fn open<T: Real, const D: usize>(
         &self,
         kept: &mut Kept<D>,
         scene: &Scene<'_, T, D>,
         mut work: Work<'_>,
-        pairs: &mut Vec<[u32; 2]>,
+        contacts: &mut Contacts,
     ) -> Result<Option<Step>, Refusal>
     where
         for<'a> AnyScene<'a>: From<Scene<'a, f64, D>>,
     {
         let bodies = any_bodies(scene, self.test)?;
         let Some(step) = self.ready(kept, scene, &bodies, &mut work)? else { return Ok(None) };
-        let allowance = Allowance::new(self.limit);
-        let mut list = PairList::behind(std::mem::take(pairs), &allowance);
+        let allowance = Allowance::new(work.search.limit);
+        let mut list = PairList::behind(std::mem::take(&mut contacts.plain), &allowance);
         let exact = kept.pass(bodies, &mut list);
         work.tally(&step, exact);
-        list.end(scene.len(), pairs)?;
+        list.end(scene.len(), &mut contacts.plain)?;
         Ok(Some(step))
     }
 
-    /// None if the detector is to be asked without a list.
-    fn step_in_box<const D: usize>(
+    /// The same in a periodic box.
+    fn boxed<const D: usize>(
         &self,
         kept: &mut Kept<D>,
         scene: &Scene<'_, f64, D>,
@@ -255,7 +206,7 @@ impl Settings {
         let Some(step) = self.ready(kept, scene, &bodies, &mut work)? else { return Ok(None) };
         let pass =
             |plain: &mut PairList<'_>, shifted: &mut List| kept.pass_in_box(scene, plain, shifted);
-        let exact = contacts.gather(self.limit, scene.len(), pass)?;
+        let exact = contacts.gather(work.search.limit, scene.len(), pass)?;
         work.tally(&step, exact);
         Ok(Some(step))
     }
@@ -274,9 +225,8 @@ impl Settings {
     {
         let (largest, slack) = (scene.largest_radius().wide(), bodies.slack());
         let rounding = 2.0 * largest * slack.relative + slack.absolute;
-        let lattice = work.around.as_ref().map(|(lattice, _)| *lattice);
         let mut step = Step { built: true, ..Step::default() };
-        if let Some((age, ways)) = kept.follow(scene, lattice, self.rule, rounding) {
+        if let Some((age, ways)) = kept.follow(scene, work.lattice, self.rule, rounding) {
             let nearer = kept.nearer(2.0 * largest);
             let left = if nearer > 0.0 { (kept.skin() - nearer).next_down() } else { kept.skin() };
             let due = self.rule.is_due(age, &ways, left);
@@ -301,11 +251,9 @@ impl Settings {
                         Thick::Given(skin) => *skin,
                         Thick::By(tuner) => tuner.skin,
                     };
-                let list = Wanted { half, rounding, rule: self.rule, limit: self.limit };
-                let around =
-                    work.around.as_mut().map(|(lattice, finder)| (*lattice, &mut **finder));
+                let list = Wanted { half, rounding, rule: self.rule, lattice: work.lattice };
                 let tally = work.tally.as_deref_mut();
-                let built = kept.build(scene, corners, &list, around, work.detector, tally);
+                let built = kept.build(scene, corners, &list, work.search, tally);
                 let Err(refusal) = built else { break };
                 let too_long = matches!(refusal, Refusal::Listed { .. });
                 match &mut work.skin {

@@ -1,9 +1,8 @@
 use super::tests::{coordinates, motion, scene};
 use super::*;
 use crate::scene::Lattice;
-use crate::sink::splitmix64;
 
-const BOXES: [&str; 6] = [
+pub(super) const BOXES: [&str; 6] = [
     "loose:dim=2,n=60,fraction=0.4,periodic=true",
     "loose:dim=2,n=60,fraction=0.4,periodic=true,tilt=0.4,offset=7",
     "loose:dim=2,n=60,fraction=0.4,periodic=x",
@@ -12,7 +11,7 @@ const BOXES: [&str; 6] = [
     "loose:dim=3,n=60,fraction=0.3,periodic=y,tilt=0.3",
 ];
 
-fn goes() -> [Kind; 5] {
+pub(super) fn goes() -> [Kind; 5] {
     [Kind::Rest, Kind::Drift, Kind::Shear, Kind::Jitter, Kind::Brownian]
 }
 
@@ -26,21 +25,6 @@ fn fractions(given: &Given, v: usize) -> Vec<f64> {
     let (dual, origin) = (lattice.dual(v), lattice.origin());
     let of = |at: &[f64]| (0..dim).map(|k| dual[k] * (at[k] - origin[k])).sum();
     coordinates(given).chunks(dim).map(of).collect()
-}
-
-#[test]
-fn frame_k_in_a_box_does_not_depend_on_the_frames_asked_for_before() {
-    for text in BOXES {
-        let scene = scene(text);
-        for kind in goes() {
-            let of = |k: u64| Frames::new(&scene, motion(kind, 0.05)).unwrap().at(k).unwrap();
-            let mut frames = Frames::new(&scene, motion(kind, 0.05)).unwrap();
-            for k in [0, 1, 2, 250, 7, 0, 251] {
-                assert_eq!(frames.at(k).unwrap(), of(k), "{text} {kind:?} {k}");
-            }
-            assert_eq!(of(0), scene, "{text} {kind:?}");
-        }
-    }
 }
 
 #[test]
@@ -120,38 +104,6 @@ fn a_shear_is_one_of_the_box() {
     assert_eq!(slid.lattice, layers.lattice);
     assert!(coordinates(&slid) != coordinates(&layers));
 }
-
-/// Golden: a change of these bits changes what records say of the same names.
-#[test]
-fn frames_in_boxes_have_the_same_bits_on_every_machine() {
-    let digest = |given: &Given| {
-        let vectors = *lattice(given).vectors();
-        let all = coordinates(given).into_iter().chain(vectors.into_iter().flatten());
-        all.fold(0, |sum, x| splitmix64(sum ^ x.to_bits()))
-    };
-    let found: Vec<[u64; 3]> = [
-        (BOXES[1], Kind::Drift),
-        (BOXES[1], Kind::Shear),
-        (BOXES[3], Kind::Drift),
-        (BOXES[3], Kind::Shear),
-        (BOXES[5], Kind::Brownian),
-    ]
-    .into_iter()
-    .map(|(text, kind)| {
-        let mut frames = Frames::new(&scene(text), motion(kind, 0.1)).unwrap();
-        [1, 2, 321].map(|k| digest(&frames.at(k).unwrap()))
-    })
-    .collect();
-    assert_eq!(found, GOLDEN, "{found:#x?}");
-}
-
-const GOLDEN: [[u64; 3]; 5] = [
-    [0x0eee41ee4d00b448, 0x8dda842fdf910392, 0x87dbf9c7e1197a07],
-    [0x492212ab0b351362, 0xa887448524f114aa, 0xe2a02b7a504f58f9],
-    [0x753655aedc70c47b, 0x1c3f5381a90df305, 0x29966a944888b44c],
-    [0x288026b93674f775, 0xca32a9158dd6dfd8, 0x6188004c55dc1b87],
-    [0x225e1d85564a51e5, 0x6b9e032fffce6606, 0x03ec05b1012bebc3],
-];
 
 #[test]
 fn what_does_not_go_in_boxes_is_refused_in_a_sentence() {

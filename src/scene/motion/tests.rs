@@ -1,3 +1,4 @@
+use super::box_tests::{BOXES, goes};
 use super::*;
 use crate::scene::spec::Spec;
 use crate::scene::{Real, array};
@@ -29,32 +30,48 @@ fn longest(a: &Given, b: &Given, dim: usize) -> f64 {
     ways.fold(0.0, f64::max)
 }
 
+/// Scenes in open space and in boxes, with the motions that suit them.
+fn moving() -> impl Iterator<Item = (Given, Kind)> {
+    let open = ["loose:dim=2,n=150", "packed:dim=3,n=120"];
+    let open = open.into_iter().flat_map(|text| Kind::ALL.map(|kind| (scene(text), kind)));
+    let boxed = BOXES.into_iter().flat_map(|text| goes().map(|kind| (scene(text), kind)));
+    open.chain(boxed)
+}
+
 #[test]
 fn frame_k_does_not_depend_on_the_frames_asked_for_before() {
-    for scene in [scene("loose:dim=2,n=150"), scene("packed:dim=3,n=120")] {
-        for kind in Kind::ALL {
-            let of = |k: u64| {
-                coordinates(&Frames::new(&scene, motion(kind, 0.05)).unwrap().at(k).unwrap())
-            };
-            let mut frames = Frames::new(&scene, motion(kind, 0.05)).unwrap();
-            for k in [0, 1, 2, 250, 7, 0, 251] {
-                assert_eq!(coordinates(&frames.at(k).unwrap()), of(k), "{kind:?} {k}");
-            }
-            assert_eq!(of(0), coordinates(&scene), "{kind:?}");
+    for (scene, kind) in moving() {
+        let of = |k: u64| Frames::new(&scene, motion(kind, 0.05)).unwrap().at(k).unwrap();
+        let mut frames = Frames::new(&scene, motion(kind, 0.05)).unwrap();
+        for k in [0, 1, 2, 250, 7, 0, 251] {
+            assert_eq!(frames.at(k).unwrap(), of(k), "{kind:?} {k}");
         }
+        assert_eq!((of(0).scene, of(0).lattice), (scene.scene.clone(), scene.lattice), "{kind:?}");
     }
 }
 
 /// Golden: a change of these bits changes what records say of the same names.
 #[test]
 fn frames_have_the_same_bits_on_every_machine() {
-    let scene = scene("loose:dim=3,n=40");
-    let digest = |kind| {
-        let frame = Frames::new(&scene, motion(kind, 0.1)).unwrap().at(321).unwrap();
-        coordinates(&frame).iter().fold(0, |sum, x| splitmix64(sum ^ x.to_bits()))
+    let digest = |given: &Given| {
+        let vectors = given.lattice.map(|lattice| *lattice.vectors());
+        let all = coordinates(given).into_iter().chain(vectors.into_iter().flatten().flatten());
+        all.fold(0, |sum, x| splitmix64(sum ^ x.to_bits()))
     };
-    let found: Vec<u64> = Kind::ALL.into_iter().map(digest).collect();
-    assert_eq!(found, GOLDEN, "{found:#x?}");
+    let at = |text: &str, kind: Kind, k: u64| {
+        digest(&Frames::new(&scene(text), motion(kind, 0.1)).unwrap().at(k).unwrap())
+    };
+    let open = Kind::ALL.map(|kind| at("loose:dim=3,n=40", kind, 321));
+    assert_eq!(open, GOLDEN, "{open:#x?}");
+    let boxed = [
+        (BOXES[1], Kind::Drift),
+        (BOXES[1], Kind::Shear),
+        (BOXES[3], Kind::Drift),
+        (BOXES[3], Kind::Shear),
+        (BOXES[5], Kind::Brownian),
+    ];
+    let boxed = boxed.map(|(text, kind)| [1, 2, 321].map(|k| at(text, kind, k)));
+    assert_eq!(boxed, GOLDEN_BOXES, "{boxed:#x?}");
 }
 
 const GOLDEN: [u64; 8] = [
@@ -66,6 +83,14 @@ const GOLDEN: [u64; 8] = [
     0xc2622ad5caa307ef,
     0xbb64f81b20f29d7e,
     0xf5f2f7a8c22eb59f,
+];
+
+const GOLDEN_BOXES: [[u64; 3]; 5] = [
+    [0x0eee41ee4d00b448, 0x8dda842fdf910392, 0x87dbf9c7e1197a07],
+    [0x492212ab0b351362, 0xa887448524f114aa, 0xe2a02b7a504f58f9],
+    [0x753655aedc70c47b, 0x1c3f5381a90df305, 0x29966a944888b44c],
+    [0x288026b93674f775, 0xca32a9158dd6dfd8, 0x6188004c55dc1b87],
+    [0x225e1d85564a51e5, 0x6b9e032fffce6606, 0x03ec05b1012bebc3],
 ];
 
 #[test]
