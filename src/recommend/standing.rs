@@ -165,7 +165,10 @@ fn drop_over(
     let mut racing: Vec<usize> = (0..standings.len()).filter(|&k| standings[k].racing).collect();
     racing.sort_by(|&a, &b| standings[a].typical().total_cmp(&standings[b].typical()));
     let Some(&best) = racing.first() else { return Vec::new() };
-    let behind = racing.into_iter().skip(2).filter_map(|k| Some((k, over(&standings[k], &standings[best])?)));
+    let behind = racing
+        .into_iter()
+        .skip(2)
+        .filter_map(|k| Some((k, over(&standings[k], &standings[best])?)));
     let out: Vec<(usize, f64)> = behind.filter(|(_, times)| *times > limit).collect();
     out.iter().for_each(|&(k, _)| standings[k].racing = false);
     out

@@ -15,7 +15,6 @@
 //! | exchange of other axes | same | exact | (a + b) + c is not a + (b + c) |
 //! | translation | same | all | dyadic numbers with few bits: no difference changes |
 //! | a copy far away | twice | all | as translation |
-//! | history: again, fewer, others, again | same | all | a detector's buffers are no input |
 //!
 //! The relations ask nothing of the oracle, and hold `direct`, on which the oracle rests, to the
 //! same.
@@ -37,7 +36,7 @@ use contactbench::scene::{AnyScene, Scene};
 use contactbench::sink::normalise;
 use proptest::prelude::*;
 use proptest::test_runner::TestRunner;
-use rand::{RngExt, SeedableRng};
+use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use scenes::Bag;
 
@@ -69,104 +68,29 @@ type Relation<const D: usize> = fn(&Bag<D>, Arithmetic, &mut ChaCha8Rng) -> Opti
 
 const ALL: &[Arithmetic] = &Arithmetic::SAFE;
 
-#[test]
-fn permutation_renames_the_pairs() {
-    hold("permutation", ALL, relations::permutation::<2>, relations::permutation::<3>);
-}
-
-#[test]
-fn one_radius_for_all_is_the_same_radius_each() {
-    hold("radius each", ALL, relations::radius_each::<2>, relations::radius_each::<3>);
-}
-
-#[test]
-fn removal_leaves_the_pairs_of_the_rest() {
-    hold("removal", ALL, relations::removal::<2>, relations::removal::<3>);
-}
-
-#[test]
-fn a_particle_twice_has_its_pairs_twice_and_one_more() {
-    hold("a particle twice", ALL, relations::twice::<2>, relations::twice::<3>);
-}
-
-#[test]
-fn larger_radii_lose_no_pair() {
-    hold("larger radii", ALL, relations::growth::<2>, relations::growth::<3>);
-}
-
-#[test]
-fn powers_of_two_scale() {
-    hold("scaling", ALL, relations::scaling::<2>, relations::scaling::<3>);
-}
-
-#[test]
-fn a_mirror_changes_nothing() {
-    hold("mirror", ALL, relations::mirror::<2>, relations::mirror::<3>);
-}
-
-#[test]
-fn x_and_y_may_be_exchanged() {
-    hold("exchange of x and y", ALL, relations::exchange::<2>, relations::exchange::<3>);
-}
-
-#[test]
-fn axes_may_be_turned_in_exact_arithmetic() {
-    hold("turned axes", &[Arithmetic::Exact], relations::turned::<2>, relations::turned::<3>);
-}
-
-#[test]
-fn translation_without_rounding_changes_nothing() {
-    hold("translation", ALL, relations::translation::<2>, relations::translation::<3>);
-}
-
-#[test]
-fn a_copy_far_away_has_the_same_pairs() {
-    hold("a copy far away", ALL, relations::copy::<2>, relations::copy::<3>);
-}
-
-/// On one detector: the scene twice, a part of it, another scene, the scene again.
-#[test]
-fn history_changes_nothing() {
-    fn history<const D: usize>(
-        bag: &Bag<D>,
-        arithmetic: Arithmetic,
-        seed: u64,
-        entry: &Entry,
-    ) -> Compared
-    where
-        AnyScene<'static>: From<Scene<'static, f64, D>>,
-    {
-        let mut random = ChaCha8Rng::seed_from_u64(seed);
-        let detector = &mut *entry.make(OPTIONS);
-        let Some(first) = answer(entry.name, detector, bag, arithmetic)? else { return Ok(None) };
-        let part: Vec<u32> = (0..bag.len() as u32).filter(|_| random.random_bool(0.3)).collect();
-        let other = Bag {
-            centres: bag.centres.iter().map(|c| c.map(|x| 2.5 * x + 1.0)).collect(),
-            ..bag.clone()
-        };
-        for (what, step) in [
-            ("again", bag),
-            ("a part", &bag.chosen(&part)),
-            ("again", bag),
-            ("moved", &other),
-            ("again", bag),
-        ] {
-            let expected = if std::ptr::eq(step, bag) {
-                Some(first.clone())
-            } else {
-                answer(entry.name, &mut *entry.make(OPTIONS), step, arithmetic)?
-            };
-            let found = answer(entry.name, detector, step, arithmetic)?;
-            prop_assert!(
-                found == expected,
-                "{what}: {}",
-                difference(&found.unwrap_or_default(), &expected.unwrap_or_default(), bag, step)
-            );
+/// One test for each relation, in both dimensions.
+macro_rules! relations {
+    ($($test:ident: $relation:ident in $arithmetics:expr;)*) => {$(
+        #[test]
+        fn $test() {
+            let relation = (relations::$relation::<2>, relations::$relation::<3>);
+            hold(stringify!($relation), $arithmetics, relation.0, relation.1);
         }
-        Ok(Some(first.len()))
-    }
-    each("history", ALL, &history::<2>);
-    each("history", ALL, &history::<3>);
+    )*};
+}
+
+relations! {
+    permutation_renames_the_pairs: permutation in ALL;
+    one_radius_for_all_is_the_same_radius_each: radius_each in ALL;
+    removal_leaves_the_pairs_of_the_rest: removal in ALL;
+    a_particle_twice_has_its_pairs_twice_and_one_more: twice in ALL;
+    larger_radii_lose_no_pair: growth in ALL;
+    powers_of_two_scale: scaling in ALL;
+    a_mirror_changes_nothing: mirror in ALL;
+    x_and_y_may_be_exchanged: exchange in ALL;
+    axes_may_be_turned_in_exact_arithmetic: turned in &[Arithmetic::Exact];
+    translation_without_rounding_changes_nothing: translation in ALL;
+    a_copy_far_away_has_the_same_pairs: copy in ALL;
 }
 
 /// Small, so that far-away particles are refused, and not slow.

@@ -8,12 +8,7 @@ use contactbench::scene::hard::{Case, Group, cases};
 use contactbench::scene::{AnyScene, Lattice, Scene, array};
 use rayon::prelude::*;
 
-/// One mistake, or none.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Way {
-    /// Right.
-    Images,
-
+ways! {
     // Which images are made.
     /// None: the box is not looked at.
     Open,
@@ -65,39 +60,16 @@ enum Way {
     RoundedPlaces,
     /// < instead of <=, for images.
     StrictThroughFaces,
+    ;
 
     // Changes that look wrong and are not.
+    /// Right.
+    Images,
     /// One image more to each side.
     OneMore,
     /// The box begins elsewhere.
     OtherCorner,
 }
-
-const MUTANTS: [Way; 21] = [
-    Way::Open,
-    Way::RepeatsWhereOpen,
-    Way::FacesOnly,
-    Way::NoCorners,
-    Way::NextOnly,
-    Way::MinimumImage,
-    Way::ByEdges,
-    Way::IgnoresTilt,
-    Way::TiltWithoutSign,
-    Way::NotWrapped,
-    Way::WrappedOnce,
-    Way::LosesUpperFace,
-    Way::NoSelf,
-    Way::HalfForOrdered,
-    Way::OncePerPair,
-    Way::BothSides,
-    Way::Reversed,
-    Way::NamedAsWrapped,
-    Way::NamedAsReduced,
-    Way::RoundedPlaces,
-    Way::StrictThroughFaces,
-];
-
-const RIGHT: [Way; 3] = [Way::Images, Way::OneMore, Way::OtherCorner];
 
 /// The reference, at work on one scene.
 struct Search<'a, const D: usize> {
@@ -307,7 +279,7 @@ fn the_boxes_of_the_catalogue_find_out_every_mutant() {
 #[test]
 fn the_boxes_of_the_catalogue_find_no_fault_with_what_is_right() {
     trials().par_iter().for_each(|(name, periodic, truth)| {
-        for way in RIGHT {
+        for &way in RIGHT {
             assert!(is_right(way, periodic, truth), "{way:?} on {name}: {periodic:?}");
         }
     });

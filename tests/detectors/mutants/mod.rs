@@ -15,6 +15,24 @@
 //!
 //! `cargo test --test detectors mutants -- --nocapture` prints the table of mutants.
 
+/// Declares the mistakes and, after a semicolon, the changes that are none.
+macro_rules! ways {
+    (
+        $($(#[doc = $wrong:literal])* $mutant:ident,)*;
+        $($(#[doc = $none:literal])* $right:ident,)*
+    ) => {
+        /// One mistake, or none.
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        enum Way {
+            $($(#[doc = $wrong])* $mutant,)*
+            $($(#[doc = $none])* $right,)*
+        }
+
+        const MUTANTS: &[Way] = &[$(Way::$mutant),*];
+        const RIGHT: &[Way] = &[$(Way::$right),*];
+    };
+}
+
 mod boxes;
 mod reference;
 mod rules;

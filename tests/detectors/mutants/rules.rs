@@ -13,12 +13,7 @@ use tracker::Tracker;
 use crate::moving::campaign::couples::Couple;
 use crate::moving::campaign::draw::{Draw, Sphere};
 
-/// One mistake, or none.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Way {
-    /// Right.
-    List,
-
+ways! {
     // How far bodies have gone.
     /// A half of the half: the way of one may be the skin, and that of two twice the skin.
     HalfCounted,
@@ -66,8 +61,11 @@ enum Way {
     RadiusDown,
     /// Not what is exactly a skin apart.
     Strict,
+    ;
 
     // Changes that look wrong and are not.
+    /// Right.
+    List,
     /// It is built where ways are just the skin.
     AtLimit,
     /// The sum over the frames goes on when the list is built.
@@ -86,33 +84,6 @@ enum Rule {
 }
 
 const RULES: [Rule; 3] = [Rule::TopTwo, Rule::HalfSkin, Rule::Summed];
-
-const MUTANTS: [Way; 21] = [
-    Way::HalfCounted,
-    Way::AlongX,
-    Way::LargestAxis,
-    Way::Nearest,
-    Way::PartOfItself,
-    Way::SumNearest,
-    Way::SumDown,
-    Way::SinceLastFrame,
-    Way::SinceFirstList,
-    Way::SecondForgotten,
-    Way::Mean,
-    Way::LastForgotten,
-    Way::OneStepLate,
-    Way::RadiiKept,
-    Way::NumberKept,
-    Way::PairsKept,
-    Way::OneSkin,
-    Way::OwnSkin,
-    Way::RadiusNearest,
-    Way::RadiusDown,
-    Way::Strict,
-];
-
-const RIGHT: [Way; 5] =
-    [Way::List, Way::AtLimit, Way::SumGoesOn, Way::Thicker, Way::RestsWhereBuilt];
 
 impl Way {
     /// The rules that it changes.
@@ -240,7 +211,7 @@ fn motions_at_the_limit_find_no_fault_with_what_is_right() {
         for rule in RULES {
             let touching: usize = trials.iter().map(|trial| built(trial, rule)).sum();
             assert!(touching > trials.len(), "{touching}");
-            for way in RIGHT.into_iter().filter(|way| way.rules().contains(&rule)) {
+            for &way in RIGHT.iter().filter(|way| way.rules().contains(&rule)) {
                 trials.par_iter().enumerate().for_each(|(k, trial)| {
                     let name = trial.name;
                     assert!(is_right(way, rule, trial), "{way:?} of {rule:?} on {name} {k}");

@@ -5,7 +5,6 @@ mod crowded;
 mod extremes;
 mod finder;
 mod golden;
-mod particles;
 mod predicate;
 mod relations;
 
