@@ -86,8 +86,8 @@ fn checked<'a>(
     short_enough(text)?;
     let (mut experiment, document) = Document::read(text)?;
     let expand = if is_copy { detectors::expand_copy } else { detectors::expand };
-    experiment.detectors = expand(&experiment.detectors)
-        .map_err(|words| document.key("detectors", words))?;
+    experiment.detectors =
+        expand(&experiment.detectors).map_err(|words| document.key("detectors", words))?;
     experiment.ratios_to = experiment.ratios_to.as_deref().map(detectors::normal);
     resolve_names(&mut experiment, &document)?;
     experiment.check(&document)?;
