@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use crate::number::{number, with_interval};
-use crate::present::table::{Rows, Table};
+use crate::present::table::Table;
 use crate::recommend::standing::{Race, Standing, fastest};
 use crate::recommend::verdict::{Verdict, bytes_per_particle, per_particle};
 use crate::stats::interval::{Interval, ratio};
