@@ -58,8 +58,13 @@ fn rows() -> Vec<Value> {
         for &n in sizes {
             for (k, detector) in ["nbs", "sorting", EVIL, "nothing"].into_iter().enumerate() {
                 for arithmetic in ["exact", "f64"] {
-                    let row = json!({"experiment": "e", "scene": scene, "params": {}, "dim": dim, "n": n, "seed": 1, "order": "shuffled",
-                        "detector": detector, "arithmetic": arithmetic, "threads": 1, "pass": "time", "block": 0, "time_ns": null, "calls": 1,
+                    let role = match detector {
+                        "nothing" => "nothing",
+                        EVIL => "runner",
+                        _ => "detector",
+                    };
+                    let row = json!({"schema": 3, "role": role, "resources": {"threads": 1}, "experiment": "e", "scene": scene, "params": {}, "dim": dim, "n": n, "seed": 1, "order": "shuffled",
+                        "detector": detector, "arithmetic": arithmetic, "pass": "time", "block": 0, "time_ns": null, "calls": 1,
                         "elapsed_ns": null, "outcome": if detector == "nothing" { "control" } else { "ok" }, "reason": "", "contacts": if arithmetic == "f64" && detector != "nothing" { 2 * n - n / 100 } else { 2 * n },
                         "digest": "0x0000000000000000", "counts": {}, "peak_bytes": null, "live_bytes": null, "allocations": null, "warm_allocations": null,
                         "formula_bytes": null, "errors": {"missed": if arithmetic == "f64" { n / 100 } else { 0 }, "spurious": 0, "duplicate": 0},
