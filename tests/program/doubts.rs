@@ -98,10 +98,10 @@ fn every_verb_prints_what_is_doubtful() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     for (name, expected) in files(folder) {
-        for arguments in [
+        let verbs = [
             &["inspect", name][..],
-            &["inspect", name, "--json"],
             &["detect", name],
+            &["inspect", name, "--json"],
             &["verify", name, "--pairs", "none.csv"],
             &["verify", name, "--pairs", "none.csv", "--json"],
             &["draw", name],
@@ -109,7 +109,10 @@ fn every_verb_prints_what_is_doubtful() {
             &["ranks", name, "--ranks", "1", "--steps", "1"],
             &["check", "--scene", name, "--detector", "nbs"],
             &["detect", name, "--frame", "all"],
-        ] {
+        ];
+        // One mechanism prints all kinds: some kinds are enough for the other verbs.
+        let all = ["good.csv", "doubled.csv", "nested.csv", "flat.csv"].contains(&name);
+        for arguments in &verbs[..if all { verbs.len() } else { 2 }] {
             let ended = run(folder, arguments);
             // `inspect` says what f32 would do in any case: small radii are far from the origin.
             let found: Vec<&str> =

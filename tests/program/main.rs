@@ -36,7 +36,6 @@ mod runners;
 mod satellites;
 mod seeing;
 mod slips;
-mod tables;
 mod track;
 mod users;
 
