@@ -1,5 +1,7 @@
 //! Why a detector will not work on a scene, in one sentence with the limit and a remedy.
 
+use std::any::Any;
+
 use crate::scene::SceneError;
 
 /// Why a detector will not work on a scene. Nothing was reported; arrays whose size is known
@@ -170,11 +172,22 @@ pub fn reserve<T>(list: &mut Vec<T>, more: usize) -> Result<(), Refusal> {
 /// is a panic, which programs that must go on can catch, and not the end of the process.
 ///
 /// # Panics
-/// With the words of [`Refusal::Exhausted`].
+/// See [`no_memory`].
 pub(crate) fn must_reserve<T>(list: &mut Vec<T>, more: usize) {
-    if let Err(refusal) = reserve(list, more) {
-        std::panic::panic_any(refusal.to_string());
+    if let Err(Refusal::Exhausted { bytes }) = reserve(list, more) {
+        std::panic::panic_any(NoMemory { bytes });
     }
+}
+
+/// The payload of the panic of a detector that gets no memory.
+struct NoMemory {
+    bytes: u64,
+}
+
+/// The refusal that a panic with this payload stands for, if a detector got no memory.
+pub fn no_memory(payload: &(dyn Any + Send)) -> Option<Refusal> {
+    let &NoMemory { bytes } = payload.downcast_ref()?;
+    Some(Refusal::Exhausted { bytes })
 }
 
 /// Boxes with more images than this for each particle are much smaller than the bodies.
@@ -183,4 +196,22 @@ const MANY: f64 = 100.0;
 /// A number of contacts, to be read.
 fn count(each: f64) -> String {
     if each < 10.0 { format!("{each:.1}") } else { format!("{each:.0}") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_the_panic_of_missing_memory_stands_for_a_refusal() {
+        let panics = |more| {
+            let ask = || must_reserve(&mut Vec::<u64>::new(), more);
+            std::panic::catch_unwind(ask).err().and_then(|payload| no_memory(&*payload))
+        };
+        // More than half of the address space.
+        let bytes = 1 << 63;
+        assert_eq!(panics(1 << 60), Some(Refusal::Exhausted { bytes }));
+        assert_eq!(panics(1), None);
+        assert_eq!(no_memory(&"memory for 8 bytes could not be had"), None);
+    }
 }

@@ -7,6 +7,7 @@ use std::time::Duration;
 
 use contactbench_core::Refusal;
 use contactbench_core::oracle::NoTruth;
+use contactbench_core::refusal::no_memory;
 use contactbench_core::scene::{LatticeError, SceneError};
 use contactbench_core::searcher::LoadError;
 use pyo3::exceptions::{PyMemoryError, PyRuntimeError, PyValueError};
@@ -139,11 +140,11 @@ pub fn quiet() {
 /// What detectors panic with if arrays change while they are read.
 const CHANGED: &str = "changed during a detection";
 
-/// What detectors panic with if the system gives no memory.
-const EXHAUSTED: &str = "could not be had";
-
 fn caught<R>(work: impl FnOnce() -> Result<R, Failure>) -> Result<R, Failure> {
     catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|cause| {
+        if let Some(refusal) = no_memory(&*cause) {
+            return Err(refusal.into());
+        }
         let words = match (cause.downcast_ref::<String>(), cause.downcast_ref::<&str>()) {
             (Some(text), _) => text.as_str(),
             (_, Some(text)) => *text,
@@ -151,9 +152,6 @@ fn caught<R>(work: impl FnOnce() -> Result<R, Failure>) -> Result<R, Failure> {
         };
         if words.contains(CHANGED) {
             return Err(Failure::Changed);
-        }
-        if words.contains(EXHAUSTED) {
-            return Err(Failure::Memory(words.into()));
         }
         let place = PANICKED.lock().unwrap_or_else(PoisonError::into_inner);
         Err(Failure::Defect(format!("{words}{place}")))

@@ -14,6 +14,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::time::Duration;
 
 use anyhow::Context;
+use contactbench_core::refusal::no_memory;
 
 use crate::check::process::{Foreign, Process};
 use crate::check::{Differences, Wrong};
@@ -223,6 +224,9 @@ pub fn answer(
         },
         Ok(Err(refusal)) => Answer::Refused(refusal, reported),
         Err(cause) => {
+            if let Some(refusal) = no_memory(&*cause) {
+                return Answer::Panicked(refusal.to_string());
+            }
             Answer::Panicked(match (cause.downcast_ref::<&str>(), cause.downcast_ref::<String>()) {
                 (Some(text), _) => text.to_string(),
                 (_, Some(text)) => text.clone(),

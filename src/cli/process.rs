@@ -4,6 +4,7 @@ use std::borrow::Cow;
 use std::process::ExitCode;
 
 use clap::Parser;
+use contactbench_core::refusal::no_memory;
 
 use crate::check::contender;
 use crate::cli::{say, shell};
@@ -78,11 +79,10 @@ fn report_full_files() {
 fn report_missing_memory() {
     let default = std::panic::take_hook();
     std::panic::set_hook(Box::new(move |panic| {
-        let words = panic.payload_as_str().unwrap_or_default();
         // `check` reports the detector and goes on.
         let is_checked = std::thread::current().name() == Some(contender::THREAD);
-        if words.contains("could not be had") && !is_checked {
-            say(&format!("contactbench: {words}"));
+        if let Some(refusal) = no_memory(panic.payload()).filter(|_| !is_checked) {
+            say(&format!("contactbench: {refusal}"));
             std::process::exit(2);
         }
         default(panic);
