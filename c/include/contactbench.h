@@ -32,14 +32,15 @@
 #define CONTACTBENCH_DEFECT 3
 
 /**
- * A detector that keeps its buffers, and the contacts of its last scene. A call by another thread
- * at the same time is an error.
+ * A detector that keeps its buffers, and the contacts of its last scene. Two searches at the same
+ * time are an error; several threads may read the contacts between searches.
  */
 typedef struct contactbench_detector contactbench_detector;
 
 /**
  * A list of near pairs that is kept from frame to frame (a Verlet list), and the contacts of its
- * last frame. A call by another thread at the same time is an error.
+ * last frame. Two steps at the same time are an error; several threads may read the contacts
+ * between steps.
  */
 typedef struct contactbench_tracker contactbench_tracker;
 
@@ -165,19 +166,21 @@ int contactbench_contacts(struct contactbench_detector *detector,
                           const struct contactbench_scene *scene);
 
 /**
- * How many contacts the last scene has; 0 where the call failed.
+ * How many contacts the last scene has; 0 if the call failed.
  */
 size_t contactbench_count(const struct contactbench_detector *detector);
 
 /**
  * The pairs of the last scene: two numbers of particles for each, from 0, the smaller first; each
- * pair once (in a box once for each image), in no particular order. Until the next call.
+ * pair once (in a box once for each image), in no particular order. They are there until the next
+ * call.
  */
 const uint32_t *contactbench_pairs(const struct contactbench_detector *detector);
 
 /**
  * In a box the images of the pairs: dim whole numbers for each, so that the first particle touches
- * the second one moved by so many vectors of the box. NULL in open space. Until the next call.
+ * the second one moved by so many vectors of the box. NULL in open space. They are there until the
+ * next call.
  */
 const int32_t *contactbench_images(const struct contactbench_detector *detector);
 

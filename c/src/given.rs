@@ -5,6 +5,7 @@ use std::borrow::Cow;
 
 use contactbench_core::Refusal;
 use contactbench_core::oracle::NoTruth;
+use contactbench_core::refusal::no_memory;
 use contactbench_core::scene::{AnyScene, Lattice, LatticeError, Radii, Scene, SceneError, points};
 use contactbench_core::searcher::LoadError;
 
@@ -27,6 +28,9 @@ impl Failure {
 
     /// Of a panic.
     pub fn defect(cause: &(dyn Any + Send)) -> Failure {
+        if let Some(refusal) = no_memory(cause) {
+            return refusal.into();
+        }
         let said = match (cause.downcast_ref::<&str>(), cause.downcast_ref::<String>()) {
             (Some(text), _) => text,
             (_, Some(text)) => &**text,
@@ -34,9 +38,6 @@ impl Failure {
         };
         if said.contains("changed during a detection") {
             return Failure::invalid("an array of the scene was written to during the call");
-        }
-        if said.contains("could not be had") {
-            return Failure::Memory(said.into());
         }
         Failure::Defect(format!("{said}; this is a defect of contactbench: report it"))
     }

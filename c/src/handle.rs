@@ -1,35 +1,111 @@
-//! What a caller holds: used by one call at a time, in the process that has made it.
+//! What a caller holds: searched by one call at a time, in the process that has made it, and read
+//! by any number of calls between searches.
 
 use std::cell::UnsafeCell;
-use std::ops::{Deref, DerefMut};
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
+use contactbench_core::contact::Arithmetic;
+use contactbench_core::memory;
 use contactbench_core::periodic::Contacts;
-use contactbench_core::refusal::reserve;
+use contactbench_core::refusal::{Refusal, reserve};
+use contactbench_core::searcher::Loaded;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
-use crate::given::Failure;
+use crate::contactbench_scene;
+use crate::given::{Failure, Given};
 
-/// A value that says no where it would have to wait.
-pub struct Handle<T> {
-    busy: AtomicBool,
+/// A searcher or tracker, and the contacts of its last scene. Calls that would have to wait fail.
+pub struct Handle<S> {
+    arithmetic: Arithmetic,
+    limit: u64,
+    /// Number of calls that read the answer; [`SEARCHING`] during a search.
+    users: AtomicUsize,
     process: u32,
-    /// It has threads, which a forked process has not.
+    /// Whether it has threads, which a forked process lacks.
     threads: bool,
-    value: UnsafeCell<T>,
+    worker: UnsafeCell<Worker<S>>,
 }
 
-// SAFETY: the value is reached through `enter` alone, by one thread at a time.
-unsafe impl<T: Send> Sync for Handle<T> {}
+const SEARCHING: usize = usize::MAX;
 
-impl<T> Handle<T> {
-    pub fn new(value: T, threads: usize) -> Handle<T> {
-        let (busy, process) = (AtomicBool::new(false), std::process::id());
-        Handle { busy, process, threads: threads > 1, value: UnsafeCell::new(value) }
+struct Worker<S> {
+    search: S,
+    /// Makes `search` anew after a panic, which may leave it half changed.
+    make: Box<dyn Fn() -> S + Send>,
+    crew: Option<ThreadPool>,
+    answer: Answer,
+}
+
+/// Contacts as callers see them.
+#[derive(Default)]
+pub struct Answer {
+    contacts: Contacts,
+    /// In a box one number per dimension for each pair.
+    images: Vec<i32>,
+    boxed: bool,
+    /// Whether a tracker has built its list in this step.
+    pub built: bool,
+    /// The call that fills the answer has not returned, or ended in a panic.
+    unfinished: bool,
+}
+
+// SAFETY: the worker is reached through `search` alone, by one thread at a time, and its answer
+// also through `look`, by threads that only read it, and not during a search.
+unsafe impl<S: Send> Sync for Handle<S> {}
+
+impl<S: Send> Handle<S> {
+    /// `limit` is in bytes; 0 for the default of this machine.
+    pub fn new(
+        arithmetic: Arithmetic,
+        limit: u64,
+        threads: usize,
+        make: impl Fn(u64) -> S + Send + 'static,
+    ) -> Result<Handle<S>, Failure> {
+        let limit = if limit == 0 { memory::default_limit() } else { limit };
+        let crew = if threads == 1 { None } else { Some(pool(threads)?) };
+        let make = Box::new(move || make(limit));
+        let worker = Worker { search: make(), make, crew, answer: Answer::default() };
+        Ok(Handle {
+            arithmetic,
+            limit,
+            users: AtomicUsize::new(0),
+            process: std::process::id(),
+            threads: threads > 1,
+            worker: UnsafeCell::new(worker),
+        })
     }
 
-    /// The value, for one call.
-    pub fn enter(&self) -> Result<Entered<'_, T>, Failure> {
+    /// Finds the contacts of a scene; `find` returns whether a tracker has built its list.
+    ///
+    /// # Safety
+    /// The scene is NULL, or its numbers can be read.
+    pub unsafe fn contacts(
+        &self,
+        scene: *const contactbench_scene,
+        find: impl FnOnce(&mut S, &Loaded<'_>, &mut Contacts) -> Result<bool, Refusal> + Send,
+    ) -> Result<(), Failure> {
+        self.search(|search, crew, answer| {
+            answer.clear();
+            // SAFETY: the caller's promise.
+            let given = unsafe { Given::new(scene) }?;
+            let loaded = Loaded::new(&given.scene, given.lattice, self.arithmetic)?;
+            loaded.within(self.limit)?;
+            let contacts = &mut answer.contacts;
+            let work = || find(search, &loaded, contacts);
+            let found = match crew {
+                Some(crew) => crew.install(work),
+                None => work(),
+            };
+            answer.built = found.inspect_err(|_| answer.contacts.clear())?;
+            answer.finish(given.lattice.is_some(), given.dim)
+        })
+    }
+
+    /// Lets `work` have the search.
+    pub fn search(
+        &self,
+        work: impl FnOnce(&mut S, &Option<ThreadPool>, &mut Answer) -> Result<(), Failure>,
+    ) -> Result<(), Failure> {
         let forked = self.process != std::process::id();
         if forked && self.threads {
             return Err(Failure::invalid(
@@ -37,66 +113,59 @@ impl<T> Handle<T> {
                  one here",
             ));
         }
-        if self.busy.swap(true, Ordering::Acquire) {
+        let begun =
+            self.users.compare_exchange(0, SEARCHING, Ordering::Acquire, Ordering::Relaxed);
+        if begun.is_err() {
             return Err(Failure::invalid(if forked {
                 "the handle was at work when this process was forked; make a new one here"
             } else {
                 "the handle is in use by another thread; make one for each thread"
             }));
         }
-        Ok(Entered(self))
+        let _end = End(&self.users);
+        // SAFETY: this thread has set `users` from 0 to `SEARCHING`, and until `_end` is dropped no
+        // other thread reaches the worker.
+        let Worker { search, make, crew, answer } = unsafe { &mut *self.worker.get() };
+        if std::mem::replace(&mut answer.unfinished, true) {
+            *search = make();
+            answer.clear();
+        }
+        let done = work(search, crew, answer);
+        answer.unfinished = false;
+        done
+    }
+
+    /// Reads the answer; none if a search is running, or has ended in a panic.
+    pub fn look<R>(&self, of: impl FnOnce(&Answer) -> R) -> Option<R> {
+        let enter = |users| (users < SEARCHING - 1).then(|| users + 1);
+        self.users.fetch_update(Ordering::Acquire, Ordering::Relaxed, enter).ok()?;
+        // SAFETY: `users` is neither 0 nor `SEARCHING`, so no search begins before the end of this
+        // call, and no other field of the worker is looked at.
+        let answer = unsafe { &(*self.worker.get()).answer };
+        let seen = (!answer.unfinished).then(|| of(answer));
+        self.users.fetch_sub(1, Ordering::Release);
+        seen
     }
 }
 
-/// See [`Handle::enter`].
-pub struct Entered<'a, T>(&'a Handle<T>);
+/// Ends a search, also after a panic.
+struct End<'a>(&'a AtomicUsize);
 
-impl<T> Deref for Entered<'_, T> {
-    type Target = T;
-    fn deref(&self) -> &T {
-        // SAFETY: whoever has set the flag is alone with the value until this is dropped.
-        unsafe { &*self.0.value.get() }
-    }
-}
-
-impl<T> DerefMut for Entered<'_, T> {
-    fn deref_mut(&mut self) -> &mut T {
-        // SAFETY: as above.
-        unsafe { &mut *self.0.value.get() }
-    }
-}
-
-impl<T> Drop for Entered<'_, T> {
+impl Drop for End<'_> {
     fn drop(&mut self) {
-        self.0.busy.store(false, Ordering::Release);
+        self.0.store(0, Ordering::Release);
     }
-}
-
-/// A searcher or tracker, its threads, and the contacts of its last scene.
-pub struct Worker<S> {
-    pub search: S,
-    pub crew: Option<ThreadPool>,
-    pub answer: Answer,
-}
-
-/// Contacts as callers see them.
-#[derive(Default)]
-pub struct Answer {
-    pub contacts: Contacts,
-    /// As many numbers for each pair as there are dimensions, in a box.
-    pub images: Vec<i32>,
-    pub boxed: bool,
 }
 
 impl Answer {
-    pub fn clear(&mut self) {
+    fn clear(&mut self) {
         self.contacts.clear();
         self.images.clear();
-        self.boxed = false;
+        (self.boxed, self.built) = (false, false);
     }
 
     /// Converts the contacts that were found to the caller's form.
-    pub fn finish(&mut self, boxed: bool, dim: usize) -> Result<(), Failure> {
+    fn finish(&mut self, boxed: bool, dim: usize) -> Result<(), Failure> {
         contactbench_core::sink::smaller_first(&mut self.contacts.plain);
         self.boxed = boxed;
         if !boxed {
@@ -111,49 +180,86 @@ impl Answer {
         shifted.clear();
         Ok(())
     }
-}
 
-/// Threads; none where one is enough.
-pub fn crew(threads: usize) -> Result<Option<ThreadPool>, Failure> {
-    if threads == 1 {
-        return Ok(None);
+    /// Two numbers of particles for each contact.
+    pub fn pairs(&self) -> &[[u32; 2]] {
+        &self.contacts.plain
     }
-    pool(threads).map(Some)
+
+    /// In a box the images of the contacts.
+    pub fn images(&self) -> Option<&[i32]> {
+        self.boxed.then_some(&self.images)
+    }
 }
 
+/// A pool of this many threads.
 pub fn pool(threads: usize) -> Result<ThreadPool, Failure> {
     let made = ThreadPoolBuilder::new().num_threads(threads).build();
     made.map_err(|error| Failure::Memory(format!("threads could not be started: {error}")))
-}
-
-pub fn by<R: Send>(crew: &Option<ThreadPool>, work: impl FnOnce() -> R + Send) -> R {
-    match crew {
-        Some(crew) => crew.install(work),
-        None => work(),
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    fn handle(threads: usize) -> Handle<u32> {
+        Handle::new(Arithmetic::Exact, 0, threads, |_| 1).ok().expect("threads start")
+    }
+
+    fn found(handle: &Handle<u32>) -> Result<(), Failure> {
+        handle.search(|_, _, answer| {
+            answer.clear();
+            answer.contacts.plain.push([0, 1]);
+            Ok(())
+        })
+    }
+
+    fn count(handle: &Handle<u32>) -> Option<usize> {
+        handle.look(|answer| answer.pairs().len())
+    }
+
     #[test]
-    fn a_second_call_at_the_same_time_is_an_error() {
-        let handle = Handle::new(1, 1);
-        let mut entered = handle.enter().ok().expect("nobody is in");
-        *entered += 1;
-        let other = std::thread::scope(|scope| scope.spawn(|| handle.enter().is_ok()).join());
-        assert!(!other.expect("it returns"));
-        drop(entered);
-        assert!(handle.enter().is_ok_and(|value| *value == 2));
+    fn calls_read_the_answer_side_by_side_and_search_alone() {
+        let handle = handle(1);
+        assert!(found(&handle).is_ok());
+        let beside = handle.look(|_| (count(&handle), found(&handle).is_ok()));
+        assert_eq!(beside, Some((Some(1), false)));
+        let mut beside = None;
+        let done = handle.search(|_, _, _| {
+            beside = Some((count(&handle), found(&handle).is_ok()));
+            Ok(())
+        });
+        assert_eq!((beside, done.is_ok()), (Some((None, false)), true));
+        assert_eq!(count(&handle), Some(1));
+    }
+
+    #[test]
+    fn a_panic_leaves_no_answer_and_no_half_changed_search() {
+        let handle = handle(1);
+        assert!(found(&handle).is_ok());
+        let panics = || {
+            handle.search(|search, _, answer| {
+                *search = 7;
+                answer.contacts.plain.push([2, 3]);
+                panic!("on purpose")
+            })
+        };
+        assert!(std::panic::catch_unwind(std::panic::AssertUnwindSafe(panics)).is_err());
+        assert_eq!(count(&handle), None);
+        let mut seen = 0;
+        let again = handle.search(|search, _, _| {
+            seen = *search;
+            Ok(())
+        });
+        assert_eq!((again.is_ok(), seen, count(&handle)), (true, 1, Some(0)));
     }
 
     #[test]
     fn a_forked_process_has_no_threads() {
-        let forked = |threads| Handle { process: 0, ..Handle::new((), threads) };
-        assert!(forked(1).enter().is_ok() && forked(2).enter().is_err());
+        let forked = |threads| Handle { process: 0, ..handle(threads) };
+        assert!(found(&forked(1)).is_ok() && found(&forked(2)).is_err());
         let busy = forked(1);
-        std::mem::forget(busy.enter());
-        assert!(busy.enter().is_err());
+        busy.users.store(SEARCHING, Ordering::Relaxed);
+        assert!(found(&busy).is_err());
     }
 }

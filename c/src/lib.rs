@@ -17,11 +17,11 @@ use contactbench_core::detect::spec::{self, DetectorSpec, SpecError};
 use contactbench_core::detect::{Options, table};
 use contactbench_core::memory;
 use contactbench_core::oracle::{self, Errors};
-use contactbench_core::periodic::{self, ImagePair};
+use contactbench_core::periodic::{self, Contacts, ImagePair};
 use contactbench_core::refusal::reserve;
 use contactbench_core::searcher::{Loaded, Searcher};
 use given::{Failure, Given, rows};
-use handle::{Answer, Handle, Worker, by, crew, pool};
+use handle::{Answer, Handle, pool};
 pub use tracker::*;
 
 /// All is well.
@@ -83,19 +83,18 @@ pub struct contactbench_errors {
     pub widest_false: f64,
 }
 
-/// A detector that keeps its buffers, and the contacts of its last scene. A call by another thread
-/// at the same time is an error.
+/// A detector that keeps its buffers, and the contacts of its last scene. Two searches at the same
+/// time are an error; several threads may read the contacts between searches.
 pub struct contactbench_detector {
     arithmetic: Arithmetic,
-    limit: u64,
-    handle: Handle<Worker<Searcher>>,
+    handle: Handle<Searcher>,
 }
 
 thread_local! {
     static LAST: RefCell<CString> = RefCell::default();
 }
 
-/// Does it, and keeps why not.
+/// Runs the work, and stores the reason if it fails.
 fn done(work: impl FnOnce() -> Result<(), Failure>) -> c_int {
     static QUIET: Once = Once::new();
     // Panics become codes and sentences.
@@ -153,27 +152,17 @@ pub unsafe extern "C" fn contactbench_new(
         let spec = spec::parse(detector.unwrap_or(table::DEFAULT)).map_err(Failure::invalid)?;
         let arithmetic: Arithmetic =
             arithmetic.unwrap_or("exact").parse().map_err(Failure::invalid)?;
-        let new = Box::new(detector_of(&spec, arithmetic, threads, memory_limit)?);
+        usable(&spec, threads)?;
+        let make = move |memory_limit| Searcher::new(&spec, Options { memory_limit, threads });
+        let handle = Handle::new(arithmetic, memory_limit, threads, make)?;
+        let new = Box::new(contactbench_detector { arithmetic, handle });
         // SAFETY: as above.
         unsafe { made.write(Box::into_raw(new)) };
         Ok(())
     })
 }
 
-fn detector_of(
-    spec: &DetectorSpec,
-    arithmetic: Arithmetic,
-    threads: usize,
-    memory_limit: u64,
-) -> Result<contactbench_detector, Failure> {
-    usable(spec, threads)?;
-    let limit = if memory_limit == 0 { memory::default_limit() } else { memory_limit };
-    let search = Searcher::new(spec, Options { memory_limit: limit, threads });
-    let worker = Worker { search, crew: crew(threads)?, answer: Answer::default() };
-    Ok(contactbench_detector { arithmetic, limit, handle: Handle::new(worker, threads) })
-}
-
-/// A detector of the table that can use so many threads.
+/// Refuses controls, and detectors that cannot use this many threads.
 fn usable(spec: &DetectorSpec, threads: usize) -> Result<(), Failure> {
     if spec.entry.is_control() {
         return Err(Failure::invalid(SpecError::Unknown { name: spec.entry.name.into() }));
@@ -230,56 +219,57 @@ pub unsafe extern "C" fn contactbench_contacts(
         let Some(detector) = (unsafe { detector.as_ref() }) else {
             return Err(Failure::invalid("the detector is NULL; make one by contactbench_new"));
         };
-        let mut worker = detector.handle.enter()?;
-        let Worker { search, crew, answer } = &mut *worker;
-        answer.clear();
+        let find = |search: &mut Searcher, scene: &Loaded<'_>, contacts: &mut Contacts| {
+            search.list(scene, detector.arithmetic, contacts).map(|()| false)
+        };
         // SAFETY: what the caller promises of the scene.
-        let given = unsafe { Given::new(scene) }?;
-        let loaded = Loaded::new(&given.scene, given.lattice, detector.arithmetic)?;
-        loaded.within(detector.limit)?;
-        let contacts = &mut answer.contacts;
-        if let Err(refusal) = by(crew, || search.list(&loaded, detector.arithmetic, contacts)) {
-            answer.clear();
-            return Err(refusal.into());
-        }
-        answer.finish(given.lattice.is_some(), given.dim)
+        unsafe { detector.handle.contacts(scene, find) }
     })
 }
 
-/// How many contacts the last scene has; 0 where the call failed.
+/// How many contacts the last scene has; 0 if the call failed.
 ///
 /// # Safety
 /// The detector is there, or NULL.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn contactbench_count(detector: *const contactbench_detector) -> usize {
     // SAFETY: null, or one that was made and not freed.
-    let worker = unsafe { detector.as_ref() }.and_then(|detector| detector.handle.enter().ok());
-    worker.map_or(0, |worker| worker.answer.contacts.plain.len())
+    let answer = unsafe { detector.as_ref() }.map(|it| &it.handle);
+    answer.and_then(|it| it.look(|answer| answer.pairs().len())).unwrap_or(0)
 }
 
 /// The pairs of the last scene: two numbers of particles for each, from 0, the smaller first; each
-/// pair once (in a box once for each image), in no particular order. Until the next call.
+/// pair once (in a box once for each image), in no particular order. They are there until the next
+/// call.
 ///
 /// # Safety
 /// The detector is there, or NULL.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn contactbench_pairs(detector: *const contactbench_detector) -> *const u32 {
     // SAFETY: null, or one that was made and not freed.
-    let worker = unsafe { detector.as_ref() }.and_then(|detector| detector.handle.enter().ok());
-    worker.map_or(ptr::null(), |worker| worker.answer.contacts.plain.as_flattened().as_ptr())
+    pairs_of(unsafe { detector.as_ref() }.map(|it| &it.handle))
 }
 
 /// In a box the images of the pairs: dim whole numbers for each, so that the first particle touches
-/// the second one moved by so many vectors of the box. NULL in open space. Until the next call.
+/// the second one moved by so many vectors of the box. NULL in open space. They are there until the
+/// next call.
 ///
 /// # Safety
 /// The detector is there, or NULL.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn contactbench_images(detector: *const contactbench_detector) -> *const i32 {
     // SAFETY: null, or one that was made and not freed.
-    let worker = unsafe { detector.as_ref() }.and_then(|detector| detector.handle.enter().ok());
-    let boxed = worker.filter(|worker| worker.answer.boxed);
-    boxed.map_or(ptr::null(), |worker| worker.answer.images.as_ptr())
+    images_of(unsafe { detector.as_ref() }.map(|it| &it.handle))
+}
+
+fn pairs_of<S: Send>(handle: Option<&Handle<S>>) -> *const u32 {
+    let pairs = |answer: &Answer| answer.pairs().as_flattened().as_ptr();
+    handle.and_then(|handle| handle.look(pairs)).unwrap_or(ptr::null())
+}
+
+fn images_of<S: Send>(handle: Option<&Handle<S>>) -> *const i32 {
+    let images = |answer: &Answer| answer.images().map(<[i32]>::as_ptr);
+    handle.and_then(|handle| handle.look(images)?).unwrap_or(ptr::null())
 }
 
 /// Holds a list of `count` pairs, of particles numbered from 0, to the exact truth, which is found

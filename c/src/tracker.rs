@@ -5,28 +5,23 @@ use std::ptr;
 
 use contactbench_core::contact::Arithmetic;
 use contactbench_core::detect::Options;
-use contactbench_core::memory;
+use contactbench_core::periodic::Contacts;
 use contactbench_core::searcher::Loaded;
 use contactbench_core::track::{self, Tracker};
 
-use crate::given::{Failure, Given};
-use crate::handle::{Answer, Handle, Worker, by, crew};
-use crate::{contactbench_scene, done, text, usable};
+use crate::given::Failure;
+use crate::handle::Handle;
+use crate::{contactbench_scene, done, images_of, pairs_of, text, usable};
 
 /// The tracker to take without a reason for another.
 const DEFAULT: &str = "verlet(streamed-nbs,skin=auto)";
 
 /// A list of near pairs that is kept from frame to frame (a Verlet list), and the contacts of its
-/// last frame. A call by another thread at the same time is an error.
+/// last frame. Two steps at the same time are an error; several threads may read the contacts
+/// between steps.
 pub struct contactbench_tracker {
     arithmetic: Arithmetic,
-    limit: u64,
-    handle: Handle<Worker<Course>>,
-}
-
-struct Course {
-    tracker: Box<dyn Tracker>,
-    built: bool,
+    handle: Handle<Box<dyn Tracker>>,
 }
 
 /// Makes a tracker, to be freed by contactbench_tracker_free, and puts it into `made`; NULL where
@@ -56,13 +51,11 @@ pub unsafe extern "C" fn contactbench_tracker_new(
         let (tracker, arithmetic) = unsafe { (text(tracker)?, text(arithmetic)?) };
         let spec = track::parse(tracker.unwrap_or(DEFAULT)).map_err(Failure::invalid)?;
         usable(spec.detector(), threads)?;
-        let arithmetic = arithmetic.unwrap_or("exact").parse().map_err(Failure::invalid)?;
-        let limit = if memory_limit == 0 { memory::default_limit() } else { memory_limit };
-        let tracker = spec.make(Options { memory_limit: limit, threads });
-        let search = Course { tracker, built: false };
-        let worker = Worker { search, crew: crew(threads)?, answer: Answer::default() };
-        let handle = Handle::new(worker, threads);
-        let new = Box::new(contactbench_tracker { arithmetic, limit, handle });
+        let arithmetic: Arithmetic =
+            arithmetic.unwrap_or("exact").parse().map_err(Failure::invalid)?;
+        let make = move |memory_limit| spec.make(Options { memory_limit, threads });
+        let handle = Handle::new(arithmetic, memory_limit, threads, make)?;
+        let new = Box::new(contactbench_tracker { arithmetic, handle });
         // SAFETY: as above.
         unsafe { made.write(Box::into_raw(new)) };
         Ok(())
@@ -94,34 +87,30 @@ pub unsafe extern "C" fn contactbench_tracker_step(
 ) -> c_int {
     done(|| {
         // SAFETY: null, or one that was made and not freed.
-        let Some(tracker) = (unsafe { tracker.as_ref() }) else {
-            return Err(Failure::invalid(
-                "the tracker is NULL; make one by contactbench_tracker_new",
-            ));
-        };
-        let mut worker = tracker.handle.enter()?;
-        let Worker { search, crew, answer } = &mut *worker;
-        answer.clear();
-        // SAFETY: what the caller promises of the scene.
-        let given = unsafe { Given::new(scene) }?;
+        let tracker = unsafe { there(tracker) }?;
         let arithmetic = tracker.arithmetic;
-        let loaded = Loaded::new(&given.scene, given.lattice, arithmetic)?;
-        loaded.within(tracker.limit)?;
-        let contacts = &mut answer.contacts;
-        let step = by(crew, || match &loaded {
-            Loaded::Open(scene) => {
-                search.tracker.step(scene, arithmetic.test(), None, &mut contacts.plain)
-            }
-            Loaded::InBox(scene) => search.tracker.step_in_box(scene, arithmetic, None, contacts),
-        });
-        match step {
-            Ok(step) => search.built = step.built,
-            Err(refusal) => {
-                answer.clear();
-                return Err(refusal.into());
-            }
-        }
-        answer.finish(given.lattice.is_some(), given.dim)
+        let step = |search: &mut Box<dyn Tracker>, scene: &Loaded<'_>, contacts: &mut Contacts| {
+            let step = match scene {
+                Loaded::Open(scene) => {
+                    search.step(scene, arithmetic.test(), None, &mut contacts.plain)
+                }
+                Loaded::InBox(scene) => search.step_in_box(scene, arithmetic, None, contacts),
+            };
+            step.map(|step| step.built)
+        };
+        // SAFETY: what the caller promises of the scene.
+        unsafe { tracker.handle.contacts(scene, step) }
+    })
+}
+
+/// # Safety
+/// It is null, or was made and not freed.
+unsafe fn there<'a>(
+    tracker: *mut contactbench_tracker,
+) -> Result<&'a contactbench_tracker, Failure> {
+    // SAFETY: the caller's promise.
+    unsafe { tracker.as_ref() }.ok_or_else(|| {
+        Failure::invalid("the tracker is NULL; make one by contactbench_tracker_new")
     })
 }
 
@@ -133,13 +122,11 @@ pub unsafe extern "C" fn contactbench_tracker_step(
 pub unsafe extern "C" fn contactbench_tracker_forget(tracker: *mut contactbench_tracker) -> c_int {
     done(|| {
         // SAFETY: null, or one that was made and not freed.
-        let Some(tracker) = (unsafe { tracker.as_ref() }) else {
-            return Err(Failure::invalid(
-                "the tracker is NULL; make one by contactbench_tracker_new",
-            ));
-        };
-        tracker.handle.enter()?.search.tracker.forget();
-        Ok(())
+        let tracker = unsafe { there(tracker) }?;
+        tracker.handle.search(|search, _, _| {
+            search.forget();
+            Ok(())
+        })
     })
 }
 
@@ -150,8 +137,9 @@ pub unsafe extern "C" fn contactbench_tracker_forget(tracker: *mut contactbench_
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn contactbench_tracker_built(tracker: *const contactbench_tracker) -> c_int {
     // SAFETY: null, or one that was made and not freed.
-    let worker = unsafe { tracker.as_ref() }.and_then(|tracker| tracker.handle.enter().ok());
-    worker.map_or(0, |worker| c_int::from(worker.search.built))
+    let tracker = unsafe { tracker.as_ref() };
+    let built = tracker.and_then(|it| it.handle.look(|answer| answer.built));
+    built.map_or(0, c_int::from)
 }
 
 /// As contactbench_count, of the last frame.
@@ -161,8 +149,8 @@ pub unsafe extern "C" fn contactbench_tracker_built(tracker: *const contactbench
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn contactbench_tracker_count(tracker: *const contactbench_tracker) -> usize {
     // SAFETY: null, or one that was made and not freed.
-    let worker = unsafe { tracker.as_ref() }.and_then(|tracker| tracker.handle.enter().ok());
-    worker.map_or(0, |worker| worker.answer.contacts.plain.len())
+    let tracker = unsafe { tracker.as_ref() };
+    tracker.and_then(|it| it.handle.look(|answer| answer.pairs().len())).unwrap_or(0)
 }
 
 /// As contactbench_pairs, of the last frame.
@@ -174,8 +162,7 @@ pub unsafe extern "C" fn contactbench_tracker_pairs(
     tracker: *const contactbench_tracker,
 ) -> *const u32 {
     // SAFETY: null, or one that was made and not freed.
-    let worker = unsafe { tracker.as_ref() }.and_then(|tracker| tracker.handle.enter().ok());
-    worker.map_or(ptr::null(), |worker| worker.answer.contacts.plain.as_flattened().as_ptr())
+    pairs_of(unsafe { tracker.as_ref() }.map(|it| &it.handle))
 }
 
 /// As contactbench_images, of the last frame.
@@ -187,7 +174,5 @@ pub unsafe extern "C" fn contactbench_tracker_images(
     tracker: *const contactbench_tracker,
 ) -> *const i32 {
     // SAFETY: null, or one that was made and not freed.
-    let worker = unsafe { tracker.as_ref() }.and_then(|tracker| tracker.handle.enter().ok());
-    let boxed = worker.filter(|worker| worker.answer.boxed);
-    boxed.map_or(ptr::null(), |worker| worker.answer.images.as_ptr())
+    images_of(unsafe { tracker.as_ref() }.map(|it| &it.handle))
 }
