@@ -307,7 +307,7 @@ mod tests {
             let centres = [0.0, 3.0].map(|x| nalgebra::Point::from([x, 0.0])).to_vec();
             let scene: AnyScene<'_> =
                 Scene::new(centres, Radii::Each(vec![1.0, small].into())).unwrap().into();
-            judges(&scene)[0].name
+            judges(&scene)[0]
         };
         let first = [1.0, 0.5, 0.499, 0.0].map(|part| with(part).name);
         assert_eq!(first, ["nbs", "nbs", "kd-tree", "kd-tree"]);
