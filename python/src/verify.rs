@@ -1,11 +1,13 @@
 //! Lists of pairs, held to the truth.
 
-use contactbench::check::imaged::Listed;
-use contactbench::check::listed::{Allowed, Naming, Terms, Touching, Verification, causes};
+use contactbench::check::verify::{
+    self, Allowed, Job, Listed, Naming, Reading, Terms, Verification, causes,
+};
 use contactbench::scene::Given;
 use contactbench_core::memory::limit_for;
 use contactbench_core::oracle::{Causes, Errors};
 use contactbench_core::periodic::{Contacts, ImagePair, Periodic};
+use contactbench_core::scene::Lattice;
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray2, PyReadonlyArrayDyn};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -55,22 +57,20 @@ pub fn verify<'py>(
         allowed: Allowed { both_sides, skin },
         memory_limit: memory_limit.unwrap_or_else(|| limit_for(arrays.len())),
         kept: most,
-        explain: true,
         without: None,
     };
     let boxed = arrays.lattice()?.is_some().then_some(if x_is_flat(&x) { 2 } else { 3 });
-    let no_images = images.iter().flatten().all(|image| *image == [0; 3]);
     let count = list.len();
     // SAFETY: the array of pairs is kept beside.
     let (list, kept) = unsafe { (longer(list), (*pairs).clone().unbind()) };
-    let (found, causes) = patient(py, true, move |_| {
+    let (found, reading, causes) = patient(py, true, move |_| {
         let (_kept, images) = (kept, images);
         let listed = Listed { pairs: list, images: images.as_deref() };
         by_threads(threads, || held(&given.arrays(), listed, base, terms))
     })?;
     let out = PyDict::new(py);
     out.set_item("same", found.is_same())?;
-    out.set_item("contacts", found.contacts)?;
+    out.set_item("contacts", found.truth.len())?;
     out.set_item("listed", count)?;
     out.set_item("errors", errors(py, &found.errors)?)?;
     out.set_item("missed", worst(py, &found.missed, boxed)?)?;
@@ -78,9 +78,7 @@ pub fn verify<'py>(
     out.set_item("unknown", rows(py, found.unknown.clone().into_flattened(), 2)?)?;
     out.set_item("one_sided", rows(py, found.one_sided.clone().into_flattened(), 2)?)?;
     out.set_item("within_skin", found.within_skin)?;
-    let meaning = Naming::Base(base).meaning();
-    let reading = found.reading.as_ref().map(|reading| reading.sentence(meaning, no_images));
-    out.set_item("hint", reading)?;
+    out.set_item("hint", reading.as_ref().map(Reading::sentence))?;
     out.set_item("causes", causes.map(|causes| by_cause(py, &causes)).transpose()?)?;
     Ok(out)
 }
@@ -95,29 +93,28 @@ fn padded(images: &[i32], width: usize) -> Vec<[i32; 3]> {
     images.chunks(width.max(1)).map(three).collect()
 }
 
-/// Against the truth in the arithmetic; and, where that rounds, by cause.
+/// Against the truth in the arithmetic; how the list may be meant; and, where that rounds, the
+/// errors by cause.
 fn held(
     arrays: &Arrays<'_>,
     list: Listed<'_>,
     base: i64,
     terms: Terms,
-) -> Result<(Verification, Option<Causes>), Failure> {
+) -> Result<(Verification, Option<Reading>, Option<Causes>), Failure> {
     let naming = Naming::Base(base);
     let others = [Naming::Base(1 - base.clamp(0, 1))];
     let (scene, lattice) = (arrays.scene()?, arrays.lattice()?);
-    let found = match lattice {
-        Some(lattice) => {
-            let periodic = Periodic::new(scene, lattice).map_err(Failure::value)?;
-            Verification::in_box(&periodic, list, &naming, &others, terms)?
-        }
-        None => Verification::new(&scene, list.pairs, &naming, &others, terms, None)?,
-    };
-    if terms.arithmetic == Default::default() || terms.allowed != Allowed::default() {
-        return Ok((found, None));
-    }
+    let open = Lattice::along_axes([1.0; 3], [false; 3])?;
+    let space = Periodic::new(scene, lattice.unwrap_or(open)).map_err(Failure::value)?;
+    let job = Job { space: &space, list, naming: &naming, others: &others, terms };
+    let found = verify::verify(&job)?;
+    let reading = verify::explain(&job, &found, None)?;
     // Of a list in a box without images nobody knows which are meant.
-    if matches!(found.touching, Touching::Boxed(_)) && list.images.is_none() {
-        return Ok((found, None));
+    if terms.arithmetic == Default::default()
+        || terms.allowed != Allowed::default()
+        || lattice.is_some() && list.images.is_none()
+    {
+        return Ok((found, reading, None));
     }
     let given = match lattice {
         Some(lattice) => Given::in_box(arrays.owned()?, lattice)?,
@@ -125,7 +122,7 @@ fn held(
     };
     let causes =
         causes(&given, &contacts(list, base, arrays.len()), terms.arithmetic, terms.memory_limit)?;
-    Ok((found, causes))
+    Ok((found, reading, causes))
 }
 
 /// The pairs of a list that name particles.

@@ -8,21 +8,18 @@
 //!
 //! A detector in another language is a [`process`], which is asked the same questions over the
 //! runner protocol, or, where that language calls this crate, a function. A contact list of another
-//! code is compared with the truth in [`listed`].
+//! code is compared with the truth in [`verify`].
 
 pub mod bytes;
 mod cases;
 mod checker;
 pub mod contender;
 pub mod conversation;
-pub mod imaged;
-pub mod listed;
 pub mod numbers;
-pub mod paired;
 pub mod process;
-pub mod reading;
 pub mod regression;
 pub mod shrink;
+pub mod verify;
 mod wrong;
 
 use std::collections::BTreeMap;

@@ -12,8 +12,7 @@ use std::process::ExitCode;
 use anyhow::ensure;
 use serde_json::{Value, json};
 
-use crate::check::listed::{Meaning, Taken, Touching, Verification, WORST, particle};
-use crate::check::reading::words::counted;
+use crate::check::verify::{Meaning, Reading, Taken, Verification, WORST};
 use crate::cli::shared::arithmetic::arithmetic;
 use crate::cli::shared::input::{self, Input};
 use crate::cli::shared::limit::Limit;
@@ -27,6 +26,7 @@ use crate::number::{mean_radii, number, plural, wrap};
 use crate::oracle::Errors;
 use crate::periodic::{ImagePair, Periodic};
 use crate::present::table::{Cell, Column, Table};
+use crate::scene::touching::particle;
 use crate::scene::{self, AnyScene, Lattice};
 
 /// So many pairs are shown of each kind.
@@ -83,13 +83,13 @@ struct Verified<'a> {
     options: &'a Verify,
     list: List,
     naming: Meaning,
-    scene: AnyScene<'static>,
-    lattice: Option<Lattice>,
-    /// The file declares a box with edges along the axes.
-    boxed: bool,
-    /// The file says that it repeats.
+    /// The particles as given, in their box.
+    periodic: Periodic<'static>,
+    /// The file says that its box repeats.
     repeats: bool,
     found: Verification,
+    /// A better way to read the list, if there is one.
+    reading: Option<Reading>,
     /// The frame of the particles that the list is of, if it is another one.
     other: Option<other::Other>,
 }
@@ -132,8 +132,8 @@ pub fn verify(options: &Verify) -> anyhow::Result<ExitCode> {
     let mut verified = Verified::new(options, list, particles, about, WORST, true)?;
     verified.look_at_others(frame);
     let (file, touching) = (options.file.display().to_string(), verified.looks());
-    let (scene, arithmetic) = (&verified.scene, options.arithmetic);
-    input::doubt(&file, scene, source.as_ref(), arithmetic, touching.as_ref());
+    let (scene, arithmetic) = (verified.scene(), options.arithmetic);
+    input::doubt(&file, scene, source.as_ref(), arithmetic, Some(&touching));
     let mut out = terminal::out();
     if options.json {
         terminal::json(&verified.json())?
@@ -155,15 +155,25 @@ fn numbers(numbers: &[i32], between: &str) -> String {
 }
 
 impl Verified<'_> {
-    /// What the contacts look like; none of a box that does not suit the scene.
-    fn looks(&self) -> Option<scene::doubts::Touching> {
-        Some(match (&self.found.touching, self.lattice) {
-            (Touching::Open(pairs), _) => scene::doubts::Touching::open(&self.scene, pairs),
-            (Touching::Boxed(pairs), lattice) => {
-                let periodic = Periodic::new(self.scene.clone(), lattice?).ok()?;
-                scene::doubts::Touching::boxed(&periodic, pairs)
+    fn scene(&self) -> &AnyScene<'static> {
+        self.periodic.scene()
+    }
+
+    /// The box; none in open space.
+    fn lattice(&self) -> Option<&Lattice> {
+        Some(self.periodic.lattice()).filter(|lattice| lattice.repeats())
+    }
+
+    /// What the contacts look like.
+    fn looks(&self) -> scene::doubts::Touching {
+        let truth = &self.found.truth;
+        match self.lattice() {
+            None => scene::doubts::Touching::open(self.scene(), &truth.plain),
+            Some(_) => {
+                let pairs: Vec<ImagePair> = truth.iter().collect();
+                scene::doubts::Touching::boxed(&self.periodic, &pairs)
             }
-        })
+        }
     }
 
     fn print(&self, out: &mut impl Write) -> anyhow::Result<()> {
@@ -172,9 +182,9 @@ impl Verified<'_> {
             out,
             "{}: {}, {}{} ({} arithmetic)",
             options.file.display(),
-            plural(self.scene.len(), "particle"),
-            counted(found.contacts, "touching pair"),
-            self.lattice.as_ref().map_or(String::new(), |lattice| {
+            plural(self.scene().len(), "particle"),
+            counted(found.truth.len(), "touching pair"),
+            self.lattice().map_or(String::new(), |lattice| {
                 format!(" in a box that repeats along {}", along(lattice.periodic()))
             }),
             options.arithmetic.name()
@@ -211,14 +221,14 @@ impl Verified<'_> {
             return Ok(());
         }
         writeln!(out, "\n{}", errors(found).plain(terminal::width()).trim_end())?;
-        if found.left_out != [0; 2] && found.reading.is_none() {
+        if found.left_out != [0; 2] && self.reading.is_none() {
             let none = "hints are not given with --without: leave it out to have them";
             writeln!(out, "\n{}", wrap(none, terminal::width()).join("\n"))?;
         }
         if let Some(hint) = self.hint() {
             writeln!(out, "\n{}", wrap(&format!("hint: {hint}"), terminal::width()).join("\n"))?;
         }
-        if found.reading.as_ref().is_some_and(|reading| reading.wrong == 0) {
+        if self.reading.as_ref().is_some_and(|reading| reading.wrong == 0) {
             return Ok(());
         }
         let Errors { missed, spurious, .. } = found.errors;
@@ -229,13 +239,13 @@ impl Verified<'_> {
 
     /// How the list would agree.
     fn hint(&self) -> Option<String> {
-        let reading = || self.found.reading.as_ref().map(|it| self.sentence(it));
+        let reading = || self.reading.as_ref().map(|it| self.sentence(it));
         self.other.map(|other| self.other_sentence(other)).or_else(reading)
     }
 
     /// What was compared, where it is not pairs as they are.
     fn compared(&self) -> Option<&'static str> {
-        self.lattice.as_ref()?;
+        self.lattice()?;
         Some(match self.found.taken {
             Taken::Pairs => "pairs; each touches through one image",
             Taken::Images => "pairs with their images",
@@ -263,11 +273,12 @@ impl Verified<'_> {
             let ImagePair { i, j, image } = pair;
             let across = match image {
                 [0, 0, 0] => String::new(),
-                _ => format!("  image {}", numbers(&image[..self.scene.dim()], ",")),
+                _ => format!("  image {}", numbers(&image[..self.scene().dim()], ",")),
             };
             writeln!(out, "  {i},{j}{across}  {measure} {}", number(depth.abs()))?;
             for k in [*i, *j] {
-                let (centre, radius) = particle(&self.scene, k);
+                let (centre, radius) = particle(self.scene(), k);
+                let centre = &centre[..self.scene().dim()];
                 let centre: Vec<String> = centre.iter().map(|x| format!("{x:?}")).collect();
                 let line = format!("{k}: {} r {radius:?}", centre.join(" "));
                 for line in wrap(&line, terminal::width().saturating_sub(6)) {
@@ -284,30 +295,30 @@ impl Verified<'_> {
     fn json(&self) -> Value {
         let Verified { options, list, found, .. } = self;
         let body = |k: u32| {
-            let (centre, radius) = particle(&self.scene, k);
-            json!({ "index": k, "centre": centre, "radius": radius })
+            let (centre, radius) = particle(self.scene(), k);
+            json!({ "index": k, "centre": centre[..self.scene().dim()], "radius": radius })
         };
         let couples = |list: &[(ImagePair, f64)]| -> Vec<Value> {
             let finite = |depth: f64| depth.clamp(-f64::MAX, f64::MAX);
             let couple = |(pair, depth): &(ImagePair, f64)| {
                 let bodies = [pair.i, pair.j].map(body);
-                let image = &pair.image[..self.scene.dim()];
+                let image = &pair.image[..self.scene().dim()];
                 json!({ "bodies": bodies, "image": image, "depth": finite(*depth) })
             };
             list.iter().take(SHOWN).map(couple).collect()
         };
-        let flags = found.reading.as_ref().map(|it| self.flags(it).join(" "));
+        let flags = self.reading.as_ref().map(|it| self.flags(it).join(" "));
         let hint = self.other.map(|other| self.other_flags(other)).or(flags);
-        let axes = |lattice: &Lattice| lattice.periodic()[..self.scene.dim()].to_vec();
-        let periodic = self.lattice.as_ref().map(axes);
+        let axes = |lattice: &Lattice| lattice.periodic()[..self.scene().dim()].to_vec();
+        let periodic = self.lattice().map(axes);
         json!({
             "file": options.file.display().to_string(),
             "pairs": options.pairs.display().to_string(),
             "format": list.format,
             "numbers": words(self.naming),
             "arithmetic": options.arithmetic.name(),
-            "n": self.scene.len(),
-            "contacts": found.contacts,
+            "n": self.scene().len(),
+            "contacts": found.truth.len(),
             "periodic": periodic,
             "compared": self.compared(),
             "reported": list.pairs.len(),
@@ -325,6 +336,11 @@ impl Verified<'_> {
             "reading": self.hint(),
         })
     }
+}
+
+/// A number of things.
+fn counted(count: u64, what: &str) -> String {
+    plural(usize::try_from(count).unwrap_or(usize::MAX), what)
 }
 
 /// What --without has left out, if anything.

@@ -118,7 +118,7 @@ mod tests {
             let mut recorded = Recorded::new(frames, "p", Some(1.0));
             while let Some(given) = recorded.next_frame()? {
                 let scene = given.scene;
-                let x = |k| crate::check::listed::particle(&scene, k).0[0];
+                let x = |k| crate::scene::touching::particle(&scene, k).0[0];
                 places.push((0..scene.len() as u32).map(x).collect());
             }
             Ok(())

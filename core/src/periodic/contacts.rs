@@ -6,7 +6,7 @@ use crate::contact::Arithmetic;
 use crate::detect::any::AnyDetector;
 use crate::pair_list::{Allowance, PairList};
 use crate::refusal::{Refusal, reserve};
-use crate::sink::Digest;
+use crate::sink::{Digest, normalise};
 
 /// All contacts, in ascending order. Images may take `limit` bytes, and the list as many.
 ///
@@ -72,6 +72,35 @@ impl Contacts {
         Ok(pairs)
     }
 
+    /// Sorts both lists in place, with the smaller particle of each pair first.
+    pub fn sort(&mut self) {
+        normalise(&mut self.plain);
+        self.shifted.sort_unstable();
+    }
+
+    /// Returns the contacts that `keep` accepts, in the same order.
+    pub fn filtered(&self, keep: impl Fn(ImagePair) -> bool) -> Contacts {
+        let plain = |&&[i, j]: &&[u32; 2]| keep(ImagePair::new(i, j, [0; 3]));
+        Contacts {
+            plain: self.plain.iter().filter(plain).copied().collect(),
+            shifted: self.shifted.iter().copied().filter(|&pair| keep(pair)).collect(),
+        }
+    }
+
+    /// Iterates over all contacts, those without a shift first.
+    pub fn iter(&self) -> impl Iterator<Item = ImagePair> + '_ {
+        without_shift(&self.plain).chain(self.shifted.iter().copied())
+    }
+
+    /// Iterates over the contacts of the pair i <= j. Both lists must be sorted.
+    pub fn of(&self, pair: [u32; 2]) -> impl Iterator<Item = ImagePair> + '_ {
+        let plain = self.plain.binary_search(&pair).is_ok().then_some(pair);
+        let from = self.shifted.partition_point(|it| [it.i, it.j] < pair);
+        let shifted = self.shifted[from..].iter().take_while(move |it| [it.i, it.j] == pair);
+        let plain = plain.map(|[i, j]| ImagePair::new(i, j, [0; 3]));
+        plain.into_iter().chain(shifted.copied())
+    }
+
     /// Appends what `find` puts into the lists, of at most `limit` bytes each, of a scene of so
     /// many particles.
     ///
@@ -118,6 +147,26 @@ impl Contacts {
             self.shifted.truncate(before[1]);
         }
         result
+    }
+}
+
+/// A sorted list makes two sorted ones.
+impl FromIterator<ImagePair> for Contacts {
+    fn from_iter<I: IntoIterator<Item = ImagePair>>(pairs: I) -> Contacts {
+        let mut contacts = Contacts::default();
+        contacts.extend(pairs);
+        contacts
+    }
+}
+
+impl Extend<ImagePair> for Contacts {
+    fn extend<I: IntoIterator<Item = ImagePair>>(&mut self, pairs: I) {
+        for pair in pairs {
+            match pair.image {
+                [0, 0, 0] => self.plain.push([pair.i, pair.j]),
+                _ => self.shifted.push(pair),
+            }
+        }
     }
 }
 

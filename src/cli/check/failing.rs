@@ -7,12 +7,12 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 
 use super::Check;
-use crate::check::{Differences, Failure, Report, Wrong, listed, regression};
+use crate::check::{Differences, Failure, Report, Wrong, regression};
 use crate::contact::Arithmetic;
 use crate::memory::default_limit;
 use crate::number::mean_radii;
 use crate::periodic::{self, ImagePair, depth};
-use crate::scene::touching::in_any_box;
+use crate::scene::touching::{in_any_box, particle};
 use crate::views::draw::{self, Highlighted, Look};
 
 /// So many kinds of refusals are shown.
@@ -42,14 +42,8 @@ const TANGENT: f64 = 1e-9;
 pub(super) fn worst(failure: &Failure) -> Option<(ImagePair, f64)> {
     let Wrong::Pairs(differences) = &failure.found else { return None };
     let all = differences.missed.iter().chain(&differences.spurious);
-    let periodic = failure.given.periodic().ok()?;
-    let deep = |&pair: &ImagePair| {
-        let depth = match &periodic {
-            Some(periodic) => depth(periodic, pair),
-            None => listed::pair_depth(&failure.given.scene, [pair.i, pair.j]),
-        };
-        (pair, depth)
-    };
+    let periodic = in_any_box(&failure.given).ok()?;
+    let deep = |&pair: &ImagePair| (pair, depth(&periodic, pair));
     all.map(deep).max_by(|(_, a), (_, b)| a.abs().total_cmp(&b.abs()))
 }
 
@@ -140,7 +134,8 @@ pub(super) fn describe(
         writeln!(out, "  the worst there, of {} particles:", given.scene.len())?;
         writeln!(out, "    {pair}: {what} {size}")?;
         for k in [pair.i, pair.j] {
-            let (centre, radius) = listed::particle(&given.scene, k);
+            let (centre, radius) = particle(&given.scene, k);
+            let centre = &centre[..given.scene.dim()];
             let centre: Vec<String> = centre.iter().map(|x| format!("{x:?}")).collect();
             writeln!(out, "    {k}: {} r {radius:?}", centre.join(" "))?;
         }

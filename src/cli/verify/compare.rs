@@ -4,13 +4,13 @@ use std::sync::Once;
 
 use anyhow::{Context, bail};
 
-use crate::check::imaged::Listed;
-use crate::check::listed::{Allowed, Naming, Terms, Verification};
+use crate::check::verify::{self, Allowed, Job, Listed, Naming, Terms};
 use crate::cli::verify::{Verified, Verify, numbers};
+use crate::io::boxes;
 use crate::io::pairs::List;
 use crate::io::{About, Particles};
 use crate::periodic::Periodic;
-use crate::scene::{AnyScene, Given};
+use crate::scene::{Given, Lattice};
 
 /// That ids are missed.
 static TOLD: Once = Once::new();
@@ -90,68 +90,55 @@ impl<'a> Verified<'a> {
             allowed: Allowed { both_sides: options.both_sides, skin: options.skin },
             memory_limit: options.limit.bytes(scene.len()),
             kept,
-            explain,
             without: groups.as_ref(),
         };
-        let (scene, lattice, found) = match lattice {
+        let (dim, declared) = (scene.dim(), about.declared.as_ref());
+        let boundaries = options.input.options().boundaries;
+        let (periodic, declared) = match lattice {
             Some(lattice) => {
-                let periodic = Periodic::new(scene, lattice)?;
-                list.understood(periodic.scene().dim(), periodic.lattice().periodic())
+                list.understood(dim, lattice.periodic())
+                    .and_then(|()| boxes::hold(lattice.periodic(), list.images.as_deref()))
                     .with_context(|| options.pairs.display().to_string())?;
-                let listed = Listed { pairs: &list.pairs, images: list.images.as_deref() };
-                let found = Verification::in_box(&periodic, listed, &naming, &others, terms)
-                    .with_context(|| options.pairs.display().to_string())?;
-                let (scene, lattice) = periodic.into_parts();
-                (scene, Some(lattice), found)
+                (Periodic::new(scene, lattice)?, None)
             }
             None => {
-                let found = open(options, &mut list, &scene, &about, (&naming, &others), terms)?;
-                (scene, None, found)
+                open(options, &mut list, declared.and_then(|of| of.vectors).is_some())?;
+                let open = Lattice::along_axes([1.0; 3], [false; 3])?;
+                (Periodic::new(scene, open)?, boundaries.left_out(dim, declared))
             }
         };
-        let boxed = about.bounds.is_some() && options.input.boundaries.edges.is_none();
+        let listed = Listed { pairs: &list.pairs, images: list.images.as_deref() };
+        let job = Job { space: &periodic, list: listed, naming: &naming, others: &others, terms };
+        let found = verify::verify(&job)?;
+        let mut reading = None;
+        if explain {
+            let declared = declared.map(|lattice| Periodic::new(periodic.scene().clone(), lattice));
+            reading = verify::explain(&job, &found, declared.transpose()?.as_ref())?;
+        }
         let flags = about.declared.and_then(|declared| declared.periodic);
         let repeats = flags.is_some_and(|flags| flags.contains(&true));
         let naming = naming.meaning();
-        Ok(Verified { options, list, naming, scene, lattice, boxed, repeats, found, other: None })
+        Ok(Verified { options, list, naming, periodic, repeats, found, reading, other: None })
     }
 }
 
-/// The comparison where boundaries are open.
-fn open(
-    options: &Verify,
-    list: &mut List,
-    scene: &AnyScene<'static>,
-    about: &About,
-    (naming, others): (&Naming, &[Naming]),
-    terms: Terms,
-) -> anyhow::Result<Verification> {
-    let vectors = about.declared.as_ref().and_then(|of| of.vectors);
-    if vectors.is_none() {
+/// Refuses a list that names images where boundaries are open.
+fn open(options: &Verify, list: &mut List, has_box: bool) -> anyhow::Result<()> {
+    if !has_box {
         list.without_box();
     }
     let images = list.images.as_deref().unwrap_or_default();
-    if let Some(k) = images.iter().position(|image| *image != [0; 3]) {
-        let remedy = match vectors {
-            _ if options.input.boundaries.open => "leave out --open",
-            Some(_) if options.input.boundaries.periodic.is_some() => "leave out --periodic none",
-            Some(_) => "give --periodic with the axes along which the box repeats",
-            None => "give --box LX,LY,LZ, and --periodic where it is open along some axis",
-        };
-        bail!(
-            "{}: pair {k} (from 0) names an image in a box that repeats, {}, and boundaries are \
-             open here; {remedy}, or --pairs-columns I,J if it is something else",
-            options.pairs.display(),
-            numbers(&images[k], ",")
-        );
-    }
-    let bounds = about.bounds.as_deref();
-    let mut found = Verification::new(scene, &list.pairs, naming, others, terms, bounds)?;
-    let boundaries = options.input.options().boundaries;
-    let left_out = boundaries.left_out(scene.dim(), about.declared.as_ref());
-    if let (true, false, Some(lattice)) = (terms.explain, found.is_same(), left_out) {
-        let periodic = Periodic::new(scene.clone(), lattice)?;
-        found.try_declared(&periodic, &list.pairs, naming, others, terms);
-    }
-    Ok(found)
+    let Some(k) = images.iter().position(|image| *image != [0; 3]) else { return Ok(()) };
+    let remedy = match has_box {
+        _ if options.input.boundaries.open => "leave out --open",
+        true if options.input.boundaries.periodic.is_some() => "leave out --periodic none",
+        true => "give --periodic with the axes along which the box repeats",
+        false => "give --box LX,LY,LZ, and --periodic where it is open along some axis",
+    };
+    bail!(
+        "{}: pair {k} (from 0) names an image in a box that repeats, {}, and boundaries are open \
+         here; {remedy}, or --pairs-columns I,J if it is something else",
+        options.pairs.display(),
+        numbers(&images[k], ",")
+    );
 }

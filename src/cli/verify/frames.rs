@@ -8,8 +8,8 @@ use std::process::ExitCode;
 use anyhow::{bail, ensure};
 use serde_json::{Value, json};
 
-use crate::check::listed::{Naming, Verification, pair_depth};
-use crate::check::paired::Paired;
+use crate::check::verify::paired::Paired;
+use crate::check::verify::{Naming, Verification};
 use crate::cli::shared::input::{self, Told};
 use crate::cli::shared::progress::Counted;
 use crate::cli::shared::terminal;
@@ -19,7 +19,7 @@ use crate::io::{self, Frame, Place, pairs};
 use crate::moving::Late;
 use crate::number::{mean_radii, plural, wrap};
 use crate::oracle::Errors;
-use crate::periodic::{Periodic, depth};
+use crate::periodic::depth;
 use crate::present::table::{Cell, Column, Table};
 
 /// So many frames are shown, of those that are wrong the worst.
@@ -122,7 +122,7 @@ fn all_of(options: &Verify, mut frames: Paired<'_, '_>) -> anyhow::Result<All> {
         let verified = Verified::new(options, list, particles, about, kept, explain)
             .map_err(|error| error.context(which.clone()))?;
         let (arithmetic, touching) = (options.arithmetic, verified.looks());
-        told.of_contacts(&place, &verified.scene, source.as_ref(), arithmetic, touching.as_ref());
+        told.of_contacts(&place, verified.scene(), source.as_ref(), arithmetic, Some(&touching));
         let found = &verified.found;
         if found.errors.missed > kept as u64 {
             bail!(
@@ -136,7 +136,7 @@ fn all_of(options: &Verify, mut frames: Paired<'_, '_>) -> anyhow::Result<All> {
         if !found.is_same() || !all.is_same() {
             all.shift.note(&verified, ids.as_deref());
         }
-        if let Some(reading) = &found.reading {
+        if let Some(reading) = &verified.reading {
             all.hint = Some((which, verified.sentence(reading)));
         }
         // A list without pairs does not say how the others are read.
@@ -154,8 +154,8 @@ fn all_of(options: &Verify, mut frames: Paired<'_, '_>) -> anyhow::Result<All> {
         all.rows.push(Row {
             frame,
             step,
-            particles: verified.scene.len(),
-            contacts: found.contacts,
+            particles: verified.scene().len(),
+            contacts: found.truth.len(),
             listed: verified.list.pairs.len(),
             errors: found.errors,
             others: [found.unknown.len() as u64, found.one_sided.len() as u64],
@@ -182,7 +182,7 @@ impl All {
 
     /// Follows the contacts that are missed from frame to frame.
     fn note(&mut self, verified: &Verified<'_>, ids: Option<&[i64]>) {
-        let Verification { missed, touching, .. } = &verified.found;
+        let Verification { missed, truth, .. } = &verified.found;
         let name = |k: u32| ids.map_or(i64::from(k), |ids| ids[k as usize]);
         let pair = |[a, b]: [i64; 2]| [a.min(b), a.max(b)];
         let mut names: Vec<[i64; 2]> =
@@ -191,24 +191,18 @@ impl All {
         names.dedup();
         let places: OnceCell<HashMap<i64, u32>> = OnceCell::new();
         let place = |name: i64| match ids {
-            None => u32::try_from(name).ok().filter(|&k| (k as usize) < verified.scene.len()),
+            None => u32::try_from(name).ok().filter(|&k| (k as usize) < verified.scene().len()),
             Some(ids) => {
                 let of = || ids.iter().zip(0..).map(|(&id, k)| (id, k)).collect();
                 places.get_or_init(of).get(&name).copied()
             }
         };
-        let periodic = OnceCell::new();
         let depth_of = |names: &[i64; 2]| {
             let (i, j) = (place(names[0])?, place(names[1])?);
-            let images = touching.of([i.min(j), i.max(j)]);
-            let depths = images.into_iter().map(|contact| match &verified.lattice {
-                None => pair_depth(&verified.scene, [contact.i, contact.j]),
-                Some(lattice) => periodic
-                    .get_or_init(|| Periodic::new(verified.scene.clone(), *lattice).ok())
-                    .as_ref()
-                    .map_or(0.0, |periodic| depth(periodic, contact)),
-            });
-            depths.reduce(f64::max)
+            truth
+                .of([i.min(j), i.max(j)])
+                .map(|contact| depth(&verified.periodic, contact))
+                .reduce(f64::max)
         };
         self.late.note(self.rows.len() as u64, &names, depth_of);
     }

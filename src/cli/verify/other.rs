@@ -1,9 +1,8 @@
 //! Checks whether a list that differs matches another frame of the particles.
 
-use crate::check::listed::{Meaning, Touching};
-use crate::check::reading::words::counted;
+use crate::check::verify::Meaning;
 use crate::cli::shared::input;
-use crate::cli::verify::{Verified, Verify};
+use crate::cli::verify::{Verified, Verify, counted};
 use crate::io;
 
 /// Most particles, summed over frames, and most pairs that are compared for a hint.
@@ -20,17 +19,11 @@ pub(super) struct Other {
 }
 
 impl Verified<'_> {
-    /// Pairs that differ.
-    pub(super) fn wrong(&self) -> u64 {
-        let found = &self.found;
-        found.errors.wrong() + (found.unknown.len() + found.one_sided.len()) as u64
-    }
-
     /// Looks for the frame that fits the list best: among those around `given`, if the file has
     /// others, and if no other reading explains the list. It has to be better by half.
     pub(super) fn look_at_others(&mut self, given: u64) {
         let Verify { file, .. } = self.options;
-        let explained = self.found.reading.as_ref().is_some_and(|reading| reading.wrong == 0);
+        let explained = self.reading.as_ref().is_some_and(|reading| reading.wrong == 0);
         let pairs = self.list.pairs.len() as u64;
         // A pipe can be read once.
         let is_file = std::fs::metadata(file).is_ok_and(|file| file.is_file());
@@ -58,7 +51,7 @@ impl Verified<'_> {
                 else {
                     continue;
                 };
-                let wrong = other.wrong();
+                let wrong = other.found.wrong();
                 if best.is_none_or(|best| wrong < best.wrong) {
                     best = Some(Other { frame, wrong });
                 }
@@ -68,8 +61,8 @@ impl Verified<'_> {
             }
             Ok(())
         });
-        let least = self.found.reading.as_ref().map_or(u64::MAX, |reading| reading.wrong);
-        let half = self.wrong().div_ceil(2).min(least);
+        let least = self.reading.as_ref().map_or(u64::MAX, |reading| reading.wrong);
+        let half = self.found.wrong().div_ceil(2).min(least);
         self.other = best.filter(|best| best.wrong < half);
     }
 
@@ -112,7 +105,7 @@ pub(super) struct Shift {
 impl Shift {
     /// Adds a frame, from the first that differs on.
     pub(super) fn note(&mut self, verified: &Verified<'_>, ids: Option<&[i64]>) {
-        let pairs = verified.list.pairs.len() as u64 + verified.found.contacts;
+        let pairs = verified.list.pairs.len() as u64 + verified.found.truth.len();
         if self.compared >= ENOUGH || self.refuted == [true; 2] || pairs > MOST {
             return;
         }
@@ -126,10 +119,8 @@ impl Shift {
             pairs.dedup();
         };
         let mut list = verified.list.pairs.clone();
-        let mut truth: Vec<[i64; 2]> = match &verified.found.touching {
-            Touching::Open(pairs) => pairs.iter().map(|pair| pair.map(name)).collect(),
-            Touching::Boxed(pairs) => pairs.iter().map(|it| [it.i, it.j].map(name)).collect(),
-        };
+        let truth = verified.found.truth.iter();
+        let mut truth: Vec<[i64; 2]> = truth.map(|pair| [pair.i, pair.j].map(name)).collect();
         plain(&mut list);
         plain(&mut truth);
         if let Some([last_list, last_truth]) = &self.last {
