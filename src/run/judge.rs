@@ -2,9 +2,7 @@
 //! else.
 
 mod at_rest;
-mod in_box;
 mod moving;
-mod open;
 
 use std::collections::HashMap;
 
@@ -43,15 +41,38 @@ struct Nothing {
     hopeless: bool,
 }
 
-impl Nothing {
-    /// A defect of this program is an error.
-    fn new(reason: NoTruth) -> anyhow::Result<Nothing> {
+/// Why an answer is not judged.
+enum Unjudged {
+    /// Nothing is known that it could be held to.
+    Nothing(Nothing),
+    /// A defect of this program, or a file that cannot be read.
+    Defect(anyhow::Error),
+}
+
+impl From<NoTruth> for Unjudged {
+    fn from(reason: NoTruth) -> Unjudged {
         let hopeless = match &reason {
             NoTruth::Refused(refusal) => refusal.is_of_scene(),
             NoTruth::Stored(_) | NoTruth::TooLarge { .. } => false,
-            _ => return Err(reason.into()),
+            _ => return Unjudged::Defect(reason.into()),
         };
-        Ok(Nothing { reason: reason.to_string(), hopeless })
+        Unjudged::Nothing(Nothing { reason: reason.to_string(), hopeless })
+    }
+}
+
+impl From<anyhow::Error> for Unjudged {
+    fn from(error: anyhow::Error) -> Unjudged {
+        Unjudged::Defect(error)
+    }
+}
+
+impl Unjudged {
+    /// Why nothing is known. A defect is an error.
+    fn nothing(self) -> anyhow::Result<Nothing> {
+        match self {
+            Unjudged::Nothing(nothing) => Ok(nothing),
+            Unjudged::Defect(error) => Err(error),
+        }
     }
 }
 
@@ -153,9 +174,9 @@ impl<'a> Judge<'a> {
         };
         let judged = match &mut self.of {
             Of::AtRest(scene) => scene.judge(arithmetic, said, fetch),
-            Of::Moving(_) => Ok(Ok(Judged::unseen("it answers one frame of several"))),
-        }?;
-        let judged = judged.unwrap_or_else(Judged::unknown);
+            Of::Moving(_) => Ok(Judged::unseen("it answers one frame of several")),
+        };
+        let judged = judged.or_else(|why| why.nothing().map(Judged::unknown))?;
         if judged.errors.is_some() {
             self.seen.insert(key, (judged.clone(), Course::default()));
         }
@@ -185,8 +206,9 @@ impl<'a> Judge<'a> {
             let words = "it answers several frames, and there is one";
             return Ok((Judged::unseen(words), Course::default()));
         };
-        let found = moving.judge(said, fetch)?;
-        let found = found.unwrap_or_else(|nothing| (Judged::unknown(nothing), Course::default()));
+        let found = moving
+            .judge(said, fetch)
+            .or_else(|why| anyhow::Ok((Judged::unknown(why.nothing()?), Course::default())))?;
         if found.0.errors.is_some() {
             self.seen.insert(key, found.clone());
         }
@@ -195,13 +217,14 @@ impl<'a> Judge<'a> {
 
     /// How many contacts there are at most in a frame, in exact arithmetic.
     pub fn most_contacts(&mut self) -> anyhow::Result<u64> {
-        match &mut self.of {
+        let most = match &mut self.of {
             Of::Moving(moving) => moving.most_contacts(),
-            _ => Ok(self.contacts(Arithmetic::Exact)?.unwrap_or(0)),
-        }
+            Of::AtRest(_) => self.truth(Arithmetic::Exact).map(|digest| digest.contacts),
+        };
+        most.or_else(|why| why.nothing().map(|_| 0))
     }
 
-    /// Are there frames to be judged?
+    /// Whether there are frames to be judged.
     pub fn is_moving(&self) -> bool {
         matches!(self.of, Of::Moving(_))
     }
@@ -209,23 +232,29 @@ impl<'a> Judge<'a> {
     /// How many contacts there are by the arithmetic's own contact test. `None` where no truth is
     /// known.
     pub fn contacts(&mut self, arithmetic: Arithmetic) -> anyhow::Result<Option<u64>> {
-        Ok(self.truth(arithmetic)?.ok().map(|digest| digest.contacts))
+        let contacts = self.truth(arithmetic).map(|digest| Some(digest.contacts));
+        contacts.or_else(|why| why.nothing().map(|_| None))
     }
 
     /// Why nobody can answer, if nobody can.
     pub fn hopeless(&mut self, arithmetic: Arithmetic) -> anyhow::Result<Option<String>> {
-        Ok(self.truth(arithmetic)?.err().filter(|nothing| nothing.hopeless).map(|it| it.reason))
+        let nothing = self.nothing(arithmetic)?.filter(|nothing| nothing.hopeless);
+        Ok(nothing.map(|nothing| nothing.reason))
     }
 
     /// Why no truth is known in `arithmetic`; empty where one is.
     pub fn why_none(&mut self, arithmetic: Arithmetic) -> anyhow::Result<String> {
-        Ok(self.truth(arithmetic)?.err().map_or_else(String::new, |nothing| nothing.reason))
+        Ok(self.nothing(arithmetic)?.map_or_else(String::new, |nothing| nothing.reason))
+    }
+
+    fn nothing(&mut self, arithmetic: Arithmetic) -> anyhow::Result<Option<Nothing>> {
+        self.truth(arithmetic).err().map(Unjudged::nothing).transpose()
     }
 
     /// The fingerprint of the right answer.
-    fn truth(&mut self, arithmetic: Arithmetic) -> anyhow::Result<Result<Digest, Nothing>> {
+    fn truth(&mut self, arithmetic: Arithmetic) -> Result<Digest, Unjudged> {
         match &mut self.of {
-            Of::AtRest(scene) => Ok(scene.known(arithmetic)?.map(|known| known.digest())),
+            Of::AtRest(scene) => Ok(scene.known(arithmetic)?.own.digest),
             Of::Moving(moving) => moving.truth(arithmetic),
         }
     }

@@ -1,26 +1,28 @@
 //! The judge of trajectories: every frame of an answer is held to what is true in it.
 
 use std::collections::HashMap;
+use std::rc::Rc;
 
 use crate::contact::Arithmetic;
 use crate::moving::{self, Builds, Late, Moved, Names};
-use crate::oracle::{Causes, Errors};
+use crate::oracle::{Causes, Errors, NoTruth};
 use crate::periodic::Contacts;
 use crate::record::row::Outcome;
 use crate::run::interrupt;
-use crate::run::judge::at_rest::{AtRest, Known};
-use crate::run::judge::{Judged, Nothing};
+use crate::run::judge::at_rest::{AtRest, Truths};
+use crate::run::judge::{Judged, Nothing, Unjudged};
 use crate::run::protocol::Steps;
 use crate::run::trajectory::Trajectory;
 use crate::scene::Given;
-use crate::sink::{Digest, normalise};
+use crate::searcher::Loaded;
+use crate::sink::Digest;
 
 /// What is true in the frames of a trajectory, as digests.
 pub(super) struct Moving {
     trajectory: Trajectory,
     /// For a list of pairs, in bytes.
     memory_limit: u64,
-    known: HashMap<Arithmetic, Result<Vec<Right>, Nothing>>,
+    known: HashMap<Arithmetic, Result<Rc<[Right]>, Nothing>>,
 }
 
 /// The right answer in a frame, in an arithmetic.
@@ -58,67 +60,77 @@ impl Moving {
     ) -> anyhow::Result<(Moving, Option<Moved>)> {
         let mut course = moving::Course::default();
         let mut judge = Moving { trajectory, memory_limit, known: HashMap::new() };
-        let exact = judge.find(Arithmetic::Exact, |given, known| match known {
-            Known::Open(truths) => course.open(given.scene, &truths.rounded.pairs, memory_limit),
-            Known::InBox(frame, truth) => course.in_box(&frame, &truth.pairs, memory_limit),
-        })?;
-        let moved = exact.is_ok().then_some(course.moved);
-        judge.known.insert(Arithmetic::Exact, exact);
+        let found = judge.known(Arithmetic::Exact, |given, truths| {
+            match &*truths.stored {
+                Loaded::Open(_) => {
+                    course.open(given.scene, &truths.own.contacts.plain, memory_limit)
+                }
+                Loaded::InBox(frame) => {
+                    let truth = truths.own.contacts.sorted(given.scene.len(), u64::MAX);
+                    course.in_box(frame, &truth.map_err(NoTruth::from)?, memory_limit);
+                }
+            }
+            Ok(())
+        });
+        let moved = match found {
+            Ok(_) => Some(course.moved),
+            Err(Unjudged::Nothing(_)) => None,
+            Err(Unjudged::Defect(defect)) => return Err(defect),
+        };
         Ok((judge, moved))
     }
 
     /// The fingerprint of the right answer of frame 0.
-    pub fn truth(&mut self, arithmetic: Arithmetic) -> anyhow::Result<Result<Digest, Nothing>> {
-        let known = self.known(arithmetic)?;
-        Ok(known.map(|frames| frames.first().map(|right| right.digest).unwrap_or_default()))
+    pub fn truth(&mut self, arithmetic: Arithmetic) -> Result<Digest, Unjudged> {
+        let known = self.known(arithmetic, |_, _| Ok(()))?;
+        Ok(known.first().map(|right| right.digest).unwrap_or_default())
     }
 
     /// Contacts in the frame that has the most.
-    pub fn most_contacts(&mut self) -> anyhow::Result<u64> {
-        let known = self.known(Arithmetic::Exact)?.unwrap_or_default();
+    pub fn most_contacts(&mut self) -> Result<u64, Unjudged> {
+        let known = self.known(Arithmetic::Exact, |_, _| Ok(()))?;
         Ok(known.iter().map(|right| right.digest.contacts).max().unwrap_or(0))
     }
 
-    fn known(&mut self, arithmetic: Arithmetic) -> anyhow::Result<Result<Vec<Right>, Nothing>> {
+    /// The right answers of all frames; where they are found now, `each` gets the frames with what
+    /// is true in them.
+    fn known(
+        &mut self,
+        arithmetic: Arithmetic,
+        each: impl FnMut(Given, Truths) -> Result<(), Unjudged>,
+    ) -> Result<Rc<[Right]>, Unjudged> {
         if let Some(known) = self.known.get(&arithmetic) {
-            return Ok(known.clone());
+            return known.clone().map_err(Unjudged::Nothing);
         }
-        let found = self.find(arithmetic, |_, _| {})?;
+        let found = match self.find(arithmetic, each) {
+            Ok(found) => Ok(found.into()),
+            Err(Unjudged::Nothing(nothing)) => Err(nothing),
+            Err(defect) => return Err(defect),
+        };
         self.known.insert(arithmetic, found.clone());
-        Ok(found)
+        found.map_err(Unjudged::Nothing)
     }
 
-    fn read(&self, k: usize) -> anyhow::Result<Given> {
-        self.trajectory.read_frame(k)
-    }
-
-    /// The right answers of all frames; `each` sees the frames with what is true in them.
     fn find(
         &self,
         arithmetic: Arithmetic,
-        mut each: impl FnMut(Given, Known),
-    ) -> anyhow::Result<Result<Vec<Right>, Nothing>> {
+        mut each: impl FnMut(Given, Truths) -> Result<(), Unjudged>,
+    ) -> Result<Vec<Right>, Unjudged> {
         let mut all = Vec::new();
         for k in 0..self.trajectory.frames.len() {
-            interrupt::check()?;
-            let given = self.read(k)?;
+            interrupt::check().map_err(anyhow::Error::from)?;
+            let given = self.trajectory.read_frame(k)?;
             let mut frame = AtRest::new(&given, self.memory_limit)?;
-            let known = match frame.known(arithmetic)? {
-                Ok(known) => known,
-                Err(nothing) => return Ok(Err(nothing)),
-            };
-            let digest = known.digest();
-            let never = || Err("the right answer is known".into());
-            let judged = match frame.judge(arithmetic, digest, never)? {
-                Ok(judged) => judged,
-                Err(nothing) => return Ok(Err(nothing)),
-            };
+            let truths = frame.known(arithmetic)?;
+            let digest = truths.own.digest;
+            let judged =
+                frame.judge(arithmetic, digest, || Err("the right answer is known".into()))?;
             let (errors, causes) = (judged.errors.unwrap_or_default(), judged.causes);
             all.push(Right { digest, errors, causes: causes.unwrap_or_default() });
             drop(frame);
-            each(given, known);
+            each(given, truths)?;
         }
-        Ok(Ok(all))
+        Ok(all)
     }
 
     /// Judges all frames. `fetch` gives the pairs of a frame whose answer is not the right one;
@@ -127,13 +139,10 @@ impl Moving {
         &mut self,
         said: Said<'_>,
         mut fetch: impl FnMut(u64) -> Result<Contacts, String>,
-    ) -> anyhow::Result<Result<(Judged, Course), Nothing>> {
+    ) -> Result<(Judged, Course), Unjudged> {
         let Said { arithmetic, may_miss, steps } = said;
-        let right = match self.known(arithmetic)? {
-            Ok(right) => right,
-            Err(nothing) => return Ok(Err(nothing)),
-        };
-        let unseen = |why: &str| Ok(Ok((Judged::unseen(why), Course::default())));
+        let right = self.known(arithmetic, |_, _| Ok(()))?;
+        let unseen = |why: &str| Ok((Judged::unseen(why), Course::default()));
         let found: Vec<Digest> = match steps.answers().collect() {
             Ok(found) => found,
             Err(why) => return unseen(&why),
@@ -144,7 +153,7 @@ impl Moving {
         let (mut own, mut errors, mut causes) =
             (Errors::default(), Errors::default(), Causes::default());
         let (mut course, mut names) = (Course::default(), Names::default());
-        for (k, (&found, right)) in found.iter().zip(&right).enumerate() {
+        for (k, (&found, right)) in found.iter().zip(&*right).enumerate() {
             let flag = |flags: &[bool]| flags.get(k) == Some(&true);
             let missed = course.late.missed;
             course.builds.take(flag(&steps.built), flag(&steps.dangerous), missed);
@@ -156,13 +165,10 @@ impl Moving {
                     continue;
                 }
             }
-            let given = self.read(k)?;
+            let given = self.trajectory.read_frame(k)?;
             let mut frame = AtRest::new(&given, self.memory_limit)?;
-            let known = match frame.known(arithmetic)? {
-                Ok(known) => known,
-                Err(nothing) => return Ok(Err(nothing)),
-            };
-            if let Known::InBox(periodic, _) = &known {
+            let known = frame.known(arithmetic)?;
+            if let Loaded::InBox(periodic) = &*known.stored {
                 // In frames that were passed over nothing was missed: no name goes through them.
                 names.next(periodic);
             }
@@ -179,15 +185,13 @@ impl Moving {
                 return unseen(&format!("frame {k}: {why}"));
             }
             let Some(contacts) = contacts else { continue };
-            match frame.judge(arithmetic, found, || Ok(contacts))? {
-                Ok(Judged { errors: Some(of_frame), causes: Some(by_cause), .. }) => {
-                    own.add(&by_cause.search);
-                    errors.add(&of_frame);
-                    causes.add(&by_cause);
-                }
-                Ok(_) => return unseen(&format!("nothing is known of frame {k}")),
-                Err(nothing) => return Ok(Err(nothing)),
-            }
+            let judged = frame.judge(arithmetic, found, || Ok(contacts))?;
+            let (Some(of_frame), Some(by_cause)) = (judged.errors, judged.causes) else {
+                return unseen(&format!("nothing is known of frame {k}"));
+            };
+            own.add(&by_cause.search);
+            errors.add(&of_frame);
+            causes.add(&by_cause);
         }
         course.late.end();
         let mut judged = Judged::by(&own, arithmetic);
@@ -195,7 +199,7 @@ impl Moving {
             judged.outcome = Outcome::Lossy;
         }
         (judged.errors, judged.causes) = (Some(errors), Some(causes));
-        Ok(Ok((judged, course)))
+        Ok((judged, course))
     }
 
     /// Notes what is late in a frame; none were asked for where the answer is right.
@@ -203,25 +207,25 @@ impl Moving {
         &self,
         late: &mut Late,
         k: usize,
-        known: &Known,
+        known: &Truths,
         names: &Names,
         said: &Option<Contacts>,
     ) -> Result<(), String> {
-        match known {
-            Known::Open(truths) => {
-                let truth = &truths.rounded.pairs;
-                let mut said = said.as_ref().map_or_else(|| truth.clone(), |it| it.plain.clone());
-                normalise(&mut said);
-                late.take(k as u64, &*truths.stored, &said, truth);
+        let truth = &known.own.contacts;
+        match &*known.stored {
+            Loaded::Open(scene) => {
+                let mut said = said.as_ref().unwrap_or(truth).clone();
+                said.sort();
+                late.take(k as u64, scene, &said.plain, &truth.plain);
             }
-            Known::InBox(periodic, truth) => {
-                let sorted = |said: &Contacts| {
-                    let sorted = said.sorted(periodic.scene().len(), self.memory_limit);
+            Loaded::InBox(periodic) => {
+                let sorted = |contacts: &Contacts, limit| {
+                    let sorted = contacts.sorted(periodic.scene().len(), limit);
                     sorted.map_err(|refusal| refusal.to_string())
                 };
-                let said = said.as_ref().map(sorted).transpose()?;
-                let said = said.as_ref().unwrap_or(&truth.pairs);
-                late.take(k as u64, &(&**periodic, names), said, &truth.pairs);
+                let truth = sorted(truth, u64::MAX)?;
+                let said = said.as_ref().map(|said| sorted(said, self.memory_limit)).transpose()?;
+                late.take(k as u64, &(periodic, names), said.as_ref().unwrap_or(&truth), &truth);
             }
         }
         Ok(())
