@@ -73,6 +73,101 @@ struct Maker<'a> {
     numbers: Numbers,
 }
 
+/// What is known of the next particle.
+#[derive(Clone, Copy)]
+struct Next {
+    /// The byte that says how its place is found.
+    how: u8,
+    dim: usize,
+    /// The place of the particle beside which it is put; else the offset.
+    beside: [f64; 3],
+    /// The distance at which the two just touch.
+    contact: f64,
+}
+
+/// A way to find the place of a particle.
+struct Way {
+    place: fn(&mut Maker<'_>, Next) -> Option<[f64; 3]>,
+    /// Beside another particle.
+    beside: bool,
+    /// Then moved by some units in the last place.
+    nudged: bool,
+}
+
+/// The ways, by the lowest three bits of the byte that says how.
+const WAYS: [Way; 8] = [
+    Way { place: lattice, beside: false, nudged: true },
+    Way { place: along_an_axis, beside: true, nudged: true },
+    Way { place: along_a_hypotenuse, beside: true, nudged: true },
+    Way { place: almost_there, beside: true, nudged: false },
+    Way { place: raw, beside: false, nudged: false },
+    Way { place: subnormal, beside: false, nudged: false },
+    Way { place: huge, beside: false, nudged: false },
+    Way { place: diameters_away, beside: true, nudged: true },
+];
+
+fn lattice(maker: &mut Maker<'_>, Next { dim, .. }: Next) -> Option<[f64; 3]> {
+    let (offset, unit) = (maker.offset, maker.unit);
+    maker.each(dim, |bytes, _| Some(offset + f64::from(bytes.next()? as i8) * unit))
+}
+
+fn along_an_axis(maker: &mut Maker<'_>, next: Next) -> Option<[f64; 3]> {
+    let (code, mut place) = (maker.bytes.next()?, next.beside);
+    let step = if code & 1 == 0 { next.contact } else { -next.contact };
+    place[usize::from(code / 2) % next.dim] += step;
+    Some(place)
+}
+
+fn along_a_hypotenuse(maker: &mut Maker<'_>, next: Next) -> Option<[f64; 3]> {
+    let code = usize::from(maker.bytes.next()?);
+    let (legs, hypotenuse) = PYTHAGOREAN[code % if next.dim == 2 { 4 } else { 8 }];
+    maker.each(next.dim, |_, axis| {
+        // In the plane 0 or 1 is swapped, in space the legs take turns.
+        let step = legs[(axis + code / 64) % next.dim] * (next.contact / hypotenuse);
+        Some(next.beside[axis] + if code >> (3 + axis) & 1 == 0 { step } else { -step })
+    })
+}
+
+fn almost_there(maker: &mut Maker<'_>, next: Next) -> Option<[f64; 3]> {
+    let near = |x: f64, byte: u8| nudged(x, i32::from(byte % 7) - 3);
+    maker.each(next.dim, |bytes, axis| Some(near(next.beside[axis], bytes.next()?)))
+}
+
+fn raw(maker: &mut Maker<'_>, Next { dim, .. }: Next) -> Option<[f64; 3]> {
+    maker.each(dim, |bytes, _| bytes.double())
+}
+
+fn subnormal(maker: &mut Maker<'_>, Next { dim, how, .. }: Next) -> Option<[f64; 3]> {
+    let scale = libm::scalbn(1.0, i32::from(how >> 3) * 4);
+    maker.each(dim, |bytes, _| {
+        let code = bytes.next()?;
+        let size = f64::from_bits(u64::from(code / 2)) * scale;
+        Some(if code & 1 == 0 { size } else { -size })
+    })
+}
+
+fn huge(maker: &mut Maker<'_>, next: Next) -> Option<[f64; 3]> {
+    if next.how < 128 {
+        return lattice(maker, next);
+    }
+    maker.each(next.dim, |bytes, _| {
+        let code = bytes.next()?;
+        let size = match code {
+            252.. => f64::MAX,
+            _ => libm::scalbn(1.0 + f64::from(code % 4), i32::from(code / 4) * 18 - 110),
+        };
+        Some(if next.how & 8 == 0 { size } else { -size })
+    })
+}
+
+/// Where cells of the book end: whole diameters from another particle.
+fn diameters_away(maker: &mut Maker<'_>, next: Next) -> Option<[f64; 3]> {
+    let diameter = 2.0 * maker.radius;
+    maker.each(next.dim, |bytes, axis| {
+        Some(next.beside[axis] + f64::from(bytes.next()? as i8) * diameter)
+    })
+}
+
 impl<'a> Maker<'a> {
     fn new(data: &'a [u8]) -> Option<Maker<'a>> {
         let mut bytes = Bytes(data);
@@ -115,82 +210,35 @@ impl<'a> Maker<'a> {
         let how = self.bytes.next()?;
         let radius = self.radius()?;
         let (dim, stride, n) = (self.numbers.dim, self.numbers.stride(), self.numbers.len());
-        let mut place = [self.offset; 3];
-        // The particle beside which this one is put, and the distance at which the two just touch.
-        let (mut beside, mut contact) = (place, 2.0 * radius);
-        if n > 0 && matches!(how % 8, 1 | 2 | 3 | 7) {
+        let Way { place, beside, nudged: moved } = &WAYS[usize::from(how % 8)];
+        let mut next = Next { how, dim, beside: [self.offset; 3], contact: 2.0 * radius };
+        if n > 0 && *beside {
             let other = &self.numbers.values[usize::from(self.bytes.next()?) % n * stride..];
-            beside[..dim].copy_from_slice(&other[..dim]);
-            contact = radius + other[dim];
+            next.beside[..dim].copy_from_slice(&other[..dim]);
+            next.contact = radius + other[dim];
         }
-        match how % 8 {
-            1 => {
-                place = beside;
-                let code = self.bytes.next()?;
-                place[usize::from(code / 2) % dim] +=
-                    if code & 1 == 0 { contact } else { -contact };
-            }
-            2 => {
-                let code = usize::from(self.bytes.next()?);
-                let (legs, hypotenuse) = PYTHAGOREAN[code % if dim == 2 { 4 } else { 8 }];
-                for axis in 0..dim {
-                    // In the plane 0 or 1 is swapped, in space the legs take turns.
-                    let step = legs[(axis + code / 64) % dim] * (contact / hypotenuse);
-                    place[axis] =
-                        beside[axis] + if code >> (3 + axis) & 1 == 0 { step } else { -step };
-                }
-            }
-            3 => {
-                place = beside;
-                for x in &mut place[..dim] {
-                    *x = nudged(*x, i32::from(self.bytes.next()? % 7) - 3);
-                }
-            }
-            4 => {
-                for x in &mut place[..dim] {
-                    *x = self.bytes.double()?;
-                }
-            }
-            5 => {
-                for x in &mut place[..dim] {
-                    let code = self.bytes.next()?;
-                    let size = f64::from_bits(u64::from(code / 2))
-                        * libm::scalbn(1.0, i32::from(how >> 3) * 4);
-                    *x = if code & 1 == 0 { size } else { -size };
-                }
-            }
-            6 if how >= 128 => {
-                for x in &mut place[..dim] {
-                    let code = self.bytes.next()?;
-                    let size = if code >= 252 {
-                        f64::MAX
-                    } else {
-                        libm::scalbn(1.0 + f64::from(code % 4), i32::from(code / 4) * 18 - 110)
-                    };
-                    *x = if how & 8 == 0 { size } else { -size };
-                }
-            }
-            7 => {
-                // Where cells of the book end: whole diameters from another particle.
-                for axis in 0..dim {
-                    place[axis] =
-                        beside[axis] + f64::from(self.bytes.next()? as i8) * (2.0 * self.radius);
-                }
-            }
-            _ => {
-                for x in &mut place[..dim] {
-                    *x += f64::from(self.bytes.next()? as i8) * self.unit;
-                }
-            }
-        }
-        if matches!(how % 8, 0 | 1 | 2 | 7) {
+        let mut place = place(self, next)?;
+        if *moved {
             let axis = usize::from(how >> 6) % dim;
-            place[axis] =
-                nudged(place[axis], [0, 0, 0, 1, -1, 2, -2, 3][usize::from(how >> 3) % 8]);
+            let steps = [0, 0, 0, 1, -1, 2, -2, 3][usize::from(how >> 3) % 8];
+            place[axis] = nudged(place[axis], steps);
         }
         self.numbers.values.extend_from_slice(&place[..dim]);
         self.numbers.values.push(radius);
         Some(())
+    }
+
+    /// A number for each axis.
+    fn each(
+        &mut self,
+        dim: usize,
+        mut number: impl FnMut(&mut Bytes<'_>, usize) -> Option<f64>,
+    ) -> Option<[f64; 3]> {
+        let mut place = [self.offset; 3];
+        for (axis, x) in place[..dim].iter_mut().enumerate() {
+            *x = number(&mut self.bytes, axis)?;
+        }
+        Some(place)
     }
 
     fn scene(&self) -> Result<AnyScene<'static>, SceneError> {

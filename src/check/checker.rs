@@ -20,15 +20,6 @@ use crate::periodic::{self, Truth, without_shift};
 use crate::scene::{AnyScene, Given, hard};
 use crate::searcher::Loaded;
 
-/// Scenes that were once got wrong: see `tests/regressions`.
-const REGRESSIONS: [(&str, &str); 5] = [
-    ("far-apart.csv", include_str!("../../tests/regressions/far-apart.csv")),
-    ("subnormal.csv", include_str!("../../tests/regressions/subnormal.csv")),
-    ("tangent-3-4-5.csv", include_str!("../../tests/regressions/tangent-3-4-5.csv")),
-    ("three-discs.csv", include_str!("../../tests/regressions/three-discs.csv")),
-    ("twice-around.xyz", include_str!("../../tests/regressions/twice-around.xyz")),
-];
-
 /// Scenes of random bytes for each seed, and the lengths of the bytes: in longer ones particles are
 /// too far apart for cells.
 const RANDOM: u64 = 200;
@@ -125,7 +116,7 @@ impl<'a> Checker<'a> {
     }
 
     pub(super) fn regressions(&mut self, arithmetics: &[Arithmetic]) -> anyhow::Result<()> {
-        for (name, text) in REGRESSIONS {
+        for (name, text) in crate::check::regression::KEPT {
             if self.decided() {
                 break;
             }

@@ -8,6 +8,15 @@ use crate::check::numbers::Numbers;
 use crate::io::write::{self, SceneFormat};
 use crate::scene::AnyScene;
 
+/// The scenes that were once got wrong, by their names in `tests/regressions`.
+pub const KEPT: [(&str, &str); 5] = [
+    ("far-apart.csv", include_str!("../../tests/regressions/far-apart.csv")),
+    ("subnormal.csv", include_str!("../../tests/regressions/subnormal.csv")),
+    ("tangent-3-4-5.csv", include_str!("../../tests/regressions/tangent-3-4-5.csv")),
+    ("three-discs.csv", include_str!("../../tests/regressions/three-discs.csv")),
+    ("twice-around.xyz", include_str!("../../tests/regressions/twice-around.xyz")),
+];
+
 /// A scene as CSV with a header, in numbers that read back to the same bits.
 pub fn as_csv(scene: &AnyScene<'_>) -> String {
     let numbers = Numbers::new(scene);
@@ -51,4 +60,18 @@ pub fn file(failure: &Failure, path: &Path, who: &str) -> String {
 /// What it ends in.
 pub fn ending(failure: &Failure) -> &'static str {
     if failure.smallest.lattice.is_some() { ".xyz" } else { ".csv" }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_regression_is_kept() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/regressions");
+        let name = |entry: std::io::Result<std::fs::DirEntry>| entry.unwrap().file_name();
+        let mut names: Vec<_> = std::fs::read_dir(folder).unwrap().map(name).collect();
+        names.sort();
+        assert!(names.iter().eq(KEPT.map(|(name, _)| name).iter()), "{names:?}");
+    }
 }

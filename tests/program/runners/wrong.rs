@@ -209,16 +209,3 @@ fn commands_that_are_none_are_refused() {
     let ended = check(folder.path(), &format!("sh -c '{}'", missing.replace('\'', "'\\''")), &[]);
     assert!(ended.code == Some(2) && ended.stderr.contains("apt install it"), "{}", ended.stderr);
 }
-
-/// All regressions that the tests keep are in the battery.
-#[test]
-fn the_battery_has_every_regression() {
-    let source = include_str!("../../../src/check/checker.rs");
-    for entry in std::fs::read_dir(root().join("tests/regressions")).unwrap() {
-        let name = entry.unwrap().file_name().into_string().unwrap();
-        assert!(
-            source.contains(&format!("tests/regressions/{name}")),
-            "{name} is missing in src/check/checker.rs"
-        );
-    }
-}
