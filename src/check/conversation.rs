@@ -11,7 +11,7 @@ use crate::check::contender::Answer;
 use crate::check::process::{Foreign, Stop, broken, digest, word};
 use crate::record::row::Outcome;
 use crate::run::client::Client;
-use crate::run::protocol::{Reply, Request};
+use crate::run::protocol::{Found, Reply, Request};
 use crate::run::trajectory::Trajectory;
 use crate::scene::{Given, Radii, Scene};
 use crate::sink::Digest;
@@ -165,11 +165,11 @@ impl Talk<'_> {
             if matches!(reply, Reply::Refused { .. }) {
                 return Ok(());
             }
-            let Reply::Sample { contacts, digest, .. } = &reply else {
+            let Reply::Sample(sample) = &reply else {
                 self.breaks(format!("{when}, it answers {}", word(&reply)));
                 return Ok(());
             };
-            self.digest(when, *contacts, digest, right);
+            self.digest(when, &sample.found, right);
             if self.impossible(when, &request, &reply) {
                 return Ok(());
             }
@@ -198,13 +198,13 @@ impl Talk<'_> {
             return Ok(());
         }
         match reply {
-            Some(Reply::Count { contacts, digest, .. }) if *request == Request::Count => {
+            Some(Reply::Count(counted)) if *request == Request::Count => {
                 self.manners.abilities.push(ability);
-                self.digest(&when, contacts, &digest, right);
+                self.digest(&when, &counted.found, right);
             }
-            Some(Reply::Memory { contacts, digest, .. }) if *request == Request::Memory => {
+            Some(Reply::Memory(memory)) if *request == Request::Memory => {
                 self.manners.abilities.push(ability);
-                self.digest(&when, contacts, &digest, right);
+                self.digest(&when, &memory.found, right);
             }
             None | Some(Reply::Unsupported | Reply::Refused { .. }) => {}
             Some(other) => self.breaks(format!(
@@ -216,8 +216,9 @@ impl Talk<'_> {
     }
 
     /// The pairs of the row are known: is their digest computed as it should be?
-    fn digest(&mut self, when: &str, contacts: u64, text: &str, right: Digest) {
-        match digest(contacts, text) {
+    fn digest(&mut self, when: &str, found: &Found, right: Digest) {
+        let Found { contacts, digest: text, .. } = found;
+        match digest(*contacts, text) {
             Err(wrong) => self.manners.broken.push(wrong),
             // Other pairs are found in the scenes, and shown.
             Ok(said) if said.contacts == right.contacts && said != right => {

@@ -247,7 +247,7 @@ impl Process {
             other => return Err(astray("load", &other)),
         }
         let said = match self.request(&Request::Sample { min_ns: 1 })? {
-            Reply::Sample { contacts, digest: text, .. } => digest(contacts, &text)?,
+            Reply::Sample(sample) => digest(sample.found.contacts, &sample.found.digest)?,
             other => return Err(astray("sample", &other)),
         };
         let right = said == truth.digest;

@@ -201,9 +201,9 @@ impl Ground<'_> {
         let hopeless = best.is_some_and(|best| time as f64 > HOPELESS * best as f64);
         if !hopeless {
             match client.ask(&Request::Memory) {
-                Ok(Reply::Memory { peak_bytes, formula_bytes, .. }) => {
-                    (standing.peak_bytes, standing.formula_bytes) =
-                        (Some(peak_bytes), formula_bytes);
+                Ok(Reply::Memory(memory)) => {
+                    standing.peak_bytes = Some(memory.peak_bytes);
+                    standing.formula_bytes = memory.formula_bytes;
                 }
                 // It is measured without.
                 Ok(_) => {}
@@ -236,7 +236,7 @@ impl Ground<'_> {
         let path = self.folder.join("pairs.npy");
         let box_dim = self.loads.last().and_then(Trajectory::box_dim);
         let fetch = || client.pairs(&path, box_dim, None);
-        let answer = (sample.contacts, &*sample.digest);
+        let answer = (sample.found.contacts, &*sample.found.digest);
         let judged =
             self.judge.judge(standing.who.name, self.question.arithmetic, answer, fetch)?;
         standing.errors = judged.errors;

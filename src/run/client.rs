@@ -214,9 +214,9 @@ impl Client {
         }
         match reply {
             // Where the system holds nobody to the limit, the answer is.
-            Reply::Memory { peak_bytes, .. } if peak_bytes > self.memory_limit => {
-                let limit = self.memory_limit;
-                let reason = format!("it took {peak_bytes} bytes, and may take {limit}");
+            Reply::Memory(memory) if memory.peak_bytes > self.memory_limit => {
+                let (taken, limit) = (memory.peak_bytes, self.memory_limit);
+                let reason = format!("it took {taken} bytes, and may take {limit}");
                 Err(Failure { outcome: Outcome::OutOfMemory, reason })
             }
             Reply::Refused { reason } => Err(Failure { outcome: Outcome::Refused, reason }),

@@ -14,15 +14,16 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use crate::record::row::{Outcome, Pass, Row};
 use crate::run::client::{Client, Failure, Start};
 use crate::run::judge::Judge;
-use crate::run::passes::{Running, Sample, fresh, sample};
+use crate::run::passes::{Running, fresh, sample, say};
 use crate::run::processors;
+use crate::run::protocol::Sample;
 use crate::run::stage::Stage;
 
 /// Longer than other samples: between two of its own a copy is idle for some tens of microseconds,
 /// in which its neighbours are not disturbed.
 const SAMPLE_NS: u64 = 10_000_000;
 
-impl Stage<'_> {
+impl Stage<'_, '_> {
     /// The record says that the copies of this detector failed on this scene.
     pub fn no_ceiling(&self, blank: &Row) -> bool {
         self.index.ended(&Row { pass: Pass::Ceiling, ..blank.clone() }).is_some()
@@ -36,7 +37,7 @@ impl Stage<'_> {
         else {
             return Ok(None);
         };
-        if let Some(n) = self.too_slow.at(&blank) {
+        if let Some(n) = self.log.too_slow.at(&blank) {
             let reason = format!("copies not tried: over the time limit at N = {n} already");
             let failure = Failure { outcome: Outcome::Timeout, reason };
             self.fail(&blank, failure, Pass::Ceiling.rest())?;
@@ -81,7 +82,7 @@ impl Stage<'_> {
             }
         };
         if let Some(copy) = copies.first() {
-            row.process = self.origins.process(&running.contender, copy)?;
+            row.process = self.log.origins.process(&running.contender, copy)?;
         }
         row.time_ns = Some(harmonic_mean(&answers));
         row.alone_ns = Some(harmonic_mean(&alone));
@@ -90,8 +91,8 @@ impl Stage<'_> {
         for (copy, answer) in copies.iter_mut().zip(answers) {
             // The first wrong answer speaks for all.
             if row.outcome.is_good() {
-                (row.contacts, row.digest) = (Some(answer.contacts), Some(answer.digest));
-                self.judge(&mut row, running, copy, judge, &answer.steps)?;
+                say(&mut row, &answer.found);
+                self.judge(&mut row, running, copy, judge, &answer.found)?;
             }
         }
         self.write(&row)?;

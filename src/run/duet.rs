@@ -10,7 +10,8 @@ use std::time::{Duration, Instant};
 use crate::record::row::{Outcome, Pass, Row};
 use crate::run::client::{Client, Failure};
 use crate::run::judge::Judge;
-use crate::run::passes::{Running, Sample, sample};
+use crate::run::passes::{Running, sample};
+use crate::run::protocol::Sample;
 use crate::run::stage::Stage;
 
 /// A turn is at least this long.
@@ -42,7 +43,7 @@ struct Player {
     turns: Vec<Sample>,
 }
 
-impl Stage<'_> {
+impl Stage<'_, '_> {
     /// A block of those that take turns; gives those that are still in the race.
     pub fn side_by_side(
         &mut self,
@@ -81,9 +82,9 @@ impl Stage<'_> {
             let processor = running.processor(block);
             let Some(sum) = total(&turns) else { continue };
             running.fill(&mut row, &sum, processor);
-            row.process = self.origins.process(&running.contender, &client)?;
+            row.process = self.log.origins.process(&running.contender, &client)?;
             row.rounds_ns = turns.iter().map(|turn| turn.time_ns).collect();
-            self.judge(&mut row, &running, &mut client, judge, &sum.steps)?;
+            self.judge(&mut row, &running, &mut client, judge, &sum.found)?;
             let others = others(&turns);
             if others > 0 && row.outcome != Outcome::Wrong {
                 row.outcome = Outcome::Wrong;
@@ -118,7 +119,7 @@ fn take_turns(players: &mut Vec<Player>) -> Vec<(Player, Failure)> {
 
 /// How many turns gave another answer than the last.
 fn others(turns: &[Sample]) -> usize {
-    let answer = |turn: &Sample| (turn.contacts, turn.digest.clone());
+    let answer = |turn: &Sample| turn.found.whole();
     let last = turns.last().map(answer);
     turns.iter().filter(|turn| Some(answer(turn)) != last).count()
 }
@@ -142,8 +143,6 @@ fn total(turns: &[Sample]) -> Option<Sample> {
         first_ns: first.first_ns,
         calls,
         elapsed_ns,
-        contacts: last.contacts,
-        digest: last.digest.clone(),
-        steps: last.steps.clone(),
+        found: last.found.clone(),
     })
 }

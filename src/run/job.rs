@@ -11,7 +11,7 @@ use crate::record::done::{Index, TooSlow};
 use crate::record::row::Writer;
 use crate::run::origins::Origins;
 use crate::run::plan::{self, Job, describe};
-use crate::run::stage::{Progress, Stage};
+use crate::run::stage::{Log, Progress, Stage};
 use crate::scene::spec::Spec;
 
 /// A job that can begin.
@@ -50,28 +50,17 @@ impl Ready<'_> {
     ) -> anyhow::Result<()> {
         let (job, folder, total) = (self.job, self.temporary.path(), self.scenes.len());
         let index = Index::new(job.done);
-        let mut too_slow = TooSlow::new(job.done);
-        let mut noted = BTreeSet::new();
+        let (too_slow, noted) = (TooSlow::new(job.done), BTreeSet::new());
+        let mut log = Log { record, origins, progress, too_slow, noted, span: None };
         for (k, (experiment, spec)) in self.scenes.iter().enumerate() {
-            progress.scene(k, total, &describe(experiment, spec));
-            let mut stage = Stage {
-                job,
-                experiment,
-                spec,
-                index: &index,
-                folder,
-                record,
-                origins,
-                span: None,
-                too_slow: &mut too_slow,
-                noted: &mut noted,
-                progress,
-            };
+            log.progress.scene(k, total, &describe(experiment, spec));
+            let index = &index;
+            let mut stage = Stage { job, experiment, spec, index, folder, log: &mut log };
             stage.run().with_context(|| {
                 format!("in experiment {}, scene {}", experiment.name, describe(experiment, spec))
             })?;
         }
-        progress.scene(total, total, "done");
+        log.progress.scene(total, total, "done");
         Ok(())
     }
 }

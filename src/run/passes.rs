@@ -17,11 +17,11 @@ use crate::run::interrupt;
 use crate::run::judge::{self, Judge, Said};
 use crate::run::plan::describe;
 use crate::run::processors;
-use crate::run::protocol::{self, Reply, Request, Steps};
+use crate::run::protocol::{self, Found, Reply, Request, Sample, Steps};
 use crate::run::pulse::pulse;
 use crate::run::stage::Stage;
 use crate::run::trajectory::Trajectory;
-use crate::sink::{Digest, splitmix64};
+use crate::sink::Digest;
 
 /// Samples are at least this long, or the clock would be measured.
 pub(crate) const SHORTEST_SAMPLE_NS: u64 = 2_000_000;
@@ -57,9 +57,8 @@ impl Running {
         row.first_ns = sample.first_ns.filter(|_| self.loads.len() == 1);
         row.calls = Some(sample.calls);
         row.elapsed_ns = Some(sample.elapsed_ns);
-        row.contacts = Some(sample.contacts);
-        row.digest = Some(sample.digest.clone());
-        if !sample.steps.is_empty() {
+        say(row, &sample.found);
+        if !sample.found.steps.is_empty() {
             let mut each = sample.step_ns.clone();
             each.sort_unstable();
             row.median_step_ns = each.get(each.len() / 2).copied();
@@ -104,63 +103,11 @@ pub(crate) fn fresh(
     Ok(client)
 }
 
-/// A timed sample.
-pub(crate) struct Sample {
-    pub time_ns: u64,
-    pub step_ns: Vec<u64>,
-    pub building_ns: Option<u64>,
-    pub first_ns: Option<u64>,
-    pub calls: u64,
-    pub elapsed_ns: u64,
-    pub contacts: u64,
-    pub digest: String,
-    /// Of a trajectory of several frames, or of a tracker: the answers of which contacts and digest
-    /// are made.
-    pub steps: Box<Steps>,
-}
-
-/// The contacts of all frames together, and a digest of their digests, in order: a chain as that of
-/// [`scene_hash`](crate::scene::stats::scene_hash), over their sums. Those of the last detection,
-/// where there is one frame.
-fn whole(steps: &Steps, last: (u64, String)) -> (u64, String) {
-    // Of one frame it is its own.
-    if steps.digests.len() < 2 {
-        return last;
-    }
-    let sums = steps.answers().map(|answer| answer.map_or(0, |digest| digest.sum));
-    let chain = sums.fold(0, |hash, sum| splitmix64(hash ^ sum));
-    let contacts = steps.contacts.iter().fold(0u64, |all, &contacts| all.saturating_add(contacts));
-    (contacts, format!("{chain:#018x}"))
-}
-
 /// Asks for a sample of at least so many nanoseconds.
 pub(crate) fn sample(client: &mut Client, min_ns: u64) -> Result<Sample, Failure> {
     let request = Request::Sample { min_ns };
     match client.ask(&request)? {
-        Reply::Sample {
-            time_ns,
-            calls,
-            elapsed_ns,
-            step_ns,
-            building_ns,
-            first_ns,
-            contacts,
-            digest,
-            steps,
-        } => {
-            let (contacts, digest) = whole(&steps, (contacts, digest));
-            Ok(Sample {
-                time_ns,
-                step_ns,
-                building_ns,
-                first_ns,
-                calls,
-                elapsed_ns,
-                contacts,
-                digest,
-                steps,
-            })
-        }
+        Reply::Sample(sample) => Ok(*sample),
         other => Err(astray(&request, &other)),
     }
 }
@@ -185,7 +132,7 @@ pub(crate) fn astray(request: &Request, reply: &Reply) -> Failure {
     Failure { outcome: Outcome::Crashed, reason }
 }
 
-impl Stage<'_> {
+impl Stage<'_, '_> {
     /// Starts a contender, loads the scene, counts and measures the memory. `None` if it is out;
     /// its rows say why.
     pub fn enter(
@@ -207,7 +154,7 @@ impl Stage<'_> {
         };
         // An external runner has just said which arithmetic its rows bear.
         blank.id.arithmetic = arithmetic.name().into();
-        blank.process = self.origins.process(&contender, &client)?;
+        blank.process = self.log.origins.process(&contender, &client)?;
         if self.give_up(&blank)? || self.too_slow(&blank)? {
             return Ok(None);
         }
@@ -222,14 +169,16 @@ impl Stage<'_> {
             if self.index.has(&row) {
                 continue;
             }
-            let steps = match measure(&mut client, &mut row) {
-                Ok(steps) => steps,
+            let found = match measure(&mut client, &mut row) {
+                Ok(found) => found,
                 Err(failure) => {
                     self.fail(&running.blank, failure, pass.rest())?;
                     return Ok(None);
                 }
             };
-            self.judge(&mut row, &running, &mut client, judge, &steps)?;
+            if let Some(found) = found {
+                self.judge(&mut row, &running, &mut client, judge, &found)?;
+            }
             self.write(&row)?;
         }
         running.copy = self.copy(&running)?;
@@ -260,9 +209,9 @@ impl Stage<'_> {
                 return Ok(false);
             }
         };
-        row.process = self.origins.process(&running.contender, &client)?;
+        row.process = self.log.origins.process(&running.contender, &client)?;
         running.fill(&mut row, &sample, processor);
-        self.judge(&mut row, running, &mut client, judge, &sample.steps)?;
+        self.judge(&mut row, running, &mut client, judge, &sample.found)?;
         self.write(&row)?;
         Ok(true)
     }
@@ -275,31 +224,29 @@ impl Stage<'_> {
         running: &Running,
         client: &mut Client,
         judge: &mut Judge<'_>,
-        steps: &Steps,
+        found: &Found,
     ) -> anyhow::Result<()> {
-        if running.contender.role == Role::Nothing {
+        let Running { contender, arithmetic, loads, .. } = running;
+        if contender.role == Role::Nothing {
             row.outcome = Outcome::Control;
             row.reason = "control: reports nothing by design".into();
             return Ok(());
         }
-        let (Some(contacts), Some(digest)) = (row.contacts, row.digest.as_deref()) else {
-            return Ok(());
-        };
-        let Running { contender, arithmetic, .. } = running;
-        let path = self.folder.join("pairs.npy");
-        let box_dim = running.loads.last().and_then(Trajectory::box_dim);
+        let Contender { name, may_miss, .. } = contender;
+        let (path, (contacts, digest)) = (self.folder.join("pairs.npy"), found.whole());
+        let box_dim = loads.last().and_then(Trajectory::box_dim);
         let judged = if judge.is_moving() {
-            let sum = protocol::digest(contacts, digest).map_or(0, |digest| digest.sum);
-            let (arithmetic, may_miss) = (*arithmetic, contender.may_miss);
+            let sum = protocol::digest(contacts, &digest).map_or(0, |digest| digest.sum);
+            let (arithmetic, may_miss, steps) = (*arithmetic, *may_miss, &found.steps);
             let said = Said { arithmetic, may_miss, steps };
             let fetch = |frame: u64| client.pairs(&path, box_dim, Some(frame));
-            let whole = Digest { contacts, sum };
-            let (judged, course) = judge.judge_course(&contender.name, said, whole, fetch)?;
+            let (judged, course) =
+                judge.judge_course(name, said, Digest { contacts, sum }, fetch)?;
             row.course = judged.errors.is_some().then(|| recorded(&course, steps));
             judged
         } else {
             let fetch = || client.pairs(&path, box_dim, None);
-            judge.judge(&contender.name, *arithmetic, (contacts, digest), fetch)?
+            judge.judge(name, *arithmetic, (contacts, &digest), fetch)?
         };
         interrupt::check()?;
         row.outcome = judged.outcome;
@@ -324,10 +271,10 @@ impl Stage<'_> {
     /// Prints what happened to a detector, the first time that it happens to it in a run.
     pub fn note_first(&mut self, what: &str, row: &Row, reason: &str) {
         let head = format!("{what}: {}", row.id.contender());
-        if self.noted.insert(head.clone()) {
+        if self.log.noted.insert(head.clone()) {
             let scene = describe(self.experiment, self.spec);
             let text = format!("{head} ({}) on {scene}: {reason}", row.id.arithmetic);
-            self.progress.note(&text);
+            self.log.progress.note(&text);
         }
     }
 }
@@ -375,41 +322,34 @@ fn recorded(course: &judge::Course, steps: &Steps) -> row::Course {
     }
 }
 
-/// Counts, or measures the memory, as the row's pass says. Gives the answers of all frames, where
-/// they are told apart.
-fn measure(client: &mut Client, row: &mut Row) -> Result<Steps, Failure> {
+/// What was found, in a row.
+pub(crate) fn say(row: &mut Row, found: &Found) {
+    let (contacts, digest) = found.whole();
+    (row.contacts, row.digest) = (Some(contacts), Some(digest));
+}
+
+/// Counts, or measures the memory, as the row's pass says. `None` if the runner does not.
+fn measure(client: &mut Client, row: &mut Row) -> Result<Option<Found>, Failure> {
     let request = if row.pass == Pass::Count { Request::Count } else { Request::Memory };
-    match (client.ask(&request)?, row.pass) {
-        (Reply::Count { counts, contacts, digest, steps }, Pass::Count) => {
-            row.counts = counts;
-            let (contacts, digest) = whole(&steps, (contacts, digest));
-            (row.contacts, row.digest) = (Some(contacts), Some(digest));
-            return Ok(*steps);
+    let found = match (client.ask(&request)?, row.pass) {
+        (Reply::Count(counted), Pass::Count) => {
+            row.counts = counted.counts;
+            counted.found
         }
-        (
-            Reply::Memory {
-                peak_bytes,
-                live_bytes,
-                allocations,
-                warm_allocations,
-                formula_bytes,
-                contacts,
-                digest,
-                steps,
-            },
-            Pass::Memory,
-        ) => {
-            row.peak_bytes = Some(peak_bytes);
-            row.live_bytes = Some(live_bytes);
-            row.allocations = Some(allocations);
-            row.warm_allocations = warm_allocations;
-            row.formula_bytes = formula_bytes;
-            let (contacts, digest) = whole(&steps, (contacts, digest));
-            (row.contacts, row.digest) = (Some(contacts), Some(digest));
-            return Ok(*steps);
+        (Reply::Memory(memory), Pass::Memory) => {
+            row.peak_bytes = Some(memory.peak_bytes);
+            row.live_bytes = Some(memory.live_bytes);
+            row.allocations = Some(memory.allocations);
+            row.warm_allocations = memory.warm_allocations;
+            row.formula_bytes = memory.formula_bytes;
+            memory.found
         }
-        (Reply::Unsupported, _) => row.reason = "the runner does not measure this".into(),
+        (Reply::Unsupported, _) => {
+            row.reason = "the runner does not measure this".into();
+            return Ok(None);
+        }
         (other, _) => return Err(astray(&request, &other)),
-    }
-    Ok(Steps::default())
+    };
+    say(row, &found);
+    Ok(Some(found))
 }

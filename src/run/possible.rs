@@ -2,7 +2,7 @@
 //! it is decided here alone: for `run`, `recommend` and `check`.
 
 use crate::probe::Op;
-use crate::run::protocol::{Reply, Steps};
+use crate::run::protocol::{Counted, Found, Memory, Reply, Sample, Steps};
 
 /// A sample is not longer than a runner is asked for where it has so many detections: one of them
 /// may take less than the clock can tell.
@@ -29,31 +29,22 @@ pub struct Asked {
 /// What is impossible in a reply, in one sentence without an end; `Ok` if nothing is.
 pub fn check(reply: &Reply, asked: &Asked) -> Result<(), String> {
     match reply {
-        Reply::Sample { steps, contacts, digest, .. } => {
-            answers(steps, *contacts, digest, asked)?;
-            sample(reply, asked)
-        }
-        Reply::Memory { steps, contacts, digest, .. } => {
-            answers(steps, *contacts, digest, asked)?;
-            memory(reply, asked)
-        }
-        Reply::Count { counts, steps, contacts, digest } => {
-            answers(steps, *contacts, digest, asked)?;
-            count(counts.get(Op::ContactTest.name()).copied(), steps, *contacts)
-        }
+        Reply::Sample(of) => answers(&of.found, asked).and_then(|()| sample(of, asked)),
+        Reply::Memory(of) => answers(&of.found, asked).and_then(|()| memory(of, asked)),
+        Reply::Count(of) => answers(&of.found, asked).and_then(|()| count(of)),
         _ => Ok(()),
     }
 }
 
-fn answers(steps: &Steps, contacts: u64, digest: &str, asked: &Asked) -> Result<(), String> {
-    let frames = asked.frames;
+fn answers(found: &Found, asked: &Asked) -> Result<(), String> {
+    let (Found { contacts, digest, steps }, frames) = (found, asked.frames);
     if steps.is_empty() && frames == 1 {
         return Ok(());
     }
     if let Some((name, len)) = steps.unlike(frames) {
         return Err(format!("{name} has {len} values, and the trajectory {frames} frames"));
     }
-    if steps.last() != (contacts, digest.to_string()) {
+    if steps.last() != (*contacts, digest.clone()) {
         return Err("contacts and digest are not those of the last frame".into());
     }
     let mut frames = steps.contacts.iter().enumerate();
@@ -97,8 +88,10 @@ fn tracked(steps: &Steps, k: usize, contacts: u64, asked: &Asked) -> Result<(), 
 }
 
 /// Contact tests are as many as contacts, in all frames together; 0 where they are not counted.
-fn count(tests: Option<u64>, steps: &Steps, contacts: u64) -> Result<(), String> {
-    let all = steps.contacts.iter().fold(0u64, |all, &one| all.saturating_add(one)).max(contacts);
+fn count(Counted { counts, found }: &Counted) -> Result<(), String> {
+    let tests = counts.get(Op::ContactTest.name()).copied();
+    let each = found.steps.contacts.iter();
+    let all = each.fold(0u64, |all, &one| all.saturating_add(one)).max(found.contacts);
     match tests.filter(|&tests| tests > 0 && tests < all) {
         None => Ok(()),
         Some(tests) => Err(format!(
@@ -108,16 +101,14 @@ fn count(tests: Option<u64>, steps: &Steps, contacts: u64) -> Result<(), String>
     }
 }
 
-fn sample(reply: &Reply, asked: &Asked) -> Result<(), String> {
-    let &Reply::Sample { time_ns, calls, ref step_ns, .. } = reply else {
-        return Ok(());
-    };
+fn sample(sample: &Sample, asked: &Asked) -> Result<(), String> {
+    let &Sample { time_ns, calls, ref step_ns, .. } = sample;
     let frames = asked.frames as u64;
     Err(if asked.frames > 1 {
         let all = step_ns.iter().fold(0u64, |all, &ns| all.saturating_add(ns));
         let same = all.abs_diff(time_ns.saturating_mul(frames)) <= frames;
         if step_ns.len() == asked.frames && same && calls.is_multiple_of(frames) {
-            return one(reply, asked);
+            return one(sample, asked);
         }
         format!(
             "it says of {frames} frames time_ns {time_ns}, calls {calls} and {} numbers in \
@@ -131,15 +122,13 @@ fn sample(reply: &Reply, asked: &Asked) -> Result<(), String> {
              number for each frame"
         )
     } else {
-        return one(reply, asked);
+        return one(sample, asked);
     })
 }
 
 /// Of a sample, whatever its frames.
-fn one(reply: &Reply, asked: &Asked) -> Result<(), String> {
-    let &Reply::Sample { time_ns, calls, elapsed_ns, building_ns, first_ns, .. } = reply else {
-        return Ok(());
-    };
+fn one(sample: &Sample, asked: &Asked) -> Result<(), String> {
+    let &Sample { time_ns, calls, elapsed_ns, building_ns, first_ns, .. } = sample;
     let Asked { min_ns, waited_ns, .. } = *asked;
     let first = first_ns.unwrap_or(0);
     Err(if calls == 0 {
@@ -189,20 +178,10 @@ fn keeps_a_list(steps: &Steps) -> bool {
     longer || steps.built.contains(&false)
 }
 
-fn memory(reply: &Reply, asked: &Asked) -> Result<(), String> {
-    let &Reply::Memory {
-        peak_bytes,
-        live_bytes,
-        allocations,
-        warm_allocations,
-        formula_bytes,
-        ref steps,
-        ..
-    } = reply
-    else {
-        return Ok(());
-    };
-    if [peak_bytes, live_bytes, allocations] == [0; 3] && keeps_a_list(steps) {
+fn memory(memory: &Memory, asked: &Asked) -> Result<(), String> {
+    let &Memory { peak_bytes, live_bytes, allocations, warm_allocations, formula_bytes, .. } =
+        memory;
+    if [peak_bytes, live_bytes, allocations] == [0; 3] && keeps_a_list(&memory.found.steps) {
         return Err("it says peak_bytes, live_bytes and allocations 0, and keeps a list from \
                     frame to frame: a list takes memory; answer unsupported where it cannot be \
                     measured"
@@ -241,45 +220,31 @@ mod tests {
         most_listed: Some(100 * 100),
     };
 
-    fn sample(time_ns: u64, calls: u64, elapsed_ns: u64) -> Reply {
-        let (contacts, digest) = (0, String::new());
+    fn sampled(time_ns: u64, calls: u64, elapsed_ns: u64) -> Sample {
         let (step_ns, first_ns) = (vec![time_ns], Some(1000));
-        let (building_ns, steps) = (None, Box::default());
-        Reply::Sample {
-            time_ns,
-            calls,
-            elapsed_ns,
-            step_ns,
-            building_ns,
-            first_ns,
-            contacts,
-            digest,
-            steps,
-        }
+        Sample { time_ns, calls, elapsed_ns, step_ns, first_ns, ..Sample::default() }
+    }
+
+    fn sample(time_ns: u64, calls: u64, elapsed_ns: u64) -> Reply {
+        Reply::Sample(sampled(time_ns, calls, elapsed_ns).into())
     }
 
     fn memory(peak_bytes: u64, live_bytes: u64, allocations: u64) -> Reply {
-        Reply::Memory {
-            peak_bytes,
-            live_bytes,
-            allocations,
-            warm_allocations: None,
-            formula_bytes: None,
-            contacts: 0,
-            digest: String::new(),
-            steps: Box::default(),
-        }
+        let memory = Memory { peak_bytes, live_bytes, allocations, ..Memory::default() };
+        Reply::Memory(memory.into())
     }
 
     /// A sample of three frames, of two passes.
+    fn passes(step_ns: &[u64], answered: usize) -> Sample {
+        let mut sample = sampled(2_000_000, 6, 12_000_000);
+        sample.step_ns = step_ns.to_vec();
+        sample.found.steps.contacts.resize(answered, 0);
+        sample.found.steps.digests.resize(answered, String::new());
+        sample
+    }
+
     fn moving(step_ns: &[u64], answered: usize) -> Reply {
-        let mut reply = sample(2_000_000, 6, 12_000_000);
-        if let Reply::Sample { step_ns: each, steps, .. } = &mut reply {
-            *each = step_ns.to_vec();
-            steps.contacts.resize(answered, 0);
-            steps.digests.resize(answered, String::new());
-        }
-        reply
+        Reply::Sample(passes(step_ns, answered).into())
     }
 
     #[test]
@@ -296,34 +261,30 @@ mod tests {
             let error = check(&reply, &asked).unwrap_err();
             assert!(error.contains(words), "{error}");
         }
-        let mut other = moving(&right, 3);
-        if let Reply::Sample { contacts, calls, .. } = &mut other {
-            (*contacts, *calls) = (7, 6);
-        }
-        let error = check(&other, &asked).unwrap_err();
+        let mut other = passes(&right, 3);
+        other.found.contacts = 7;
+        let error = check(&Reply::Sample(other.into()), &asked).unwrap_err();
         assert!(error.contains("not those of the last frame"), "{error}");
-        let mut builder = moving(&right, 3);
-        if let Reply::Sample { building_ns, .. } = &mut builder {
-            *building_ns = Some(12_000_000);
-        }
-        let error = check(&builder, &asked).unwrap_err();
+        let builder = Sample { building_ns: Some(12_000_000), ..passes(&right, 3) };
+        let error = check(&Reply::Sample(builder.into()), &asked).unwrap_err();
         assert!(error.contains("building_ns 12000000"), "{error}");
     }
 
     /// Steps of three frames with 5 contacts each.
-    fn tracked(listed: &[u64], built: &[bool], dangerous: &[bool]) -> Box<Steps> {
-        Box::new(Steps {
+    fn tracked(listed: &[u64], built: &[bool], dangerous: &[bool]) -> Steps {
+        Steps {
             contacts: vec![5; 3],
             digests: vec![String::new(); 3],
             listed: listed.to_vec(),
             built: built.to_vec(),
             dangerous: dangerous.to_vec(),
-        })
+        }
     }
 
-    fn counted(tests: u64, steps: Box<Steps>) -> Reply {
+    fn counted(tests: u64, steps: Steps) -> Reply {
         let counts = [("contact_test".to_string(), tests)].into();
-        Reply::Count { counts, contacts: 5, digest: String::new(), steps }
+        let found = Found { contacts: 5, digest: String::new(), steps };
+        Reply::Count(Counted { counts, found }.into())
     }
 
     #[test]
@@ -357,7 +318,7 @@ mod tests {
             let error = check(&counted(tests, fair()), &asked).unwrap_err();
             assert!(error.contains("found 15 contacts"), "{error}");
         }
-        let error = check(&counted(4, Box::default()), &ASKED).unwrap_err();
+        let error = check(&counted(4, Steps::default()), &ASKED).unwrap_err();
         assert!(error.contains("contact_test 4, and found 5"), "{error}");
         for (bytes, steps, good) in [
             (0, fair(), false),
@@ -365,10 +326,10 @@ mod tests {
             // Asks anew in every frame.
             (0, tracked(&[5; 3], &[true; 3], &[]), true),
         ] {
-            let mut reply = memory(bytes, bytes, 0);
-            if let Reply::Memory { steps: said, contacts, .. } = &mut reply {
-                (*said, *contacts) = (steps, 5);
-            }
+            let found = Found { contacts: 5, digest: String::new(), steps };
+            let memory =
+                Memory { peak_bytes: bytes, live_bytes: bytes, found, ..Memory::default() };
+            let reply = Reply::Memory(memory.into());
             assert_eq!(check(&reply, &asked).is_ok(), good, "{reply:?}");
         }
     }
@@ -411,10 +372,8 @@ mod tests {
             let error = check(&reply, &ASKED).unwrap_err();
             assert!(error.contains(words), "{reply:?}: {error}");
         }
-        let mut reply = sample(2_000_000, 1, 2_000_000);
-        if let Reply::Sample { first_ns, .. } = &mut reply {
-            *first_ns = Some(0);
-        }
-        assert!(check(&reply, &ASKED).unwrap_err().contains("first_ns 0"));
+        let reply = Sample { first_ns: Some(0), ..sampled(2_000_000, 1, 2_000_000) };
+        let error = check(&Reply::Sample(reply.into()), &ASKED).unwrap_err();
+        assert!(error.contains("first_ns 0"), "{error}");
     }
 }

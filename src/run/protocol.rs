@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use crate::run::trajectory::Trajectory;
-use crate::sink::Digest;
+use crate::sink::{Digest, splitmix64};
 use crate::text::line;
 use crate::track::Step;
 
@@ -110,64 +110,11 @@ pub enum Reply {
     /// The trajectory is there; a scene at rest is in memory.
     Loaded,
     /// To `sample`.
-    Sample {
-        /// Nanoseconds per detection.
-        time_ns: u64,
-        /// Detections in the sample.
-        calls: u64,
-        /// Nanoseconds of all detections together.
-        elapsed_ns: u64,
-        /// Nanoseconds per detection, frame by frame; may be missing where there is one frame.
-        #[serde(default)]
-        step_ns: Vec<u64>,
-        /// Of `time_ns`, for building lists that are kept; may be missing.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
-        building_ns: Option<u64>,
-        /// Nanoseconds of the detection before the clock starts; may be missing.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
-        first_ns: Option<u64>,
-        /// Pairs of the last detection.
-        contacts: u64,
-        /// Fingerprint of the pairs of the last detection.
-        digest: String,
-        /// Each frame of a pass.
-        #[serde(flatten)]
-        steps: Box<Steps>,
-    },
+    Sample(Box<Sample>),
     /// To `count`.
-    Count {
-        /// Operation name to count.
-        counts: BTreeMap<String, u64>,
-        /// Pairs.
-        contacts: u64,
-        /// Fingerprint.
-        digest: String,
-        /// Each frame of the pass.
-        #[serde(flatten)]
-        steps: Box<Steps>,
-    },
+    Count(Box<Counted>),
     /// To `memory`.
-    Memory {
-        /// Most bytes held at one time, without the trajectory and the list of pairs.
-        peak_bytes: u64,
-        /// Bytes held after the pass.
-        live_bytes: u64,
-        /// Allocations.
-        allocations: u64,
-        /// Allocations of a second pass.
-        #[serde(default)]
-        warm_allocations: Option<u64>,
-        /// Bytes by the declared formula.
-        #[serde(default)]
-        formula_bytes: Option<u64>,
-        /// Pairs.
-        contacts: u64,
-        /// Fingerprint.
-        digest: String,
-        /// Each frame of the pass.
-        #[serde(flatten)]
-        steps: Box<Steps>,
-    },
+    Memory(Box<Memory>),
     /// To `pairs`.
     Pairs {
         /// Pairs written.
@@ -208,6 +155,102 @@ impl Reply {
             _ => {}
         }
         self
+    }
+}
+
+/// A timed sample.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Sample {
+    /// Nanoseconds per detection.
+    pub time_ns: u64,
+    /// Detections in the sample.
+    pub calls: u64,
+    /// Nanoseconds of all detections together.
+    pub elapsed_ns: u64,
+    /// Nanoseconds per detection, frame by frame; may be missing where there is one frame.
+    #[serde(default)]
+    pub step_ns: Vec<u64>,
+    /// Of `time_ns`, for building lists that are kept; may be missing.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub building_ns: Option<u64>,
+    /// Nanoseconds of the detection before the clock starts; may be missing.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub first_ns: Option<u64>,
+    /// Pairs of the last detection.
+    #[serde(flatten)]
+    pub found: Found,
+}
+
+/// Operations of a pass.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Counted {
+    /// Operation name to count.
+    pub counts: BTreeMap<String, u64>,
+    /// Pairs.
+    #[serde(flatten)]
+    pub found: Found,
+}
+
+/// Memory of a pass with fresh buffers.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Memory {
+    /// Most bytes held at one time, without the trajectory and the list of pairs.
+    pub peak_bytes: u64,
+    /// Bytes held after the pass.
+    pub live_bytes: u64,
+    /// Allocations.
+    pub allocations: u64,
+    /// Allocations of a second pass.
+    #[serde(default)]
+    pub warm_allocations: Option<u64>,
+    /// Bytes by the declared formula.
+    #[serde(default)]
+    pub formula_bytes: Option<u64>,
+    /// Pairs.
+    #[serde(flatten)]
+    pub found: Found,
+}
+
+/// What was found.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Found {
+    /// Pairs of the last frame.
+    pub contacts: u64,
+    /// Their fingerprint.
+    pub digest: String,
+    /// Each frame of the pass.
+    #[serde(flatten)]
+    pub steps: Steps,
+}
+
+/// In one frame, which has no steps.
+impl From<Digest> for Found {
+    fn from(digest: Digest) -> Found {
+        Found { contacts: digest.contacts, digest: digest.hex(), steps: Steps::default() }
+    }
+}
+
+impl From<Steps> for Found {
+    fn from(steps: Steps) -> Found {
+        let (contacts, digest) = steps.last();
+        Found { contacts, digest, steps }
+    }
+}
+
+impl Found {
+    /// The contacts of all frames together, and a digest of their digests, in order: a chain as
+    /// that of [`scene_hash`](crate::scene::stats::scene_hash), over their sums. Those of the last
+    /// detection, where there is one frame.
+    pub fn whole(&self) -> (u64, String) {
+        let Found { contacts, digest, steps } = self;
+        // Of one frame it is its own.
+        if steps.digests.len() < 2 {
+            return (*contacts, digest.clone());
+        }
+        let sums = steps.answers().map(|answer| answer.map_or(0, |digest| digest.sum));
+        let chain = sums.fold(0, |hash, sum| splitmix64(hash ^ sum));
+        let contacts = steps.contacts.iter().fold(0u64, |all, &one| all.saturating_add(one));
+        (contacts, format!("{chain:#018x}"))
     }
 }
 

@@ -22,7 +22,7 @@ use crate::record::built::build;
 use crate::record::provenance;
 use crate::run::alloc;
 use crate::run::possible::MOST_CALLS;
-use crate::run::protocol::{Reply, Request, VERSION};
+use crate::run::protocol::{Counted, Memory, Reply, Request, Sample, VERSION};
 use crate::run::trajectory::Trajectory;
 use crate::run::walk::Walk;
 use crate::searcher::{LoadError, Loaded, Searcher};
@@ -130,14 +130,9 @@ impl Server {
                     .searcher
                     .count(scene, self.arithmetic, &mut self.contacts)
                     .map_err(refused)?;
-                let digest = self.contacts.digest();
                 let counts = tally.iter().map(|(op, count)| (op.name().into(), count)).collect();
-                Ok(Reply::Count {
-                    counts,
-                    contacts: digest.contacts,
-                    digest: digest.hex(),
-                    steps: Box::default(),
-                })
+                let found = self.contacts.digest().into();
+                Ok(Reply::Count(Counted { counts, found }.into()))
             }
             Request::Memory => self.memory(),
             Request::Pairs { frame: Some(frame @ 1..), .. } => {
@@ -190,19 +185,11 @@ impl Server {
                 }
             },
         };
-        let digest = self.contacts.digest();
         let time_ns = (elapsed_ns + calls / 2) / calls;
-        Ok(Reply::Sample {
-            time_ns,
-            calls,
-            elapsed_ns,
-            step_ns: vec![time_ns],
-            building_ns: None,
-            first_ns,
-            contacts: digest.contacts,
-            digest: digest.hex(),
-            steps: Box::default(),
-        })
+        let (step_ns, found) = (vec![time_ns], self.contacts.digest().into());
+        let sample =
+            Sample { time_ns, calls, elapsed_ns, step_ns, building_ns: None, first_ns, found };
+        Ok(Reply::Sample(sample.into()))
     }
 
     /// How many detections make a sample of `min_ns`.
@@ -245,7 +232,7 @@ impl Server {
             (searcher.list(scene, arithmetic, contacts), searcher)
         });
         result.map_err(refused)?;
-        let digest = contacts.digest();
+        let found = contacts.digest().into();
         // A library declares no formula.
         let formula_bytes =
             self.tracker.detector().entry.is_ours().then(|| searcher.formula_bytes(scene));
@@ -256,17 +243,16 @@ impl Server {
         // algorithm.
         let frame = std::mem::size_of_val(searcher.detector()) as u64;
         let boxed = u64::from(frame > 0);
-        Ok(Reply::Memory {
+        let memory = Memory {
             // Threads of rayon's may have given back, meanwhile, more than that.
             peak_bytes: cold.peak_bytes.saturating_sub(frame),
             live_bytes: cold.live_bytes.saturating_sub(frame),
             allocations: cold.allocations - boxed,
             warm_allocations: Some(warm.allocations),
             formula_bytes,
-            contacts: digest.contacts,
-            digest: digest.hex(),
-            steps: Box::default(),
-        })
+            found,
+        };
+        Ok(Reply::Memory(memory.into()))
     }
 }
 

@@ -49,21 +49,26 @@ pub trait Progress {
 }
 
 /// One scene of one experiment.
-pub(crate) struct Stage<'a> {
+pub(crate) struct Stage<'a, 'l> {
     pub job: &'a Job<'a>,
     pub experiment: &'a Experiment,
     pub spec: &'a Spec,
     pub index: &'a Index,
     /// For scenes and pairs.
     pub folder: &'a Path,
+    pub log: &'a mut Log<'l>,
+}
+
+/// Where a run writes what it measures, and what it remembers from scene to scene.
+pub(crate) struct Log<'a> {
     pub record: &'a mut Writer,
     pub origins: &'a mut Origins,
+    pub progress: &'a mut dyn Progress,
+    pub too_slow: TooSlow,
+    /// What was printed once: assumptions about files, and detectors that are wrong or crashed.
+    pub noted: BTreeSet<String>,
     /// What timed rows say of their time.
     pub span: Option<String>,
-    pub too_slow: &'a mut TooSlow,
-    /// What was printed once: assumptions about files, and detectors that are wrong or crashed.
-    pub noted: &'a mut BTreeSet<String>,
-    pub progress: &'a mut dyn Progress,
 }
 
 /// A scene as runners load it.
@@ -74,7 +79,7 @@ struct Staged<'a> {
     moved: Option<Moved>,
 }
 
-impl Stage<'_> {
+impl Stage<'_, '_> {
     pub fn run(&mut self) -> anyhow::Result<()> {
         let blocks = self.experiment.all_blocks(self.job.quick);
         let contenders =
@@ -120,8 +125,8 @@ impl Stage<'_> {
         });
         for notice in given.notices.iter().chain(doubts.iter().flatten()) {
             let text = format!("{path}: {}", notice.words(Place::Experiment));
-            if self.noted.insert(text.clone()) {
-                self.progress.note(&text);
+            if self.log.noted.insert(text.clone()) {
+                self.log.progress.note(&text);
             }
         }
     }
@@ -162,14 +167,14 @@ impl Stage<'_> {
         blocks: u32,
         judge: &mut Judge<'_>,
     ) -> anyhow::Result<()> {
-        let (watch, rows) = (Watch::start(), self.record.rows());
-        self.span = watch.as_ref().map(|watch| watch.id().to_string());
+        let (watch, rows) = (Watch::start(), self.log.record.rows());
+        self.log.span = watch.as_ref().map(|watch| watch.id().to_string());
         let result = self.samples(running, blocks, judge);
-        self.span = None;
+        self.log.span = None;
         let span = watch.and_then(|watch| watch.end(describe(self.experiment, self.spec)));
-        if let Some(span) = span.filter(|_| self.record.rows() > rows) {
+        if let Some(span) = span.filter(|_| self.log.record.rows() > rows) {
             // What ended the blocks is told first.
-            let noted = self.origins.span(span);
+            let noted = self.log.origins.span(span);
             return result.and(noted);
         }
         result
@@ -289,7 +294,7 @@ impl Stage<'_> {
 
     /// True, with rows that say so, if the detector was too slow with fewer particles already.
     pub fn too_slow(&mut self, blank: &Row) -> anyhow::Result<bool> {
-        let Some(n) = self.too_slow.at(blank) else { return Ok(false) };
+        let Some(n) = self.log.too_slow.at(blank) else { return Ok(false) };
         let reason = format!("not tried: over the time limit at N = {n} already");
         self.fail(blank, Failure { outcome: Outcome::Timeout, reason }, &Pass::ALL)?;
         Ok(true)
@@ -300,13 +305,13 @@ impl Stage<'_> {
     pub fn write(&mut self, row: &Row) -> anyhow::Result<()> {
         interrupt::check()?;
         let id = CellId { machine: Some(self.job.machine.clone()), ..row.id.clone() };
-        Ok(self.record.write(&Row { id, span: self.span.clone(), ..row.clone() })?)
+        Ok(self.log.record.write(&Row { id, span: self.log.span.clone(), ..row.clone() })?)
     }
 
     pub fn fail(&mut self, blank: &Row, failure: Failure, passes: &[Pass]) -> anyhow::Result<()> {
         interrupt::check()?;
         if failure.outcome == Outcome::Timeout {
-            self.too_slow.note(blank);
+            self.log.too_slow.note(blank);
         }
         if failure.outcome == Outcome::Crashed {
             self.note_first("CRASHED", blank, &failure.reason);

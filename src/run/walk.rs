@@ -12,7 +12,7 @@ use crate::periodic::Contacts;
 use crate::probe::Tally;
 use crate::run::alloc::Meter;
 use crate::run::possible::MOST_CALLS;
-use crate::run::protocol::{Reply, Steps};
+use crate::run::protocol::{Counted, Memory, Reply, Sample, Steps};
 use crate::run::server::{self, Answer, error};
 use crate::run::trajectory::Trajectory;
 use crate::searcher::Loaded;
@@ -149,18 +149,16 @@ impl Walk {
         }
         let (elapsed_ns, calls) = (ns.iter().sum::<u64>(), passes * count as u64);
         let mean = |ns: u64, calls: u64| (ns + calls / 2) / calls;
-        let (contacts, digest) = steps.last();
-        Ok(Reply::Sample {
+        let sample = Sample {
             time_ns: mean(elapsed_ns, calls),
             calls,
             elapsed_ns,
             step_ns: ns.into_iter().map(|ns| mean(ns, passes)).collect(),
             building_ns: Some(mean(building, calls)),
             first_ns,
-            contacts,
-            digest,
-            steps: Box::new(steps),
-        })
+            found: steps.into(),
+        };
+        Ok(Reply::Sample(sample.into()))
     }
 
     /// One pass, counted.
@@ -170,8 +168,7 @@ impl Walk {
             steps.push(contacts.digest(), &seen.step);
         })?;
         let counts = tally.iter().map(|(op, count)| (op.name().into(), count)).collect();
-        let (contacts, digest) = steps.last();
-        Ok(Reply::Count { counts, contacts, digest, steps: Box::new(steps) })
+        Ok(Reply::Count(Counted { counts, found: steps.into() }.into()))
     }
 
     /// Two passes of a fresh tracker. The list of pairs goes where there is room for it already,
@@ -195,17 +192,15 @@ impl Walk {
         }
         let [Some(cold), Some(warm)] = usage[..] else { return Ok(Reply::Unsupported) };
         let ours = self.spec.detector().entry.is_ours();
-        let (contacts, digest) = steps.last();
-        Ok(Reply::Memory {
+        let memory = Memory {
             peak_bytes: cold.peak_bytes,
             live_bytes: cold.live_bytes,
             allocations: cold.allocations,
             warm_allocations: Some(warm.allocations),
             formula_bytes: ours.then_some(formula),
-            contacts,
-            digest,
-            steps: Box::new(steps),
-        })
+            found: steps.into(),
+        };
+        Ok(Reply::Memory(memory.into()))
     }
 
     /// Writes the pairs of a frame, of the last if none is named. Frames that are asked for in

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use crate::record::row::Outcome;
 use crate::run::client::{Client, Failure};
 use crate::run::passes::astray;
-use crate::run::protocol::{Reply, Request, Steps};
+use crate::run::protocol::{Counted, Memory, Reply, Request, Sample, Steps};
 use crate::run::trajectory::Trajectory;
 
 /// The answer to a request about a trajectory of several frames, of which the runner gets one at a
@@ -65,82 +65,55 @@ struct Whole {
     steps: Steps,
     step_ns: Vec<u64>,
     counts: BTreeMap<String, u64>,
-    peak_bytes: u64,
-    live_bytes: u64,
-    allocations: u64,
-    warm_allocations: Option<u64>,
-    formula_bytes: Option<u64>,
+    memory: Memory,
 }
 
 impl Whole {
     /// Takes the answer to one more frame; one that belongs to another request is given back.
     fn take(&mut self, reply: Reply) -> Result<(), Reply> {
-        let (contacts, digest) = match reply {
-            Reply::Sample { time_ns, contacts, digest, .. } => {
-                self.step_ns.push(time_ns);
-                (contacts, digest)
+        let found = match reply {
+            Reply::Sample(sample) => {
+                self.step_ns.push(sample.time_ns);
+                sample.found
             }
-            Reply::Count { counts, contacts, digest, .. } => {
-                for (name, count) in counts {
+            Reply::Count(counted) => {
+                for (name, count) in counted.counts {
                     let all = self.counts.entry(name).or_default();
                     *all = all.saturating_add(count);
                 }
-                (contacts, digest)
+                counted.found
             }
-            Reply::Memory {
-                peak_bytes,
-                live_bytes,
-                allocations,
-                warm_allocations,
-                formula_bytes,
-                contacts,
-                digest,
-                ..
-            } => {
-                self.peak_bytes = self.peak_bytes.max(peak_bytes);
-                self.live_bytes = self.live_bytes.max(live_bytes);
-                self.allocations = self.allocations.saturating_add(allocations);
-                self.warm_allocations = self.warm_allocations.max(warm_allocations);
-                self.formula_bytes = self.formula_bytes.max(formula_bytes);
-                (contacts, digest)
+            Reply::Memory(one) => {
+                let all = &mut self.memory;
+                all.peak_bytes = all.peak_bytes.max(one.peak_bytes);
+                all.live_bytes = all.live_bytes.max(one.live_bytes);
+                all.allocations = all.allocations.saturating_add(one.allocations);
+                all.warm_allocations = all.warm_allocations.max(one.warm_allocations);
+                all.formula_bytes = all.formula_bytes.max(one.formula_bytes);
+                one.found
             }
             other => return Err(other),
         };
-        self.steps.contacts.push(contacts);
-        self.steps.digests.push(digest);
+        self.steps.contacts.push(found.contacts);
+        self.steps.digests.push(found.digest);
         Ok(())
     }
 
     fn reply(self, request: &Request) -> Reply {
-        let Whole { steps, step_ns, counts, .. } = self;
-        let ((contacts, digest), steps) = (steps.last(), Box::new(steps));
+        let Whole { steps, step_ns, counts, memory } = self;
+        let found = steps.into();
         match request {
-            Request::Count => Reply::Count { counts, contacts, digest, steps },
-            Request::Memory => Reply::Memory {
-                peak_bytes: self.peak_bytes,
-                live_bytes: self.live_bytes,
-                allocations: self.allocations,
-                warm_allocations: self.warm_allocations,
-                formula_bytes: self.formula_bytes,
-                contacts,
-                digest,
-                steps,
-            },
+            Request::Count => Reply::Count(Counted { counts, found }.into()),
+            Request::Memory => Reply::Memory(Memory { found, ..memory }.into()),
             _ => {
                 // One pass: of each frame the mean of its detections, of which each has its number.
                 let elapsed_ns = step_ns.iter().fold(0u64, |all, ns| all.saturating_add(*ns));
                 let calls = step_ns.len().max(1) as u64;
-                Reply::Sample {
-                    time_ns: (elapsed_ns + calls / 2) / calls,
-                    calls,
-                    elapsed_ns,
-                    step_ns,
-                    building_ns: None,
-                    first_ns: None,
-                    contacts,
-                    digest,
-                    steps,
-                }
+                let time_ns = (elapsed_ns + calls / 2) / calls;
+                let (building_ns, first_ns) = (None, None);
+                let sample =
+                    Sample { time_ns, calls, elapsed_ns, step_ns, building_ns, first_ns, found };
+                Reply::Sample(sample.into())
             }
         }
     }

@@ -55,18 +55,16 @@ fn runners_of_scenes_at_rest_get_a_trajectory_frame_by_frame() {
     let (rest, load) = (moving.at_rest(1), Request::Load(moving));
     let mut runner = shell(1, AT_REST);
     assert_eq!(runner.ask(&load), Ok(Reply::Loaded));
-    let Ok(Reply::Sample { time_ns, calls, step_ns, contacts, steps, .. }) =
-        runner.ask(&Request::Sample { min_ns: 1 })
-    else {
+    let Ok(Reply::Sample(sample)) = runner.ask(&Request::Sample { min_ns: 1 }) else {
         panic!("no sample")
     };
-    assert_eq!((time_ns, calls, contacts, step_ns), (200, 3, 2, vec![300, 100, 200]));
+    let (steps, contacts) = (sample.found.steps, sample.found.contacts);
+    assert_eq!((sample.time_ns, sample.calls, contacts), (200, 3, 2));
+    assert_eq!(sample.step_ns, [300, 100, 200]);
     assert_eq!(steps.contacts, [3, 1, 2]);
     assert!(steps.built.is_empty() && steps.unlike(3).is_none());
-    let Ok(Reply::Count { counts, contacts, .. }) = runner.ask(&Request::Count) else {
-        panic!("no counts")
-    };
-    assert_eq!((counts["probe"], contacts), (6, 2));
+    let Ok(Reply::Count(counted)) = runner.ask(&Request::Count) else { panic!("no counts") };
+    assert_eq!((counted.counts["probe"], counted.found.contacts), (6, 2));
     let pairs = |frame| Request::Pairs { path: "p.npy".into(), frame };
     for (frame, contacts) in [(None, 2), (Some(0), 3), (Some(1), 1)] {
         assert_eq!(runner.ask(&pairs(frame)), Ok(Reply::Pairs { contacts }));
@@ -75,9 +73,8 @@ fn runners_of_scenes_at_rest_get_a_trajectory_frame_by_frame() {
     assert_eq!(runner.ask(&Request::Memory), Ok(Reply::Unsupported));
     // A scene at rest is loaded as it is.
     assert_eq!(runner.ask(&Request::Load(rest)), Ok(Reply::Loaded));
-    let Ok(Reply::Sample { steps, contacts: 1, .. }) = runner.ask(&Request::Sample { min_ns: 1 })
-    else {
+    let Ok(Reply::Sample(sample)) = runner.ask(&Request::Sample { min_ns: 1 }) else {
         panic!("no sample")
     };
-    assert!(steps.is_empty());
+    assert!(sample.found.contacts == 1 && sample.found.steps.is_empty());
 }
