@@ -104,8 +104,7 @@ fn held(
     let naming = Naming::Base(base);
     let others = [Naming::Base(1 - base.clamp(0, 1))];
     let (scene, lattice) = (arrays.scene()?, arrays.lattice()?);
-    let open = Lattice::along_axes([1.0; 3], [false; 3])?;
-    let space = Periodic::new(scene, lattice.unwrap_or(open)).map_err(Failure::value)?;
+    let space = Periodic::new(scene, lattice.unwrap_or(Lattice::OPEN)).map_err(Failure::value)?;
     let job = Job { space: &space, list, naming: &naming, others: &others, terms };
     let found = verify::verify(&job)?;
     let reading = verify::explain(&job, &found, None)?;

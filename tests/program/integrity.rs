@@ -2,32 +2,56 @@
 //! named, and nothing is made of it.
 
 use std::path::Path;
+use std::sync::OnceLock;
 
 use contactbench::record::seal;
 use serde_json::Value;
 
-use crate::common::{Ended, file, run};
+use crate::common::{Ended, Template, file, good, run};
 
 const EXPERIMENT: &str = "name = \"t\"\ntitle = \"t\"\nquestion = \"?\"\nreading = \"-\"\nblocks = \
                           1\narithmetics = [\"f32\", \"exact\"]\ndetectors = [\"nbs\", \
                           \"sorting\", \"sweep\"]\n[[scene]]\nname = \"packed\"\nn = [50, 80]\n";
 
-/// A result folder `a`, and the text of its record.
+/// A result folder `a`, merged into `whole`, and the text of its record; all tests share one run.
 fn measured() -> (tempfile::TempDir, String) {
-    let folder = tempfile::tempdir().unwrap();
-    file(folder.path(), "t.toml", EXPERIMENT);
-    let ended = run(folder.path(), &["run", "t.toml", "--out", "a"]);
-    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
-    let ended = run(folder.path(), &["merge", "a", "--out", "whole"]);
-    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    static RUN: OnceLock<Template> = OnceLock::new();
+    let template = RUN.get_or_init(|| {
+        Template::new(|folder| {
+            file(folder, "t.toml", EXPERIMENT);
+            good(folder, &["run", "t.toml", "--out", "a"]);
+            good(folder, &["merge", "a", "--out", "whole"]);
+        })
+    });
+    let folder = template.copy();
     let text = std::fs::read_to_string(folder.path().join("a/samples.jsonl")).unwrap();
     (folder, text)
 }
 
-/// Every verb that reads a record refuses it with these words, and leaves no trace.
+/// The record is refused with these words, by all verbs alike.
 fn refused(folder: &Path, words: &[&str]) -> Ended {
+    refused_by(folder, &["report", "a"], words)
+}
+
+fn refused_by(folder: &Path, verb: &[&str], words: &[&str]) -> Ended {
+    let ended = run(folder, verb);
+    assert_eq!(ended.code, Some(1), "{verb:?}: {}{}", ended.stdout, ended.stderr);
+    assert_eq!(ended.stdout, "", "{verb:?}");
+    for words in words {
+        assert!(ended.stderr.contains(words), "{verb:?}: no '{words}' in {}", ended.stderr);
+    }
+    ended
+}
+
+/// Every verb that reads a record refuses it, and leaves no trace.
+#[test]
+fn every_verb_refuses_a_damaged_record() {
+    let (folder, text) = measured();
+    let folder = folder.path();
     let report = || std::fs::read(folder.join("a/report.md")).unwrap();
     let before = report();
+    let damaged = forged(&text, 2, |row| row["dim"] = 7.into());
+    std::fs::write(folder.join("a/samples.jsonl"), damaged).unwrap();
     let verbs: [&[&str]; 5] = [
         &["report", "a"],
         &["merge", "whole", "a", "--out", "b"],
@@ -35,18 +59,10 @@ fn refused(folder: &Path, words: &[&str]) -> Ended {
         &["compare", "a", "whole"],
         &["run", "t.toml", "--resume", "--out", "a"],
     ];
-    let mut last = None;
     for verb in verbs {
-        let ended = run(folder, verb);
-        assert_eq!(ended.code, Some(1), "{verb:?}: {}{}", ended.stdout, ended.stderr);
-        assert_eq!(ended.stdout, "", "{verb:?}");
-        for words in words {
-            assert!(ended.stderr.contains(words), "{verb:?}: no '{words}' in {}", ended.stderr);
-        }
-        last = Some(ended);
+        refused_by(folder, verb, &["a/samples.jsonl:2: dim is 7; it must be 2 or 3"]);
     }
     assert!(before == report() && !folder.join("b").exists());
-    last.unwrap()
 }
 
 /// The record with line `number`, from 1, as a liar would write it: changed, and sealed again.

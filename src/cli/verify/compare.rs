@@ -103,8 +103,7 @@ impl<'a> Verified<'a> {
             }
             None => {
                 open(options, &mut list, declared.and_then(|of| of.vectors).is_some())?;
-                let open = Lattice::along_axes([1.0; 3], [false; 3])?;
-                (Periodic::new(scene, open)?, boundaries.left_out(dim, declared))
+                (Periodic::new(scene, Lattice::OPEN)?, boundaries.left_out(dim, declared))
             }
         };
         let listed = Listed { pairs: &list.pairs, images: list.images.as_deref() };

@@ -6,8 +6,8 @@ use serde_json::Value;
 
 use crate::common::run;
 
-fn recommended(folder: &Path, arguments: &[&str]) -> Value {
-    let ended = run(folder, &[&["recommend", "--json", "--seconds", "3"], arguments].concat());
+fn recommended(folder: &Path, seconds: &str, arguments: &[&str]) -> Value {
+    let ended = run(folder, &[&["recommend", "--json", "--seconds", seconds], arguments].concat());
     assert_eq!((ended.code, &*ended.stderr), (Some(0), ""), "{arguments:?}: {}", ended.stdout);
     serde_json::from_str(&ended.stdout).unwrap()
 }
@@ -15,7 +15,8 @@ fn recommended(folder: &Path, arguments: &[&str]) -> Value {
 #[test]
 fn recommend_names_one_and_says_why_not_the_others() {
     let folder = tempfile::tempdir().unwrap();
-    let answer = recommended(folder.path(), &["pack-c:n=2500,s=100", "--memory-limit", "300000"]);
+    let answer =
+        recommended(folder.path(), "3", &["pack-c:n=2500,s=100", "--memory-limit", "300000"]);
     let detectors = answer["detectors"].as_array().unwrap();
     let of = |name: &str| {
         detectors
@@ -77,14 +78,15 @@ fn recommend_takes_files_dimensions_and_arithmetics() {
     crate::common::file(folder, "discs.csv", "x,y\n0,0\n1,0\n5,0\n");
     let answer = recommended(
         folder,
+        "0.5",
         &["discs.csv", "--radius", "0.5", "--arithmetic", "f32", "--threads", "2"],
     );
     assert_eq!(
         (&answer["n"], &answer["contacts"], &answer["arithmetic"]),
         (&3.into(), &1.into(), &"f32".into())
     );
-    assert_eq!(recommended(folder, &["loose:dim=3,n=300"])["dim"], 3);
-    assert!(recommended(folder, &["hard:case=shrink-then-grow,dim=3"])["use"].is_string());
+    assert_eq!(recommended(folder, "0.5", &["loose:dim=3,n=300"])["dim"], 3);
+    assert!(recommended(folder, "0.5", &["hard:case=shrink-then-grow,dim=3"])["use"].is_string());
     // In words.
     let ended = run(folder, &["recommend", "packed:n=400", "--seconds", "0.3"]);
     assert_eq!((ended.code, &*ended.stderr), (Some(0), ""), "{}", ended.stdout);
