@@ -5,7 +5,7 @@ use std::path::Path;
 use std::process::Command;
 
 /// All that the program is made of, below the root of the project.
-const SOURCES: [&str; 12] = [
+const SOURCES: [&str; 11] = [
     "src",
     "core/src",
     "core/Cargo.toml",
@@ -15,7 +15,6 @@ const SOURCES: [&str; 12] = [
     "build.rs",
     "assets",
     "experiments",
-    "BIAS.md",
     "tests/regressions",
     "rust-toolchain.toml",
 ];

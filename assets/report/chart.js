@@ -308,17 +308,20 @@ function choice(label, name, options, chosen, changed) {
     }));
   }
 
-  // A page that was moved away from its folder has the figures still.
+  // A page that was moved away from its folder has the figures still; pixels are made here.
   for (const figure of document.querySelectorAll("figure")) {
-    const [image, link] = [figure.querySelector("img"), figure.querySelector("a[data-kind=SVG]")];
-    if (image && link) link.href = image.src;
-    figure.querySelector("a[data-kind=PNG]")?.addEventListener("click", (event) => {
-      if (!image?.naturalWidth) return;
+    const [image, link] = [figure.querySelector("img"), figure.querySelector("a[download]")];
+    if (!image || !link) continue;
+    link.href = image.src;
+    const png = element("a", { href: "#", download: link.download.replace(/svg$/, "png"), "data-kind": "PNG" }, "PNG");
+    png.addEventListener("click", (event) => {
       event.preventDefault();
+      if (!image.naturalWidth) return;
       const canvas = element("canvas", { width: 2 * image.naturalWidth, height: 2 * image.naturalHeight });
       canvas.getContext("2d").drawImage(image, 0, 0, canvas.width, canvas.height);
-      element("a", { href: canvas.toDataURL("image/png"), download: event.target.download }).click();
+      element("a", { href: canvas.toDataURL("image/png"), download: png.download }).click();
     });
+    link.after(" ", png);
   }
   box.addEventListener("keydown", (event) => {
     const step = { ArrowLeft: -1, ArrowRight: 1 }[event.key];

@@ -34,7 +34,7 @@ def load(
     Parameters
     ----------
     folder : path
-        A result folder, or the `samples.jsonl` in one.
+        A result folder, or the `samples.jsonl` (or `samples.jsonl.gz`) in one.
     library : {"pandas", "polars"}, optional
         By default pandas if it is installed, else polars.
 
@@ -88,7 +88,7 @@ def provenance(folder: str | os.PathLike[str]) -> list[dict[str, Any]]:
     Parameters
     ----------
     folder : path
-        A result folder, or the `samples.jsonl` in one.
+        A result folder, or the `samples.jsonl` (or `samples.jsonl.gz`) in one.
 
     Returns
     -------

@@ -1,5 +1,6 @@
 """Records as frames, and scenes of generators."""
 
+import gzip
 import pathlib
 import shutil
 
@@ -8,14 +9,14 @@ import pytest
 
 import contactbench
 
-RESULTS = pathlib.Path(__file__).parents[2] / "results" / "reference-buffers"
+RESULTS = pathlib.Path(__file__).parents[2] / "results" / "reference-motion" / "buffers"
 
 
 @pytest.mark.parametrize("library", ["pandas", "polars"])
 def test_a_record_is_a_frame_with_types(library):
     pytest.importorskip(library)
     frame = contactbench.load(RESULTS, library)
-    lines = (RESULTS / "samples.jsonl").read_text().splitlines()
+    lines = gzip.open(RESULTS / "samples.jsonl.gz", "rt").read().splitlines()
     assert len(frame) == len(lines)
     kinds = {name: str(kind).lower() for name, kind in zip(frame.columns, frame.dtypes)}
     assert kinds["n"] == kinds["time_ns"] == kinds["contact_test"] == "int64"
@@ -31,7 +32,7 @@ def test_the_provenance_goes_with_it():
     (said,) = contactbench.provenance(RESULTS)
     assert said["revision"] and said["machine"]
     pytest.importorskip("pandas")
-    frame = contactbench.load(RESULTS / "samples.jsonl", "pandas")
+    frame = contactbench.load(RESULTS / "samples.jsonl.gz", "pandas")
     assert frame.attrs["provenance"] == [said]
 
 
@@ -42,7 +43,9 @@ def test_what_is_no_record_is_an_error(tmp_path):
         contactbench.load(RESULTS, "numpy")
     copy = tmp_path / "samples.jsonl"
     shutil.copytree(RESULTS, tmp_path, dirs_exist_ok=True)
-    text = copy.read_text()
+    packed = tmp_path / "samples.jsonl.gz"
+    text = gzip.open(packed, "rt").read()
+    packed.unlink()
     copy.write_text(text.replace('"n":', '"n":1', 1))
     with pytest.raises(ValueError, match="samples.jsonl:1"):
         contactbench.load(tmp_path)

@@ -28,7 +28,7 @@ use crate::views::film::Film;
 pub struct Draw {
     #[command(flatten)]
     source: Source,
-    /// Where the picture goes: a .svg or .png file; or a .html file, a page that plays frames
+    /// Where the picture goes: a .svg file; or a .html file, a page that plays frames
     #[arg(short, long, default_value = "scene.svg")]
     output: PathBuf,
     /// For spheres: the plane that is drawn, as in z=0.5 (default: through the worst mistake of
@@ -69,20 +69,16 @@ const TRACKER: &str = "verlet(streamed-nbs,skin=auto)";
 /// Draws the scene, and says on standard error what there is to see.
 pub fn draw(options: &Draw) -> anyhow::Result<ExitCode> {
     let place = options.output.display();
-    let png = match options
-        .output
-        .extension()
-        .map(|ending| ending.to_string_lossy().to_ascii_lowercase())
-        .as_deref()
-    {
-        Some("svg") => false,
-        Some("png") => true,
+    let ending = options.output.extension().map(|it| it.to_string_lossy().to_ascii_lowercase());
+    match ending.as_deref() {
+        Some("svg") => {}
         Some("html") => return page(options),
-        _ => bail!(
-            "{place}: the ending of a picture must be .svg or .png, and that of a page that plays \
-             .html"
-        ),
-    };
+        _ => {
+            bail!(
+                "{place}: the ending of a picture must be .svg, and that of a page that plays .html"
+            )
+        }
+    }
     ensure!(
         options.motion.is_none() && options.frames.is_none() && options.tracker.is_none(),
         "--motion, --frames and --tracker belong to a page that plays; give it a place with -o \
@@ -114,10 +110,9 @@ pub fn draw(options: &Draw) -> anyhow::Result<ExitCode> {
         whole: options.whole,
     };
     let picture = draw::svg(&periodic, &pairs, &look)?;
-    let bytes = if png { crate::present::svg::png(&picture)? } else { picture.into_bytes() };
-    io::write::whole(&options.output, |out| out.write_all(&bytes))
+    io::write::whole(&options.output, |out| out.write_all(picture.as_bytes()))
         .with_context(|| format!("cannot write {place}; choose another place with -o"))?;
-    let size = crate::cli::bytes(bytes.len() as u64);
+    let size = crate::cli::bytes(picture.len() as u64);
     let touching = || pairs.contacts.iter().chain(&pairs.missed);
     let mut found = plural(touching().count(), "contact");
     if periodic.lattice().repeats() {

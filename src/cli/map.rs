@@ -15,7 +15,7 @@ use crate::io;
 use crate::plan;
 use crate::present::figure::style::Styles;
 use crate::present::table::csv;
-use crate::present::{document, figure, sections, svg};
+use crate::present::{document, figure, sections};
 use crate::record::merge::{self, Part};
 use crate::record::provenance;
 use crate::record::row::{self, Row};
@@ -37,14 +37,13 @@ pub struct Map {
     /// be given several times
     #[arg(long = "where", value_name = "EXPR")]
     filters: Vec<String>,
-    /// Where the map goes: a .svg, .png or .csv file (default: a table on the terminal)
+    /// Where the map goes: a .svg or .csv file (default: a table on the terminal)
     #[arg(short, long, value_name = "FILE")]
     out: Option<PathBuf>,
 }
 
 enum Kind {
     Svg,
-    Png,
     Csv,
 }
 
@@ -72,7 +71,6 @@ pub fn map(options: &Map) -> anyhow::Result<ExitCode> {
     };
     let bytes = match kind {
         Kind::Svg => picture()?.into_bytes(),
-        Kind::Png => svg::png(&picture()?)?,
         Kind::Csv => csv(&[sections::map::rows(&name, &found)]).into_bytes(),
     };
     let place = path.display();
@@ -86,9 +84,8 @@ fn kind(path: &Path) -> anyhow::Result<Kind> {
     let ending = path.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase());
     Ok(match ending.as_deref() {
         Some("svg") => Kind::Svg,
-        Some("png") => Kind::Png,
         Some("csv") => Kind::Csv,
-        _ => bail!("{}: the ending of a map must be .svg, .png or .csv", path.display()),
+        _ => bail!("{}: the ending of a map must be .svg or .csv", path.display()),
     })
 }
 
@@ -99,7 +96,7 @@ fn rows(folders: &[PathBuf]) -> anyhow::Result<(Vec<Row>, Vec<String>)> {
     let mut groups: Vec<Vec<Part>> = Vec::new();
     for folder in folders {
         ensure!(
-            folder.join(row::FILE).exists(),
+            row::exists(&folder.join(row::FILE)),
             "{} has no {}, the record of a run; name a result folder, as `contactbench run` \
              writes them",
             folder.display(),

@@ -35,7 +35,7 @@ pub struct Merge {
 pub fn merge(options: &Merge) -> anyhow::Result<ExitCode> {
     let path = options.out.join(row::FILE);
     ensure!(
-        !path.exists(),
+        !row::exists(&path),
         "{} holds a record already; choose another folder with --out",
         path.display()
     );
@@ -50,10 +50,7 @@ pub fn merge(options: &Merge) -> anyhow::Result<ExitCode> {
     let other = "choose another folder with --out";
     std::fs::create_dir_all(&experiments)
         .with_context(|| format!("cannot make the folder {}; {other}", experiments.display()))?;
-    let bytes: u64 = parts
-        .iter()
-        .filter_map(|part| Some(std::fs::metadata(part.folder.join(row::FILE)).ok()?.len()))
-        .sum();
+    let bytes = parts.iter().map(|part| part.bytes).sum();
     disk::ensure(&options.out, bytes, "the record", &format!("make room, or {other}"))?;
     for (name, text) in &parts[0].experiments {
         write(experiments.join(format!("{name}.toml")), text)?;

@@ -61,7 +61,7 @@ pub enum Verb {
                             my-experiment.toml --out results/mine")]
     Run(run::Run),
     /// Makes report and figures of a result folder again, from its record alone
-    #[command(after_help = "Example: contactbench report results/reference")]
+    #[command(after_help = "Example: contactbench report results/reference/standard")]
     Report(report::Report),
     /// Compares two result folders: of two revisions, or two machines
     #[command(after_help = "Example: contactbench compare results/before results/after\nExample: \
@@ -113,7 +113,7 @@ pub enum Verb {
     NewDetector(new_detector::NewDetector),
     /// Draws a scene with its contacts, or a slice through spheres, or plays it as it moves
     #[command(after_help = "Example: contactbench draw packing.csv\nExample: contactbench draw \
-                            packed:dim=3,n=2000 --slice z=4 -o slice.png\nExample: contactbench \
+                            packed:dim=3,n=2000 --slice z=4 -o slice.svg\nExample: contactbench \
                             draw packing.csv --pairs theirs.csv\nExample: contactbench draw \
                             packed:n=200 --motion vortex -o play.html")]
     Draw(draw::Draw),

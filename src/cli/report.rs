@@ -47,14 +47,14 @@ pub fn report(options: &Report) -> anyhow::Result<ExitCode> {
 fn within(folder: &Path) -> String {
     let folders = std::fs::read_dir(folder).into_iter().flatten();
     let paths = folders.filter_map(|entry| Some(entry.ok()?.path()));
-    let last = paths.filter(|path| path.join(row::FILE).exists()).max();
+    let last = paths.filter(|path| row::exists(&path.join(row::FILE))).max();
     last.map_or_else(String::new, |path| format!(", such as {}", path.display()))
 }
 
 /// The record of a result folder, and its experiments.
 fn read(folder: &Path) -> anyhow::Result<(Record, Vec<Experiment>)> {
     ensure!(
-        folder.join(row::FILE).exists(),
+        row::exists(&folder.join(row::FILE)),
         "{} has no {}, the record from which a report is made; name a result folder, as \
          `contactbench run` writes them{}",
         folder.display(),
@@ -91,7 +91,8 @@ fn read(folder: &Path) -> anyhow::Result<(Record, Vec<Experiment>)> {
             row.id.experiment
         );
     }
-    Ok((Record { rows: part.rows, warnings: part.warnings }, experiments))
+    let Part { rows, warnings, bytes, .. } = part;
+    Ok((Record { rows, warnings, bytes }, experiments))
 }
 
 /// Everything right of the record: verdicts, figures, report.
@@ -110,9 +111,8 @@ pub(super) fn finish(folder: &Path, ci: &Outputs) -> anyhow::Result<ExitCode> {
     for warning in &report.warnings {
         writeln!(out, "note:    {warning}")?;
     }
-    let drawn = report.figures.iter().filter(|path| path.extension().is_some_and(|it| it == "svg"));
-    let (drawn, place) = (drawn.count(), folder.join("figures"));
-    writeln!(out, "figures: {drawn}, as SVG and PNG, in {}", place.display())?;
+    let (drawn, place) = (report.figures.len(), folder.join("figures"));
+    writeln!(out, "figures: {drawn} in {}", place.display())?;
     writeln!(out, "report:  {}", report.path.display())?;
     writeln!(out, "page:    {}", report.page.display())?;
     if record.rows.iter().any(|row| row.role.base_of().is_some()) {

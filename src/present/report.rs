@@ -36,7 +36,7 @@ pub struct Report {
     pub culprits: Vec<Culprit>,
     /// What a terminal shows: who is wrong, answers, winners, claims.
     pub terminal: Vec<Block>,
-    /// The figures, SVG and PNG.
+    /// The figures.
     pub figures: Vec<PathBuf>,
     /// The report in Markdown.
     pub path: PathBuf,
@@ -64,8 +64,8 @@ pub struct Part<'a> {
     pub headline: Option<sections::Headline>,
     /// Who is right, case by case, if the experiment asks.
     pub matrix: Option<Matrix>,
-    /// Its figures: title, and files as SVG and PNG.
-    pub figures: Vec<(String, Vec<PathBuf>)>,
+    /// Its figures: title and file.
+    pub figures: Vec<(String, PathBuf)>,
     /// The maps among them.
     pub maps: Vec<Drawn>,
     /// All its tables.
@@ -108,8 +108,7 @@ pub fn write(
         let mut part = Part::new(experiment, &cells, &scope);
         for plan in &experiment.figures {
             match figure::draw(&figure_folder, experiment, plan, &cells, &styles, &machine) {
-                Ok(paths) if paths.is_empty() => {}
-                Ok(paths) => part.figures.push((plan.title.clone(), paths)),
+                Ok(path) => part.figures.extend(path.map(|path| (plan.title.clone(), path))),
                 Err(error) => warnings.push(format!(
                     "the figure {} of {} was not drawn: {error:#}",
                     plan.name, experiment.name
@@ -147,7 +146,7 @@ pub fn write(
     Ok(Report {
         terminal: terminal(&parts, &wrong, &conditions),
         culprits: culprits.all,
-        figures: parts.iter().flat_map(|part| &part.figures).flat_map(|it| it.1.clone()).collect(),
+        figures: parts.iter().flat_map(|part| &part.figures).map(|it| it.1.clone()).collect(),
         verdicts: parts.into_iter().flat_map(|part| part.verdicts).collect(),
         path,
         page,
@@ -340,8 +339,8 @@ fn section(out: &mut Vec<Block>, part: &Part<'_>) {
         out.push(Block::heading(3, "Who is right"));
         out.extend(sections::verdicts::blocks(matrix));
     }
-    for (title, paths) in &part.figures {
-        out.push(Block::Figure { title: title.clone(), paths: paths.clone() });
+    for (title, path) in &part.figures {
+        out.push(Block::Figure { title: title.clone(), path: path.clone() });
     }
     out.extend(part.tables.iter().cloned());
 }
@@ -361,12 +360,13 @@ fn foot(out: &mut Vec<Block>, origin: &Origin<'_>) {
          same on every machine. All values, one line per cell, are in ",
     );
     let text = text
-        .link("summary.csv", "summary.csv")
-        .plain("; every single measurement is in ")
-        .link("samples.jsonl", "samples.jsonl");
+        .code("summary.csv")
+        .plain(", every single measurement is in the record, ")
+        .code("samples.jsonl")
+        .plain(" (or .gz), the pictures are in figures/. ")
+        .code("contactbench report FOLDER");
     out.push(Block::Paragraph(text.plain(
-        ". These files and the pictures in figures/ lie beside this one, and must go with it; \
-         report.html has the figures in itself.",
+        " makes all of it again from the record, and a page, report.html, with the pictures in it.",
     )));
     out.push(Block::paragraph(
         "BIAS.md, at the root of the project, lists the ways in which this comparison is unfair.",

@@ -1,9 +1,10 @@
 //! The record as a file: one JSON line per measurement, appended and never edited.
 
 use std::fs::{File, OpenOptions};
-use std::io::{self, BufRead, BufReader, Seek, SeekFrom, Write};
+use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
+use flate2::read::MultiGzDecoder;
 use serde::{Deserialize, Serialize};
 
 use crate::record::faults::{self, Fault};
@@ -14,6 +15,11 @@ use crate::record::seal::{self, Flaw};
 
 /// The name of the record in a result folder.
 pub const FILE: &str = "samples.jsonl";
+
+/// What the name of a compressed record ends with.
+const PACKED: &str = ".gz";
+/// The most bytes that a compressed record may unpack to.
+const MOST: u64 = 4 << 30;
 
 /// The version of the record's schema, the field `schema` of every row: see docs/RECORD.md. 3 had no
 /// check of the line.
@@ -120,11 +126,14 @@ fn whole_lines(file: &File) -> io::Result<(u64, u64)> {
 }
 
 /// A record as read, with what was wrong with it.
+#[derive(Default)]
 pub struct Record {
     /// The rows, in the order written.
     pub rows: Vec<Row>,
     /// Sentences about lines that were left out.
     pub warnings: Vec<String>,
+    /// Its length in bytes, unpacked.
+    pub bytes: u64,
 }
 
 /// The version of a line; 0 where it has none.
@@ -134,12 +143,64 @@ struct Version {
     schema: u32,
 }
 
-/// Reads a record of this schema or an earlier one. A torn last line is reported and left out. A
-/// line of a later schema is an error; lines that are damaged, or that contradict themselves or
-/// others, are a `faults::Damaged` record, which names them all.
+/// The file of a compressed record: `samples.jsonl.gz`.
+fn packed(path: &Path) -> PathBuf {
+    let mut name = path.as_os_str().to_owned();
+    name.push(PACKED);
+    name.into()
+}
+
+/// Returns whether the record is there, compressed or not.
+pub fn exists(path: &Path) -> bool {
+    path.exists() || packed(path).exists()
+}
+
+/// Fails if there is a compressed record at `path`: rows cannot be appended to it.
+pub fn unpacked(path: &Path) -> anyhow::Result<()> {
+    let packed = packed(path);
+    anyhow::ensure!(
+        !packed.exists(),
+        "{} is a compressed record, to which nothing is appended; unpack it with gunzip, or choose \
+         another folder with --out",
+        packed.display()
+    );
+    Ok(())
+}
+
+/// The file and the text of a record, compressed or not.
+fn text(path: &Path) -> anyhow::Result<(PathBuf, Vec<u8>)> {
+    let named = path.to_string_lossy().ends_with(PACKED);
+    let plain = if named { path.with_extension("") } else { path.to_path_buf() };
+    let packed = packed(&plain);
+    let cannot = |path: &Path, e: io::Error| {
+        anyhow::anyhow!("cannot read the record {}: {e}", path.display())
+    };
+    if !packed.exists() {
+        let text = std::fs::read(&plain).map_err(|e| cannot(&plain, e))?;
+        return Ok((plain, text));
+    }
+    anyhow::ensure!(
+        !plain.exists(),
+        "{} and {} are both there; delete one of them",
+        plain.display(),
+        packed.display()
+    );
+    let (file, mut text) = (File::open(&packed).map_err(|e| cannot(&packed, e))?, Vec::new());
+    let read = MultiGzDecoder::new(file).take(MOST).read_to_end(&mut text);
+    let what = match read {
+        Ok(bytes) if (bytes as u64) < MOST => return Ok((packed, text)),
+        Ok(_) => "it unpacks to 4 GiB or more; unpack it with gunzip".into(),
+        Err(e) => format!("it cannot be unpacked: {e}"),
+    };
+    Err(faults::Damaged(vec![Fault { place: packed.display().to_string(), what }]).into())
+}
+
+/// Reads a record of this schema or an earlier one, compressed or not. A torn last line is reported
+/// and left out. A line of a later schema is an error; lines that are damaged, or that contradict
+/// themselves or others, are a `faults::Damaged` record, which names them all.
 pub fn read(path: &Path) -> anyhow::Result<Record> {
-    let text = std::fs::read(path)
-        .map_err(|e| anyhow::anyhow!("cannot read the record {}: {e}", path.display()))?;
+    let (path, text) = text(path)?;
+    let bytes = text.len() as u64;
     let mut beside = None;
     let (mut rows, mut lines, mut warnings) = (Vec::new(), Vec::new(), Vec::new());
     let (mut found, mut newest) = (Vec::new(), 0);
@@ -181,7 +242,7 @@ pub fn read(path: &Path) -> anyhow::Result<Record> {
     found.sort();
     let fault = |(line, what)| Fault { place: format!("{}:{line}", path.display()), what };
     faults::sound(found.into_iter().map(fault).collect())?;
-    Ok(Record { rows, warnings })
+    Ok(Record { rows, warnings, bytes })
 }
 
 /// The row of a line that is as it was written; or what is wrong with it.
@@ -198,161 +259,4 @@ fn whole(line: &[u8], schema: u32, newest: u32) -> Result<Row, String> {
 }
 
 #[cfg(test)]
-mod tests {
-    use std::collections::BTreeSet;
-
-    use super::*;
-    use crate::record::id::CellId;
-    use crate::record::ledger::{self, Entry, Process};
-    use crate::record::outcome::{Outcome, Pass};
-    use crate::record::role::Role;
-    use crate::record::row::Course;
-    use contactbench_terms::errors::{Causes, Errors};
-    use contactbench_terms::moved::Moved;
-
-    /// A row with something in every field.
-    fn full() -> Row {
-        let mut row = Row {
-            id: CellId {
-                machine: Some("here".into()),
-                experiment: "e".into(),
-                dim: 2,
-                params: [("s".to_string(), 0.5.into())].into(),
-                seed: u64::MAX,
-                ..CellId::default()
-            },
-            role: Role::Twin("nbs".into()),
-            outcome: Outcome::Wrong,
-            errors: Some(Errors { missed: 3, ..Errors::default() }),
-            causes: Some(Causes {
-                search: Errors { missed: 3, ..Errors::default() },
-                ..Causes::default()
-            }),
-            time_ns: Some(7),
-            calls: Some(2),
-            elapsed_ns: Some(15),
-            pass: Pass::Time,
-            block: 3,
-            process: Some("01234567".into()),
-            span: Some("89abcdef".into()),
-            rounds_ns: vec![1, 2],
-            alone_ns: Some(1),
-            began_ms: Some(1_700_000_000_000),
-            pulse_ns: Some(5),
-            processor: Some(1),
-            building_ns: Some(1),
-            median_step_ns: Some(6),
-            worst_step_ns: Some(8),
-            course: Some(Course {
-                builds: 2,
-                first_wrong: Some(1),
-                wrong_frames: 1,
-                worst_missed: 3,
-                ..Course::default()
-            }),
-            moved: Some(Moved { frames: 2, uncounted: Some("far".into()), ..Moved::default() }),
-            ..Row::default()
-        };
-        row.id = row.id.with_threads(2).with_contender("streamed-nbs:level=avx2");
-        row
-    }
-
-    fn line(row: &Row) -> serde_json::Value {
-        serde_json::to_value(Line { schema: SCHEMA, row }).unwrap()
-    }
-
-    /// A folder with the process of the full row.
-    fn folder() -> tempfile::TempDir {
-        let folder = tempfile::tempdir().unwrap();
-        let id = full().process.unwrap();
-        let process = Entry::Process(Process { id, ..Process::default() });
-        ledger::Writer::append(folder.path()).unwrap().write(&process).unwrap();
-        folder
-    }
-
-    fn read_text(text: &str) -> anyhow::Result<Record> {
-        let folder = folder();
-        std::fs::write(folder.path().join(FILE), text).unwrap();
-        read(&folder.path().join(FILE))
-    }
-
-    #[test]
-    fn a_row_is_read_as_it_was_written() {
-        let folder = folder();
-        let path = folder.path().join(FILE);
-        let plain = Row { id: full().id.with_contender("nbs"), ..Row::default() };
-        let mut writer = Writer::append(&path).unwrap();
-        writer.write(&full()).unwrap();
-        writer.write(&plain).unwrap();
-        assert_eq!(read(&path).unwrap().rows, [full(), plain.clone()]);
-        assert_eq!(line(&full())["resources"], serde_json::json!({"threads": 2}));
-        assert_eq!(line(&full())["role"], serde_json::json!({"twin": "nbs"}));
-        assert_eq!(line(&full())["detector_params"], serde_json::json!({"level": "avx2"}));
-        assert_eq!(line(&plain).get("detector_params"), None);
-    }
-
-    #[test]
-    fn rows_of_other_schemas_are_refused() {
-        for (schema, words) in [
-            ("", "has record schema 0"),
-            ("\"schema\": 2,", "record schema 2, and this contactbench"),
-            ("\"schema\": 5,", "reads schemas 3 to 4: take the version that wrote it, or a later"),
-        ] {
-            let mut fields = line(&full());
-            fields.as_object_mut().unwrap().remove("schema");
-            let text = fields.to_string().replacen('{', &format!("{{{schema}"), 1) + "\n";
-            let error = read_text(&text).err().unwrap().to_string();
-            assert!(error.contains(words), "{error}");
-        }
-    }
-
-    #[test]
-    fn every_committed_record_is_read() {
-        let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-        let old = std::fs::read_dir(root.join("tests/records")).unwrap();
-        let folders = old.map(|entry| entry.unwrap().path()).chain(crate::committed::committed());
-        let mut rows = 0;
-        for folder in folders {
-            let path = folder.join(FILE);
-            if path.exists() {
-                let record = read(&path).unwrap();
-                assert!(record.warnings.is_empty(), "{:?}", record.warnings);
-                let known = |row: &Row| row.id.threads() > 0 && row.id.machine.is_some();
-                assert!(record.rows.iter().all(known), "{}", path.display());
-                assert!(record.rows.iter().any(|row| row.role == Role::Detector));
-                rows += record.rows.len();
-            }
-        }
-        assert!(rows > 10_000, "{rows}");
-    }
-
-    /// Every field of a row has a line in docs/RECORD.md, and none has that is not there.
-    #[test]
-    fn the_page_on_the_record_names_every_field() {
-        let page = include_str!("../../docs/RECORD.md");
-        let documented: BTreeSet<String> = page
-            .split("\n## Columns\n")
-            .next()
-            .into_iter()
-            .flat_map(str::lines)
-            .filter_map(|line| line.strip_prefix("| `")?.split('`').next())
-            .map(String::from)
-            .collect();
-        let mut fields = BTreeSet::from([seal::NAME.to_string()]);
-        for (name, value) in line(&full()).as_object().unwrap() {
-            let nested = ["stats", "errors", "causes", "course", "moved"].contains(&name.as_str());
-            for (inner, value) in value.as_object().filter(|_| nested).into_iter().flatten() {
-                let of_way = value.as_object().filter(|_| inner == "way");
-                match of_way {
-                    Some(way) => {
-                        fields.extend(way.keys().map(|key| format!("{name}.{inner}.{key}")));
-                    }
-                    None => drop(fields.insert(format!("{name}.{inner}"))),
-                }
-            }
-            fields.insert(name.clone());
-        }
-        assert_eq!(documented, fields);
-        assert!(page.contains(&format!("**schema {SCHEMA}**")));
-    }
-}
+mod tests;

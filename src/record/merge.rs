@@ -32,6 +32,8 @@ pub struct Part {
     pub others: Vec<Value>,
     /// What its rows point to.
     pub ledger: Ledger,
+    /// The length of its record in bytes, unpacked.
+    pub bytes: u64,
 }
 
 impl Part {
@@ -61,6 +63,7 @@ impl Part {
             provenance,
             others,
             ledger: Ledger::read(folder),
+            bytes: record.bytes,
         })
     }
 

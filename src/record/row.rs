@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-pub use crate::record::file::{FILE, Record, SCHEMA, WriteError, Writer, read};
+pub use crate::record::file::{FILE, Record, SCHEMA, WriteError, Writer, exists, read, unpacked};
 use crate::record::id::CellId;
 pub use crate::record::outcome::{Outcome, Pass};
 use crate::record::role::Role;

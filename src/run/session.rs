@@ -261,8 +261,9 @@ fn previous(
     here: &str,
     note: &mut dyn FnMut(String),
 ) -> anyhow::Result<Record> {
+    row::unpacked(path)?;
     if !path.exists() {
-        return Ok(Record { rows: Vec::new(), warnings: Vec::new() });
+        return Ok(Record::default());
     }
     ensure!(
         resume,

@@ -3,13 +3,22 @@
 
 use std::path::{Path, PathBuf};
 
-/// Returns the folders of the committed records: those that `.gitignore` exempts.
+/// Returns the folders of the committed records, sorted: each `results/reference*`, or its parts.
 pub fn committed() -> Vec<PathBuf> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let ignored = std::fs::read_to_string(root.join(".gitignore")).unwrap();
-    let named = |line: &str| line.strip_prefix("!/results/")?.strip_suffix('/').map(String::from);
-    let folders: Vec<PathBuf> =
-        ignored.lines().filter_map(named).map(|name| root.join("results").join(name)).collect();
+    let inside = |folder: &Path| -> Vec<PathBuf> {
+        let entries = std::fs::read_dir(folder).into_iter().flatten();
+        entries.filter_map(|entry| Some(entry.ok()?.path())).collect()
+    };
+    let of_project = |path: &PathBuf| {
+        path.file_name().is_some_and(|name| name.to_string_lossy().starts_with("reference"))
+    };
+    let all = inside(&Path::new(env!("CARGO_MANIFEST_DIR")).join("results"));
+    let all = all.into_iter().filter(of_project).flat_map(|folder| {
+        if folder.join("report.md").exists() { vec![folder] } else { inside(&folder) }
+    });
+    let mut folders: Vec<PathBuf> =
+        all.filter(|folder| folder.join("report.md").exists()).collect();
+    folders.sort();
     assert!(folders.len() >= 3, "{} records", folders.len());
     folders
 }

@@ -11,16 +11,13 @@ use contactbench::wide::Level;
 use serde_json::Value;
 use sha2::{Digest, Sha256};
 
-use crate::common::{PROGRAM, fake, file, run, runner, say, untested};
+use crate::common::{PROGRAM, fake, file, good, run, runner, say, untested};
 
 const TEXT: &str = "name = \"t\"\ntitle = \"t\"\nquestion = \"?\"\nreading = \"-\"\nblocks = \
                     3\ndetectors = [\"nbs\", \"streamed-nbs\", \
                     \"streamed-nbs:level=portable\"]\n[[scene]]\nname = \"packed\"\nn = [20, 30]\n";
 
-fn ran(folder: &Path, text: &str) -> Vec<Row> {
-    file(folder, "t.toml", text);
-    let ended = run(folder, &["run", "t.toml", "--out", "result"]);
-    assert_eq!(ended.code, Some(0), "{}{}", ended.stdout, ended.stderr);
+fn rows(folder: &Path) -> Vec<Row> {
     row::read(&folder.join("result/samples.jsonl")).unwrap().rows
 }
 
@@ -28,19 +25,27 @@ fn read(folder: &Path, name: &str) -> String {
     std::fs::read_to_string(folder.join(name)).unwrap()
 }
 
+/// A runner in shell that answers each sample with this code.
+fn sampled(code: &str) -> String {
+    let unsupported = say(r#"{"reply":"unsupported"}"#);
+    let sample = format!("sleep 0.002; {code}");
+    let loaded = say(r#"{"reply":"loaded"}"#);
+    let answers = [("load", &*loaded), ("count", &unsupported), ("memory", &unsupported)];
+    fake(&[&answers[..], &[("sample", &sample)]].concat())
+}
+
+/// The answer to a sample.
+fn sample(contacts: u32, digest: &str) -> String {
+    let times = r#""reply":"sample","time_ns":300000,"calls":1,"elapsed_ns":300000"#;
+    say(&format!(r#"{{{times},"contacts":{contacts},"digest":"{digest}"}}"#))
+}
+
 #[test]
 fn every_row_says_which_program_answered_and_when() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
-    let sample = r#"{"reply":"sample","time_ns":300000,"calls":1,"elapsed_ns":300000,"contacts":0,"digest":"0x0"}"#;
-    let sample = format!("sleep 0.002; {}", say(sample));
     let hello = r#""arithmetic":"f64""#;
-    let library = fake(&[
-        ("load", &say(r#"{"reply":"loaded"}"#)),
-        ("count", &say(r#"{"reply":"unsupported"}"#)),
-        ("memory", &say(r#"{"reply":"unsupported"}"#)),
-        ("sample", &sample),
-    ]);
+    let library = sampled(&sample(0, "0x0"));
     let said = format!(r#"{hello},"version":"7.1","build":{{"compiler":"cc 5"}}"#);
     file(folder, "library.sh", library.replace(hello, &said));
     let named = "[[runner]]\nname = \"library\"\ncommand = [\"sh\", \"library.sh\"]\n";
@@ -48,7 +53,7 @@ fn every_row_says_which_program_answered_and_when() {
     file(folder, "t.toml", format!("{TEXT}{named}{missing}"));
     // The answers of the library are wrong.
     assert_eq!(run(folder, &["run", "t.toml", "--out", "result"]).code, Some(1));
-    let rows = row::read(&folder.join("result/samples.jsonl")).unwrap().rows;
+    let rows = rows(folder);
     let ledger = Ledger::read(&folder.join("result"));
     let sum = |path: &Path| -> String {
         let sum = Sha256::digest(std::fs::read(path).unwrap());
@@ -179,7 +184,8 @@ fn the_build_notes_the_commit_of_what_it_compiles_and_of_nothing_else() {
 fn a_doubtful_record_says_so_on_every_page() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
-    ran(folder, TEXT);
+    file(folder, "t.toml", TEXT);
+    good(folder, &["run", "t.toml", "--out", "result"]);
     let path = folder.join("result/provenance.json");
     let mut fields: Value = serde_json::from_str(&read(folder, "result/provenance.json")).unwrap();
     for (name, value) in [("dirty", false.into()), ("profile", Value::from("release"))] {
@@ -203,10 +209,9 @@ fn a_doubtful_record_says_so_on_every_page() {
     let shown = |fields: &Value, entries: &str| {
         std::fs::write(&path, provenance::text(fields).unwrap()).unwrap();
         std::fs::write(folder.join("result").join(ledger::FILE), entries).unwrap();
-        let report = run(folder, &["report", "result"]);
-        let compared = run(folder, &["compare", "result", "result"]);
-        let json = run(folder, &["compare", "result", "result", "--json"]);
-        assert_eq!((report.code, compared.code, json.code), (Some(0), Some(0), Some(0)));
+        let report = good(folder, &["report", "result"]);
+        let compared = good(folder, &["compare", "result", "result"]);
+        let json = good(folder, &["compare", "result", "result", "--json"]);
         let json: Value = serde_json::from_str(&json.stdout).unwrap();
         let pages = [
             report.stdout.split_whitespace().collect::<Vec<_>>().join(" "),
@@ -257,20 +262,8 @@ fn beside_another_build_all_answers_count_and_all_rows_are_of_it() {
     let folder = folder.path();
     let text = TEXT.replace("\"packed\"\nn = [20, 30]", "\"pack-c\"\nn = 25\ns = 5");
     file(folder, "t.toml", text.replace(", \"streamed-nbs\", \"streamed-nbs:level=portable\"", ""));
-    let answer = |contacts: u32, digest: &str| {
-        say(&format!(
-            r#"{{"reply":"sample","time_ns":300000,"calls":1,"elapsed_ns":300000,"contacts":{contacts},"digest":"{digest}"}}"#
-        ))
-    };
-    let (right, other) = (answer(0, "0x0000000000000000"), answer(1, "0x910a2dec89025cc1"));
-    let unsupported = say(r#"{"reply":"unsupported"}"#);
-    let sample = format!("sleep 0.002; k=$((k+1)); if [ $k = 2 ]; then {other}; else {right}; fi");
-    let script = fake(&[
-        ("load", &say(r#"{"reply":"loaded"}"#)),
-        ("count", &unsupported),
-        ("memory", &unsupported),
-        ("sample", &sample),
-    ]);
+    let (right, other) = (sample(0, "0x0000000000000000"), sample(1, "0x910a2dec89025cc1"));
+    let script = sampled(&format!("k=$((k+1)); if [ $k = 2 ]; then {other}; else {right}; fi"));
     let base = file(folder, "base.sh", format!("#!/bin/sh\n{script}"));
     std::fs::set_permissions(&base, std::fs::Permissions::from_mode(0o755)).unwrap();
     let run = |more: &[&str]| {
@@ -279,7 +272,7 @@ fn beside_another_build_all_answers_count_and_all_rows_are_of_it() {
     };
     let (code, said) = run(&["--against", "base.sh"]);
     assert_eq!(code, Some(1), "{said}");
-    let rows = row::read(&folder.join("result/samples.jsonl")).unwrap().rows;
+    let rows = rows(folder);
     let timed: Vec<&Row> = rows.iter().filter(|row| row.pass == Pass::Time).collect();
     assert_eq!(timed.len(), 3 * 3);
     for row in timed {

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use serde_json::{Value, json};
 
 use crate::browser::Browser;
+use crate::common::{file, good};
 
 /// A name that would do harm if it became markup.
 const EVIL: &str = "</script><img src=x onerror=\"window.evil=1\"><!--";
@@ -47,55 +48,49 @@ fn time(detector: usize, n: u64, block: u64, dim: u64) -> u64 {
     n * (50 + 60 * detector as u64 + 10 * dim) * (1000 + noise) / 1000
 }
 
-/// The rows of a made-up record.
+/// The rows of a made-up record, in schema 3, whose lines have no check.
 fn rows() -> Vec<Value> {
     let mut rows = Vec::new();
-    for (scene, dim, sizes) in [
-        ("packed", 2, &[100, 1000, 10_000][..]),
-        ("packed", 3, &[100, 1000, 10_000]),
-        ("loose", 2, &[100, 1000]),
-    ] {
-        for &n in sizes {
-            for (k, detector) in ["nbs", "sorting", EVIL, "nothing"].into_iter().enumerate() {
-                for arithmetic in ["exact", "f64"] {
-                    let role = match detector {
-                        "nothing" => "nothing",
-                        EVIL => "runner",
-                        _ => "detector",
-                    };
-                    let row = json!({"schema": 3, "role": role, "resources": {"threads": 1}, "experiment": "e", "scene": scene, "params": {}, "dim": dim, "n": n, "seed": 1, "order": "shuffled",
-                        "detector": detector, "arithmetic": arithmetic, "pass": "time", "block": 0, "time_ns": null, "calls": 1,
-                        "elapsed_ns": null, "outcome": if detector == "nothing" { "control" } else { "ok" }, "reason": "", "contacts": if arithmetic == "f64" && detector != "nothing" { 2 * n - n / 100 } else { 2 * n },
-                        "digest": "0x0000000000000000", "counts": {}, "peak_bytes": null, "live_bytes": null, "allocations": null, "warm_allocations": null,
-                        "formula_bytes": null, "errors": {"missed": if arithmetic == "f64" { n / 100 } else { 0 }, "spurious": 0, "duplicate": 0},
-                        "causes": null, "stats": {"packing_fraction": 0.5, "coordination": 4.0, "radius_ratio": 1.0, "box_diameters": null,
-                        "scene_hash": ""}});
-                    let mut push = |changes: Value| {
-                        let mut row = row.clone();
-                        changes
-                            .as_object()
-                            .unwrap()
-                            .iter()
-                            .for_each(|(name, value)| row[name] = value.clone());
-                        rows.push(row);
-                    };
-                    push(
-                        json!({"pass": "count", "counts": {"contact_test": 3 * n, "list_push": n * (k as u64 + 1)}}),
-                    );
-                    push(
-                        json!({"pass": "memory", "peak_bytes": 12 * n * (k as u64 + 1), "formula_bytes": 12 * n}),
-                    );
-                    if detector == EVIL && n == 10_000 {
-                        push(
-                            json!({"outcome": "timeout", "reason": format!("30 s {EVIL}"), "contacts": null}),
-                        );
-                        continue;
-                    }
-                    for block in 1..=7 {
-                        let time = time(k, n, block, dim);
-                        push(json!({"block": block, "time_ns": time, "elapsed_ns": time}));
-                    }
-                }
+    let scenes: [(&str, u64, u32); 3] = [("packed", 2, 3), ("packed", 3, 3), ("loose", 2, 2)];
+    let detectors = ["nbs", "sorting", EVIL, "nothing"].into_iter().enumerate();
+    for ((scene, dim, sizes), (k, detector)) in
+        scenes.iter().flat_map(|it| detectors.clone().map(move |d| (*it, d)))
+    {
+        for (n, arithmetic) in
+            (2..2 + sizes).flat_map(|e| ["exact", "f64"].map(|a| (10_u64.pow(e), a)))
+        {
+            let (rounded, control) = (arithmetic == "f64", detector == "nothing");
+            let role = match detector {
+                "nothing" => "nothing",
+                EVIL => "runner",
+                _ => "detector",
+            };
+            let row = json!({"schema": 3, "machine": "here", "role": role,
+                "resources": {"threads": 1}, "experiment": "e", "scene": scene, "params": {}, "dim": dim, "n": n,
+                "seed": 1, "order": "shuffled", "detector": detector, "arithmetic": arithmetic,
+                "pass": "time", "block": 0, "calls": 1,
+                "outcome": if control { "control" } else { "ok" }, "reason": "",
+                "contacts": if rounded && !control { 2 * n - n / 100 } else { 2 * n },
+                "digest": "0x0000000000000000", "counts": {},
+                "errors": {"missed": if rounded { n / 100 } else { 0 }, "spurious": 0, "duplicate": 0},
+                "stats": {"packing_fraction": 0.5, "coordination": 4.0, "radius_ratio": 1.0,
+                    "box_diameters": null, "scene_hash": ""}});
+            let mut push = |changes: Value| {
+                let mut row = row.clone();
+                row.as_object_mut().unwrap().extend(changes.as_object().unwrap().clone());
+                rows.push(row);
+            };
+            let pushes = n * (k as u64 + 1);
+            push(json!({"pass": "count", "counts": {"contact_test": 3 * n, "list_push": pushes}}));
+            push(json!({"pass": "memory", "peak_bytes": 12 * pushes, "formula_bytes": 12 * n}));
+            if detector == EVIL && n == 10_000 {
+                let reason = format!("30 s {EVIL}");
+                push(json!({"outcome": "timeout", "reason": reason, "contacts": null}));
+                continue;
+            }
+            for block in 1..=7 {
+                let time = time(k, n, block, dim);
+                push(json!({"block": block, "time_ns": time, "elapsed_ns": time}));
             }
         }
     }
@@ -105,19 +100,12 @@ fn rows() -> Vec<Value> {
 /// A result folder, and its report.
 pub fn report(folder: &Path) -> PathBuf {
     std::fs::create_dir_all(folder.join("experiments")).unwrap();
-    crate::common::file(folder, "experiments/e.toml", EXPERIMENT);
-    crate::common::file(
-        folder,
-        "provenance.json",
-        json!({"command": "contactbench run e.toml <b>", "cpu": "A & B"}).to_string(),
-    );
-    crate::common::file(
-        folder,
-        "samples.jsonl",
-        rows().iter().map(|row| format!("{row}\n")).collect::<String>(),
-    );
-    let ended = crate::common::run(folder, &["report", "."]);
-    assert_eq!(ended.code, Some(0), "{}{}", ended.stdout, ended.stderr);
+    file(folder, "experiments/e.toml", EXPERIMENT);
+    let provenance = json!({"command": "contactbench run e.toml <b>", "cpu": "A & B"});
+    file(folder, "provenance.json", provenance.to_string());
+    let rows: String = rows().iter().map(|row| format!("{row}\n")).collect();
+    file(folder, "samples.jsonl", rows);
+    good(folder, &["report", "."]);
     folder.join("report.html")
 }
 
@@ -126,20 +114,11 @@ pub fn report(folder: &Path) -> PathBuf {
 fn medians() -> BTreeMap<(String, u64, u64, String, String), f64> {
     let mut times: BTreeMap<_, Vec<u64>> = BTreeMap::new();
     for row in rows().iter().filter(|row| row["time_ns"].is_u64()) {
-        let (text, number) = (
-            |name: &str| row[name].as_str().unwrap().to_string(),
-            |name: &str| row[name].as_u64().unwrap(),
-        );
-        times
-            .entry((
-                text("scene"),
-                number("dim"),
-                number("n"),
-                text("detector"),
-                text("arithmetic"),
-            ))
-            .or_default()
-            .push(number("time_ns"));
+        let text = |name: &str| row[name].as_str().unwrap().to_string();
+        let number = |name: &str| row[name].as_u64().unwrap();
+        let (detector, arithmetic) = (text("detector"), text("arithmetic"));
+        let key = (text("scene"), number("dim"), number("n"), detector, arithmetic);
+        times.entry(key).or_default().push(number("time_ns"));
     }
     let median = |mut all: Vec<u64>| {
         all.sort();
@@ -174,26 +153,6 @@ fn heads(browser: &Browser) -> Vec<String> {
     let code = "return [...document.querySelectorAll('#cells thead button')].map((button) => \
                 button.textContent.replace(/ [▲▼]$/, ''))";
     serde_json::from_value(browser.run(code)).unwrap()
-}
-
-/// The records of a CSV text with quotes.
-fn csv(text: &str) -> Vec<Vec<String>> {
-    let (mut records, mut record, mut field, mut quoted) =
-        (Vec::new(), Vec::new(), String::new(), false);
-    let mut all = text.chars().peekable();
-    while let Some(c) = all.next() {
-        match c {
-            '"' if quoted && all.peek() == Some(&'"') => field.extend(all.next()),
-            '"' => quoted = !quoted,
-            ',' if !quoted => record.push(std::mem::take(&mut field)),
-            '\n' if !quoted => {
-                record.push(std::mem::take(&mut field));
-                records.push(std::mem::take(&mut record));
-            }
-            c => field.push(c),
-        }
-    }
-    records
 }
 
 #[test]
@@ -369,7 +328,9 @@ fn results(browser: &Browser) {
     let count = browser.run("return document.getElementById('count').textContent");
     assert_eq!(count, "6 of 64 rows");
     browser.click("#csv");
-    let lines = csv(&browser.downloaded("results.csv"));
+    let text = browser.downloaded("results.csv");
+    let table = csv::ReaderBuilder::new().has_headers(false).from_reader(text.as_bytes());
+    let lines: Vec<Vec<String>> = table.into_deserialize().map(Result::unwrap).collect();
     assert_eq!((lines.len(), &lines[0]), (7, &heads));
     let medians = medians();
     let (scene, dim) = (column("scene"), column("dimension"));

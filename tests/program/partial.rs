@@ -8,14 +8,30 @@ use contactbench::record::row;
 use crate::common::{Ended, file, run};
 
 /// Nine spacings, of which a quick run takes two.
-const EXPERIMENT: &str = "name = \"t\"\ntitle = \"t\"\nquestion = \"?\"\nreading = \"-\"\nblocks = \
-                          6\ndetectors = [\"nbs\", \"sorting\"]\n[[scene]]\nname = \
-                          \"pack-c\"\nn = 50\ns = [1, 2, 5, 10, 20, 50, 100, 150, \
-                          200]\nquick.s = [1, 2]\n[[claim]]\nname = \"NBS: the same memory for \
-                          S/D = 2 to 200\"\nkind = \"at-most\"\nvalue = \"peak_bytes\"\nto = \
-                          \"formula_bytes\"\nwhere = { detector = \"nbs\", s = \">= 2\" \
-                          }\n[[claim]]\nname = \"fast\"\nkind = \"faster\"\nthan = \
-                          \"sorting\"\nwhere = { detector = \"nbs\" }\n";
+const EXPERIMENT: &str = r#"
+name = "t"
+title = "t"
+question = "?"
+reading = "-"
+blocks = 6
+detectors = ["nbs", "sorting"]
+[[scene]]
+name = "pack-c"
+n = 50
+s = [1, 2, 5, 10, 20, 50, 100, 150, 200]
+quick.s = [1, 2]
+[[claim]]
+name = "NBS: the same memory for S/D = 2 to 200"
+kind = "at-most"
+value = "peak_bytes"
+to = "formula_bytes"
+where = { detector = "nbs", s = ">= 2" }
+[[claim]]
+name = "fast"
+kind = "faster"
+than = "sorting"
+where = { detector = "nbs" }
+"#;
 
 /// On the terminal, in `report.md` and in `report.html`.
 fn said(folder: &Path, ended: &Ended, words: &[&str]) {

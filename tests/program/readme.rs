@@ -1,7 +1,6 @@
 //! README and the pages in docs are true: the Rust code is the code of the example, which is
 //! compiled and right, and the commands work as written.
 
-use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -12,13 +11,12 @@ use contactbench::present::sections::conditions as words;
 use contactbench::record::ledger::Ledger;
 use contactbench::record::{provenance, row};
 
+use crate::committed::committed;
 use crate::common::untested;
 
 const README: &str = include_str!("../../README.md");
 const DETECTORS: &str = include_str!("../../docs/DETECTORS.md");
 const EXAMPLE: &str = include_str!("../../examples/add_a_detector.rs");
-/// A commit of this project, long ago.
-const EARLIER: &str = "18908e47d9c2c77451f8ae6c1b99e7ae300d5c07";
 
 /// The text of all fenced blocks of a language, in order.
 fn blocks(page: &str, language: &str) -> Vec<String> {
@@ -100,7 +98,7 @@ fn the_commands_work_as_written() {
 /// The measured columns of the table of detectors are those of the record that it links to.
 #[test]
 fn the_measured_table_is_that_of_the_record() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("results/reference");
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("results/reference/standard");
     let cells = cells::cells(&row::read(&folder.join(row::FILE)).unwrap().rows);
     let is_shown = |cell: &&Cell| {
         let id = &cell.id;
@@ -171,53 +169,29 @@ fn is_ancestor(revision: &str) -> bool {
     git(&["merge-base", "--is-ancestor", revision, "HEAD"]).is_some_and(|(is, _)| is)
 }
 
-/// The records that README, DESIGN and BIAS name.
+/// The records that README, DESIGN and BIAS link to, one by one or by the write-up of several.
 #[test]
 fn the_records_that_are_quoted_may_be() {
-    let results = Path::new(env!("CARGO_MANIFEST_DIR")).join("results");
-    let pages = [README, include_str!("../../DESIGN.md"), include_str!("../../BIAS.md")];
-    let names = pages.iter().flat_map(|page| page.split("results/").skip(1)).map(|rest| {
-        let end = rest.find(|c: char| !c.is_ascii_alphanumeric() && c != '-');
-        &rest[..end.unwrap_or(rest.len())]
-    });
-    let folders: BTreeSet<PathBuf> = names.map(|name| results.join(name)).collect();
-    let folders = folders.iter().filter(|folder| folder.join(row::FILE).exists());
+    let pages = [README, include_str!("../../DESIGN.md"), include_str!("../../BIAS.md")].concat();
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut quoted = 0;
-    for folder in folders {
+    for folder in committed().iter().filter(|folder| row::exists(&folder.join(row::FILE))) {
+        let own = format!("({}/", folder.strip_prefix(root).unwrap().display());
+        let above = folder.parent().unwrap().strip_prefix(root).unwrap();
+        let shared = format!("({}/README.md", above.display());
+        if !pages.contains(&own) && !pages.contains(&shared) {
+            continue;
+        }
         let rows = row::read(&folder.join(row::FILE)).unwrap().rows;
+        if rows.iter().all(|row| row.time_ns.is_none()) {
+            continue;
+        }
         let all = provenance::all(folder);
         let conditions = Conditions::new(&all, &Ledger::read(folder), &rows);
         assert_eq!(objections(&conditions), [""; 0], "{}", folder.display());
         quoted += 1;
     }
     assert!(quoted > 0, "README quotes a record");
-}
-
-#[test]
-fn doubtful_records_may_not_be_quoted() {
-    let good = serde_json::json!({"dirty": false, "profile": "release", "revision": EARLIER,
-        "load_average": "0.56 1.34 1.29"});
-    let objections = |change: &dyn Fn(&mut serde_json::Value)| {
-        let mut fields = good.clone();
-        change(&mut fields);
-        objections(&Conditions::new([&fields], &Ledger::default(), &[])).join("; ")
-    };
-    assert_eq!(objections(&|_| ()), "");
-    let is_whole = !is_ancestor("0000000000000000000000000000000000000000");
-    for (name, value, words) in [
-        ("dirty", true.into(), "sources that were not committed"),
-        ("dirty", serde_json::Value::Null, "not known whether its sources"),
-        ("profile", "debug".into(), "debug build"),
-        ("profile", serde_json::Value::Null, "its builds are"),
-        ("load_average", "1.79 2.28 3.29".into(), "busy before the run (load 1.79)"),
-        ("load_average", serde_json::Value::Null, "nothing is known of the load"),
-        ("revision", serde_json::Value::Null, "its revision is not known"),
-        ("revision", "0123456789012345678901234567890123456789".into(), "is no ancestor"),
-    ] {
-        let said = objections(&|fields| fields[name] = value.clone());
-        let skipped = words == "is no ancestor" && !is_whole;
-        assert!(said.contains(words) || skipped, "{name}, {value}: {said}");
-    }
 }
 
 #[test]
@@ -239,20 +213,25 @@ fn the_commands_of_the_pages_work_as_written() {
     assert!(pages > 0);
 }
 
-/// Files named in links are there; those of the reference run only once there is one.
+/// Files named in links of the pages, and of what is written about records, are there.
 #[test]
 fn links_lead_somewhere() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let reference = root.join("results/reference").exists();
-    for file in ["README.md", "DESIGN.md", "BIAS.md", "CHANGELOG.md"] {
-        let text = std::fs::read_to_string(root.join(file)).unwrap();
-        for target in
-            text.split("](").skip(1).filter_map(|rest| rest.split(')').next()).filter(|target| {
-                !target.contains("://") && (reference || !target.starts_with("results/reference"))
-            })
-        {
-            let target = target.split('#').next().unwrap();
-            assert!(root.join(target).exists(), "{file} links to {target}, which is not there");
+    let mut pages: Vec<PathBuf> = Vec::new();
+    let records = committed();
+    let write_ups = records.iter().flat_map(|folder| [folder.clone(), folder.join("..")]);
+    let folders = ["", "docs", "results"].map(|folder| root.join(folder));
+    for folder in folders.into_iter().chain(write_ups) {
+        let entries = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+        pages.extend(entries.filter(|path| path.extension().is_some_and(|it| it == "md")));
+    }
+    for page in pages {
+        let text = std::fs::read_to_string(&page).unwrap();
+        let links = text.split("](").skip(1).filter_map(|rest| rest.split(')').next());
+        for target in links.filter(|target| !target.contains("://")) {
+            let file = page.parent().unwrap().join(target.split('#').next().unwrap());
+            let there = target.starts_with('#') || file.exists();
+            assert!(there, "{} links to {target}, which is not there", page.display());
         }
     }
 }

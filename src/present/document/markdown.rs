@@ -17,18 +17,9 @@ fn block_text(block: &Block) -> String {
         // A fence longer than any in the text.
         Block::Code(text) => format!("````text\n{}\n````\n", text.replace("````", "'")),
         Block::Table(table) => table.markdown(),
-        Block::Figure { title, paths } => {
-            let name = |kind: &str| {
-                let path = paths.iter().find(|it| it.extension().is_some_and(|it| it == kind))?;
-                Some(path.file_name()?.to_string_lossy().into_owned())
-            };
-            match (name("png"), name("svg")) {
-                (Some(png), Some(svg)) => format!(
-                    "![{}](figures/{png})\n\n[as SVG](figures/{svg})\n",
-                    escape::markdown(title)
-                ),
-                _ => escape::markdown(title) + "\n",
-            }
+        Block::Figure { title, path } => {
+            let name = path.file_name().unwrap_or_default().to_string_lossy();
+            format!("![{}](figures/{name})\n", escape::markdown(title))
         }
     }
 }
@@ -39,7 +30,6 @@ fn words(text: &Text) -> String {
         Span::Strong(text) => format!("**{}**", escape::markdown(text)),
         Span::Emphasis(text) => format!("*{}*", escape::markdown(text)),
         Span::Code(text) => format!("`{}`", escape::one_line(text).replace('`', "'")),
-        Span::Link { text, target } => format!("[{}]({target})", escape::markdown(text)),
     };
     text.0.iter().map(span).collect()
 }

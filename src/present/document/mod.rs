@@ -28,12 +28,12 @@ pub enum Block {
     Code(String),
     /// A table with its title.
     Table(Table),
-    /// A figure in files of several kinds, of which PNG and SVG are shown.
+    /// A figure.
     Figure {
         /// What it shows.
         title: String,
-        /// Its files, in the folder `figures`.
-        paths: Vec<PathBuf>,
+        /// Its file, in the folder `figures`.
+        path: PathBuf,
     },
 }
 
@@ -52,13 +52,6 @@ pub enum Span {
     Emphasis(String),
     /// Of a program.
     Code(String),
-    /// Leads to a file of the report's folder, or to a section.
-    Link {
-        /// What is shown.
-        text: String,
-        /// Where it leads.
-        target: String,
-    },
 }
 
 impl Text {
@@ -85,11 +78,6 @@ impl Text {
     /// These words of a program after it.
     pub fn code(self, text: impl Into<String>) -> Text {
         self.and(Span::Code(text.into()))
-    }
-
-    /// A link after it.
-    pub fn link(self, text: impl Into<String>, target: impl Into<String>) -> Text {
-        self.and(Span::Link { text: text.into(), target: target.into() })
     }
 
     fn and(mut self, span: Span) -> Text {

@@ -37,7 +37,6 @@ fn words(text: &Text) -> String {
         Span::Plain(text) | Span::Strong(text) | Span::Emphasis(text) | Span::Code(text) => {
             text.clone()
         }
-        Span::Link { text, .. } => text.clone(),
     };
     text.0.iter().map(span).collect()
 }

@@ -1,5 +1,4 @@
-//! Figures from the record: one image per figure of an experiment, as SVG (its text stays text) and
-//! as PNG, made from it.
+//! Figures from the record: one SVG per figure of an experiment, whose text stays text.
 //!
 //! `lines`, `bars`, `speed_error` and `map` are the kinds: each turns cells into data, and lays
 //! them out. `axis` chooses ranges and ticks, `style` fixes colour and marker per detector,
@@ -22,8 +21,8 @@ use crate::cells::Cell;
 use crate::cells::machine::Machine;
 use crate::experiment::{Experiment, Figure, FigureKind};
 
-/// Draws a figure into `folder` as NAME.svg and NAME.png and gives their paths; none if no cell has
-/// anything to show.
+/// Draws a figure into `folder` as NAME.svg and returns its path; none if no cell has anything to
+/// show.
 pub fn draw(
     folder: &Path,
     experiment: &Experiment,
@@ -31,19 +30,16 @@ pub fn draw(
     cells: &[Cell],
     style: &style::Styles,
     machine: &Machine,
-) -> anyhow::Result<Vec<PathBuf>> {
+) -> anyhow::Result<Option<PathBuf>> {
     let Some(picture) = svg(experiment, figure, cells, style, machine)? else {
-        return Ok(Vec::new());
+        return Ok(None);
     };
-    let stem = folder.join(file_stem(&experiment.name, &figure.name));
+    let path = folder.join(file_stem(&experiment.name, &figure.name)).with_extension("svg");
     std::fs::create_dir_all(folder)
         .with_context(|| format!("cannot make the folder {}", folder.display()))?;
-    let failed = |path: &Path| format!("cannot write the figure {}", path.display());
-    let (svg, png) = (stem.with_extension("svg"), stem.with_extension("png"));
-    std::fs::write(&svg, &picture).with_context(|| failed(&svg))?;
-    let pixels = crate::present::svg::png(&picture).with_context(|| failed(&png))?;
-    std::fs::write(&png, pixels).with_context(|| failed(&png))?;
-    Ok(vec![svg, png])
+    std::fs::write(&path, &picture)
+        .with_context(|| format!("cannot write the figure {}", path.display()))?;
+    Ok(Some(path))
 }
 
 /// A figure as SVG; none if no cell has anything to show.

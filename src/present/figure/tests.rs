@@ -132,22 +132,6 @@ fn a_figure_names_detectors_and_marks_what_is_missing() {
     assert!(!texts(&figures[2]).contains(&"direct"));
 }
 
-/// The PNG is made of the SVG: both have the text in the same places.
-#[test]
-fn a_figure_is_written_as_svg_and_png() {
-    let mut lab = Lab::new("e", "packed");
-    lab.detector("nbs").n(100).time(&[1000; 15]).n(1000).time(&[9000; 15]);
-    let (experiment, cells) = (testing::experiment(FIGURES), cells::cells(&lab.rows()));
-    let folder = tempfile::tempdir().unwrap();
-    let (figure, styles) = (&experiment.figures[0], style::Styles::default());
-    let machine = Machine::default();
-    let paths = draw(folder.path(), &experiment, figure, &cells, &styles, &machine).unwrap();
-    let [svg, png] = paths.as_slice() else { panic!("{paths:?}") };
-    let (svg, png) = (std::fs::read_to_string(svg).unwrap(), std::fs::read(png).unwrap());
-    let width = u32::from_be_bytes(png[16..20].try_into().unwrap());
-    assert!(svg.contains("width=\"1400\"") && &png[1..4] == b"PNG" && width == 2800);
-}
-
 #[test]
 fn figures_are_the_same_each_time() {
     let mut shuffled = rows();

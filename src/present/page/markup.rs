@@ -2,8 +2,6 @@
 
 use std::fmt::Write as _;
 
-use pulldown_cmark::{Event, Options, Parser, Tag, TagEnd, html};
-
 /// JSON inside a `script` element: no character of it can end the element or begin a comment. It is
 /// JSON still, and means the same.
 pub fn script_safe(json: &str) -> String {
@@ -17,42 +15,6 @@ pub fn script_safe(json: &str) -> String {
         }
     }
     out
-}
-
-/// Markdown into HTML. HTML in it is shown, not obeyed; images are left out; links lead to files
-/// beside the page or to a section of it, else they are only text.
-pub fn markdown(text: &str) -> String {
-    let (mut image, mut link) = (0_u32, Vec::new());
-    let events = Parser::new_ext(text, Options::ENABLE_TABLES).filter_map(|event| match event {
-        Event::Start(Tag::Image { .. }) => {
-            image += 1;
-            None
-        }
-        Event::End(TagEnd::Image) => {
-            image = image.saturating_sub(1);
-            None
-        }
-        _ if image > 0 => None,
-        Event::Html(html) | Event::InlineHtml(html) => Some(Event::Text(html)),
-        Event::Start(Tag::HtmlBlock) | Event::End(TagEnd::HtmlBlock) => None,
-        Event::Start(Tag::Link { ref dest_url, .. }) => {
-            link.push(is_beside(dest_url));
-            link.last().is_some_and(|known| *known).then_some(event)
-        }
-        Event::End(TagEnd::Link) => link.pop().is_some_and(|known| known).then_some(event),
-        event => Some(event),
-    });
-    let mut out = String::new();
-    html::push_html(&mut out, events);
-    // Wide tables scroll by themselves, not the page.
-    out.replace("<table>", "<div class=\"scroll\" tabindex=\"0\"><table>")
-        .replace("</table>", "</table></div>")
-}
-
-fn is_beside(target: &str) -> bool {
-    target.chars().all(|c| c.is_ascii_alphanumeric() || "-_./".contains(c))
-        && !target.starts_with('/')
-        && !target.contains("..")
 }
 
 /// An SVG as the address of an image.
@@ -93,23 +55,6 @@ mod tests {
         let json = script_safe(&serde_json::json!([evil]).to_string());
         assert!(!json.contains(['<', '>', '&', '\u{2028}']), "{json}");
         assert_eq!(serde_json::from_str::<Vec<String>>(&json).unwrap(), [evil]);
-        for text in [
-            evil.to_string(),
-            format!("| a |\n| --- |\n| {evil} |\n"),
-            format!("x {evil}\n\n<div onclick='x'>\n"),
-            "<b>".into(),
-        ] {
-            let html = markdown(&text);
-            assert!(
-                !["<img", "<script", "<div on", "<b>", "<!--"].iter().any(|tag| html.contains(tag)),
-                "{html}"
-            );
-        }
-        let link = markdown(
-            "[a](javascript:alert(1)) [b](https://example.org) [c](figures/x.svg) \
-             ![d](https://example.org/x.png) [e](../x)",
-        );
-        assert_eq!(link, "<p>a b <a href=\"figures/x.svg\">c</a>  e</p>\n");
     }
 
     #[test]

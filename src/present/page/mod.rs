@@ -18,7 +18,7 @@ use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use markup::{data_uri, markdown};
+use markup::data_uri;
 use origin::shown;
 use serde_json::Value;
 
@@ -41,7 +41,6 @@ const TABLE: &str = include_str!("../../../assets/report/table.js");
 const UPLOT: &str = include_str!("../../../assets/uplot/uPlot.iife.min.js");
 const UPLOT_STYLE: &str = include_str!("../../../assets/uplot/uPlot.min.css");
 const UPLOT_LICENCE: &str = include_str!("../../../assets/uplot/LICENSE");
-const BIAS: &str = include_str!("../../../BIAS.md");
 
 /// Figures are put into the page up to so many bytes together; those beyond are linked.
 const FIGURE_BYTES: usize = 2_500_000;
@@ -99,7 +98,6 @@ impl Page<'_> {
             ("outcomes", self.outcomes()),
             ("tables", self.tables()),
             ("machine", self.machine()),
-            ("bias", details("All of BIAS.md", &markdown(BIAS), false)),
             ("commands", self.commands()),
             ("colours", marks::css(&detectors, self.styles)),
             ("data", markup::script_safe(&data.to_string())),
@@ -328,23 +326,11 @@ impl Page<'_> {
     /// The figures, and links to their files.
     fn figures(&self) -> String {
         let (mut out, mut room) = (String::new(), FIGURE_BYTES);
-        for (title, paths) in self.parts.iter().flat_map(|part| &part.figures) {
-            let (title, mut links) = (escape(title), String::new());
-            for path in paths {
-                let name = escape(&path.file_name().unwrap_or_default().to_string_lossy());
-                let kind =
-                    escape(&path.extension().unwrap_or_default().to_string_lossy().to_uppercase());
-                let _ = write!(
-                    links,
-                    " <a href=\"figures/{name}\" data-kind=\"{kind}\" \
-                     download=\"{name}\">{kind}</a>"
-                );
-            }
-            let svg = paths.iter().find(|path| path.extension().is_some_and(|kind| kind == "svg"));
-            let svg = svg
-                .and_then(|path| std::fs::read_to_string(path).ok())
-                .map(|svg| data_uri(&svg))
-                .filter(|svg| svg.len() <= room);
+        for (title, path) in self.parts.iter().flat_map(|part| &part.figures) {
+            let title = escape(title);
+            let name = escape(&path.file_name().unwrap_or_default().to_string_lossy());
+            let svg = std::fs::read_to_string(path).ok().map(|svg| data_uri(&svg));
+            let svg = svg.filter(|svg| svg.len() <= room);
             let image = match &svg {
                 Some(svg) => format!("<img alt=\"{title}\" loading=\"lazy\" src=\"{svg}\">"),
                 None => "<p>(too large for this page)</p>".into(),
@@ -352,8 +338,8 @@ impl Page<'_> {
             room -= svg.map_or(0, |svg| svg.len());
             let _ = writeln!(
                 out,
-                "<figure>{image}<figcaption>{title}<span \
-                 class=\"links\">Download:{links}</span></figcaption></figure>"
+                "<figure>{image}<figcaption>{title}<span class=\"links\">Download: <a \
+                 href=\"figures/{name}\" download=\"{name}\">SVG</a></span></figcaption></figure>"
             );
         }
         if out.is_empty() { "<p>The experiments ask for no figures.</p>".into() } else { out }

@@ -34,7 +34,7 @@ fn a_report_has_question_verdicts_figures_and_provenance() {
     for part in [
         "**Which is fastest?**",
         "| two pushes | holds |",
-        "(figures/e-time.png)",
+        "(figures/e-time.svg)",
         "signal 11",
         "contactbench run",
         "A\\_1",
@@ -46,7 +46,7 @@ fn a_report_has_question_verdicts_figures_and_provenance() {
         page.contains("Warning: line 9 is torn") && page.contains("unknown variable 'speed'"),
         "{page}"
     );
-    assert_eq!((report.figures.len(), report.warnings.len(), report.verdicts.len()), (2, 2, 1));
+    assert_eq!((report.figures.len(), report.warnings.len(), report.verdicts.len()), (1, 2, 1));
     assert!(
         report
             .figures

@@ -1,13 +1,8 @@
-//! What all pictures share: numbers and lines as SVG writes them, the fonts that the program
-//! brings, and the way from SVG to PNG.
+//! What all pictures share: numbers and lines as SVG writes them, and the widths of texts.
 
 pub mod font;
-mod outline;
-mod png;
 
 use std::fmt::Write;
-
-pub use png::png;
 
 /// A number of pixels with two decimals at most.
 pub fn px(x: f64) -> String {

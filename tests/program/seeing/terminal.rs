@@ -17,10 +17,10 @@ fn the_verbs_write_what_they_say() {
     );
     assert!(std::fs::read_to_string(at.join("scene.svg")).unwrap().contains("a&lt;b&gt;.csv"));
     assert_eq!(
-        run(at, &["draw", "packed:dim=3,n=100", "--slice", "y=1", "-o", "s.png"]).code,
+        run(at, &["draw", "packed:dim=3,n=100", "--slice", "y=1", "-o", "s.svg"]).code,
         Some(0)
     );
-    assert!(std::fs::read(at.join("s.png")).unwrap().starts_with(b"\x89PNG"));
+    assert!(std::fs::read(at.join("s.svg")).unwrap().starts_with(b"<svg"));
     let ended = run(at, &["trace", "nbs", "a<b>.csv", "-o", "t"]);
     assert_eq!(ended.code, Some(0), "{}", ended.stderr);
     let files = std::fs::read_dir(at.join("t")).unwrap().count();
@@ -31,10 +31,7 @@ fn the_verbs_write_what_they_say() {
     );
     for (arguments, words) in [
         (&["draw", "packed:n=9", "--slice", "z=0"][..], "scene is of discs; leave out --slice"),
-        (
-            &["draw", "packed:n=9", "-o", "a.jpg"],
-            "a.jpg: the ending of a picture must be .svg or .png",
-        ),
+        (&["draw", "packed:n=9", "-o", "a.jpg"], "a.jpg: the ending of a picture must be .svg,"),
         (&["draw", "packed:dim=3,n=9", "--slice", "w=0"], "it must be x, y or z"),
         (&["draw", "none.csv"], "cannot read none.csv"),
         (&["draw"], "name a particle file, or a scene such as"),
