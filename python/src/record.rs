@@ -42,7 +42,7 @@ pub fn load(
         let around = file.parent().filter(|folder| !folder.as_os_str().is_empty());
         let around = around.unwrap_or(Path::new(".")).to_path_buf();
         folder::sound(&around).map_err(Failure::value)?;
-        let Record { rows, warnings } = row::read(&file)?;
+        let Record { rows, warnings, .. } = row::read(&file)?;
         let provenance = provenance::all(&around).iter().map(ToString::to_string).collect();
         Ok((columns(&rows), warnings, provenance))
     })

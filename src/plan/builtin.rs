@@ -10,31 +10,18 @@ use crate::nearest::hint;
 use crate::plan::{self, text_of};
 use crate::scene::spec::GENERATORS;
 
+/// Name and text of these files in `experiments/`.
+macro_rules! files {
+    ($($name:literal)*) => {
+        &[$(($name, include_str!(concat!("../../experiments/", $name, ".toml")))),*]
+    };
+}
+
 /// Name and text of each file in `experiments/`.
-pub const FILES: &[(&str, &str)] = &[
-    ("scaling", include_str!("../../experiments/scaling.toml")),
-    ("book-1", include_str!("../../experiments/book-1.toml")),
-    ("book-2", include_str!("../../experiments/book-2.toml")),
-    ("book-3", include_str!("../../experiments/book-3.toml")),
-    ("book-4", include_str!("../../experiments/book-4.toml")),
-    ("arithmetic", include_str!("../../experiments/arithmetic.toml")),
-    ("speed-error", include_str!("../../experiments/speed-error.toml")),
-    ("hard-cases", include_str!("../../experiments/hard-cases.toml")),
-    ("vectors", include_str!("../../experiments/vectors.toml")),
-    ("speed", include_str!("../../experiments/speed.toml")),
-    ("sizes", include_str!("../../experiments/sizes.toml")),
-    ("sizes-million", include_str!("../../experiments/sizes-million.toml")),
-    ("periodic", include_str!("../../experiments/periodic.toml")),
-    ("motion", include_str!("../../experiments/motion.toml")),
-    ("motion-million", include_str!("../../experiments/motion-million.toml")),
-    ("rebuilds", include_str!("../../experiments/rebuilds.toml")),
-    ("buffers", include_str!("../../experiments/buffers.toml")),
-    ("maps", include_str!("../../experiments/maps.toml")),
-    ("maps-motion", include_str!("../../experiments/maps-motion.toml")),
-    ("scale", include_str!("../../experiments/scale.toml")),
-    ("peers", include_str!("../../experiments/peers.toml")),
-    ("codes", include_str!("../../experiments/codes.toml")),
-];
+pub const FILES: &[(&str, &str)] = files! {
+    "scaling" "book" "arithmetic" "speed-error" "hard-cases" "vectors" "scale" "sizes" "periodic"
+    "motion" "rebuilds" "maps" "peers" "codes"
+};
 
 /// Their names.
 pub fn names() -> impl Iterator<Item = &'static str> {
